@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+# Every external package. All come from Debian 12: tools/packages.txt is the list.
+find_package(Threads REQUIRED)
+find_package(OpenCL REQUIRED)
+find_package(glm REQUIRED)
+find_package(OpenImageIO REQUIRED)
+find_package(TinyGLTF REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
+find_library(XXHASH_LIBRARY xxhash REQUIRED)
+
+# Debian's OpenImageIO target names an OpenCV folder that exists only with OpenCV's own -dev package, and CMake refuses
+# include folders that do not exist. Nothing here includes imagebufalgo_opencv.h, so drop what is not there.
+foreach(target OpenImageIO::OpenImageIO OpenImageIO::OpenImageIO_Util)
+  if(TARGET ${target})
+    get_target_property(folders ${target} INTERFACE_INCLUDE_DIRECTORIES)
+    set(existing "")
+    foreach(folder IN LISTS folders)
+      if(EXISTS ${folder})
+        list(APPEND existing ${folder})
+      endif()
+    endforeach()
+    set_target_properties(${target} PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${existing}")
+  endif()
+endforeach()

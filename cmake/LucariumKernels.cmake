@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+# OpenCL sources are embedded into the library or plug-in that owns them, under virtual names by which
+# they include each other ("lucarium/bsdf.clh", "path_tracing/shade.cl"), and are installed under
+# share/lucarium/kernels by the same names.
+
+set(LUCARIUM_KERNEL_TREE ${CMAKE_BINARY_DIR}/kernel_tree)
+set(LUCARIUM_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels.cmake)
+set_property(GLOBAL PROPERTY LUCARIUM_KERNEL_ROOTS ${LUCARIUM_KERNEL_TREE})
+find_program(LUCARIUM_CLANG NAMES clang clang-14 clang-15 clang-16)
+
+# lucarium_embed_kernels(TARGET target FUNCTION name PREFIX virtual_prefix BASE dir [FILES file...])
+#
+# Generates `const lucarium::EmbeddedSources& FUNCTION()` from FILES (paths below BASE; by default every
+# .cl, .clh and .h under BASE that is OpenCL) and adds it to TARGET. May be called several times per target
+# with different PREFIX and BASE; the list is derived from the folders, never kept by hand.
+function(lucarium_embed_kernels)
+  cmake_parse_arguments(A "" "TARGET;FUNCTION" "ROOTS" ${ARGN})
+  # ROOTS: pairs "prefix=directory"
+  set(manifest "")
+  set(sources "")
+  foreach(root IN LISTS A_ROOTS)
+    string(REGEX MATCH "^([^=]*)=(.*)$" _ "${root}")
+    set(prefix ${CMAKE_MATCH_1})
+    set(dir ${CMAKE_MATCH_2})
+    file(GLOB_RECURSE files CONFIGURE_DEPENDS RELATIVE ${dir} ${dir}/*.cl ${dir}/*.clh)
+    if(EXISTS ${dir}/shared)
+      file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${dir} ${dir}/shared/*.h)
+      list(APPEND files ${headers})
+    endif()
+    foreach(file IN LISTS files)
+      set(virtual ${prefix}/${file})
+      string(APPEND manifest "${virtual}|${dir}/${file}\n")
+      list(APPEND sources ${dir}/${file})
+      cmake_path(GET virtual PARENT_PATH parent)
+      file(MAKE_DIRECTORY ${LUCARIUM_KERNEL_TREE}/${parent})
+      file(CREATE_LINK ${dir}/${file} ${LUCARIUM_KERNEL_TREE}/${virtual} SYMBOLIC)
+      install(FILES ${dir}/${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/lucarium/kernels/${parent})
+      if(LUCARIUM_CHECK_KERNELS AND LUCARIUM_CLANG AND file MATCHES "\\.cl$")
+        string(MAKE_C_IDENTIFIER "${virtual}" stem)
+        set(stamp ${CMAKE_CURRENT_BINARY_DIR}/kernel_checks/${stem}.ok)
+        get_property(roots GLOBAL PROPERTY LUCARIUM_KERNEL_ROOTS)
+        list(TRANSFORM roots PREPEND -I)
+        add_custom_command(OUTPUT ${stamp}
+          COMMAND ${LUCARIUM_CLANG} -x cl -cl-std=CL1.2 -Xclang -finclude-default-header -fsyntax-only
+                  -Wall -Wno-unused-function -Wno-unused-variable -Werror=implicit-function-declaration
+                  -target spir64 ${roots} -MD -MF ${stamp}.d -MT ${stamp} ${dir}/${file}
+          COMMAND ${CMAKE_COMMAND} -E touch ${stamp}
+          DEPENDS ${dir}/${file} DEPFILE ${stamp}.d
+          COMMENT "Checking ${virtual}" VERBATIM)
+        list(APPEND stamps ${stamp})
+      endif()
+    endforeach()
+  endforeach()
+  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.cpp)
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest CONTENT "${manifest}" @ONLY)
+  add_custom_command(OUTPUT ${generated}
+    COMMAND ${CMAKE_COMMAND} -DMANIFEST=${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest
+            -DOUTPUT=${generated} -DFUNCTION=${A_FUNCTION} -P ${LUCARIUM_EMBED_SCRIPT}
+    DEPENDS ${sources} ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest ${LUCARIUM_EMBED_SCRIPT}
+    COMMENT "Embedding kernels of ${A_TARGET}" VERBATIM)
+  target_sources(${A_TARGET} PRIVATE ${generated})
+  if(stamps)
+    add_custom_target(${A_TARGET}_kernel_checks ALL DEPENDS ${stamps})
+  endif()
+endfunction()

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+# Build options; everything here has a sensible default.
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Debug, Release or RelWithDebInfo" FORCE)
+endif()
+
+set(LUCARIUM_SANITIZE "" CACHE STRING "Comma-separated sanitizers, for instance address,undefined")
+option(LUCARIUM_CLANG_TIDY "Run clang-tidy on every source" OFF)
+option(LUCARIUM_FUZZ "Build the libFuzzer targets (needs clang++)" OFF)
+option(LUCARIUM_WERROR "Treat warnings as errors" OFF)
+option(LUCARIUM_CHECK_KERNELS "Syntax-check every OpenCL source with clang" ON)
+
+# One interface target carries the flags of all of the project's own code.
+add_library(lucarium_build_flags INTERFACE)
+target_compile_options(lucarium_build_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-missing-field-initializers
+  $<$<BOOL:${LUCARIUM_WERROR}>:-Werror>)
+
+if(LUCARIUM_SANITIZE)
+  add_compile_options(-fsanitize=${LUCARIUM_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${LUCARIUM_SANITIZE})
+endif()
+
+if(LUCARIUM_CLANG_TIDY)
+  find_program(CLANG_TIDY clang-tidy REQUIRED)
+  set(CMAKE_CXX_CLANG_TIDY ${CLANG_TIDY})
+endif()
+
+# Faster builds where the tools happen to be there; never needed.
+find_program(CCACHE ccache)
+if(CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "lucarium/base/error.h"
+
+namespace lucarium {
+namespace fs = std::filesystem;
+namespace {
+
+fs::path temporary_beside(const fs::path& target) {
+  static std::atomic<unsigned> counter{0};
+  const std::string name =
+      fmt::format(".{}.{}-{}.part{}", target.stem().string(), getpid(), counter++, target.extension().string());
+  return target.parent_path() / name;
+}
+
+void flush_to_disk(const fs::path& path) {
+  const int file = ::open(path.c_str(), O_RDONLY);
+  if (file < 0 || ::fsync(file) != 0) {
+    const int reason = errno;
+    if (file >= 0) ::close(file);
+    throw_error(ErrorClass::input, "cannot write {}: {}", path.string(), std::strerror(reason));
+  }
+  ::close(file);
+}
+
+}  // namespace
+
+void write_file_atomically(const fs::path& target, const std::function<void(const fs::path&)>& write) {
+  const fs::path temporary = temporary_beside(target);
+  try {
+    write(temporary);
+    flush_to_disk(temporary);
+    fs::rename(temporary, target);
+  } catch (const fs::filesystem_error& error) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw_error(ErrorClass::input, "cannot write {}: {}", target.string(), error.code().message());
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
+}
+
+void write_file_atomically(const fs::path& target, std::string_view bytes) {
+  write_file_atomically(target, [&](const fs::path& temporary) {
+    errno = 0;
+    std::ofstream out(temporary, std::ios::binary);
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    out.close();
+    if (!out) throw_error(ErrorClass::input, "cannot write {}: {}", target.string(), std::strerror(errno));
+  });
+}
+
+std::string read_file(const fs::path& path, uintmax_t limit_bytes) {
+  std::error_code failure;
+  if (!fs::exists(path, failure)) throw_error(ErrorClass::input, "{}: no such file", path.string());
+  if (fs::is_directory(path, failure)) throw_error(ErrorClass::input, "{}: is a folder, not a file", path.string());
+  const uintmax_t size = fs::file_size(path, failure);
+  if (failure) throw_error(ErrorClass::input, "{}: {}", path.string(), failure.message());
+  if (size > limit_bytes) {
+    throw_error(ErrorClass::input, "{}: {} bytes is more than the {} this reader accepts", path.string(), size,
+                limit_bytes);
+  }
+  std::string bytes(size, '\0');
+  std::ifstream in(path, std::ios::binary);
+  in.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!in) throw_error(ErrorClass::input, "{}: cannot be read: {}", path.string(), std::strerror(errno));
+  return bytes;
+}
+
+}  // namespace lucarium

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/base/error.h"
+
+namespace lucarium {
+
+Error::Error(ErrorClass error_class, std::string message)
+    : std::runtime_error(std::move(message)), class_(error_class) {}
+
+Error Error::with_context(std::string context) const {
+  Error outer(class_, std::move(context) + ": " + what());
+  outer.details_ = details_;
+  return outer;
+}
+
+Error Error::with_details(std::string details) const {
+  Error copy = *this;
+  copy.details_ = std::move(details);
+  return copy;
+}
+
+}  // namespace lucarium
