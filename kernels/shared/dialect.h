@@ -8,7 +8,7 @@
 #ifndef LUCARIUM_SHARED_DIALECT_H
 #define LUCARIUM_SHARED_DIALECT_H
 
-#ifdef __OPENCL_VERSION__
+#if defined(__OPENCL_C_VERSION__) || defined(__OPENCL_VERSION__)
 
 #define LUCARIUM_STRUCT_BEGIN(Name) typedef struct Name {
 #define LUCARIUM_STRUCT_END(Name, bytes) } Name;

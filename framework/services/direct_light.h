@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+
+#include "lucarium/compute/scheduler.h"
+#include "lucarium/scene/scene_buffers.h"
+#include "lucarium/services/gbuffer.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/shared/surface_point.h"
+
+namespace lucarium {
+
+/// The complete `direct` layer (one counted scattering): light sampling and BSDF sampling joined by MIS for every light
+/// type, as the path tracer does it; at pixels (reflected radiance towards the eye) or at surface points (irradiance).
+class DirectLight {
+ public:
+  DirectLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+              const std::string& owner);
+  ~DirectLight();
+
+  /// Adds one sample per pixel to `radiance` (float4 per pixel, xyz sum, w sample count) for the points of the G-buffer.
+  void accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,
+                           uint32_t sample_index, uint32_t seed);
+  /// Adds one sample per point to `irradiance` (float4, xyz sum [lx], w count); light sampling only, which suffices for a
+  /// cosine-weighted receiver.
+  void accumulate_irradiance(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance,
+                             uint32_t sample_index, uint32_t seed);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucarium

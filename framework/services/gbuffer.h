@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+
+#include "lucarium/compute/scheduler.h"
+#include "lucarium/film/film.h"
+#include "lucarium/scene/scene_buffers.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/shared/gbuffer.h"
+
+namespace lucarium {
+
+/// Per-pixel first non-delta surface point: delta events (mirror, ideal refraction) from the eye are followed (they are
+/// free, at most 64), their throughput is kept. One camera sample per pixel and call; sub-pixel positions follow the
+/// frame's pixel_sampling and the sample index, the same for every technique.
+class GBuffer {
+ public:
+  GBuffer(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+          const Frame& frame, const std::string& owner);
+  ~GBuffer();
+
+  /// Fills `points()` for sample `sample_index`.
+  void render(uint32_t sample_index);
+  void set_frame(const Frame& frame);
+  const TypedBuffer<GBufferPoint>& points() const;  ///< width · height, rows from the top
+  /// Writes Albedo, P, N, Ns AOVs of the last render.
+  void resolve(Film& film) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucarium

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+
+#include "lucarium/compute/scheduler.h"
+#include "lucarium/film/film.h"
+#include "lucarium/scene/scene_buffers.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/technique/path_set.h"
+
+namespace lucarium {
+
+enum class PathSampler { sobol, random };
+enum class PathEstimator { mis, nee_only, bsdf_only };
+
+struct PathIntegratorOptions {
+  PathSet path_set;
+  PathEstimator estimator = PathEstimator::mis;
+  PathSampler sampler = PathSampler::sobol;
+  bool roulette = true;
+  int roulette_start = 5;            ///< counted scatterings before Russian roulette may end a path
+  uint32_t replicates = 1;           ///< independently scrambled sample sets per pixel; error comes from their spread
+  uint32_t batch_paths = 1u << 20;   ///< most paths in flight
+  uint32_t samples_per_iteration = 1;///< per pixel
+};
+
+/// Wavefront path tracer over any Intersector (docs/path_tracing.md): raygen → closest_hit → shade (emission with MIS,
+/// light sample, BSDF sample) → shadow rays → accumulate → compact. Deterministic: sums per pixel in sample order.
+class PathIntegrator {
+ public:
+  PathIntegrator(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+                 const Frame& frame, const PathIntegratorOptions& options, const std::string& owner);
+  ~PathIntegrator();
+
+  /// Adds samples_per_iteration samples to every pixel. Returns false when cancelled midway: the iteration is then
+  /// discarded as a whole.
+  bool iterate();
+  void reset(uint64_t seed);
+  void set_frame(const Frame& frame);
+  void warm_up();
+
+  uint64_t samples() const;  ///< per pixel
+  /// Layers emission, direct, indirect; with replicates > 1 also "Variance" (of the mean, per channel).
+  void resolve(Film& film) const;
+  /// paths, closest_rays, shadow_rays, nonfinite, terminated_by_cap.
+  std::map<std::string, double> counters() const;
+  static size_t estimate_bytes(uint32_t width, uint32_t height, const PathIntegratorOptions& options);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucarium

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "lucarium/base/error.h"
+
+namespace lucarium {
+
+/// One parameter as people see it: in --help, JSON, docs and error messages.
+struct ParameterInfo {
+  std::string name, type, default_value, range, unit, doc;  ///< type: bool, int, float, enum
+  std::vector<std::string> choices;                          ///< of an enum
+};
+
+/// Text access to the parameters of one technique instance. Setting an unknown or out-of-range one throws Error{usage}
+/// naming the nearest valid name or the range.
+class ParameterTable {
+ public:
+  struct Entry {
+    ParameterInfo info;
+    std::function<std::string()> get;
+    std::function<void(std::string_view)> set;
+  };
+  const std::vector<Entry>& entries() const { return entries_; }
+  void set(std::string_view name, std::string_view value);
+  std::string get(std::string_view name) const;
+  /// "name=value,…" of all parameters in declaration order: what a result records.
+  std::string to_string() const;
+  std::vector<Entry>& mutable_entries() { return entries_; }
+
+ private:
+  const Entry& find(std::string_view name) const;
+  std::vector<Entry> entries_;
+};
+
+/// Builds the table from one `describe`. A parameter struct is plain data plus
+///
+///   template <class V> void describe(V& v) {
+///     v.number("roulette_start", roulette_start, 0, 64, "", "counted scatterings before Russian roulette begins");
+///     v.flag("nee", nee, "next-event estimation: sample lights directly");
+///     v.choice("lights", light_choice, {{"power", LightChoice::power}, …}, "…");
+///   }
+///
+/// Defaults are the member initialisers. The table refers to the struct and must not outlive it.
+class ParameterDescriber {
+ public:
+  explicit ParameterDescriber(ParameterTable& table) : table_(table) {}
+
+  template <class T>
+    requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
+  void number(std::string name, T& value, std::type_identity_t<T> low, std::type_identity_t<T> high, std::string unit,
+              std::string doc);
+  void flag(std::string name, bool& value, std::string doc);
+  template <class E>
+  void choice(std::string name, E& value, std::vector<std::pair<std::string, E>> choices, std::string doc);
+
+ private:
+  ParameterTable& table_;
+};
+
+template <class P>
+ParameterTable make_parameter_table(P& parameters) {
+  ParameterTable table;
+  ParameterDescriber describer(table);
+  parameters.describe(describer);
+  return table;
+}
+
+// ---- implementation of the templates
+
+/// Parses a number completely or throws Error{usage} naming parameter, text and range.
+double parse_parameter_number(const std::string& name, std::string_view text, double low, double high, bool integral);
+std::string format_parameter_number(double value, bool integral);
+
+template <class T>
+  requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
+void ParameterDescriber::number(std::string name, T& value, std::type_identity_t<T> low, std::type_identity_t<T> high,
+                                std::string unit, std::string doc) {
+  constexpr bool integral = std::is_integral_v<T>;
+  const auto format = [](double v) { return format_parameter_number(v, integral); };
+  ParameterInfo info{name, integral ? "int" : "float", format(static_cast<double>(value)),
+                     format(static_cast<double>(low)) + " … " + format(static_cast<double>(high)), std::move(unit),
+                     std::move(doc), {}};
+  table_.mutable_entries().push_back(
+      {std::move(info), [&value, format] { return format(static_cast<double>(value)); },
+       [&value, name, low, high](std::string_view text) {
+         value = static_cast<T>(parse_parameter_number(name, text, static_cast<double>(low), static_cast<double>(high), integral));
+       }});
+}
+
+/// Index of `text` in `choices` or Error{usage} naming them.
+size_t parse_parameter_choice(const std::string& name, std::string_view text, const std::vector<std::string>& choices);
+
+template <class E>
+void ParameterDescriber::choice(std::string name, E& value, std::vector<std::pair<std::string, E>> choices,
+                                std::string doc) {
+  std::vector<std::string> names;
+  for (const auto& choice : choices) names.push_back(choice.first);
+  const auto name_of = [choices](E current) {
+    for (const auto& choice : choices)
+      if (choice.second == current) return choice.first;
+    return std::string("?");
+  };
+  std::string range;
+  for (const std::string& n : names) range += (range.empty() ? "" : "|") + n;
+  ParameterInfo info{name, "enum", name_of(value), range, "", std::move(doc), names};
+  table_.mutable_entries().push_back({std::move(info), [&value, name_of] { return name_of(value); },
+                                      [&value, name, names, choices](std::string_view text) {
+                                        value = choices[parse_parameter_choice(name, text, names)].second;
+                                      }});
+}
+
+}  // namespace lucarium

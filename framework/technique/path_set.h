@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <vector>
+
+namespace lucarium {
+
+/// Which light paths a technique with given parameters computes on a given scene; the reference can be rendered with
+/// exactly this set (docs/architecture.md, conventions: counting scatterings).
+struct PathSet {
+  int max_bounces = -1;          ///< counted scatterings minus one; -1: unlimited
+  bool emission = true, direct = true, indirect = true;  ///< layers computed
+  bool point_lights = true, spot_lights = true, directional_lights = true, emissive_triangles = true,
+       environment = true;       ///< light sources included
+  bool eye_delta = true;         ///< delta events between the eye and the first non-delta vertex
+  bool light_delta = true;       ///< delta events after the first counted scattering (light caustics, mirrors inside)
+  bool secondary_lambert_only = false;  ///< BSDF at vertices after the first non-delta one keeps only its diffuse lobe
+  bool geometric_normals = false;       ///< cosines use n_g instead of n_s
+  bool blend = true;             ///< BLEND crossings are stochastic; false: treated as opaque
+  double indirect_clamp = 0;     ///< upper bound of one sample's indirect contribution [cd/m²]; 0: none
+
+  bool operator==(const PathSet&) const = default;
+  /// Canonical text, also the form in which it is recorded and passed to the reference ("max_bounces=2,…").
+  std::string to_string() const;
+  /// Inverse of to_string(); throws Error{usage} naming the unknown key.
+  static PathSet parse(const std::string& text);
+  /// Human-readable differences, one per entry ("max_bounces: 2 against unlimited").
+  std::vector<std::string> differences(const PathSet& other) const;
+};
+
+}  // namespace lucarium

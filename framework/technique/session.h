@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lucarium/technique/plugin.h"
+
+namespace lucarium {
+
+/// One technique on one scene on one device: owns scene buffers, BVH, scheduler and the technique, in the right order,
+/// with clocks. The programs render and compare, and tests, all go through it.
+class RenderSession {
+ public:
+  struct Clocks {  // [s]
+    double upload = 0, bvh = 0, compile = 0, prepare = 0, warm_up = 0, iterate = 0;
+  };
+
+  /// Applies `parameters` (name, value), checks capabilities and memory, uploads the scene, prepares and warms up.
+  RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
+                const std::vector<std::pair<std::string, std::string>>& parameters = {});
+  ~RenderSession();
+
+  Technique& technique();
+  const Scene& scene() const;
+  const RenderSettings& settings() const;
+  KernelScheduler& scheduler();
+  const Clocks& clocks() const;
+  const std::vector<std::string>& limitations() const;
+
+  IterationResult iterate();
+  /// Iterates until the budget is used up, converged or interrupted; `on_progress` after each iteration.
+  /// Returns whether it was interrupted.
+  bool run(const Budget& budget, const std::function<void(const IterationResult&)>& on_progress = {});
+  uint64_t iterations() const;
+  IterationResult last() const;
+
+  /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique.
+  void set_time(double seconds);
+  void set_camera(const SceneCamera& camera);
+
+  /// Film with layers and metadata (technique, parameters, scene hash, samples, seconds, seed, device, driver, version).
+  Film resolve();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucarium
