@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# tools/build.sh [PRESET]: installs missing packages, configures and builds build/PRESET (default: release).
+set -euo pipefail
+root=$(cd "$(dirname "$0")/.." && pwd)
+preset=${1:-release}
+"$root/tools/install_packages.sh"
+cd "$root"
+mkdir -p build
+log=build/$preset-configure.log
+if ! cmake --preset "$preset" -Wno-dev >"$log" 2>&1; then
+  cat "$log" >&2
+  echo "lucarium: configuring failed (above); tools/packages.txt lists what is needed" >&2
+  exit 1
+fi
+echo "Building build/$preset"
+cmake --build --preset "$preset"
