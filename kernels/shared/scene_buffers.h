@@ -19,7 +19,12 @@
   X(Light, scene_lights, "the light mixture")                                                                     \
   X(AliasEntry, scene_light_table, "alias table over scene_lights")                                               \
   X(uint, scene_triangle_lights, "per triangle: its entry in scene_lights or LUCARIUM_NONE")                      \
-  X(float4, scene_environment, "equirectangular radiance, rows from the top; w: sampling weight of the texel")    \
+  X(float4, scene_environment, "equirectangular radiance, rows from the top; w: sampling density, below")          \
   X(float, scene_environment_cdf, "height+1 marginal values, then height rows of width+1 conditional values")
+
+// Sampling the environment (width > 0): row j with marginal[j] <= x < marginal[j+1], texel i of that row likewise; the
+// point is uniform in the texel's (u, v) rectangle. Its density over solid angle is w / (2 pi^2 sin(theta)), where w
+// is the texel's scene_environment[...].w = (marginal[j+1] - marginal[j]) (row[i+1] - row[i]) * width * height.
+// A texel has w > 0 wherever the bilinear lookup (wrap in u, clamp in v) is not black inside it.
 
 #endif

@@ -93,8 +93,8 @@ LUCARIUM_STRUCT_END(Material, 320)
 // One entry of the light mixture: a punctual light, an emissive triangle, or the environment. Double-sided emitters
 // have one entry whose sampling covers both sides.
 LUCARIUM_STRUCT_BEGIN(Light)
-  float4 intensity;  // xyz: point, spot [cd], directional [lx]; triangle: mean emitted radiance [cd/m²] (for its weight
-                     // only); w: power used for the mixture [lm], mean of channels
+  float4 intensity;  // xyz: point, spot [cd], directional [lx]; triangle, environment: mean radiance [cd/m²] (for its
+                     // weight only); w: power used for the mixture [lm], mean of channels
   float4 position;   // xyz [m] (point, spot); w: triangle area [m²]
   float4 direction;  // xyz unit, the way light travels (spot, directional); w: spot angular scale (KHR_lights_punctual)
   uint kind;
@@ -113,9 +113,9 @@ LUCARIUM_STRUCT_END(AliasEntry, 16)
 
 // Whole-scene facts.
 LUCARIUM_STRUCT_BEGIN(SceneInfo)
-  float4 bounds_min;          // world space
-  float4 bounds_max;
-  float4 environment_factor;  // xyz: radiance multiplier (constant environment when width is 0) ; w: π R² weight helper
+  float4 bounds_min;          // world space; w unused
+  float4 bounds_max;          // w: radius of the bounding sphere about the centre [m]
+  float4 environment_factor;  // xyz: radiance multiplier (the constant radiance when width is 0); w unused
   float4 environment_row0;    // world → environment rotation rows
   float4 environment_row1;
   float4 environment_row2;
