@@ -19,6 +19,7 @@ struct Bounds {
   glm::vec3 min{1e30f}, max{-1e30f};
   bool empty() const { return min.x > max.x; }
   void add(const glm::vec3& p) { min = glm::min(min, p), max = glm::max(max, p); }
+  void add(const Bounds& b) { min = glm::min(min, b.min), max = glm::max(max, b.max); }
   glm::vec3 center() const { return 0.5f * (min + max); }
   float radius() const { return empty() ? 0.f : 0.5f * glm::length(max - min); }
 };
@@ -88,6 +89,7 @@ struct SceneMaterial {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
   bool unlit = false;
+  bool emits() const;  ///< the factors allow light to leave it (its texture may still be black)
   TextureUse base_color_texture, metallic_roughness_texture, normal_texture, emissive_texture, transmission_texture;
 };
 
@@ -150,6 +152,8 @@ struct Animation {
   float duration = 0;  ///< [s]
 };
 
+struct Scene;
+
 /// An occurrence of a mesh. Its index is its stable id over every change.
 struct SceneInstance {
   int node = none;
@@ -158,6 +162,8 @@ struct SceneInstance {
   glm::mat4 world_from_object{1};  ///< at the evaluated time; identity for skinned ones
   /// Skinned or morphed: the pose at the evaluated time replaces the mesh's positions, normals and tangents.
   std::shared_ptr<const Mesh> pose;
+  bool mirrored = false;  ///< the skin's joints mirror it: triangles of the pose are clockwise seen from the front
+  const Mesh& shape(const Scene& scene) const;  ///< the pose, else the mesh
 };
 
 /// Equirectangular radiance map [cd/m²]; direction y is up, u = ½ + atan2(z, x)/2π, v = acos(y)/π from the top.
@@ -189,11 +195,14 @@ struct Scene {
   std::vector<std::string> extensions_used, extensions_ignored;
   std::vector<std::string> warnings;  ///< one line each
 
+  Bounds instance_bounds(int instance) const;
   Bounds bounds() const;           ///< world space, at the evaluated time
   uint64_t triangle_count() const; ///< over all instances
   bool has_light() const;          ///< punctual, emissive or environment
-  Hash128 hash() const;            ///< of everything that changes an image except the cameras
+  Hash128 hash() const;            ///< of everything that changes radiance (cameras and exposure do not)
 };
+
+inline const Mesh& SceneInstance::shape(const Scene& scene) const { return pose ? *pose : scene.meshes[mesh]; }
 
 /// Kinds of change; several may be set.
 struct SceneChange {
@@ -211,7 +220,9 @@ struct SceneChange {
 };
 
 /// Evaluates node transforms, the animation `animation` (none: rest pose), morph weights and skins at `seconds`
-/// (looped over its duration), and says what changed since the last evaluation.
+/// (looped over its duration), and says what changed since the last evaluation. Nodes keep their rest transforms.
+/// Instances, lights and cameras that hang on no node stay where they are. Throws Error{input} for an animation
+/// that does not exist (0 is allowed where there is none).
 SceneChange evaluate(Scene& scene, double seconds, int animation = 0);
 
 }  // namespace lucarium

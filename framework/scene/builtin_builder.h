@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <glm/glm.hpp>
+#include <string>
+
+#include "lucarium/scene/scene.h"
+
+namespace lucarium {
+
+/// Collects flat-shaded or smooth triangles of one mesh. Faces are counter-clockwise seen from their front.
+class MeshBuilder {
+ public:
+  explicit MeshBuilder(std::string name) { mesh_.name = std::move(name); }
+
+  /// Flat faces: own vertices, the face's normal. Triangles without area are left out (quads that taper to a point).
+  MeshBuilder& triangle(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c);
+  MeshBuilder& quad(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);
+  /// Axis-aligned box, all six faces outwards.
+  MeshBuilder& box(const glm::vec3& min, const glm::vec3& max);
+  /// One face of that box, the axis' low (side 0) or high (side 1) one, facing outwards or inwards.
+  MeshBuilder& box_face(const glm::vec3& min, const glm::vec3& max, int axis, int side, bool inwards);
+  /// Prism over a convex polygon in the plane y = `bottom`, counter-clockwise seen from above; all faces outwards.
+  MeshBuilder& prism(const std::vector<glm::vec2>& polygon_xz, float bottom, float top);
+
+  /// Smooth faces: vertices with their own normals, to be joined by index.
+  uint32_t vertex(const glm::vec3& position, const glm::vec3& normal);
+  /// Leaves out triangles without area.
+  MeshBuilder& face(uint32_t a, uint32_t b, uint32_t c);
+
+  Mesh take() { return std::move(mesh_); }
+  size_t triangle_count() const { return mesh_.triangles.size(); }
+
+ private:
+  Mesh mesh_;
+};
+
+/// A pure Lambert material: index of refraction 1, so that it has no specular lobe.
+int add_lambert(Scene& scene, const std::string& name, const glm::vec3& albedo);
+/// Black body that emits `radiance` [cd/m²] per channel.
+int add_emitter(Scene& scene, const std::string& name, const glm::vec3& radiance);
+int add_metal(Scene& scene, const std::string& name, const glm::vec3& color, float roughness);
+/// A rough dielectric (index of refraction 1.5).
+int add_dielectric(Scene& scene, const std::string& name, const glm::vec3& color, float roughness);
+
+/// Adds a mesh; returns its index.
+int add_mesh(Scene& scene, Mesh mesh);
+/// An occurrence of it.
+void add_instance(Scene& scene, int mesh, int material, const glm::mat4& world_from_object = glm::mat4(1.f));
+
+/// A camera at `eye` that looks at `target`; yfov in degrees.
+SceneCamera look_at_camera(const std::string& name, const glm::vec3& eye, const glm::vec3& target, float yfov_degrees);
+
+/// Places a light's or camera's frame: at `position`, looking (shining) along `direction`, up as near to +Y as can be.
+glm::mat4 frame_along(const glm::vec3& position, const glm::vec3& direction);
+
+Scene make_cornell(const std::string& variant);  ///< "", "mirror" or "glossy"
+Scene make_furnace();
+Scene make_room();
+Scene make_atrium();
+
+}  // namespace lucarium
