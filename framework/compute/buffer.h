@@ -2,7 +2,7 @@
 #pragma once
 #include <CL/cl.h>
 
-#include <cstring>
+#include <limits>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -36,6 +36,9 @@ class Buffer {
   void read(void* target, size_t bytes, size_t offset = 0) const;
   void fill_zero();
 
+ protected:
+  void require_range(const char* verb, size_t bytes, size_t offset) const;
+
  private:
   struct Storage;
   std::shared_ptr<Storage> storage_;
@@ -50,7 +53,7 @@ class TypedBuffer : public Buffer {
   using value_type = T;
   TypedBuffer() = default;
   TypedBuffer(Device& device, std::string owner, std::string name, size_t count, const std::string& remedy = "")
-      : Buffer(device, std::move(owner), std::move(name), count * sizeof(T), remedy) {}
+      : Buffer(device, std::move(owner), std::move(name), bytes_of(count), remedy) {}
   TypedBuffer(Device& device, std::string owner, std::string name, const std::vector<T>& values,
               const std::string& remedy = "")
       : TypedBuffer(device, std::move(owner), std::move(name), values.size(), remedy) {
@@ -59,13 +62,20 @@ class TypedBuffer : public Buffer {
 
   size_t count() const { return bytes() / sizeof(T); }
   void upload(const std::vector<T>& values, size_t first = 0) {
-    if (!values.empty()) write(values.data(), values.size() * sizeof(T), first * sizeof(T));
+    if (!values.empty()) write(values.data(), values.size() * sizeof(T), bytes_of(first));
   }
   std::vector<T> download() const { return download(0, count()); }
   std::vector<T> download(size_t first, size_t elements) const {
+    require_range("reading", bytes_of(elements), bytes_of(first));
     std::vector<T> values(elements);
     if (elements) read(values.data(), elements * sizeof(T), first * sizeof(T));
     return values;
+  }
+
+ private:
+  /// Saturates, so that an absurd count is refused and not wrapped round.
+  static size_t bytes_of(size_t count) {
+    return count > std::numeric_limits<size_t>::max() / sizeof(T) ? std::numeric_limits<size_t>::max() : count * sizeof(T);
   }
 };
 

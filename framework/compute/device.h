@@ -18,7 +18,7 @@ enum class DeviceType { cpu, gpu, accelerator, other };
 /// What `lucarium devices` prints.
 struct DeviceInfo {
   int index = 0;  ///< position in list_devices()
-  std::string name, vendor, platform, driver_version, opencl_version;
+  std::string name, vendor, platform, platform_version, driver_version, opencl_version;
   DeviceType type = DeviceType::other;
   unsigned compute_units = 0;
   size_t global_memory_bytes = 0, max_allocation_bytes = 0, local_memory_bytes = 0;

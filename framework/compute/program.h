@@ -27,9 +27,11 @@ class SourceLibrary {
   };
   /// Throws Error{device} naming the file, who includes it and the places searched.
   File find(std::string_view virtual_name, std::string_view included_from = "") const;
+  bool contains(std::string_view virtual_name) const;
 
   /// Resolves `#include "…"` recursively (each file once) and emits `#line` so that messages name real files and
-  /// lines. Includes in inactive preprocessor branches are resolved too; system includes are refused.
+  /// lines. Knows #if only as "maybe": an include inside #if is resolved where it can be and else left to the compiler
+  /// (headers shared with C++ name C++ headers there); outside #if, what cannot be resolved throws Error{device}.
   std::string preprocess(const std::vector<std::string>& entry_files) const;
 
  private:
