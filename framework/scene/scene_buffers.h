@@ -2,14 +2,13 @@
 #pragma once
 #include "lucarium/compute/buffer.h"
 #include "lucarium/compute/schedule.h"
+#include "lucarium/scene/light_list.h"
 #include "lucarium/scene/scene.h"
 #include "lucarium/shared/camera.h"
 #include "lucarium/shared/scene_buffers.h"
 #include "lucarium/shared/scene_types.h"
 
 namespace lucarium {
-
-enum class LightChoice { power, uniform };
 
 /// The scene on the device: object-space meshes, instances with stable ids, and the derived world-space vertices and
 /// triangles that most kernels read. Owner "scene" in the memory account.
