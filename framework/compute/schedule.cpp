@@ -10,7 +10,7 @@
 namespace lucarium {
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string dot_quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) result += c == '"' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
   return result + "\"";
@@ -74,17 +74,17 @@ std::vector<std::pair<int, int>> Schedule::edges() const {
 }
 
 std::string Schedule::dot() const {
-  std::string text = fmt::format("digraph {} {{\n  node [fontname=\"sans-serif\"];\n", quoted(state_->name));
+  std::string text = fmt::format("digraph {} {{\n  node [fontname=\"sans-serif\"];\n", dot_quoted(state_->name));
   const auto out = std::back_inserter(text);
   for (size_t i = 0; i < state_->steps.size(); ++i) {
     const CompiledStep& step = state_->steps[i];
     std::string label = step.name;
     if (step.kind == StepKind::kernel && step.kernel_name != step.name) label += " (" + step.kernel_name + ")";
-    fmt::format_to(out, "  p{} [shape={}, label={}];\n", i, shape(step.kind), quoted(label));
+    fmt::format_to(out, "  p{} [shape={}, label={}];\n", i, shape(step.kind), dot_quoted(label));
   }
   for (const Dependency& edge : state_->graph.dependencies()) {
     fmt::format_to(out, "  p{} -> p{} [style={}, label={}];\n", edge.from, edge.to, style(edge.hazard),
-                   quoted(state_->memory_names[static_cast<size_t>(edge.memory)]));
+                   dot_quoted(state_->memory_names[static_cast<size_t>(edge.memory)]));
   }
   return text + "}\n";
 }

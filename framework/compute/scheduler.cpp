@@ -2,6 +2,7 @@
 #include "lucarium/compute/scheduler.h"
 
 #include <chrono>
+#include <exception>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
@@ -90,7 +91,7 @@ struct KernelScheduler::State {
     }
   }
 
-  /// Waits for the device, whatever happened.
+  /// Waits for the device and forgets what it ran.
   void drain() {
     device->finish();
     ++calls.waits;
@@ -99,24 +100,30 @@ struct KernelScheduler::State {
 
   /// Executes once; on errors drains and marks the schedule.
   RunResult execute(Schedule::State& schedule, const ScheduleRun::Options& how, bool keep) {
+    ScheduleRun run(schedule, how, calls);
     try {
-      ScheduleRun run(schedule, how, calls);
-      struct Drain {  // before `run` and its events go
-        State* state;
-        bool armed = true;
-        ~Drain() noexcept(false) {
-          if (armed) state->drain();
-        }
-      } guard{this};
       const RunResult result = run.execute();
-      if (result == RunResult::cancelled) return result;
+      if (result == RunResult::cancelled) {
+        drain();
+        return result;
+      }
       log.add(schedule, run.take_record(), keep);
-      guard.armed = false;
-      if (schedule.has_read_back || how.rehearsal || schedule.memory->debug()) log.settle(0, calls);
+      if (schedule.has_read_back || how.rehearsal) log.settle(0, calls);
       return result;
+    } catch (...) {
+      fail(schedule, std::current_exception());
+      throw;
+    }
+  }
+
+  void fail(Schedule::State& schedule, const std::exception_ptr& cause) {
+    try {
+      drain();
+      std::rethrow_exception(cause);
     } catch (const std::exception& error) {
       schedule.failure = error.what();
-      throw;
+    } catch (...) {
+      schedule.failure = "an unknown exception";
     }
   }
 };
