@@ -15,16 +15,17 @@ namespace {
 struct Draft {
   RecordedStep* recorded = nullptr;  ///< null: a counter read
   std::string name;
-  int reads_counter = -1;          ///< counter value that this step fetches
-  std::vector<int> needs_counters; ///< counter values that must be known before it
-  int global_counter = -1;         ///< the one of them that decides the global size
+  int reads_counter = -1;           ///< counter value that this step fetches
+  std::vector<int> needs_counters;  ///< counter values that must be known before it
+  int global_counter = -1;          ///< the one of them that decides the global size
   std::vector<BufferAccess> accesses;
   BoundArguments bound;
 };
 
 class ScheduleCompiler {
  public:
-  explicit ScheduleCompiler(RecordedSchedule& recorded) : recorded_(recorded), state_(std::make_unique<Schedule::State>()) {
+  explicit ScheduleCompiler(RecordedSchedule& recorded)
+      : recorded_(recorded), state_(std::make_unique<Schedule::State>()) {
     state_->id = recorded.id;
     state_->device = recorded.device;
     state_->name = recorded.name;
@@ -71,11 +72,11 @@ class ScheduleCompiler {
   RecordedSchedule& recorded_;
   std::unique_ptr<Schedule::State> state_;
   std::vector<Draft> drafts_;
-  std::vector<uint64_t> versions_;                                 ///< writes so far, by resource
-  std::map<std::pair<int, uint64_t>, int> values_;                 ///< (counter, version) → counter value
-  std::vector<int> counter_of_value_;                              ///< recorded counter by value
-  std::vector<int> value_of_transient_;                            ///< counter value by resource; -1: fixed size
-  std::vector<std::vector<int>> lives_of_;                         ///< by resource
+  std::vector<uint64_t> versions_;                  ///< writes so far, by resource
+  std::map<std::pair<int, uint64_t>, int> values_;  ///< (counter, version) → counter value
+  std::vector<int> counter_of_value_;               ///< recorded counter by value
+  std::vector<int> value_of_transient_;             ///< counter value by resource; -1: fixed size
+  std::vector<std::vector<int>> lives_of_;          ///< by resource
 };
 
 Draft ScheduleCompiler::draft(RecordedStep& step) const {
@@ -144,7 +145,8 @@ void ScheduleCompiler::plan_transients() {
   }
   for (size_t i = 0; i < drafts_.size(); ++i) {
     for (const BufferAccess& access : drafts_[i].accesses) {
-      if (resource(access.resource).is_transient()) uses.push_back({static_cast<int>(i), access.resource, access.discards});
+      if (resource(access.resource).is_transient())
+        uses.push_back({static_cast<int>(i), access.resource, access.discards});
     }
   }
   std::vector<Life> lives = find_lives(uses, single_life);
@@ -233,10 +235,12 @@ CompiledStep ScheduleCompiler::finish_step(size_t index) {
       continue;
     }
     step.lives.push_back(life);
-    if (state_->memory->lives()[static_cast<size_t>(life)].first == static_cast<int>(index)) step.begins.push_back(life);
+    if (state_->memory->lives()[static_cast<size_t>(life)].first == static_cast<int>(index))
+      step.begins.push_back(life);
   }
   if (!from.recorded) {
-    const RecordedCounter& counter = recorded_.counters[static_cast<size_t>(counter_of_value_[static_cast<size_t>(from.reads_counter)])];
+    const RecordedCounter& counter =
+        recorded_.counters[static_cast<size_t>(counter_of_value_[static_cast<size_t>(from.reads_counter)])];
     step.kind = StepKind::counter_read;
     step.counter = from.reads_counter;
     step.target = memory_ref(counter.resource, index);
@@ -287,8 +291,8 @@ void ScheduleCompiler::choose_sizes(const RecordedStep& recorded, Step& step) co
 /// Some drivers abort the process on a launch that needs too much local memory.
 void ScheduleCompiler::check_local_memory(const RecordedStep& recorded, const Step& step) const {
   cl_ulong bytes = 0;  // what the kernel declares itself; its arguments are not set yet
-  check_opencl(clGetKernelWorkGroupInfo(step.kernel.get(), device().id(), CL_KERNEL_LOCAL_MEM_SIZE, sizeof(bytes), &bytes,
-                                        nullptr),
+  check_opencl(clGetKernelWorkGroupInfo(step.kernel.get(), device().id(), CL_KERNEL_LOCAL_MEM_SIZE, sizeof(bytes),
+                                        &bytes, nullptr),
                "clGetKernelWorkGroupInfo", step.kernel_name, device());
   for (const RecordedArgument& argument : recorded.arguments) {
     if (argument.kind == RecordedArgument::Kind::local) bytes += argument.bytes;
@@ -308,13 +312,14 @@ void ScheduleCompiler::finish_kernel(const Draft& from, Step& step) {
   step.slice_base_position = from.bound.slice_base;
   choose_sizes(recorded, step);
   cl_int code = CL_SUCCESS;
-  step.kernel.reset(clCreateKernel(recorded.program.handle(), step.kernel_name.c_str(), &code));
+  step.kernel = ClKernel(clCreateKernel(recorded.program.handle(), step.kernel_name.c_str(), &code));
   check_opencl(code, "clCreateKernel", step.kernel_name, device());
   check_local_memory(recorded, step);
 }
 
 void ScheduleCompiler::set_kernel_arguments() {
-  for (const RecordedVariable& variable : recorded_.variables) state_->variables.push_back({variable.name, variable.value, {}, false});
+  for (const RecordedVariable& variable : recorded_.variables)
+    state_->variables.push_back({variable.name, variable.value, {}, false});
   for (size_t i = 0; i < drafts_.size(); ++i) {
     Step& step = state_->steps[i];
     if (step.kind != StepKind::kernel) continue;
@@ -337,7 +342,8 @@ void ScheduleCompiler::set_kernel_arguments() {
       } else {
         const MemoryRef memory = memory_ref(argument->index, i);
         step.buffers.push_back({position, memory});
-        const cl_mem handle = memory.life >= 0 ? state_->memory->handle(memory.life) : resource(memory.resource).buffer.handle();
+        const cl_mem handle =
+            memory.life >= 0 ? state_->memory->handle(memory.life) : resource(memory.resource).buffer.handle();
         if (handle) set(position, sizeof(handle), &handle);  // a counted transient gets its memory when it is sized
       }
     }
@@ -357,7 +363,8 @@ void ScheduleCompiler::decide_overlap() {
     const Step& step = state_->steps[static_cast<size_t>(a)];
     if (step.kind != StepKind::kernel || !narrow(step)) continue;
     for (int b = 0; b < count && !state_->overlap_pays; ++b) {
-      state_->overlap_pays = state_->steps[static_cast<size_t>(b)].kind == StepKind::kernel && state_->graph.independent(a, b);
+      state_->overlap_pays =
+          state_->steps[static_cast<size_t>(b)].kind == StepKind::kernel && state_->graph.independent(a, b);
     }
   }
   if (device().info().compute_units < 2) state_->overlap_pays = false;

@@ -107,9 +107,8 @@ DependencyGraph::DependencyGraph(int step_count, const std::vector<Dependency>& 
     }
     std::reverse(predecessors_[step].begin(), predecessors_[step].end());
   }
-  std::sort(reduced_.begin(), reduced_.end(), [](const Dependency& a, const Dependency& b) {
-    return std::pair(a.from, a.to) < std::pair(b.from, b.to);
-  });
+  std::sort(reduced_.begin(), reduced_.end(),
+            [](const Dependency& a, const Dependency& b) { return std::pair(a.from, a.to) < std::pair(b.from, b.to); });
 }
 
 bool DependencyGraph::depends(int later, int earlier) const {

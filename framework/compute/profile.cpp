@@ -25,12 +25,13 @@ std::string Profile::table() const {
 
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{:<{}}  {:>8}  {:>11}  {:>11}  {:>11}  {:>8}  {}\n", "pass", width, "count", "device s", "ms each",
-                 "launch us", "GB/s", "kernel");
+  fmt::format_to(out, "{:<{}}  {:>8}  {:>11}  {:>11}  {:>11}  {:>8}  {}\n", "pass", width, "count", "device s",
+                 "ms each", "launch us", "GB/s", "kernel");
   for (const size_t index : order) {
     const PassProfile& pass = passes[index];
-    const std::string rate =
-        pass.bytes > 0 && pass.device_seconds > 0 ? fmt::format("{:.2f}", pass.bytes / pass.device_seconds * 1e-9) : "-";
+    const std::string rate = pass.bytes > 0 && pass.device_seconds > 0
+                                 ? fmt::format("{:.2f}", pass.bytes / pass.device_seconds * 1e-9)
+                                 : "-";
     fmt::format_to(out, "{:<{}}  {:>8}  {:>11.6f}  {:>11.4f}  {:>11.2f}  {:>8}  {}\n", pass.schedule + "/" + pass.name,
                    width, pass.count, pass.device_seconds, 1e3 * per_count(pass.device_seconds, pass.count),
                    1e6 * per_count(pass.launch_seconds, pass.count), rate, pass.kernel);
@@ -67,7 +68,8 @@ std::string Profile::chrome_trace() const {
   nlohmann::ordered_json trace = nlohmann::ordered_json::array();
   std::vector<uint64_t> lane_end;  // events that overlap in time get lanes of their own
   for (const PassEvent* event : order) {
-    const auto lane = std::find_if(lane_end.begin(), lane_end.end(), [&](uint64_t end) { return end <= event->started_ns; });
+    const auto lane =
+        std::find_if(lane_end.begin(), lane_end.end(), [&](uint64_t end) { return end <= event->started_ns; });
     const auto lane_number = lane - lane_end.begin();
     if (lane == lane_end.end()) {
       lane_end.push_back(event->ended_ns);

@@ -48,7 +48,8 @@ cl_mem Schedule::State::handle(const MemoryRef& memory_of) const {
 }
 
 size_t Schedule::State::bytes(const MemoryRef& memory_of) const {
-  return memory_of.life >= 0 ? memory->bytes(memory_of.life) : resources[static_cast<size_t>(memory_of.resource)].bytes();
+  return memory_of.life >= 0 ? memory->bytes(memory_of.life)
+                             : resources[static_cast<size_t>(memory_of.resource)].bytes();
 }
 
 std::string Schedule::State::where(const CompiledStep& step) const {
@@ -91,7 +92,8 @@ std::string Schedule::dot() const {
 
 void Schedule::set_variable(int index, uint64_t recording, const void* value, size_t bytes) {
   if (!state_ || recording != state_->id) {
-    throw_error(ErrorClass::device, "schedule '{}': set() got a variable of another schedule", state_ ? state_->name : "");
+    throw_error(ErrorClass::device, "schedule '{}': set() got a variable of another schedule",
+                state_ ? state_->name : "");
   }
   VariableValue& variable = state_->variables[static_cast<size_t>(index)];
   if (std::memcmp(variable.value.data(), value, bytes) == 0) return;

@@ -66,8 +66,8 @@ class PassBuilder {
 
   PassBuilder& arg(std::string_view name, const BufferRef& buffer);
   template <class T>
-    requires(!std::is_base_of_v<Buffer, T> && !std::is_same_v<T, BufferRef>)
-  PassBuilder& arg(std::string_view name, const T& value) {
+  requires(!std::is_base_of_v<Buffer, T> && !std::is_same_v<T, BufferRef>) PassBuilder& arg(std::string_view name,
+                                                                                            const T& value) {
     return value_argument(name, OpenClType<T>::name, &value, sizeof(T));
   }
   template <class T>

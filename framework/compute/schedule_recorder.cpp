@@ -36,7 +36,8 @@ int RecordedSchedule::resource(const BufferRef& reference, std::string_view used
   if (!reference.buffer_) {
     throw_error(ErrorClass::device, "schedule '{}': '{}' uses a buffer that was never created", name, used_by);
   }
-  const auto [found, fresh] = resource_of_handle.try_emplace(reference.buffer_.handle(), static_cast<int>(resources.size()));
+  const auto [found, fresh] =
+      resource_of_handle.try_emplace(reference.buffer_.handle(), static_cast<int>(resources.size()));
   if (fresh) {
     RecordedResource& added = resources.emplace_back();
     added.name = reference.buffer_.name();
@@ -52,8 +53,8 @@ int RecordedSchedule::counter(const BufferRef& reference, size_t index, std::str
   }
   const RecordedResource& buffer = resources[static_cast<size_t>(counted)];
   if (!buffer.is_counted() && (index + 1) * sizeof(cl_uint) > buffer.bytes()) {
-    throw_error(ErrorClass::device, "schedule '{}': counter {} of '{}' lies outside of the buffer's {} bytes", name, index,
-                used_by, buffer.bytes());
+    throw_error(ErrorClass::device, "schedule '{}': counter {} of '{}' lies outside of the buffer's {} bytes", name,
+                index, used_by, buffer.bytes());
   }
   counters.push_back({counted, index});
   return static_cast<int>(counters.size()) - 1;
@@ -89,7 +90,8 @@ PassBuilder& PassBuilder::arg(std::string_view name, const BufferRef& buffer) {
   return *this;
 }
 
-PassBuilder& PassBuilder::value_argument(std::string_view name, std::string_view type, const void* value, size_t bytes) {
+PassBuilder& PassBuilder::value_argument(std::string_view name, std::string_view type, const void* value,
+                                         size_t bytes) {
   RecordedArgument& argument = recorded_->steps[step_].arguments.emplace_back();
   argument.name = name;
   argument.kind = RecordedArgument::Kind::value;

@@ -65,7 +65,7 @@ void ScheduleRun::begin() {
   cl_event event = nullptr;
   check_opencl(clEnqueueBarrierWithWaitList(device_.queue(), 0, nullptr, &event), "clEnqueueBarrierWithWaitList",
                state_.name, device_);
-  start_.reset(event);
+  start_ = ClEvent(event);
   ++calls_.enqueues;
   check_opencl(clFlush(device_.queue()), "clFlush", state_.name, device_);
   ++calls_.flushes;
@@ -90,7 +90,7 @@ void ScheduleRun::end() {
     check_opencl(clFlush(queue_), "clFlush", state_.name, device_);
   }
   ++calls_.flushes;
-  record_.end.reset(event);
+  record_.end = ClEvent(event);
 }
 
 void ScheduleRun::update_variables() {
@@ -112,7 +112,8 @@ void ScheduleRun::start_lives(const CompiledStep& of) {
   for (const int life : of.begins) {
     const int counter = state_.counter_of_life[static_cast<size_t>(life)];
     if (counter >= 0) {
-      const RecordedResource& sized = state_.resources[static_cast<size_t>(state_.memory->lives()[static_cast<size_t>(life)].transient)];
+      const RecordedResource& sized =
+          state_.resources[static_cast<size_t>(state_.memory->lives()[static_cast<size_t>(life)].transient)];
       const size_t bytes = sized.bytes() * state_.counters[static_cast<size_t>(counter)].value;
       if (state_.memory->resize(life, bytes)) rebind(life);
     }
@@ -193,7 +194,9 @@ bool ScheduleRun::enqueue_slices(size_t index, std::array<size_t, 3> global) {
 
 void ScheduleRun::enqueue_piece(size_t index, const std::array<size_t, 3>& global, bool first) {
   const CompiledStep& launched = step(index);
-  const cl_uint dimensions = global[2] > 1 || launched.local[2] > 1 ? 3 : global[1] > 1 || launched.local[1] > 1 ? 2 : 1;
+  const cl_uint dimensions = global[2] > 1 || launched.local[2] > 1   ? 3
+                             : global[1] > 1 || launched.local[1] > 1 ? 2
+                                                                      : 1;
   cl_event event = nullptr;
   const cl_int code = clEnqueueNDRangeKernel(queue_, launched.kernel.get(), dimensions, nullptr, global.data(),
                                              launched.local.data(), wait_count(), wait_list(), &event);
@@ -206,8 +209,9 @@ void ScheduleRun::launch_failed(const CompiledStep& of, cl_int code, const std::
   if (code == CL_INVALID_WORK_GROUP_SIZE || code == CL_INVALID_WORK_ITEM_SIZE) {
     hint = fmt::format("; the device takes at most {} work-items per group", device_.info().max_work_group_size);
   }
-  throw_error(ErrorClass::device, "{}: launch of {} work-items in groups of {} failed on {}: clEnqueueNDRangeKernel: {}{}",
-              state_.where(of), size_text(global), size_text(of.local), device_.info().name, opencl_error_name(code), hint);
+  throw_error(
+      ErrorClass::device, "{}: launch of {} work-items in groups of {} failed on {}: clEnqueueNDRangeKernel: {}{}",
+      state_.where(of), size_text(global), size_text(of.local), device_.info().name, opencl_error_name(code), hint);
 }
 
 void ScheduleRun::enqueue_fill(size_t index) {
@@ -230,8 +234,8 @@ void ScheduleRun::enqueue_read_back(size_t index) {
   copy.staging.resize(bytes);
   if (bytes == 0) return;
   cl_event event = nullptr;
-  check_opencl(clEnqueueReadBuffer(queue_, state_.handle(copy.target), CL_FALSE, 0, bytes, copy.staging.data(), wait_count(),
-                                   wait_list(), &event),
+  check_opencl(clEnqueueReadBuffer(queue_, state_.handle(copy.target), CL_FALSE, 0, bytes, copy.staging.data(),
+                                   wait_count(), wait_list(), &event),
                "clEnqueueReadBuffer", state_.where(copy), device_);
   add_event(index, true, event, bytes);
 }
@@ -246,8 +250,8 @@ void ScheduleRun::enqueue_counter_read(size_t index) {
                 state_.bytes(read.target));
   }
   cl_event event = nullptr;
-  check_opencl(clEnqueueReadBuffer(queue_, state_.handle(read.target), CL_FALSE, offset, sizeof(cl_uint), &counter.value,
-                                   wait_count(), wait_list(), &event),
+  check_opencl(clEnqueueReadBuffer(queue_, state_.handle(read.target), CL_FALSE, offset, sizeof(cl_uint),
+                                   &counter.value, wait_count(), wait_list(), &event),
                "clEnqueueReadBuffer", state_.where(read), device_);
   add_event(index, true, event, sizeof(cl_uint));
   counter_events_.push_back(event);
@@ -267,7 +271,8 @@ void ScheduleRun::run_host_step(size_t index) {
   }
   const auto before = std::chrono::steady_clock::now();
   if (step(index).work) step(index).work();
-  record_.host_times.push_back({index, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count()});
+  record_.host_times.push_back(
+      {index, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count()});
 }
 
 void ScheduleRun::check_guards(const CompiledStep& of) {
@@ -278,7 +283,7 @@ void ScheduleRun::check_guards(const CompiledStep& of) {
 
 void ScheduleRun::add_event(size_t index, bool first, cl_event event, size_t bytes) {
   ++calls_.enqueues;
-  record_.events.push_back({index, first, EventHandle(event)});
+  record_.events.push_back({index, first, ClEvent(event)});
   record_.moved_bytes.push_back(static_cast<double>(bytes));
   done_.push_back(event);
   const double seconds = (*state_.estimates)[index];

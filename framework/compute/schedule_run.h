@@ -3,8 +3,6 @@
 #pragma once
 #include <deque>
 #include <functional>
-#include <memory>
-#include <type_traits>
 #include <vector>
 
 #include "lucarium/compute/schedule_state.h"
@@ -12,17 +10,12 @@
 
 namespace lucarium {
 
-struct ReleaseEvent {
-  void operator()(cl_event event) const { clReleaseEvent(event); }
-};
-using EventHandle = std::unique_ptr<std::remove_pointer_t<cl_event>, ReleaseEvent>;
-
 /// What a run leaves behind, to be read when it has ended on the device.
 struct RunRecord {
   struct StepEvent {
     size_t step = 0;
     bool first = true;  ///< of the step's slices
-    EventHandle event;
+    ClEvent event;
   };
   struct HostTime {
     size_t step = 0;
@@ -31,7 +24,7 @@ struct RunRecord {
   std::vector<StepEvent> events;
   std::vector<HostTime> host_times;
   std::vector<double> moved_bytes;  ///< by event
-  EventHandle end;                  ///< complete when everything of the run is; null: nothing was enqueued
+  ClEvent end;                      ///< complete when everything of the run is; null: nothing was enqueued
 };
 
 /// Enqueues the steps in order. On an in-order queue that order is all; on the out-of-order queue every command waits
@@ -82,9 +75,9 @@ class ScheduleRun {
   ApiCalls& calls_;
   cl_command_queue queue_;
   RunRecord record_;
-  EventHandle start_;               ///< overlap: everything before this run on the in-order queue
-  std::vector<cl_event> waits_;     ///< of the step at hand
-  std::vector<cl_event> done_;      ///< events after which a step is done, all steps'
+  ClEvent start_;                                   ///< overlap: everything before this run on the in-order queue
+  std::vector<cl_event> waits_;                     ///< of the step at hand
+  std::vector<cl_event> done_;                      ///< events after which a step is done, all steps'
   std::vector<std::pair<size_t, size_t>> done_of_;  ///< each step's part of done_
   std::vector<cl_event> counter_events_;
   std::deque<std::pair<cl_event, double>> queued_;  ///< not known to have ended, with the seconds expected

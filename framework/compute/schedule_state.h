@@ -5,19 +5,14 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "lucarium/compute/cl_handle.h"
 #include "lucarium/compute/recorded_schedule.h"
 #include "lucarium/compute/transient_memory.h"
 
 namespace lucarium {
-
-struct ReleaseKernel {
-  void operator()(cl_kernel kernel) const { clReleaseKernel(kernel); }
-};
-using KernelHandle = std::unique_ptr<std::remove_pointer_t<cl_kernel>, ReleaseKernel>;
 
 /// Memory as a step sees it: a caller's buffer, or one life of a transient.
 struct MemoryRef {
@@ -33,12 +28,12 @@ struct BoundBuffer {
 struct CompiledStep {
   StepKind kind = StepKind::kernel;
   std::string name;
-  std::vector<int> begins;  ///< lives that begin here
-  std::vector<int> lives;   ///< all lives it touches
-  std::vector<int> written; ///< callers' buffers it writes, as resources
+  std::vector<int> begins;   ///< lives that begin here
+  std::vector<int> lives;    ///< all lives it touches
+  std::vector<int> written;  ///< callers' buffers it writes, as resources
 
   // Kernels. Each step owns its kernel object, since argument values live in it.
-  KernelHandle kernel;
+  ClKernel kernel;
   std::string kernel_name;
   std::array<size_t, 3> global = {0, 1, 1}, local = {1, 1, 1};
   int counter = -1;  ///< counter value that decides global[0], or that a counter read fetches
@@ -82,17 +77,17 @@ struct Schedule::State {
   std::vector<CounterValue> counters;
   std::vector<VariableValue> variables;
   std::optional<TransientMemory> memory;
-  std::vector<int> counter_of_life;        ///< counter value by life; -1: its size is fixed
-  std::vector<std::string> memory_names;   ///< of Dependency::memory, for the DOT graph
+  std::vector<int> counter_of_life;       ///< counter value by life; -1: its size is fixed
+  std::vector<std::string> memory_names;  ///< of Dependency::memory, for the DOT graph
   DependencyGraph graph;
   std::vector<int> last_steps;  ///< steps that no other one waits for
   bool overlap_pays = false;    ///< some narrow pass has an independent partner
   bool has_read_back = false;
 
   // Across runs.
-  bool in_flight = false;  ///< something may have been enqueued since the device was last idle
-  std::string failure;     ///< not empty: refuse to run
-  std::shared_ptr<std::vector<double>> estimates;  ///< seconds by step, from the last run that was measured
+  bool in_flight = false;                           ///< something may have been enqueued since the device was last idle
+  std::string failure;                              ///< not empty: refuse to run
+  std::shared_ptr<std::vector<double>> estimates;   ///< seconds by step, from the last run that was measured
   std::shared_ptr<std::vector<int>> profile_slots;  ///< by step, index in the profile `profile_id`
   uint64_t profile_id = 0;
   /// Copies that stand for the callers' buffers during a warm-up, by resource.

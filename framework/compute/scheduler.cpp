@@ -33,8 +33,8 @@ class StandIns {
       if (!written[i] || !original) continue;
       copies[i] = Buffer(*state.device, state.owner, "warm-up copy of " + original.name(), original.bytes());
       if (original.bytes() == 0) continue;
-      check_opencl(clEnqueueCopyBuffer(state.device->queue(), original.handle(), copies[i].handle(), 0, 0, original.bytes(),
-                                       0, nullptr, nullptr),
+      check_opencl(clEnqueueCopyBuffer(state.device->queue(), original.handle(), copies[i].handle(), 0, 0,
+                                       original.bytes(), 0, nullptr, nullptr),
                    "clEnqueueCopyBuffer", original.name(), *state.device);
     }
     state.device->finish();
@@ -87,7 +87,8 @@ struct KernelScheduler::State {
       throw_error(ErrorClass::device, "schedule '{}' was recorded for another device", schedule.name());
     }
     if (!state.failure.empty()) {
-      throw_error(ErrorClass::device, "schedule '{}' failed before and cannot run again: {}", schedule.name(), state.failure);
+      throw_error(ErrorClass::device, "schedule '{}' failed before and cannot run again: {}", schedule.name(),
+                  state.failure);
     }
   }
 
@@ -206,7 +207,9 @@ void KernelScheduler::warm_up(Schedule& schedule) {
   state_->calls = before;
 }
 
-void KernelScheduler::set_cancel(std::function<bool()> cancel_requested) { state_->cancelled = std::move(cancel_requested); }
+void KernelScheduler::set_cancel(std::function<bool()> cancel_requested) {
+  state_->cancelled = std::move(cancel_requested);
+}
 
 const Profile& KernelScheduler::profile() const { return state_->log.profile(); }
 

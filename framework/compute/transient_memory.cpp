@@ -9,7 +9,7 @@
 namespace lucarium {
 namespace {
 
-constexpr size_t smallest_bytes = 64;  // OpenCL has no empty buffers
+constexpr size_t smallest_bytes = 64;    // OpenCL has no empty buffers
 constexpr cl_uint poison = 0x7FC0DEADu;  // a NaN as float, far out of range as an index
 constexpr cl_uchar guard_byte = 0xA5;
 
@@ -83,10 +83,10 @@ void TransientMemory::allocate_arenas() {
   }
 }
 
-TransientMemory::SubBuffer TransientMemory::sub_buffer(const Buffer& parent, size_t offset, size_t bytes) const {
+ClMem TransientMemory::sub_buffer(const Buffer& parent, size_t offset, size_t bytes) const {
   const cl_buffer_region region = {offset, bytes};
   cl_int code = CL_SUCCESS;
-  SubBuffer part(clCreateSubBuffer(parent.handle(), 0, CL_BUFFER_CREATE_TYPE_REGION, &region, &code));
+  ClMem part(clCreateSubBuffer(parent.handle(), 0, CL_BUFFER_CREATE_TYPE_REGION, &region, &code));
   check_opencl(code, "clCreateSubBuffer", parent.name(), *device_);
   return part;
 }
@@ -115,10 +115,11 @@ Buffer TransientMemory::allocate_slot(int life, size_t bytes, bool growing, size
   // A buffer that grew once may grow again: leave some room where the device has it.
   const size_t roomy = bytes + bytes / 4;
   const MemoryAccount& account = device_->memory();
-  const bool fits = roomy + 2 * guard_bytes_ <= std::min(account.single_bytes(), account.total_bytes() - account.used_bytes());
+  const bool fits =
+      roomy + 2 * guard_bytes_ <= std::min(account.single_bytes(), account.total_bytes() - account.used_bytes());
   capacity = growing && fits ? roomy : bytes;
-  return Buffer(*device_, owner_, fmt::format("transient '{}' of '{}'", name(life), schedule_), capacity + 2 * guard_bytes_,
-                spec(life).remedy);
+  return Buffer(*device_, owner_, fmt::format("transient '{}' of '{}'", name(life), schedule_),
+                capacity + 2 * guard_bytes_, spec(life).remedy);
 }
 
 bool TransientMemory::resize(int life, size_t bytes) {
@@ -144,8 +145,8 @@ void TransientMemory::arm(int life) {
   const size_t end = guard_bytes_ + bytes(life), poisoned = bytes(life) / sizeof(poison) * sizeof(poison);
   const auto fill = [&](const void* pattern, size_t pattern_bytes, size_t offset, size_t size) {
     if (size == 0) return;
-    check_opencl(clEnqueueFillBuffer(device_->queue(), memory.handle(), pattern, pattern_bytes, offset, size, 0, nullptr,
-                                     nullptr),
+    check_opencl(clEnqueueFillBuffer(device_->queue(), memory.handle(), pattern, pattern_bytes, offset, size, 0,
+                                     nullptr, nullptr),
                  "clEnqueueFillBuffer", memory.name(), *device_);
   };
   fill(&guard_byte, 1, 0, guard_bytes_);
@@ -163,8 +164,8 @@ void TransientMemory::check_guards(int life, const std::string& pass) const {
   };
   const bool before = damaged(0, guard_bytes_);
   if (!before && !damaged(end, memory.bytes() - end)) return;
-  throw_error(ErrorClass::internal, "schedule '{}': pass '{}' wrote outside of transient '{}' ({} its {} bytes)", schedule_,
-              pass, name(life), before ? "before" : "behind", bytes(life));
+  throw_error(ErrorClass::internal, "schedule '{}': pass '{}' wrote outside of transient '{}' ({} its {} bytes)",
+              schedule_, pass, name(life), before ? "before" : "behind", bytes(life));
 }
 
 size_t TransientMemory::allocated_bytes() const {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <memory>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "lucarium/compute/buffer.h"
+#include "lucarium/compute/cl_handle.h"
 #include "lucarium/compute/dependency_graph.h"
 #include "lucarium/compute/transient_plan.h"
 
@@ -44,7 +43,8 @@ class TransientMemory {
   /// Whether two counted lives share a slot, so that a change of the one's handle is a change of the other's.
   bool same_slot(int a, int b) const;
 
-  /// Debug mode: enqueues poison and guard zones; then throws Error{internal} with the life's name unless they are whole.
+  /// Debug mode: enqueues poison and guard zones; then throws Error{internal} with the life's name unless they are
+  /// whole.
   void arm(int life);
   void check_guards(int life, const std::string& pass) const;
 
@@ -52,13 +52,9 @@ class TransientMemory {
   size_t unshared_bytes() const;
 
  private:
-  struct ReleaseMemory {
-    void operator()(cl_mem memory) const { clReleaseMemObject(memory); }
-  };
-  using SubBuffer = std::unique_ptr<std::remove_pointer_t<cl_mem>, ReleaseMemory>;
   struct Slot {
     Buffer buffer;
-    SubBuffer inner;  ///< between the guard zones
+    ClMem inner;  ///< between the guard zones
     size_t capacity = 0;
   };
 
@@ -67,7 +63,7 @@ class TransientMemory {
   }
   void allocate_arenas();
   Buffer allocate_slot(int life, size_t bytes, bool growing, size_t& capacity);
-  SubBuffer sub_buffer(const Buffer& parent, size_t offset, size_t bytes) const;
+  ClMem sub_buffer(const Buffer& parent, size_t offset, size_t bytes) const;
   const Buffer& parent(int life) const;
   Placement place(int life) const { return places_[static_cast<size_t>(life)]; }
 
@@ -77,11 +73,11 @@ class TransientMemory {
   std::vector<Life> lives_;
   bool debug_;
   size_t guard_bytes_;
-  std::vector<size_t> bytes_;       ///< by life
-  std::vector<Placement> places_;   ///< by life; arena -1: counted
-  std::vector<int> slot_of_;        ///< by life; -1: in an arena
+  std::vector<size_t> bytes_;      ///< by life
+  std::vector<Placement> places_;  ///< by life; arena -1: counted
+  std::vector<int> slot_of_;       ///< by life; -1: in an arena
   std::vector<Buffer> arenas_;
-  std::vector<SubBuffer> sub_buffers_;  ///< by life
+  std::vector<ClMem> sub_buffers_;  ///< by life
   std::vector<Slot> slots_;
 };
 

@@ -80,7 +80,8 @@ std::vector<int> assign_slots(const std::vector<Life>& lives) {
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return lives[a].first < lives[b].first; });
   std::vector<int> slots(lives.size(), -1), last_step;  // last_step: of each slot's present owner
   for (const size_t life : order) {
-    const auto free = std::find_if(last_step.begin(), last_step.end(), [&](int last) { return last < lives[life].first; });
+    const auto free =
+        std::find_if(last_step.begin(), last_step.end(), [&](int last) { return last < lives[life].first; });
     slots[life] = static_cast<int>(free - last_step.begin());
     if (free == last_step.end()) {
       last_step.push_back(lives[life].last);

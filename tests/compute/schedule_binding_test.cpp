@@ -83,11 +83,13 @@ TEST_CASE("every wrong binding is named") {
   }
   SUBCASE("mistyped value") {
     pass.value("count", "int");
-    CHECK(pass.error() == "pass 'p': argument 'count' is a value of type uint, but a value of type int was bound to it");
+    CHECK(pass.error() ==
+          "pass 'p': argument 'count' is a value of type uint, but a value of type int was bound to it");
   }
   SUBCASE("mistyped variable") {
     pass.bind(RecordedArgument::Kind::variable, "camera", 0, "float4");
-    CHECK(pass.error() == "pass 'p': argument 'camera' is a value of type Camera, but a value of type float4 was bound to it");
+    CHECK(pass.error() ==
+          "pass 'p': argument 'camera' is a value of type Camera, but a value of type float4 was bound to it");
   }
   SUBCASE("buffer for a value") {
     pass.buffer("count", 1);
@@ -148,7 +150,11 @@ TEST_CASE("compile() names schedule, pass and kernel") {
   const auto buffer = make_buffer("numbers", Uints(64, 1));
   ScheduleRecorder recorder = scheduler.record("sums", "test");
   CHECK(contains(error_message([&] { recorder.pass("p", schedule_program(), "mix_im"); }), "mix_in"));
-  recorder.pass("mix", schedule_program(), "write_pattern").global(64).arg("target", buffer).arg("salt", 1).arg("count", 64u);
+  recorder.pass("mix", schedule_program(), "write_pattern")
+      .global(64)
+      .arg("target", buffer)
+      .arg("salt", 1)
+      .arg("count", 64u);
   CHECK(error_message([&] { recorder.compile(); }) ==
         "schedule 'sums': pass 'mix' (kernel 'write_pattern'): argument 'salt' is a value of type uint, but a value of "
         "type int was bound to it");
@@ -169,7 +175,11 @@ TEST_CASE("compile() refuses sizes that cannot work") {
   recorder.pass("p", schedule_program(), "use_local").global(64).local_memory("scratch", too_much).arg("out", buffer);
   CHECK(contains(compile_error(), "bytes of local memory"));
   recorder.pass("p", schedule_program(), "needs_32").global(64).arg("out", buffer);
-  recorder.pass("q", schedule_program(), "use_local").global(64).local(64).local_memory("scratch", 256).arg("out", buffer);
+  recorder.pass("q", schedule_program(), "use_local")
+      .global(64)
+      .local(64)
+      .local_memory("scratch", 256)
+      .arg("out", buffer);
   Schedule schedule = recorder.compile();
   scheduler.run(schedule);
   const Uints values = buffer.download();
@@ -186,7 +196,11 @@ TEST_CASE("transients and variables of another schedule are refused, and so is r
   CHECK(contains(error_message([&] { pass.arg("source", foreign); }), "a transient of another schedule"));
   CHECK(contains(error_message([&] { pass.arg("salt", foreign_value); }), "a variable of another schedule"));
   CHECK(contains(error_message([&] { pass.arg("source", BufferRef()); }), "a buffer that was never created"));
-  pass.global(64).arg("target", buffer).arg("source", second.transient<uint32_t>("empty", 64)).arg("salt", 1u).arg("count", 64u);
+  pass.global(64)
+      .arg("target", buffer)
+      .arg("source", second.transient<uint32_t>("empty", 64))
+      .arg("salt", 1u)
+      .arg("count", 64u);
   CHECK(error_message([&] { second.compile(); }) ==
         "schedule 'second': transient 'empty' is read by 'p' before any pass has written it");
   Schedule third = second.compile();

@@ -38,7 +38,7 @@ Steps random_steps(std::mt19937& random, int count) {
   for (auto& step : steps) {
     const size_t accesses = random() % 4;
     for (size_t i = 0; i < accesses; ++i) {
-      const size_t begin = random() % 12, length = random() % 6;
+      const size_t begin = random() % 12, length = 1 + random() % 6;
       step.push_back({static_cast<int>(random() % 3), begin, begin + length, random() % 2 == 0});
     }
   }
@@ -63,7 +63,8 @@ TEST_CASE("the three hazards are found and told apart") {
 }
 
 TEST_CASE("reads do not order each other and disjoint ranges do not meet") {
-  const Steps steps = {{{0, 0, 16, write}}, {{0, 0, 8, read}}, {{0, 8, 16, read}}, {{0, 0, 8, write}}, {{0, 8, 16, read}}};
+  const Steps steps = {
+      {{0, 0, 16, write}}, {{0, 0, 8, read}}, {{0, 8, 16, read}}, {{0, 0, 8, write}}, {{0, 8, 16, read}}};
   const DependencyGraph graph = graph_of(steps);
   CHECK(pairs(graph.dependencies()) == std::set<std::pair<int, int>>{{0, 1}, {0, 2}, {1, 3}, {0, 4}});
   CHECK(graph.independent(1, 2));
@@ -79,7 +80,8 @@ TEST_CASE("on random steps exactly the conflicting pairs are ordered, and no edg
     const DependencyGraph graph = graph_of(steps);
     const int count = graph.step_count();
     // Reference: transitive closure over all conflicting pairs.
-    std::vector<std::vector<bool>> before(static_cast<size_t>(count), std::vector<bool>(static_cast<size_t>(count), false));
+    std::vector<std::vector<bool>> before(static_cast<size_t>(count),
+                                          std::vector<bool>(static_cast<size_t>(count), false));
     for (size_t b = 0; b < steps.size(); ++b) {
       for (size_t a = 0; a < b; ++a) {
         if (!conflict(steps[a], steps[b])) continue;
@@ -88,7 +90,8 @@ TEST_CASE("on random steps exactly the conflicting pairs are ordered, and no edg
       }
     }
     for (int b = 0; b < count; ++b) {
-      for (int a = 0; a < b; ++a) REQUIRE(graph.depends(b, a) == before[static_cast<size_t>(b)][static_cast<size_t>(a)]);
+      for (int a = 0; a < b; ++a)
+        REQUIRE(graph.depends(b, a) == before[static_cast<size_t>(b)][static_cast<size_t>(a)]);
     }
     for (const Dependency& edge : graph.dependencies()) {
       for (int middle = edge.from + 1; middle < edge.to; ++middle) {

@@ -24,7 +24,8 @@ size_t peak_bytes(const std::vector<Life>& lives, const std::vector<size_t>& byt
 }  // namespace
 
 TEST_CASE("a life spans first to last use, and a discard begins a new one") {
-  const std::vector<TransientUse> uses = {{0, 0, true}, {1, 1, false}, {2, 0, false}, {5, 0, true}, {6, 0, false}, {7, 1, true}};
+  const std::vector<TransientUse> uses = {{0, 0, true}, {1, 1, false}, {2, 0, false},
+                                          {5, 0, true}, {6, 0, false}, {7, 1, true}};
   const std::vector<Life> lives = find_lives(uses, {false, true});
   REQUIRE(lives.size() == 3);
   CHECK((lives[0].transient == 0 && lives[0].first == 0 && lives[0].last == 2));
@@ -64,7 +65,8 @@ TEST_CASE("random lives: aligned, below the limit, never overlapping in time and
       REQUIRE(place.offset + bytes[a] <= plan.arena_bytes[static_cast<size_t>(place.arena)]);
       for (size_t b = 0; b < a; ++b) {
         const Placement& other = plan.placements[b];
-        const bool same_bytes = place.arena == other.arena && place.offset < other.offset + bytes[b] && other.offset < place.offset + bytes[a];
+        const bool same_bytes = place.arena == other.arena && place.offset < other.offset + bytes[b] &&
+                                other.offset < place.offset + bytes[a];
         REQUIRE_FALSE((same_bytes && lives[a].overlaps(lives[b])));
       }
       unshared += static_cast<double>(bytes[a]);

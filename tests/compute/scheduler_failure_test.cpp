@@ -10,7 +10,11 @@ using namespace lucarium::test;
 namespace {
 
 void add_to_counter(ScheduleRecorder& recorder, const BufferRef& counter, uint32_t amount) {
-  recorder.pass("count", schedule_program(), "add_to_counter").global(1).local(1).arg("counter", counter).arg("amount", amount);
+  recorder.pass("count", schedule_program(), "add_to_counter")
+      .global(1)
+      .local(1)
+      .arg("counter", counter)
+      .arg("amount", amount);
 }
 
 }  // namespace
@@ -22,8 +26,12 @@ TEST_CASE("a launch that the device refuses stops the schedule and names pass, k
     const size_t too_many = 4 * schedule_device()->info().max_work_group_size;
     ScheduleRecorder recorder = scheduler.record("doomed", "test");
     add_to_counter(recorder, counter, 1);
-    recorder.pass("bad launch", schedule_program(), "write_pattern").global(16).local(too_many).arg("target", out)
-        .arg("salt", 1u).arg("count", 16u);
+    recorder.pass("bad launch", schedule_program(), "write_pattern")
+        .global(16)
+        .local(too_many)
+        .arg("target", out)
+        .arg("salt", 1u)
+        .arg("count", 16u);
     add_to_counter(recorder, counter, 100);
     Schedule schedule = recorder.compile();
     const std::string message = error_message([&] { scheduler.run(schedule); });
@@ -33,7 +41,8 @@ TEST_CASE("a launch that the device refuses stops the schedule and names pass, k
     CHECK(contains(message, std::to_string(schedule_device()->info().max_work_group_size)));
     CHECK(counter.download() == Uints{1});  // drained, and nothing behind the failure ran
     CHECK(out.download() == Uints(16, 7));
-    CHECK(contains(error_message([&] { scheduler.run(schedule); }), "schedule 'doomed' failed before and cannot run again"));
+    CHECK(contains(error_message([&] { scheduler.run(schedule); }),
+                   "schedule 'doomed' failed before and cannot run again"));
     CHECK(counter.download() == Uints{1});
 
     ScheduleRecorder other = scheduler.record("fine", "test");  // the scheduler itself goes on
@@ -106,7 +115,11 @@ TEST_CASE("passes known to be long are not all enqueued ahead, so that cancellat
   const auto data = make_buffer("data", Uints(4096, 1));
   ScheduleRecorder recorder = scheduler.record("long", "test");
   for (int i = 0; i < 12; ++i) {
-    recorder.pass("scramble", schedule_program(), "scramble_alone").global(1).local(1).arg("target", data).arg("rounds", 2000u)
+    recorder.pass("scramble", schedule_program(), "scramble_alone")
+        .global(1)
+        .local(1)
+        .arg("target", data)
+        .arg("rounds", 2000u)
         .arg("count", 4096u);
   }
   Schedule schedule = recorder.compile();
@@ -145,7 +158,12 @@ TEST_CASE("a sliced pass gives the result of the whole one, and can be cancelled
     const uint32_t count = 1000;
     const auto out = make_buffer("out", Uints(count, 1));
     ScheduleRecorder recorder = scheduler.record("sliced", "test");
-    recorder.pass("slices", schedule_program(), "add_index").global(count).local(16).slice(100).arg("out", out).arg("count", count);
+    recorder.pass("slices", schedule_program(), "add_index")
+        .global(count)
+        .local(16)
+        .slice(100)
+        .arg("out", out)
+        .arg("count", count);
     recorder.pass("whole", schedule_program(), "add_index").global(count).local(16).arg("out", out).arg("count", count);
     Schedule schedule = recorder.compile();
     Uints expected(count, 1);
@@ -180,8 +198,12 @@ TEST_CASE("a schedule may be destroyed while it runs, and an empty one runs") {
     const BufferRef temporary = recorder.transient<uint32_t>("temporary", 1 << 18);
     recorder.fill_zero("clear", temporary);
     for (int i = 0; i < 3; ++i) {
-      recorder.pass("scramble", schedule_program(), "scramble_alone").global(1).local(1).arg("target", temporary)
-          .arg("rounds", 20u).arg("count", 1u << 18);
+      recorder.pass("scramble", schedule_program(), "scramble_alone")
+          .global(1)
+          .local(1)
+          .arg("target", temporary)
+          .arg("rounds", 20u)
+          .arg("count", 1u << 18);
     }
     Schedule schedule = recorder.compile();
     scheduler.run(schedule);

@@ -14,13 +14,21 @@ namespace {
 constexpr uint32_t element_count = 1024;
 
 PassBuilder write_pattern(ScheduleRecorder& recorder, const BufferRef& target, uint32_t salt) {
-  return recorder.pass("pattern", schedule_program(), "write_pattern").global(element_count).arg("target", target)
-      .arg("salt", salt).arg("count", element_count).discards("target");
+  return recorder.pass("pattern", schedule_program(), "write_pattern")
+      .global(element_count)
+      .arg("target", target)
+      .arg("salt", salt)
+      .arg("count", element_count)
+      .discards("target");
 }
 
 void mix_in(ScheduleRecorder& recorder, const BufferRef& target, const BufferRef& source) {
-  recorder.pass("mix", schedule_program(), "mix_in").global(element_count).arg("target", target).arg("source", source)
-      .arg("factor", 3u).arg("count", element_count);
+  recorder.pass("mix", schedule_program(), "mix_in")
+      .global(element_count)
+      .arg("target", target)
+      .arg("source", source)
+      .arg("factor", 3u)
+      .arg("count", element_count);
 }
 
 /// result = (((0·3 + p0)·3 + p1)·3 + …), each pattern in a transient of its own.
@@ -61,11 +69,22 @@ struct CountedSchedule {
     const BufferRef list =
         recorder.transient_sized_by<uint32_t>("list", counter, 0, elements_per_count, "lower the test's size");
     recorder.fill_zero("clear", counter);
-    recorder.pass("count", schedule_program(), "count_multiples").global(element_count).arg("values", numbers)
-        .arg("counter", counter).arg("divisor", divisor).arg("count", element_count);
-    recorder.pass("fill", schedule_program(), "fill_counted").global_by(counter).arg("out", list).arg("counter", counter)
+    recorder.pass("count", schedule_program(), "count_multiples")
+        .global(element_count)
+        .arg("values", numbers)
+        .arg("counter", counter)
+        .arg("divisor", divisor)
+        .arg("count", element_count);
+    recorder.pass("fill", schedule_program(), "fill_counted")
+        .global_by(counter)
+        .arg("out", list)
+        .arg("counter", counter)
         .arg("salt", 5u);
-    recorder.pass("sum", schedule_program(), "sum_counted").global(1).local(1).arg("values", list).arg("counter", counter)
+    recorder.pass("sum", schedule_program(), "sum_counted")
+        .global(1)
+        .local(1)
+        .arg("values", list)
+        .arg("counter", counter)
         .arg("sum", sum);
     recorder.read_back("read sum", sum, [this](std::span<const std::byte> bytes) {
       sums.push_back(*reinterpret_cast<const uint32_t*>(bytes.data()));
@@ -168,7 +187,11 @@ TEST_CASE("a count of zero leaves the pass out") {
   KernelScheduler scheduler(schedule_device());
   const auto counter = make_buffer("counter", {0}), out = make_buffer("out", {1, 2, 3});
   ScheduleRecorder recorder = scheduler.record("nothing", "test");
-  recorder.pass("fill", schedule_program(), "write_pattern").global_by(counter).arg("target", out).arg("salt", 5u).arg("count", 3u);
+  recorder.pass("fill", schedule_program(), "write_pattern")
+      .global_by(counter)
+      .arg("target", out)
+      .arg("salt", 5u)
+      .arg("count", 3u);
   Schedule schedule = recorder.compile();
   scheduler.run(schedule);
   CHECK(out.download() == Uints{1, 2, 3});
@@ -193,7 +216,12 @@ TEST_CASE("debug mode finds writes outside of a transient and names the pass") {
     ScheduleRecorder recorder = scheduler.record("faulty", "test");
     const BufferRef victim = recorder.transient<uint32_t>("victim", element_count);
     write_pattern(recorder, victim, 1);
-    recorder.pass("culprit", schedule_program(), "poke").global(1).local(1).arg("out", victim).arg("index", index).arg("value", 0u);
+    recorder.pass("culprit", schedule_program(), "poke")
+        .global(1)
+        .local(1)
+        .arg("out", victim)
+        .arg("index", index)
+        .arg("value", 0u);
     write_pattern(recorder, victim, 2);
     Schedule schedule = recorder.compile();
     CHECK(error_message([&] { scheduler.run(schedule); }) ==
@@ -212,9 +240,19 @@ TEST_CASE("debug mode shares nothing and poisons what nobody wrote") {
 
   ScheduleRecorder recorder = scheduler.record("careless", "test");
   const BufferRef unset = recorder.transient<uint32_t>("unset", element_count);
-  recorder.pass("poke", schedule_program(), "poke").global(1).local(1).arg("out", unset).arg("index", 0).arg("value", 0u);
-  recorder.pass("overwrite", schedule_program(), "overwrite").global(element_count).arg("target", result).arg("source", unset)
-      .arg("salt", 0u).arg("count", element_count).discards("target");
+  recorder.pass("poke", schedule_program(), "poke")
+      .global(1)
+      .local(1)
+      .arg("out", unset)
+      .arg("index", 0)
+      .arg("value", 0u);
+  recorder.pass("overwrite", schedule_program(), "overwrite")
+      .global(element_count)
+      .arg("target", result)
+      .arg("source", unset)
+      .arg("salt", 0u)
+      .arg("count", element_count)
+      .discards("target");
   Schedule careless = recorder.compile();
   scheduler.run(careless);
   const Uints values = result.download();

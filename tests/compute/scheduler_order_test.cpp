@@ -60,9 +60,10 @@ std::vector<Operation> random_operations(std::mt19937& random, size_t count, siz
     op.target = random() % (real + transients);
     do op.source = random() % (real + transients);
     while (op.source == op.target || !defined[op.source]);
-    op.number = op.kind == Operation::scramble ? 1 + random() % 20 : static_cast<uint32_t>(random());
+    op.number = static_cast<uint32_t>(op.kind == Operation::scramble ? 1 + random() % 20 : random());
     if (op.kind == Operation::mix) op.number &= 0xFFFF;
-    const bool replaces = op.kind == Operation::overwrite || op.kind == Operation::pattern || op.kind == Operation::clear;
+    const bool replaces =
+        op.kind == Operation::overwrite || op.kind == Operation::pattern || op.kind == Operation::clear;
     if (!replaces && !defined[op.target]) continue;
     if (op.kind == Operation::host && op.target >= real) continue;  // host work has no access to transients
     if (!replaces && random() % 3 == 0) op.count = 40;              // a part of the buffer only
@@ -86,20 +87,40 @@ void record(ScheduleRecorder& recorder, const Operation& op, Graph& graph) {
   switch (op.kind) {
     case Operation::mix:
       graph.mixes.push_back({recorder.variable<uint32_t>("factor", op.number), op.number});
-      recorder.pass("mix", program, "mix_in").global(op.count).local(16).arg("target", target).arg("source", source)
-          .arg("factor", graph.mixes.back().first).arg("count", op.count);
+      recorder.pass("mix", program, "mix_in")
+          .global(op.count)
+          .local(16)
+          .arg("target", target)
+          .arg("source", source)
+          .arg("factor", graph.mixes.back().first)
+          .arg("count", op.count);
       break;
     case Operation::overwrite:
-      recorder.pass("overwrite", program, "overwrite").global(op.count).local(64).arg("target", target)
-          .arg("source", source).arg("salt", op.number).arg("count", op.count).discards("target");
+      recorder.pass("overwrite", program, "overwrite")
+          .global(op.count)
+          .local(64)
+          .arg("target", target)
+          .arg("source", source)
+          .arg("salt", op.number)
+          .arg("count", op.count)
+          .discards("target");
       break;
     case Operation::pattern:
-      recorder.pass("pattern", program, "write_pattern").global(op.count).local(64).arg("target", target)
-          .arg("salt", op.number).arg("count", op.count).discards("target");
+      recorder.pass("pattern", program, "write_pattern")
+          .global(op.count)
+          .local(64)
+          .arg("target", target)
+          .arg("salt", op.number)
+          .arg("count", op.count)
+          .discards("target");
       break;
     case Operation::scramble:
-      recorder.pass("scramble", program, "scramble_alone").global(1).local(1).arg("target", target)
-          .arg("rounds", op.number).arg("count", op.count);
+      recorder.pass("scramble", program, "scramble_alone")
+          .global(1)
+          .local(1)
+          .arg("target", target)
+          .arg("rounds", op.number)
+          .arg("count", op.count);
       break;
     case Operation::clear: recorder.fill_zero("clear", target); break;
     case Operation::host: {
@@ -119,7 +140,8 @@ std::unique_ptr<Graph> make_graph(KernelScheduler& scheduler, const std::vector<
   auto graph = std::make_unique<Graph>();
   ScheduleRecorder recorder = scheduler.record("random", "test");
   for (const Uints& values : initial) graph->refs.push_back(graph->buffers.emplace_back(make_buffer("real", values)));
-  for (size_t i = 0; i < transients; ++i) graph->refs.push_back(recorder.transient<uint32_t>("temporary", element_count));
+  for (size_t i = 0; i < transients; ++i)
+    graph->refs.push_back(recorder.transient<uint32_t>("temporary", element_count));
   for (const Operation& op : operations) record(recorder, op, *graph);
   graph->read_backs.resize(initial.size());
   for (size_t i = 0; i < initial.size(); ++i) {
@@ -188,10 +210,19 @@ TEST_CASE("runs that nobody waits for keep their order among themselves and with
     auto a = make_buffer("a", Uints(element_count, 1)), b = make_buffer("b", Uints(element_count, 2));
     const auto mix = [&](const char* name, const BufferRef& target, const BufferRef& source) {
       ScheduleRecorder recorder = scheduler.record(name, "test");
-      recorder.pass("mix", schedule_program(), "mix_in").global(element_count).local(16).arg("target", target)
-          .arg("source", source).arg("factor", 5u).arg("count", element_count);
-      recorder.pass("scramble", schedule_program(), "scramble_alone").global(1).local(1).arg("target", target)
-          .arg("rounds", 30u).arg("count", element_count);
+      recorder.pass("mix", schedule_program(), "mix_in")
+          .global(element_count)
+          .local(16)
+          .arg("target", target)
+          .arg("source", source)
+          .arg("factor", 5u)
+          .arg("count", element_count);
+      recorder.pass("scramble", schedule_program(), "scramble_alone")
+          .global(1)
+          .local(1)
+          .arg("target", target)
+          .arg("rounds", 30u)
+          .arg("count", element_count);
       return recorder.compile();
     };
     Schedule forward = mix("forward", a, b), backward = mix("backward", b, a);

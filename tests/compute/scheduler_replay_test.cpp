@@ -25,8 +25,13 @@ struct TwoChains {
     factor = recorder.variable<uint32_t>("factor", 3);
     for (int i = 0; i < 10; ++i) {
       for (const auto& target : {a, b}) {
-        recorder.pass(i < 5 ? "early" : "late", schedule_program(), "mix_in").global(element_count).local(64)
-            .arg("target", target).arg("source", source).arg("factor", factor).arg("count", element_count)
+        recorder.pass(i < 5 ? "early" : "late", schedule_program(), "mix_in")
+            .global(element_count)
+            .local(64)
+            .arg("target", target)
+            .arg("source", source)
+            .arg("factor", factor)
+            .arg("count", element_count)
             .moves_bytes(3 * sizeof(uint32_t) * element_count);
       }
     }
@@ -114,7 +119,11 @@ TEST_CASE("warm_up touches no caller's buffer and runs no host step, and the fir
   const auto counter = make_buffer("counter", {0}), out = make_buffer("out", {1, 2, 3});
   int host_steps = 0, read_backs = 0;
   ScheduleRecorder recorder = scheduler.record("warm", "test");
-  recorder.pass("fill", schedule_program(), "fill_counted").global_by(counter).arg("out", out).arg("counter", counter).arg("salt", 9u);
+  recorder.pass("fill", schedule_program(), "fill_counted")
+      .global_by(counter)
+      .arg("out", out)
+      .arg("counter", counter)
+      .arg("salt", 9u);
   recorder.fill_zero("clear", chains.a);
   recorder.host_step("host", {out}, {}, [&] { ++host_steps; });
   recorder.read_back("read", out, [&](std::span<const std::byte>) { ++read_backs; });
