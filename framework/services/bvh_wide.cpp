@@ -26,7 +26,7 @@ class WideBvh::Collapse {
       : binary_(binary), out_(out), width_(out.width_), fork_join_(threads), choices_(binary.nodes.size()) {}
 
   void run() {
-    plan(0);
+    if (!binary_.nodes.empty()) plan(0);
     out_.stack_size_ = emit_node(0).stack;
   }
 
