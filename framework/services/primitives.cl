@@ -7,35 +7,31 @@
 #endif
 #define RADIX 256u
 
-static uint min_count(__global const uint* counter, uint counter_index, uint capacity) {
-  return min(counter[counter_index], capacity);
-}
-
 // Scan and compact ----------------------------------------------------------------------------------------------------
+// chunk_sums[chunks] keeps the element count, because the total may overwrite the counter that it came from.
 
-__kernel void sum_chunks(__global const uint* in, __global uint* chunk_sums, __global const uint* counter,
+__kernel void sum_chunks(__global const uint* in, __global uint* chunk_sums, uint chunks, __global const uint* counter,
                          uint counter_index, uint capacity) {
-  const uint chunk = get_global_id(0), first = chunk * CHUNK;
-  const uint end = min(first + CHUNK, min_count(counter, counter_index, capacity));
+  const uint count = min(counter[counter_index], capacity);
+  const uint chunk = get_global_id(0), first = chunk * CHUNK, end = min(first + CHUNK, count);
   uint sum = 0u;
   for (uint i = first; i < end; ++i) sum += in[i];
   chunk_sums[chunk] = sum;
+  if (chunk == 0u) chunk_sums[chunks] = count;
 }
 
-__kernel void count_flags(__global const uint* flags, __global uint* chunk_sums, __global const uint* counter,
-                          uint counter_index, uint capacity) {
-  const uint chunk = get_global_id(0), first = chunk * CHUNK;
-  const uint end = min(first + CHUNK, min_count(counter, counter_index, capacity));
+__kernel void count_flags(__global const uint* flags, __global uint* chunk_sums, uint chunks,
+                          __global const uint* counter, uint counter_index, uint capacity) {
+  const uint count = min(counter[counter_index], capacity);
+  const uint chunk = get_global_id(0), first = chunk * CHUNK, end = min(first + CHUNK, count);
   uint sum = 0u;
   for (uint i = first; i < end; ++i) sum += flags[i] != 0u;
   chunk_sums[chunk] = sum;
+  if (chunk == 0u) chunk_sums[chunks] = count;
 }
 
-// One work-item. Leaves the element count in chunk_sums[chunks], because `total` may overwrite the counter it came from.
-__kernel void scan_chunk_sums(__global uint* chunk_sums, uint chunks, __global uint* total, uint total_index,
-                              __global const uint* counter, uint counter_index, uint capacity) {
-  if (get_global_id(0) != 0) return;
-  chunk_sums[chunks] = min_count(counter, counter_index, capacity);
+// One work-item.
+__kernel void scan_chunk_sums(__global uint* chunk_sums, uint chunks, __global uint* total, uint total_index) {
   uint sum = 0u;
   for (uint chunk = 0u; chunk < chunks; ++chunk) {
     const uint value = chunk_sums[chunk];
@@ -45,7 +41,8 @@ __kernel void scan_chunk_sums(__global uint* chunk_sums, uint chunks, __global u
   total[total_index] = sum;
 }
 
-__kernel void scan_chunks(__global const uint* in, __global uint* out, __global const uint* chunk_sums, uint chunks) {
+// `in` is not const because it may be `out`.
+__kernel void scan_chunks(__global uint* in, __global uint* out, __global const uint* chunk_sums, uint chunks) {
   const uint chunk = get_global_id(0), first = chunk * CHUNK;
   const uint end = min(first + CHUNK, chunk_sums[chunks]);
   uint sum = chunk_sums[chunk];

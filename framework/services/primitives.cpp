@@ -52,21 +52,19 @@ void Primitives::record_exclusive_scan(ScheduleRecorder& recorder, const std::st
   const BufferRef sums = recorder.transient<uint32_t>(name + ".chunk_sums", chunks + 1);
   recorder.pass(name + ".sum_chunks", program_, "sum_chunks")
       .global(chunks).local(1)
-      .arg("in", in).arg("chunk_sums", sums)
+      .arg("in", in).arg("chunk_sums", sums).arg("chunks", chunks)
       .arg("counter", counter).arg("counter_index", counter_index).arg("capacity", capacity);
-  record_chunk_sums(recorder, name, sums, chunks, total, 0, counter, counter_index, capacity);
+  record_chunk_sums(recorder, name, sums, chunks, total, 0);
   recorder.pass(name + ".scan_chunks", program_, "scan_chunks")
       .global(chunks).local(1)
       .arg("in", in).arg("out", out).arg("chunk_sums", sums).arg("chunks", chunks);
 }
 
 void Primitives::record_chunk_sums(ScheduleRecorder& recorder, const std::string& name, const BufferRef& sums,
-                                   uint32_t chunks, const BufferRef& total, uint32_t total_index,
-                                   const BufferRef& counter, uint32_t counter_index, uint32_t capacity) const {
+                                   uint32_t chunks, const BufferRef& total, uint32_t total_index) const {
   recorder.pass(name + ".scan_chunk_sums", program_, "scan_chunk_sums")
       .global(1).local(1)
-      .arg("chunk_sums", sums).arg("chunks", chunks).arg("total", total).arg("total_index", total_index)
-      .arg("counter", counter).arg("counter_index", counter_index).arg("capacity", capacity);
+      .arg("chunk_sums", sums).arg("chunks", chunks).arg("total", total).arg("total_index", total_index);
 }
 
 void Primitives::record_compact(ScheduleRecorder& recorder, const std::string& name, const BufferRef& flags,
@@ -76,9 +74,9 @@ void Primitives::record_compact(ScheduleRecorder& recorder, const std::string& n
   const BufferRef sums = recorder.transient<uint32_t>(name + ".chunk_sums", chunks + 1);
   recorder.pass(name + ".count_flags", program_, "count_flags")
       .global(chunks).local(1)
-      .arg("flags", flags).arg("chunk_sums", sums)
+      .arg("flags", flags).arg("chunk_sums", sums).arg("chunks", chunks)
       .arg("counter", counter).arg("counter_index", counter_index).arg("capacity", capacity);
-  record_chunk_sums(recorder, name, sums, chunks, out_count, out_index, counter, counter_index, capacity);
+  record_chunk_sums(recorder, name, sums, chunks, out_count, out_index);
   recorder.pass(name + ".compact_chunks", program_, "compact_chunks")
       .global(chunks).local(1)
       .arg("flags", flags).arg("out", out).arg("chunk_sums", sums).arg("chunks", chunks);

@@ -34,8 +34,7 @@ class Primitives {
 
  private:
   void record_chunk_sums(ScheduleRecorder& recorder, const std::string& name, const BufferRef& sums, uint32_t chunks,
-                         const BufferRef& total, uint32_t total_index, const BufferRef& counter,
-                         uint32_t counter_index, uint32_t capacity) const;
+                         const BufferRef& total, uint32_t total_index) const;
   Device* device_;
   Program program_;
 };

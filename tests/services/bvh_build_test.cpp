@@ -133,7 +133,7 @@ TEST_CASE("coinciding and nested triangles make shallow trees") {
   check_structure(same, 3000);
   check_structure(nested, 3000);
   CHECK(build(same, 16, 8).stack_size() < 128);
-  CHECK(build(nested, 16, 8).stack_size() < 1024);
+  CHECK(build(nested, 16, 8).stack_size() < 400);
 }
 
 TEST_CASE("refitting gives the boxes of the moved triangles") {

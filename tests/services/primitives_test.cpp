@@ -121,13 +121,13 @@ TEST_CASE_FIXTURE(Fixture, "reduce") {
     for (float& value : floats) value = random.uniform(-1, 1) * std::exp(random.uniform(-10, 10));
     const TypedBuffer<uint32_t> in = buffer(values), sum = buffer(std::vector<uint32_t>{1});
     const TypedBuffer<float> in_float = buffer(floats), least = buffer(std::vector<float>{1}),
-                             most = buffer(std::vector<float>{1}), sum_float = buffer(std::vector<float>{1});
+                             most = buffer(std::vector<float>{1}), float_total = buffer(std::vector<float>{1});
     run([&](ScheduleRecorder& recorder) {
       using enum Primitives::Reduction;
       primitives.record_reduce(recorder, "sum", sum_uint, in, sum, count);
       primitives.record_reduce(recorder, "min", min_float, in_float, least, count);
       primitives.record_reduce(recorder, "max", max_float, in_float, most, count);
-      primitives.record_reduce(recorder, "float sum", Primitives::Reduction::sum_float, in_float, sum_float, count);
+      primitives.record_reduce(recorder, "float sum", sum_float, in_float, float_total, count);
     });
     CHECK(sum.download()[0] == std::accumulate(values.begin(), values.end(), 0u));
     const float infinity = INFINITY;
@@ -138,7 +138,7 @@ TEST_CASE_FIXTURE(Fixture, "reduce") {
     double magnitude = 0;
     for (const float value : floats) magnitude += std::abs(double{value});
     const double chunks = 1 + count / 4096.0;
-    CHECK(std::abs(double{sum_float.download()[0]} - exact) <= 6e-8 * chunks * magnitude / std::max(1.0, chunks) + 1e-30);
+    CHECK(std::abs(double{float_total.download()[0]} - exact) <= 6e-8 * chunks * magnitude / std::max(1.0, chunks) + 1e-30);
   }
 }
 
