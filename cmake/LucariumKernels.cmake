@@ -63,3 +63,23 @@ function(lucarium_embed_kernels)
     add_custom_target(${A_TARGET}_kernel_checks ALL DEPENDS ${stamps})
   endif()
 endfunction()
+
+# lucarium_embed_assets(TARGET target FUNCTION name BASE dir FILES file...)
+# The same for other text files (the report's page, style and script), by their names relative to BASE.
+function(lucarium_embed_assets)
+  cmake_parse_arguments(A "" "TARGET;FUNCTION;BASE" "FILES" ${ARGN})
+  set(manifest "")
+  set(sources "")
+  foreach(file IN LISTS A_FILES)
+    string(APPEND manifest "${file}|${A_BASE}/${file}\n")
+    list(APPEND sources ${A_BASE}/${file})
+  endforeach()
+  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.cpp)
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest CONTENT "${manifest}" @ONLY)
+  add_custom_command(OUTPUT ${generated}
+    COMMAND ${CMAKE_COMMAND} -DMANIFEST=${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest
+            -DOUTPUT=${generated} -DFUNCTION=${A_FUNCTION} -P ${LUCARIUM_EMBED_SCRIPT}
+    DEPENDS ${sources} ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest ${LUCARIUM_EMBED_SCRIPT}
+    COMMENT "Embedding assets of ${A_TARGET}" VERBATIM)
+  target_sources(${A_TARGET} PRIVATE ${generated})
+endfunction()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
 #include <string_view>
@@ -37,7 +38,7 @@ class Film {
   FilmLayer& layer(const std::string& name, const std::vector<std::string>& channels = {"R", "G", "B"},
                    bool additive = false);
   const FilmLayer* find(std::string_view name) const;
-  const std::vector<FilmLayer>& layers() const { return layers_; }
+  const std::deque<FilmLayer>& layers() const { return layers_; }
 
   /// Sum of the additive layers, 3 floats per pixel.
   std::vector<float> image() const;
@@ -47,7 +48,7 @@ class Film {
 
  private:
   uint32_t width_, height_;
-  std::vector<FilmLayer> layers_;
+  std::deque<FilmLayer> layers_;  // references to layers stay valid
 };
 
 }  // namespace lucarium

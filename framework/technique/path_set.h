@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lucarium {
@@ -24,6 +25,8 @@ struct PathSet {
   std::string to_string() const;
   /// Inverse of to_string(); throws Error{usage} naming the unknown key.
   static PathSet parse(const std::string& text);
+  /// The same as (parameter, value) pairs of `path_tracing`, all keys but max_bounces, which is the framework's.
+  std::vector<std::pair<std::string, std::string>> technique_parameters() const;
   /// Human-readable differences, one per entry ("max_bounces: 2 against unlimited").
   std::vector<std::string> differences(const PathSet& other) const;
 };

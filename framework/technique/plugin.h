@@ -70,6 +70,7 @@ class TechniqueRegistry {
   const TechniqueType& find(const std::string& name) const;
 
  private:
+  void load(const std::filesystem::path& file);
   std::vector<TechniqueType> types_;
   std::vector<PluginFailure> failures_;
   std::vector<std::filesystem::path> searched_;

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lucarium {
+
+/// How a child process ended.
+struct ChildResult {
+  int exit_code = -1;                   ///< of a normal end; -1 when a signal ended it
+  int signal = 0;                       ///< that ended it, or 0
+  std::string out;                      ///< its standard output
+  std::vector<std::string> last_words;  ///< last lines of its standard error, at most 20
+  double seconds = 0;                   ///< wall time
+  size_t peak_memory_bytes = 0;         ///< resident set, from getrusage
+};
+
+/// Runs a program to its end with standard input closed. Lines of its standard error are handed to `on_error_line` as
+/// they come. Throws Error{internal} when it cannot be started.
+ChildResult run_child(const std::vector<std::string>& arguments,
+                      const std::function<void(std::string_view)>& on_error_line = {});
+
+/// "killed by signal 9 (Killed)" or "exit code 4".
+std::string describe_end(const ChildResult& result);
+
+}  // namespace lucarium

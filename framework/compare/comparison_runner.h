@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "lucarium/compare/comparison.h"
+
+namespace lucarium {
+
+/// State of one comparison in progress: run_comparison() drives it.
+class ComparisonRunner {
+ public:
+  ComparisonRunner(const ComparisonSpec& spec, const TechniqueRegistry& registry, const ComparisonOptions& options);
+  ComparisonResult run();
+
+ private:
+  void open_folder();
+  void plan_scene(size_t index);
+  void get_reference(size_t index);
+  void render_reference(size_t index, const std::filesystem::path& cached);
+  PieceResult run_piece(size_t scene, size_t variant, uint32_t seed);
+  void measure(PieceResult& piece);
+  void save();
+  void say(const std::string& line) const;
+  std::vector<std::string> render_command(size_t scene, uint32_t seed) const;
+  std::filesystem::path piece_file(const PieceResult& piece, const char* extension) const;
+  bool load_finished_piece(PieceResult& piece) const;
+
+  ComparisonSpec spec_;
+  const TechniqueRegistry& registry_;
+  ComparisonOptions options_;
+  ComparisonResult result_;
+  std::vector<Hash128> scene_hashes_;
+  std::vector<std::string> cameras_, path_sets_;
+  std::vector<bool> needs_fallback_;
+};
+
+}  // namespace lucarium

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/technique/parameters.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "lucarium/base/nearest_name.h"
+
+namespace lucarium {
+
+const ParameterTable::Entry& ParameterTable::find(std::string_view name) const {
+  std::vector<std::string> names;
+  for (const Entry& entry : entries_) {
+    if (entry.info.name == name) return entry;
+    names.push_back(entry.info.name);
+  }
+  throw_error(ErrorClass::usage, "no parameter is called '{}'{}", name, suggest_name(name, names));
+}
+
+void ParameterTable::set(std::string_view name, std::string_view value) { find(name).set(value); }
+std::string ParameterTable::get(std::string_view name) const { return find(name).get(); }
+
+std::string ParameterTable::to_string() const {
+  std::string text;
+  for (const Entry& entry : entries_) text += fmt::format("{}{}={}", text.empty() ? "" : ",", entry.info.name, entry.get());
+  return text;
+}
+
+void ParameterDescriber::flag(std::string name, bool& value, std::string doc) {
+  const auto format = [](bool v) { return std::string(v ? "on" : "off"); };
+  ParameterInfo info{name, "bool", format(value), "on|off", "", std::move(doc), {"on", "off"}};
+  table_.mutable_entries().push_back({std::move(info), [&value, format] { return format(value); },
+                                      [&value, name](std::string_view text) {
+                                        const std::vector<std::string> choices = {"on", "true", "1", "off", "false", "0"};
+                                        value = parse_parameter_choice(name, text, choices) < 3;
+                                      }});
+}
+
+double parse_parameter_number(const std::string& name, std::string_view text, double low, double high, bool integral) {
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || end != text.data() + text.size() || (integral && value != std::floor(value))) {
+    throw_error(ErrorClass::usage, "parameter {}: '{}' is not {} number", name, text, integral ? "a whole" : "a");
+  }
+  if (!(value >= low && value <= high)) {
+    throw_error(ErrorClass::usage, "parameter {}: {} is outside {} … {}", name, text, format_parameter_number(low, integral),
+                format_parameter_number(high, integral));
+  }
+  return value;
+}
+
+std::string format_parameter_number(double value, bool integral) {
+  return integral ? fmt::format("{:.0f}", value) : fmt::format("{:g}", value);
+}
+
+size_t parse_parameter_choice(const std::string& name, std::string_view text, const std::vector<std::string>& choices) {
+  for (size_t i = 0; i < choices.size(); ++i) {
+    if (choices[i] == text) return i;
+  }
+  throw_error(ErrorClass::usage, "parameter {}: no value is called '{}'{}", name, text, suggest_name(text, choices));
+}
+
+}  // namespace lucarium

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/film/image_io.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+#include "test_support.h"
+
+using namespace lucarium;
+
+namespace {
+
+Film example_film() {
+  Film film(5, 3);
+  FilmLayer& direct = film.layer("direct", {"R", "G", "B"}, true);
+  FilmLayer& indirect = film.layer("indirect", {"R", "G", "B"}, true);
+  FilmLayer& normal = film.layer("N", {"X", "Y", "Z"});
+  for (size_t i = 0; i < direct.pixels.size(); ++i) {
+    direct.pixels[i] = static_cast<float>(i) * 0.37f;
+    indirect.pixels[i] = 1e5f / static_cast<float>(i + 1);
+    normal.pixels[i] = -0.5f + static_cast<float>(i) * 0.01f;
+  }
+  film.metadata = {{"technique", "path_tracing"}, {"seconds", "1.5"}};
+  return film;
+}
+
+}  // namespace
+
+TEST_CASE("an EXR keeps layers, sum, names and metadata bit for bit") {
+  const test::TemporaryFolder folder;
+  const Film film = example_film();
+  write_exr(folder.path() / "a.exr", film);
+  const Film again = read_image(folder.path() / "a.exr");
+  CHECK(again.width() == 5);
+  CHECK(again.height() == 3);
+  for (const FilmLayer& layer : film.layers()) {
+    REQUIRE(again.find(layer.name));
+    CHECK(again.find(layer.name)->channels == layer.channels);
+    CHECK(again.find(layer.name)->pixels == layer.pixels);
+    CHECK(again.find(layer.name)->additive == layer.additive);
+  }
+  CHECK(again.image() == film.image());
+  CHECK(again.metadata == film.metadata);
+}
+
+TEST_CASE("a picture brightens by its exposure in stops, through the sRGB curve") {
+  const test::TemporaryFolder folder;
+  const std::vector<float> grey(2 * 2 * 3, 0.214041f);  // sRGB .5
+  write_png(folder.path() / "a.png", 2, 2, grey);
+  write_png(folder.path() / "b.png", 2, 2, grey, 1.0f);
+  CHECK(read_image(folder.path() / "a.png").image()[0] * 255 == doctest::Approx(128).epsilon(.01));
+  CHECK(read_image(folder.path() / "b.png").image()[0] * 255 == doctest::Approx(175).epsilon(.01));
+  CHECK(encode_png(2, 2, grey, 0).substr(1, 3) == "PNG");
+}
+
+TEST_CASE("bad pixels are found where they are") {
+  Film film = example_film();
+  CHECK(film.count_bad_pixels().total() == 0);  // normals may be negative
+  film.layer("indirect").pixels[3 * 7 + 1] = std::numeric_limits<float>::quiet_NaN();
+  film.layer("direct").pixels[3 * 8] = -1;
+  const BadPixels bad = film.count_bad_pixels();
+  CHECK(bad.nan == 1);
+  CHECK(bad.negative == 1);
+  CHECK(bad.first_layer == "direct");
+  CHECK(bad.first_x == 3);
+  CHECK(bad.first_y == 1);
+}
+
+TEST_CASE("unwritable and unreadable files are one clear error, and leave nothing behind") {
+  const test::TemporaryFolder folder;
+  CHECK_THROWS_AS(write_exr(folder.path() / "missing" / "a.exr", example_film()), Error);
+  CHECK_THROWS_AS(read_image(folder.path() / "none.exr"), Error);
+  write_file_atomically(folder.path() / "broken.exr", "not an image");
+  CHECK_THROWS_AS(read_image(folder.path() / "broken.exr"), Error);
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+}
