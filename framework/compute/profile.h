@@ -8,8 +8,8 @@ namespace lucarium {
 
 /// One execution of one pass on the device's clock.
 struct PassEvent {
-  int pass = 0;        ///< index into Profile::passes
-  uint64_t run = 0;    ///< which run of which schedule
+  int pass = 0;      ///< index into Profile::passes
+  uint64_t run = 0;  ///< which run of which schedule
   uint64_t queued_ns = 0, started_ns = 0, ended_ns = 0;
 };
 

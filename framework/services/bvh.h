@@ -1,27 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <memory>
+#include <span>
 
 #include "lucarium/services/intersector.h"
 
 namespace lucarium {
 
 struct BvhStatistics {
-  uint32_t triangles = 0, nodes = 0, leaf_blocks = 0;
+  uint32_t triangles = 0;          ///< that can be hit
+  uint32_t ignored_triangles = 0;  ///< without area, or with coordinates that are not finite or beyond 10¹² m
+  uint32_t nodes = 0, leaf_blocks = 0;
   double build_seconds = 0;
   size_t bytes = 0;
-  double sah_cost = 0;  ///< expected node + triangle tests of a random ray that hits the root box
+  double sah_cost = 0;  ///< expected node + leaf block tests of a random line that crosses the root box
+};
+
+/// How rays are traversed. All find the same hits, bit for bit on one device.
+enum class BvhTraversal {
+  automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
+  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item
+  wide_portable,  ///< the same without compiler built-ins
+  scalar,         ///< 4-wide nodes, 4-triangle leaves, one ray per work-item
 };
 
 /// Wide bounding-volume hierarchy over the scene's world-space triangles. Built on the host (SAH, all cores), traversed
-/// on the device. Owner "bvh" in the memory account.
+/// on the device. Owner "bvh" in the memory account. Both sides of a triangle are hit; equal distances go to the lower
+/// triangle index; closed meshes with shared vertices are watertight. Results do not depend on the number of threads.
 class Bvh : public Intersector {
  public:
-  Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers);
+  /// Refuses with Error{device} and the numbers when the device's memory does not suffice.
+  Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers,
+      BvhTraversal traversal = BvhTraversal::automatic);
+  /// The same over any triangles, without a scene (Triangle::instance and all of Vertex but the position are unused).
+  Bvh(Device& device, std::span<const Vertex> vertices, std::span<const Triangle> triangles,
+      BvhTraversal traversal = BvhTraversal::automatic);
   ~Bvh() override;
 
   /// Refits for moved or deformed vertices, rebuilds when topology changed or quality fell (SAH cost above 1.5× built).
+  /// To be called after buffers.update(). Recorded schedules stay valid unless generation() changes.
   void update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change);
+  /// The same for any triangles; without `topology` only vertices have moved and triangles are those of the build.
+  void update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology);
+
+  /// Grows when update() had to replace device buffers: passes recorded before must then be recorded again.
+  uint64_t generation() const;
 
   std::string name() const override { return "bvh"; }
   void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
@@ -31,7 +54,9 @@ class Bvh : public Intersector {
                   const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
                   uint32_t capacity) const override;
 
+  BvhTraversal traversal() const;  ///< the one chosen
   const BvhStatistics& statistics() const;
+  /// Expected need, for statements before anything is built; the constructor states the exact one.
   static size_t estimate_bytes(const Scene& scene);
 
  private:

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/bvh_wide.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "lucarium/shared/ray.h"
+
+namespace lucarium {
+
+namespace {
+
+constexpr int max_width = 16;
+constexpr uint32_t no_child = 0xffffffffu;
+constexpr uint32_t parallel_grain = 8192;
+
+}  // namespace
+
+/// Chooses which binary nodes survive as wide nodes, leaves and children, by dynamic programming over "the cheapest way
+/// to represent a subtree by at most j roots" (Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+/// Compressed Wide BVHs", 2017, section 3.1, equations 2 to 4), with equal costs for a node and a leaf block.
+class WideBvh::Collapse {
+ public:
+  Collapse(const BinaryBvh& binary, WideBvh& out, unsigned threads)
+      : binary_(binary), out_(out), width_(out.width_), fork_join_(threads), choices_(binary.nodes.size()) {}
+
+  void run() {
+    if (!binary_.nodes.empty()) plan(0);
+    out_.stack_size_ = emit_node(0).stack;
+  }
+
+ private:
+  using Costs = std::array<float, max_width + 1>;  // [j]: with at most j roots, j ≥ 1
+
+  /// For j ≥ 2: how many of j roots go to the left subtree, 0: j − 1 roots are as good. [1]: 1 for a leaf block.
+  /// [0]: how many of `width` roots go left when the node itself becomes a wide node.
+  using Choices = std::array<uint8_t, max_width + 1>;
+
+  Costs plan(uint32_t index) {
+    const BinaryBvh::Node& node = binary_.nodes[index];
+    const float area = node.box.half_area();
+    Choices& choice = choices_[index];
+    Costs cost;
+    cost.fill(INFINITY);
+    if (node.count == 1) {
+      choice.fill(0);
+      choice[1] = 1;
+      std::fill(cost.begin() + 1, cost.end(), area);
+      return cost;
+    }
+    const uint32_t left = binary_.left(index), right = binary_.right(index);
+    Costs left_cost, right_cost;
+    fork_join_.run(
+        node.count > parallel_grain, [&] { left_cost = plan(left); }, [&] { right_cost = plan(right); });
+    const int left_most = static_cast<int>(std::min<uint32_t>(binary_.nodes[left].count, max_width));
+    const int right_most = static_cast<int>(std::min<uint32_t>(binary_.nodes[right].count, max_width));
+    const auto distribute = [&](int roots, uint8_t& best_left) {
+      float best = INFINITY;
+      for (int k = 1; k < roots; ++k) {
+        const float total = left_cost[std::min(k, left_most)] + right_cost[std::min(roots - k, right_most)];
+        if (total < best) best = total, best_left = static_cast<uint8_t>(k);
+      }
+      return best;
+    };
+    const float inner = area + distribute(width_, choice[0]);
+    const float leaf = node.count <= static_cast<uint32_t>(out_.leaf_size_) ? area : INFINITY;
+    choice[1] = leaf <= inner;
+    cost[1] = std::min(leaf, inner);
+    for (int j = 2; j <= width_; ++j) {
+      cost[j] = distribute(j, choice[j]);
+      if (cost[j - 1] <= cost[j]) cost[j] = cost[j - 1], choice[j] = 0;
+    }
+    return cost;
+  }
+
+  struct Emitted {
+    uint32_t reference, stack;  // stack: most references waiting while this one's subtree is traversed
+  };
+
+  Emitted emit_node(uint32_t index) {
+    const uint32_t self = out_.node_count_++;
+    out_.nodes_.resize(out_.nodes_.size() + LUCARIUM_BVH_NODE_WORDS(width_));
+    std::vector<uint32_t> roots;
+    if (!binary_.nodes.empty()) {
+      const int left = choices_[index][0];
+      if (binary_.nodes[index].count == 1) {
+        roots.push_back(index);
+      } else {
+        collect_roots(binary_.left(index), left, roots);
+        collect_roots(binary_.right(index), width_ - left, roots);
+      }
+    }
+    uint32_t deepest = 0;
+    for (int slot = 0; slot < width_; ++slot) {
+      uint32_t reference = no_child;
+      if (slot < static_cast<int>(roots.size())) {
+        const uint32_t root = roots[slot];
+        const Emitted child = choices_[root][1] ? emit_block(root) : emit_node(root);
+        reference = child.reference;
+        deepest = std::max(deepest, child.stack);
+      }
+      out_.node(self)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot] = reference;
+    }
+    return {self, static_cast<uint32_t>(roots.size()) + deepest};
+  }
+
+  void collect_roots(uint32_t index, int roots, std::vector<uint32_t>& out) {
+    roots = static_cast<int>(std::min<uint32_t>(roots, binary_.nodes[index].count));
+    while (roots > 1 && choices_[index][roots] == 0) --roots;
+    if (roots == 1) {
+      out.push_back(index);
+      return;
+    }
+    const int left = choices_[index][roots];
+    collect_roots(binary_.left(index), left, out);
+    collect_roots(binary_.right(index), roots - left, out);
+  }
+
+  Emitted emit_block(uint32_t index) {
+    const BinaryBvh::Node& node = binary_.nodes[index];
+    const uint32_t block = out_.block_count_++;
+    const size_t words = LUCARIUM_BVH_BLOCK_WORDS(out_.leaf_size_);
+    out_.blocks_.resize(out_.blocks_.size() + words);
+    uint32_t* ids = &out_.blocks_[block * words + LUCARIUM_BVH_BLOCK_TRIANGLES(out_.leaf_size_)];
+    for (int slot = 0; slot < out_.leaf_size_; ++slot)
+      ids[slot] = static_cast<uint32_t>(slot) < node.count ? binary_.order[node.first + slot] : LUCARIUM_NO_HIT;
+    return {LUCARIUM_BVH_LEAF | block, 0};
+  }
+
+  const BinaryBvh& binary_;
+  WideBvh& out_;
+  int width_;
+  ForkJoin fork_join_;
+  std::vector<Choices> choices_;
+};
+
+WideBvh::WideBvh(const BinaryBvh& binary, int width, int leaf_size, unsigned threads)
+    : width_(width), leaf_size_(leaf_size), nodes_(LUCARIUM_BVH_HEADER_WORDS) {
+  Collapse collapse(binary, *this, threads);
+  collapse.run();
+}
+
+void WideBvh::set_child_box(uint32_t node_index, int slot, const Box& box) {
+  uint32_t* words = node(node_index) + slot;
+  for (int axis = 0; axis < 3; ++axis) {
+    words[axis * width_] = std::bit_cast<uint32_t>(box.lower[axis]);
+    words[LUCARIUM_BVH_UPPER(width_) + axis * width_] = std::bit_cast<uint32_t>(box.upper[axis]);
+  }
+}
+
+Box WideBvh::fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+  uint32_t* words = &blocks_[block * LUCARIUM_BVH_BLOCK_WORDS(leaf_size_)];
+  const uint32_t* ids = words + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_);
+  Box bounds;
+  for (int slot = 0; slot < leaf_size_; ++slot) {
+    Box box;
+    const bool usable = ids[slot] != LUCARIUM_NO_HIT && bound_triangle(vertices, triangles[ids[slot]], box);
+    if (usable) bounds.add(box);
+    const uint32_t corners[3] = {usable ? triangles[ids[slot]].v0 : 0, usable ? triangles[ids[slot]].v1 : 0,
+                                 usable ? triangles[ids[slot]].v2 : 0};
+    for (int corner = 0; corner < 3; ++corner) {
+      const float4 p = usable ? vertices[corners[corner]].position : float4();
+      const float coordinates[3] = {p.x, p.y, p.z};
+      for (int axis = 0; axis < 3; ++axis)
+        words[(3 * corner + axis) * leaf_size_ + slot] = std::bit_cast<uint32_t>(coordinates[axis]);
+    }
+  }
+  return bounds;
+}
+
+void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+  std::vector<Box> boxes(node_count_);
+  double cost = 0;
+  // Children follow their parents, so that backwards every child is ready before its parent needs it.
+  for (uint32_t index = node_count_; index-- > 0;) {
+    for (int slot = 0; slot < width_; ++slot) {
+      const uint32_t reference = node(index)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot];
+      Box box;
+      if (reference != no_child)
+        box = reference & LUCARIUM_BVH_LEAF ? fit_block(reference & ~LUCARIUM_BVH_LEAF, vertices, triangles)
+                                            : boxes[reference];
+      set_child_box(index, slot, box);
+      boxes[index].add(box);
+      cost += static_cast<double>(box.half_area());
+    }
+  }
+  const double root_area = static_cast<double>(boxes[0].half_area());
+  sah_cost_ = root_area > 0 ? 1 + cost / root_area : 1;
+  float extent = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    if (boxes[0].lower[axis] <= boxes[0].upper[axis])
+      extent = std::max({extent, std::fabs(boxes[0].lower[axis]), std::fabs(boxes[0].upper[axis])});
+  nodes_[LUCARIUM_BVH_HEADER_EXTENT] = std::bit_cast<uint32_t>(extent);
+}
+
+size_t WideBvh::estimate_bytes(uint64_t triangles, int width, int leaf_size) {
+  // A block holds at least a third of its capacity and a node at least half of its children on average, on everything
+  // measured; the result is an upper estimate, not a bound.
+  const uint64_t blocks = 3 * triangles / static_cast<uint64_t>(leaf_size) + 1;
+  const uint64_t nodes = 2 * blocks / static_cast<uint64_t>(width) + 1;
+  return 4 * (blocks * LUCARIUM_BVH_BLOCK_WORDS(static_cast<uint64_t>(leaf_size)) +
+              nodes * LUCARIUM_BVH_NODE_WORDS(static_cast<uint64_t>(width)) + LUCARIUM_BVH_HEADER_WORDS);
+}
+
+}  // namespace lucarium

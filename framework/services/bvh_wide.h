@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "lucarium/services/bvh_build.h"
+#include "lucarium/shared/bvh_layout.h"
+
+namespace lucarium {
+
+/// Wide hierarchy in the memory layout of kernels/shared/bvh_layout.h. The topology (references and triangle indices) is
+/// made once by collapse(); fit() fills in boxes and vertices and may be repeated when vertices have moved.
+class WideBvh {
+ public:
+  WideBvh() = default;
+  /// `width` children per node, up to `leaf_size` triangles per leaf block. An empty hierarchy gets a root without
+  /// children.
+  WideBvh(const BinaryBvh& binary, int width, int leaf_size, unsigned threads);
+
+  /// Recomputes all boxes, leaf vertices and the cost.
+  void fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
+
+  int width() const { return width_; }
+  int leaf_size() const { return leaf_size_; }
+  uint32_t node_count() const { return node_count_; }
+  uint32_t block_count() const { return block_count_; }
+  /// Most references that can wait on a traversal stack.
+  uint32_t stack_size() const { return stack_size_; }
+  /// Expected number of nodes and leaf blocks that a random line visits which crosses the root's box.
+  double sah_cost() const { return sah_cost_; }
+
+  const std::vector<uint32_t>& node_words() const { return nodes_; }
+  const std::vector<uint32_t>& block_words() const { return blocks_; }
+
+  /// Upper estimate of the bytes of a hierarchy over this many triangles.
+  static size_t estimate_bytes(uint64_t triangles, int width, int leaf_size);
+
+ private:
+  class Collapse;
+  uint32_t* node(uint32_t index) { return &nodes_[LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(width_)]; }
+  Box fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
+  void set_child_box(uint32_t node_index, int slot, const Box& box);
+
+  int width_ = 0, leaf_size_ = 0;
+  uint32_t node_count_ = 0, block_count_ = 0, stack_size_ = 0;
+  double sah_cost_ = 0;
+  std::vector<uint32_t> nodes_, blocks_;
+};
+
+}  // namespace lucarium

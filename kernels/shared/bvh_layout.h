@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory layout of the wide bounding-volume hierarchy (framework/services/bvh.h), in 32-bit words, for a node width W
+// and L triangles per leaf block. Everything is structure-of-arrays, so that a node or a block is a few vector loads.
+#ifndef LUCARIUM_SHARED_BVH_LAYOUT_H
+#define LUCARIUM_SHARED_BVH_LAYOUT_H
+
+// The node buffer begins with a header of 16 words.
+#define LUCARIUM_BVH_HEADER_WORDS 16u
+#define LUCARIUM_BVH_HEADER_EXTENT 0u  // float: largest absolute coordinate of any triangle [m]
+
+// Node n starts at word HEADER + n · NODE_WORDS: W lower x, W lower y, W lower z, W upper x, W upper y, W upper z
+// (floats [m]; empty slots hold an inverted box), then W references. Node 0 is the root; children follow parents.
+#define LUCARIUM_BVH_NODE_WORDS(W) (7u * (W))
+#define LUCARIUM_BVH_NODE_REFERENCES(W) (6u * (W))
+#define LUCARIUM_BVH_UPPER(W) (3u * (W))  // from a lower plane to the upper one of the same axis
+
+// A reference is a node index, or this flag and a leaf block index.
+#define LUCARIUM_BVH_LEAF 0x80000000u
+
+// Block b starts at word b · BLOCK_WORDS: L x, L y, L z of the first vertices, the same of the second and third ones
+// (floats [m]; empty slots repeat one point three times, which nothing hits), then L triangle indices.
+#define LUCARIUM_BVH_BLOCK_WORDS(L) (10u * (L))
+#define LUCARIUM_BVH_BLOCK_TRIANGLES(L) (9u * (L))
+
+#endif

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// Failing kernels, failing host steps, cancellation, budgets, slices.
+#include <doctest/doctest.h>
+
+#include "schedule_fixture.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+void add_to_counter(ScheduleRecorder& recorder, const BufferRef& counter, uint32_t amount) {
+  recorder.pass("count", schedule_program(), "add_to_counter")
+      .global(1)
+      .local(1)
+      .arg("counter", counter)
+      .arg("amount", amount);
+}
+
+}  // namespace
+
+TEST_CASE("a launch that the device refuses stops the schedule and names pass, kernel, sizes and device") {
+  for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
+    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    const auto counter = make_buffer("counter", {0}), out = make_buffer("out", Uints(16, 7));
+    const size_t too_many = 4 * schedule_device()->info().max_work_group_size;
+    ScheduleRecorder recorder = scheduler.record("doomed", "test");
+    add_to_counter(recorder, counter, 1);
+    recorder.pass("bad launch", schedule_program(), "write_pattern")
+        .global(16)
+        .local(too_many)
+        .arg("target", out)
+        .arg("salt", 1u)
+        .arg("count", 16u);
+    add_to_counter(recorder, counter, 100);
+    Schedule schedule = recorder.compile();
+    const std::string message = error_message([&] { scheduler.run(schedule); });
+    CHECK(contains(message, "schedule 'doomed': pass 'bad launch' (kernel 'write_pattern')"));
+    CHECK(contains(message, schedule_device()->info().name));
+    CHECK(contains(message, "CL_INVALID_WORK_GROUP_SIZE"));
+    CHECK(contains(message, std::to_string(schedule_device()->info().max_work_group_size)));
+    CHECK(counter.download() == Uints{1});  // drained, and nothing behind the failure ran
+    CHECK(out.download() == Uints(16, 7));
+    CHECK(contains(error_message([&] { scheduler.run(schedule); }),
+                   "schedule 'doomed' failed before and cannot run again"));
+    CHECK(counter.download() == Uints{1});
+
+    ScheduleRecorder other = scheduler.record("fine", "test");  // the scheduler itself goes on
+    add_to_counter(other, counter, 1);
+    Schedule fine = other.compile();
+    scheduler.run(fine);
+    CHECK(counter.download() == Uints{2});
+  }
+}
+
+TEST_CASE("what a host step throws comes out, and the schedule has failed") {
+  KernelScheduler scheduler(schedule_device());
+  const auto counter = make_buffer("counter", {0});
+  ScheduleRecorder recorder = scheduler.record("doomed", "test");
+  add_to_counter(recorder, counter, 1);
+  recorder.host_step("host", {counter}, {}, [] { throw std::runtime_error("the disk is full"); });
+  Schedule schedule = recorder.compile();
+  CHECK_THROWS_WITH_AS(scheduler.run(schedule), "the disk is full", std::runtime_error);
+  CHECK(contains(error_message([&] { scheduler.run(schedule); }), "the disk is full"));
+}
+
+TEST_CASE("a host step sees what passes before it wrote, also in earlier runs") {
+  for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
+    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    auto counter = make_buffer("counter", {0});
+    Uints seen;
+    ScheduleRecorder recorder = scheduler.record("watched", "test");
+    recorder.host_step("before", {counter}, {}, [&] { seen.push_back(counter.download()[0]); });
+    for (int i = 0; i < 50; ++i) add_to_counter(recorder, counter, 1);
+    recorder.host_step("reset", {}, {counter}, [&] {
+      seen.push_back(counter.download()[0]);
+      counter.upload({1000});
+    });
+    add_to_counter(recorder, counter, 5);
+    Schedule schedule = recorder.compile();
+    scheduler.run(schedule);
+    scheduler.run(schedule);
+    scheduler.finish();
+    CHECK(seen == Uints{0, 50, 1005, 1055});
+    CHECK(counter.download() == Uints{1005});
+  }
+}
+
+TEST_CASE("cancellation is felt between passes; the schedule can run again") {
+  KernelScheduler scheduler(schedule_device());
+  auto counter = make_buffer("counter", {0});
+  bool stop = false;
+  int consumed = 0;
+  scheduler.set_cancel([&] { return stop; });
+  ScheduleRecorder recorder = scheduler.record("long", "test");
+  add_to_counter(recorder, counter, 1);
+  recorder.host_step("Ctrl-C", {counter}, {counter}, [&] { stop = true; });
+  add_to_counter(recorder, counter, 100);
+  recorder.read_back("read", counter, [&](std::span<const std::byte>) { ++consumed; });
+  Schedule schedule = recorder.compile();
+  CHECK(scheduler.run(schedule) == RunResult::cancelled);
+  CHECK(counter.download() == Uints{1});
+  CHECK(scheduler.run(schedule) == RunResult::cancelled);
+  CHECK(counter.download() == Uints{1});  // the flag was still up: nothing ran
+  CHECK(scheduler.run(schedule, Budget{0, 10}) == 0);
+  CHECK(consumed == 0);
+  CHECK(scheduler.profile().runs == 0);
+  scheduler.run_to_end(schedule);
+  CHECK(counter.download() == Uints{102});
+  CHECK(consumed == 1);
+}
+
+TEST_CASE("passes known to be long are not all enqueued ahead, so that cancellation is felt") {
+  KernelScheduler scheduler(schedule_device());
+  const auto data = make_buffer("data", Uints(4096, 1));
+  ScheduleRecorder recorder = scheduler.record("long", "test");
+  for (int i = 0; i < 12; ++i) {
+    recorder.pass("scramble", schedule_program(), "scramble_alone")
+        .global(1)
+        .local(1)
+        .arg("target", data)
+        .arg("rounds", 2000u)
+        .arg("count", 4096u);
+  }
+  Schedule schedule = recorder.compile();
+  scheduler.run(schedule);
+  scheduler.finish();
+  const double seconds_each = scheduler.profile().passes[0].device_seconds / 12;
+  REQUIRE(seconds_each > 0.003);
+  const uint64_t before = scheduler.api_calls().waits;
+  scheduler.run(schedule);
+  CHECK(scheduler.api_calls().waits - before >= 5);
+  int asked = 0;
+  scheduler.set_cancel([&] { return ++asked > 8; });
+  CHECK(scheduler.run(schedule) == RunResult::cancelled);
+}
+
+TEST_CASE("budgets count iterations, and seconds end them") {
+  KernelScheduler scheduler(schedule_device());
+  const auto counter = make_buffer("counter", {0});
+  ScheduleRecorder recorder = scheduler.record("loop", "test");
+  add_to_counter(recorder, counter, 1);
+  Schedule schedule = recorder.compile();
+  CHECK(scheduler.run(schedule, Budget{0, 25}) == 25);
+  CHECK(counter.download() == Uints{25});
+  const uint64_t timed = scheduler.run(schedule, Budget{0.02, 0});
+  CHECK(timed > 0);
+  CHECK(counter.download()[0] == 25 + timed);
+  int asked = 0;
+  scheduler.set_cancel([&] { return ++asked > 10; });
+  CHECK(scheduler.run(schedule, Budget{}) == 10);
+  CHECK(counter.download()[0] == 35 + timed);
+}
+
+TEST_CASE("a sliced pass gives the result of the whole one, and can be cancelled inside") {
+  for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
+    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    const uint32_t count = 1000;
+    const auto out = make_buffer("out", Uints(count, 1));
+    ScheduleRecorder recorder = scheduler.record("sliced", "test");
+    recorder.pass("slices", schedule_program(), "add_index")
+        .global(count)
+        .local(16)
+        .slice(100)
+        .arg("out", out)
+        .arg("count", count);
+    recorder.pass("whole", schedule_program(), "add_index").global(count).local(16).arg("out", out).arg("count", count);
+    Schedule schedule = recorder.compile();
+    Uints expected(count, 1);
+    for (int run = 0; run < 2; ++run) {
+      scheduler.run(schedule);
+      for (int pass = 0; pass < 2; ++pass) {
+        for (uint32_t i = 0; i < count; ++i) expected[i] = expected[i] * 3 + i;
+      }
+      REQUIRE(out.download() == expected);
+    }
+    scheduler.finish();
+    CHECK(scheduler.profile().passes[0].count == 2);
+    CHECK(scheduler.api_calls().enqueues >= 2 * (9 + 1));  // slices of 112 items: rounded up to groups
+
+    int asked = 0;
+    scheduler.set_cancel([&] { return ++asked > 3; });
+    CHECK(scheduler.run(schedule) == RunResult::cancelled);
+    scheduler.finish();
+    const Uints partial = out.download();
+    for (uint32_t i = 0; i < count; ++i) REQUIRE(partial[i] == (i < 3 * 112 ? expected[i] * 3 + i : expected[i]));
+    scheduler.set_cancel([] { return false; });
+    CHECK(scheduler.run(schedule) == RunResult::done);  // the base starts at 0 again
+    REQUIRE(out.download()[0] == (partial[0] * 3) * 3);
+  }
+}
+
+TEST_CASE("a schedule may be destroyed while it runs, and an empty one runs") {
+  KernelScheduler scheduler(schedule_device());
+  const auto data = make_buffer("data", Uints(4096, 1));
+  {
+    ScheduleRecorder recorder = scheduler.record("short-lived", "test");
+    const BufferRef temporary = recorder.transient<uint32_t>("temporary", 1 << 18);
+    recorder.fill_zero("clear", temporary);
+    for (int i = 0; i < 3; ++i) {
+      recorder.pass("scramble", schedule_program(), "scramble_alone")
+          .global(1)
+          .local(1)
+          .arg("target", temporary)
+          .arg("rounds", 20u)
+          .arg("count", 1u << 18);
+    }
+    Schedule schedule = recorder.compile();
+    scheduler.run(schedule);
+  }
+  Schedule empty = scheduler.record("empty", "test").compile();
+  CHECK(scheduler.run(empty) == RunResult::done);
+  CHECK(empty.pass_count() == 0);
+  scheduler.finish();
+}
