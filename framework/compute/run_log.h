@@ -23,7 +23,7 @@ class RunLog {
   /// Waits for the oldest runs until at most `count` are left. Throws Error{device} when a command had failed.
   void settle(size_t count, ApiCalls& calls);
   size_t waiting() const { return waiting_.size(); }
-  /// Forgets runs that were cancelled or failed; the device must be idle.
+  /// Forgets them after a failure; the device must be idle.
   void drop() { waiting_.clear(); }
 
   const Profile& profile() const { return profile_; }

@@ -82,7 +82,9 @@ struct KernelScheduler::State {
     return options.queue == QueueMode::overlap;
   }
 
-  void check_runnable(const Schedule& schedule, const Schedule::State& state) const {
+  Schedule::State& check_runnable(Schedule& schedule) const {
+    if (!schedule) throw_error(ErrorClass::internal, "an empty schedule was given to the scheduler");
+    Schedule::State& state = schedule.state();
     if (state.device != device) {
       throw_error(ErrorClass::device, "schedule '{}' was recorded for another device", schedule.name());
     }
@@ -90,13 +92,7 @@ struct KernelScheduler::State {
       throw_error(ErrorClass::device, "schedule '{}' failed before and cannot run again: {}", schedule.name(),
                   state.failure);
     }
-  }
-
-  /// Waits for the device and forgets what it ran.
-  void drain() {
-    device->finish();
-    ++calls.waits;
-    log.drop();
+    return state;
   }
 
   /// Executes once; on errors drains and marks the schedule.
@@ -105,7 +101,9 @@ struct KernelScheduler::State {
     try {
       const RunResult result = run.execute();
       if (result == RunResult::cancelled) {
-        drain();
+        device->finish();
+        ++calls.waits;
+        log.settle(0, calls);
         return result;
       }
       log.add(schedule, run.take_record(), keep);
@@ -119,7 +117,8 @@ struct KernelScheduler::State {
 
   void fail(Schedule::State& schedule, const std::exception_ptr& cause) {
     try {
-      drain();
+      device->finish();
+      log.drop();
       std::rethrow_exception(cause);
     } catch (const std::exception& error) {
       schedule.failure = error.what();
@@ -154,8 +153,7 @@ RunResult KernelScheduler::run(Schedule& schedule) { return replay(schedule, tru
 void KernelScheduler::run_to_end(Schedule& schedule) { replay(schedule, false); }
 
 RunResult KernelScheduler::replay(Schedule& schedule, bool cancellable) {
-  Schedule::State& state = schedule.state();
-  state_->check_runnable(schedule, state);
+  Schedule::State& state = state_->check_runnable(schedule);
   const auto start = Clock::now();
   if (state_->log.waiting() >= runs_in_flight) state_->log.settle(runs_in_flight - 1, state_->calls);
   ScheduleRun::Options how;
@@ -189,8 +187,7 @@ void KernelScheduler::finish() {
 }
 
 void KernelScheduler::warm_up(Schedule& schedule) {
-  Schedule::State& state = schedule.state();
-  state_->check_runnable(schedule, state);
+  Schedule::State& state = state_->check_runnable(schedule);
   finish();
   std::unique_ptr<StandIns> stand_ins;
   try {
