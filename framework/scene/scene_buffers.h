@@ -49,20 +49,20 @@ class SceneBuffers {
  private:
   void build(const Scene& scene);
   void refuse_if_too_large(const Scene& scene) const;
-  void upload_geometry(const Scene& scene);
+  void upload_meshes(const Scene& scene);
+  void upload_vertices(const Mesh& mesh, uint32_t first);
   void upload_materials(const Scene& scene);
   void upload_textures(const Scene& scene);
   void upload_environment(const Scene& scene);
-  void upload_pose(const Scene& scene, int instance);
   void update_geometry(const Scene& scene, const SceneChange& change);
-  void transform_instances(const std::vector<int>& instances);
+  void derive(const std::vector<VertexRange>& ranges, bool triangles);
   void refresh_info(const Scene& scene);
   void refresh_lights(const Scene& scene);
-  bool lights_depend_on(const Scene& scene, const SceneChange& change, float previous_radius) const;
+  bool lights_change(const Scene& scene, const SceneChange& change, float previous_radius) const;
 
-  /// Uploads; replaces the buffer only when it is too small (or not there).
+  /// Uploads, into new memory only when the buffer is too small (or not there).
   template <class T>
-  void store(TypedBuffer<T>& buffer, const char* name, const std::vector<T>& values, size_t capacity);
+  void store(TypedBuffer<T>& buffer, const char* name, const std::vector<T>& values, size_t capacity = 0);
 
   Device* device_;
   LightChoice light_choice_;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/scene/scene_transform.h"
 
-#include <variant>
-
-#include "lucarium/base/error.h"
-#include "lucarium/compute/cl_handle.h"
+#include "lucarium/compute/scheduler.h"
 
 namespace lucarium {
 
@@ -12,74 +9,44 @@ namespace {
 
 constexpr size_t group_size = 64;
 
-/// One launch with arguments by name.
-class Launch {
- public:
-  Launch(const Program& program, const char* kernel) : program_(program), signature_(program.signature(kernel)) {
-    cl_int code = CL_SUCCESS;
-    kernel_ = ClKernel(clCreateKernel(program.handle(), kernel, &code));
-    check_opencl(code, "clCreateKernel", kernel, program.device());
-  }
-
-  Launch& arg(std::string_view name, uint32_t value) { return set(name, sizeof value, &value); }
-  Launch& arg(std::string_view name, const Buffer& buffer) {
-    const cl_mem memory = buffer.handle();
-    return set(name, sizeof memory, &memory);
-  }
-
-  void run(size_t items) {
-    if (items == 0) return;
-    const size_t global = (items + group_size - 1) / group_size * group_size;
-    Device& device = program_.device();
-    check_opencl(clEnqueueNDRangeKernel(device.queue(), kernel_.get(), 1, nullptr, &global, &group_size, 0, nullptr, nullptr),
-                 "clEnqueueNDRangeKernel", signature_.name, device);
-    device.finish();
-  }
-
- private:
-  Launch& set(std::string_view name, size_t bytes, const void* value) {
-    for (size_t i = 0; i < signature_.arguments.size(); ++i) {
-      if (signature_.arguments[i].name != name) continue;
-      check_opencl(clSetKernelArg(kernel_.get(), static_cast<cl_uint>(i), bytes, value), "clSetKernelArg",
-                   signature_.name, program_.device());
-      return *this;
-    }
-    throw_error(ErrorClass::internal, "kernel {} has no argument '{}'", signature_.name, name);
-  }
-
-  const Program& program_;
-  const KernelSignature& signature_;
-  ClKernel kernel_;
-};
-
 }  // namespace
 
 SceneTransform::SceneTransform(Device& device)
     : program_(device, SourceLibrary(), {"scene/transform", {"lucarium/scene/transform_vertices.cl"}, {}}) {}
 
-void SceneTransform::transform_vertices(uint32_t first, uint32_t count, const TypedBuffer<Instance>& instances,
-                                        const TypedBuffer<Vertex>& mesh_vertices,
-                                        const TypedBuffer<Vertex>& vertices) const {
-  Launch(program_, "transform_vertices")
-      .arg("first", first)
-      .arg("count", count)
-      .arg("instance_count", static_cast<uint32_t>(instances.count()))
-      .arg("scene_instances", instances)
-      .arg("scene_mesh_vertices", mesh_vertices)
-      .arg("scene_vertices", vertices)
-      .run(count);
-}
-
-void SceneTransform::derive_triangles(const TypedBuffer<Instance>& instances,
-                                      const TypedBuffer<uint4>& mesh_triangles,
-                                      const TypedBuffer<Triangle>& triangles) const {
-  Launch(program_, "derive_triangles")
-      .arg("triangle_count", static_cast<uint32_t>(triangles.count()))
-      .arg("instance_count", static_cast<uint32_t>(instances.count()))
-      .arg("scene_instances", instances)
-      .arg("scene_mesh_triangles", mesh_triangles)
-      .arg("scene_triangles", triangles)
-      .run(triangles.count());
+void SceneTransform::run(const std::vector<VertexRange>& ranges, const SceneTransformBuffers& buffers,
+                         bool triangles) const {
+  Device& device = program_.device();
+  KernelScheduler scheduler(device.shared_from_this());
+  ScheduleRecorder recorder = scheduler.record("scene transform", "scene");
+  const uint32_t instance_count = static_cast<uint32_t>(buffers.instances.count());
+  for (const VertexRange& range : ranges) {
+    if (range.count == 0) continue;
+    recorder.pass("transform vertices", program_, "transform_vertices")
+        .global(range.count)
+        .local(group_size)
+        .arg("first", range.first)
+        .arg("count", range.count)
+        .arg("instance_count", instance_count)
+        .arg("scene_instances", buffers.instances)
+        .arg("scene_mesh_vertices", buffers.mesh_vertices)
+        .arg("scene_vertices", buffers.vertices)
+        .moves_bytes(size_t{2} * range.count * sizeof(Vertex));
+  }
+  if (triangles && buffers.triangles.count() > 0) {
+    recorder.pass("derive triangles", program_, "derive_triangles")
+        .global(buffers.triangles.count())
+        .local(group_size)
+        .arg("triangle_count", static_cast<uint32_t>(buffers.triangles.count()))
+        .arg("instance_count", instance_count)
+        .arg("scene_instances", buffers.instances)
+        .arg("scene_mesh_triangles", buffers.mesh_triangles)
+        .arg("scene_triangles", buffers.triangles)
+        .moves_bytes(buffers.triangles.count() * (sizeof(uint4) + sizeof(Triangle)));
+  }
+  Schedule schedule = recorder.compile();
+  scheduler.run(schedule);
+  scheduler.finish();
 }
 
 }  // namespace lucarium

@@ -1,23 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <vector>
+
 #include "lucarium/compute/buffer.h"
 #include "lucarium/compute/program.h"
 #include "lucarium/shared/scene_types.h"
 
 namespace lucarium {
 
-/// Launches the kernels of transform_vertices.cl on the device's in-order queue and waits for them. Scene updates
-/// happen between runs of schedules, so they are not passes of one.
+/// What the kernels of transform_vertices.cl read and write.
+struct SceneTransformBuffers {
+  const TypedBuffer<Instance>& instances;
+  const TypedBuffer<Vertex>& mesh_vertices;
+  const TypedBuffer<uint4>& mesh_triangles;
+  const TypedBuffer<Vertex>& vertices;
+  const TypedBuffer<Triangle>& triangles;
+};
+
+struct VertexRange {
+  uint32_t first, count;  ///< world vertices
+};
+
+/// Derives world-space vertices and triangles on the device; waits for the result.
 class SceneTransform {
  public:
-  SceneTransform() = default;
   explicit SceneTransform(Device& device);
-
-  /// World vertices [first, first + count) from the object-space ones.
-  void transform_vertices(uint32_t first, uint32_t count, const TypedBuffer<Instance>& instances,
-                          const TypedBuffer<Vertex>& mesh_vertices, const TypedBuffer<Vertex>& vertices) const;
-  void derive_triangles(const TypedBuffer<Instance>& instances, const TypedBuffer<uint4>& mesh_triangles,
-                        const TypedBuffer<Triangle>& triangles) const;
+  void run(const std::vector<VertexRange>& ranges, const SceneTransformBuffers& buffers, bool triangles) const;
 
  private:
   Program program_;
