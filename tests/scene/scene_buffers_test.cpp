@@ -129,14 +129,14 @@ TEST_CASE("derived vertices and triangles equal the host's, mirrored and flatten
         worst = std::max(worst, largest_difference(v.normal.xyz(), normal));
         worst = std::max(worst, largest_difference(v.tangent.xyz(), glm::normalize(linear * glm::vec3(mesh.tangents[c]))));
       }
-      // Front sides stay front sides: the sign of dot(shading normal, geometric normal) is kept.
+      // Counter-clockwise seen from the front: the geometric normal is the image of the mesh's.
       if (determinant == 0) continue;
       const auto at = [&](uint index) { return vertices[index].position.xyz(); };
       const glm::vec3 world_normal = glm::cross(at(triangle.v1) - at(triangle.v0), at(triangle.v2) - at(triangle.v0));
       const glm::vec3 object_normal = glm::cross(mesh.positions[corners.y] - mesh.positions[corners.x],
                                                  mesh.positions[corners.z] - mesh.positions[corners.x]);
-      const float world = glm::dot(world_normal, vertices[device_corners[0]].normal.xyz());
-      facing_against += (world > 0) != (glm::dot(object_normal, mesh.normals[corners.x]) > 0);
+      const glm::vec3 image = glm::transpose(glm::inverse(linear)) * object_normal;
+      facing_against += glm::dot(glm::normalize(world_normal), glm::normalize(image)) < 0.999f;
     }
   }
   CHECK(t == triangles.size());
