@@ -208,7 +208,7 @@ std::shared_ptr<Device> Device::open(const DeviceOptions& options) {
   device->info_ = chosen.info;
   device->id_ = chosen.id;
   device->memory_ = open_account(chosen.info, options);
-  device->cache_ = std::make_unique<ProgramCache>(options);
+  device->cache_ = std::make_unique<ProgramCache>(options, chosen.info);
 
   cl_int code = CL_SUCCESS;
   device->context_ = clCreateContext(nullptr, 1, &chosen.id, report_context_error, nullptr, &code);

@@ -3,11 +3,18 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
+#include <set>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/hash.h"
+#include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/compute/cl_handle.h"
+#include "lucarium/compute/driver_files.h"
+#include "lucarium/compute/driver_folder.h"
 #include "lucarium/compute/kernel_reflection.h"
+#include "lucarium/compute/program_cache.h"
 
 namespace lucarium {
 namespace {
@@ -52,21 +59,46 @@ std::string first_error(const std::string& log) {
   return fallback.empty() ? "the driver gives no reason" : fallback;
 }
 
-ClProgram compile(const Device& device, const ProgramSpec& spec, const std::string& source) {
+void build(cl_program program, const Device& device, const ProgramSpec& spec) {
+  const cl_device_id id = device.id();
+  const cl_int code = clBuildProgram(program, 1, &id, build_options(spec).c_str(), nullptr, nullptr);
+  if (code == CL_BUILD_PROGRAM_FAILURE) {
+    const std::string log = build_log(program, device);
+    throw Error(ErrorClass::device, fmt::format("program {} does not compile: {}", spec.name, first_error(log)))
+        .with_details(fmt::format("build log of {} on {}:\n{}", spec.name, device.info().name, log));
+  }
+  check_opencl(code, "clBuildProgram", "program " + spec.name, device);
+}
+
+ClProgram create_from_source(const Device& device, const ProgramSpec& spec, const std::string& source) {
   const char* text = source.c_str();
   const size_t length = source.size();
   cl_int code = CL_SUCCESS;
   ClProgram program(clCreateProgramWithSource(device.context(), 1, &text, &length, &code));
   check_opencl(code, "clCreateProgramWithSource", "program " + spec.name, device);
-  const cl_device_id id = device.id();
-  code = clBuildProgram(program.get(), 1, &id, build_options(spec).c_str(), nullptr, nullptr);
-  if (code == CL_BUILD_PROGRAM_FAILURE) {
-    const std::string log = build_log(program.get(), device);
-    throw Error(ErrorClass::device, fmt::format("program {} does not compile: {}", spec.name, first_error(log)))
-        .with_details(fmt::format("build log of {} on {}:\n{}", spec.name, device.info().name, log));
-  }
-  check_opencl(code, "clBuildProgram", "program " + spec.name, device);
   return program;
+}
+
+ClProgram create_from_binary(const Device& device, const ProgramSpec& spec, const std::string& binary) {
+  const cl_device_id id = device.id();
+  const size_t length = binary.size();
+  const auto* bytes = reinterpret_cast<const unsigned char*>(binary.data());
+  cl_int status = CL_SUCCESS, code = CL_SUCCESS;
+  ClProgram program(clCreateProgramWithBinary(device.context(), 1, &id, &length, &bytes, &status, &code));
+  check_opencl(code, "clCreateProgramWithBinary", "program " + spec.name, device);
+  check_opencl(status, "clCreateProgramWithBinary", "program " + spec.name, device);
+  return program;
+}
+
+/// The driver's binary of a built program, or empty when it gives none.
+std::string binary_of(cl_program program) {
+  size_t length = 0;
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof length, &length, nullptr) != CL_SUCCESS) return "";
+  std::string binary(length, '\0');
+  auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
+  if (length == 0 || clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof bytes, &bytes, nullptr) != CL_SUCCESS)
+    return "";
+  return binary;
 }
 
 }  // namespace
@@ -78,6 +110,90 @@ struct Program::State {
   std::map<std::string, KernelSignature, std::less<>> signatures;
   bool from_cache = false;
   double build_seconds = 0;
+
+  Hash128 key;
+  std::string driver_program;        // see driver_files.h; empty where there is none to keep
+  std::set<std::string> kept_files;  // of the driver, in the cache entry
+
+  ~State() { keep_launch_code(); }
+
+  bool has_driver_files() const { return device->info().is_pocl && driver_folder() != nullptr; }
+
+  /// Whether a whole entry was found and the driver took it.
+  bool load(const ProgramSpec& spec, const std::string& source) {
+    const std::optional<CachedProgram> entry = device->program_cache().load(key);
+    if (!entry) return false;
+    try {
+      if (has_driver_files()) restore_driver_files(*entry);
+      program = entry->binary.empty() ? create_from_source(*device, spec, source)
+                                      : create_from_binary(*device, spec, entry->binary);
+      build(program.get(), *device, spec);
+    } catch (const std::exception& error) {
+      log_debug("program cache: {} is rebuilt: {}", spec.name, error.what());
+      program = ClProgram();
+      device->program_cache().discard(key);
+      return false;
+    }
+    set_signatures(entry->signatures);
+    driver_program = entry->driver_program;
+    for (const DriverFile& file : entry->driver_files) kept_files.insert(file.path);
+    return true;
+  }
+
+  void compile(const ProgramSpec& spec, const std::string& source) {
+    program = create_from_source(*device, spec, source);
+    if (has_driver_files()) {
+      driver_program = program_made_by([&] { build(program.get(), *device, spec); });
+    } else {
+      build(program.get(), *device, spec);
+    }
+    CachedProgram entry;
+    entry.signatures = reflect_kernels(*device, program.get(), spec.name);
+    set_signatures(entry.signatures);
+    if (!device->program_cache().enabled()) return;
+    if (has_driver_files()) {
+      if (driver_program.empty()) return;
+      entry.driver_program = driver_program;
+      kept_files = list_driver_files(driver_program);
+      entry.driver_files = read_driver_files(kept_files);
+    } else {
+      entry.binary = binary_of(program.get());
+      if (entry.binary.empty()) return;
+    }
+    device->program_cache().store(key, entry);
+  }
+
+  void keep_launch_code() noexcept {
+    try {
+      const ProgramCache& cache = device->program_cache();
+      if (!cache.enabled() || driver_program.empty() || !has_driver_files()) return;
+      const std::set<std::string> present = list_driver_files(driver_program);
+      if (std::includes(kept_files.begin(), kept_files.end(), present.begin(), present.end())) return;
+      std::optional<CachedProgram> entry = cache.load(key);
+      if (!entry) return;
+      std::set<std::string> missing = present;  // another process may have added some
+      for (const DriverFile& file : entry->driver_files) missing.erase(file.path);
+      for (DriverFile& file : read_driver_files(missing)) entry->driver_files.push_back(std::move(file));
+      if (entry->binary.empty()) {
+        without_generic_variants(driver_program, names(), [&] { entry->binary = binary_of(program.get()); });
+      }
+      cache.store(key, *entry);
+      kept_files = present;
+    } catch (const std::exception& error) {
+      log_debug("program cache: launch code of {} is not kept: {}", name, error.what());
+    }
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> list;
+    for (const auto& [kernel, signature] : signatures) list.push_back(kernel);
+    return list;
+  }
+
+ private:
+  void set_signatures(const std::vector<KernelSignature>& list) {
+    for (const KernelSignature& signature : list) signatures.emplace(signature.name, signature);
+  }
 };
 
 Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec)
@@ -86,14 +202,13 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   state_->device = device.shared_from_this();
   state_->name = spec.name;
   const std::string source = preamble(spec) + library.preprocess(spec.files);
-  state_->program = compile(device, spec, source);
-  for (KernelSignature& signature : reflect_kernels(device, state_->program.get(), spec.name)) {
-    std::string name = signature.name;
-    state_->signatures.emplace(std::move(name), std::move(signature));
-  }
+  state_->key = device.program_cache().key(source, build_options(spec));
+  state_->from_cache = state_->load(spec, source);
+  if (!state_->from_cache) state_->compile(spec, source);
   state_->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+void Program::keep_launch_code() const { state_->keep_launch_code(); }
 const std::string& Program::name() const { return state_->name; }
 Device& Program::device() const { return *state_->device; }
 cl_program Program::handle() const { return state_->program.get(); }
@@ -107,10 +222,6 @@ const KernelSignature& Program::signature(std::string_view kernel) const {
               suggest_name(kernel, kernel_names()));
 }
 
-std::vector<std::string> Program::kernel_names() const {
-  std::vector<std::string> names;
-  for (const auto& [name, signature] : state_->signatures) names.push_back(name);
-  return names;
-}
+std::vector<std::string> Program::kernel_names() const { return state_->names(); }
 
 }  // namespace lucarium

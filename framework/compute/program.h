@@ -78,11 +78,15 @@ class Program {
   const std::string& name() const;
   Device& device() const;
   cl_program handle() const;
-  bool from_cache() const;       ///< whether the binary came from disk
+  bool from_cache() const;       ///< whether it came from disk, uncompiled
   double build_seconds() const;  ///< wall time of compiling or loading
   /// Throws Error{device} with the nearest name when the program has no such kernel.
   const KernelSignature& signature(std::string_view kernel) const;
   std::vector<std::string> kernel_names() const;
+
+  /// Adds what the driver compiled at first launches to the cache entry (PoCL: 40-500 ms per kernel and local size).
+  /// Called after warm-up, so that a killed process does not lose it, and with the last copy. Never throws.
+  void keep_launch_code() const;
 
  private:
   struct State;
