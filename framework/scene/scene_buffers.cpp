@@ -9,6 +9,7 @@
 #include "lucarium/compute/byte_size.h"
 #include "lucarium/scene/environment_tables.h"
 #include "lucarium/scene/scene_need.h"
+#include "lucarium/scene/specular_albedo.h"
 #include "lucarium/scene/texture_sampling.h"
 
 namespace lucarium {
@@ -45,7 +46,7 @@ void SceneBuffers::build(const Scene& scene) {
   upload_environment(scene);
   const auto& srgb = srgb_to_linear_table();
   store(scene_srgb_table, "sRGB table", std::vector<float>(srgb.begin(), srgb.end()));
-  store(scene_albedo_table, "albedo table", std::vector<float>{1.f});
+  store(scene_albedo_table, "albedo table", specular_albedo_table());
   instance_bounds_.clear();
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     instance_bounds_.push_back(scene.instance_bounds(static_cast<int>(i)));
