@@ -39,7 +39,7 @@ class ScheduleRun {
   };
   ScheduleRun(Schedule::State& state, const Options& options, ApiCalls& calls);
 
-  /// Throws Error, naming the step. After `cancelled` or an error the caller drains the queues.
+  /// Throws Error, naming the step. After `cancelled` or an error the caller waits for the device.
   RunResult execute();
   RunRecord take_record() { return std::move(record_); }
 

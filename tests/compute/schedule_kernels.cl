@@ -47,6 +47,16 @@ __kernel void add_index(__global uint* out, const uint count, const uint slice_b
   if (i < count) out[i] = out[i] * 3u + i;
 }
 
+// The same, but the first items take long.
+__kernel void add_index_late(__global uint* out, const uint rounds, const uint count, const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
+  if (i >= count) return;
+  uint value = out[i];
+  if (i < 16)
+    for (uint round = 0; round < rounds; ++round) value = value * 1664525u + (value >> 5) + round;
+  out[i] = value * 3u + i;
+}
+
 __kernel void add_to_counter(__global uint* counter, const uint amount) {
   if (get_global_id(0) == 0) *counter += amount;
 }

@@ -86,6 +86,28 @@ TEST_CASE("a host step sees what passes before it wrote, also in earlier runs") 
   }
 }
 
+TEST_CASE("a host step waits for earlier runs, not only when it happens to use the same queue") {
+  const std::shared_ptr<Device>& device = schedule_device();
+  KernelScheduler scheduler(device, {QueueMode::in_order, true, false});
+  const auto data = make_buffer("data", Uints(4096, 1));
+  uint32_t seen = 0;
+  ScheduleRecorder slow = scheduler.record("slow", "test"), watch = scheduler.record("watch", "test");
+  slow.pass("scramble", schedule_program(), "scramble_alone")
+      .global(1)
+      .local(1)
+      .arg("target", data)
+      .arg("rounds", 2000u)
+      .arg("count", 4096u);
+  watch.host_step("look", {data}, {}, [&] {
+    REQUIRE(clEnqueueReadBuffer(device->overlap_queue(), data.handle(), CL_TRUE, 0, sizeof(seen), &seen, 0, nullptr,
+                                nullptr) == CL_SUCCESS);
+  });
+  Schedule first = slow.compile(), second = watch.compile();
+  scheduler.run(first);
+  scheduler.run(second);
+  CHECK(seen == data.download()[0]);
+}
+
 TEST_CASE("cancellation is felt between passes; the schedule can run again") {
   KernelScheduler scheduler(schedule_device());
   auto counter = make_buffer("counter", {0});
@@ -188,6 +210,35 @@ TEST_CASE("a sliced pass gives the result of the whole one, and can be cancelled
     CHECK(scheduler.run(schedule) == RunResult::done);  // the base starts at 0 again
     REQUIRE(out.download()[0] == (partial[0] * 3) * 3);
   }
+}
+
+TEST_CASE("who follows a sliced pass waits for all of its slices") {
+  const uint32_t count = 1024;
+  std::vector<Uints> results;
+  for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
+    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    const auto out = make_buffer("out", Uints(count, 1)), copy = make_buffer("copy", Uints(count, 0));
+    ScheduleRecorder recorder = scheduler.record("sliced", "test");
+    recorder.pass("slices", schedule_program(), "add_index_late")
+        .global(count)
+        .local(16)
+        .slice(256)
+        .arg("out", out)
+        .arg("rounds", 1000000u)
+        .arg("count", count);
+    recorder.pass("copy", schedule_program(), "overwrite")
+        .global(count)
+        .local(16)
+        .arg("target", copy)
+        .arg("source", out)
+        .arg("salt", 0u)
+        .arg("count", count);
+    Schedule schedule = recorder.compile();
+    scheduler.warm_up(schedule);  // no compiler between the passes
+    scheduler.run(schedule);
+    results.push_back(copy.download());
+  }
+  CHECK(results[0] == results[1]);
 }
 
 TEST_CASE("a schedule may be destroyed while it runs, and an empty one runs") {

@@ -201,6 +201,36 @@ TEST_CASE("a count of zero leaves the pass out") {
   CHECK(out.download() == Uints{5, 12, 19});
 }
 
+TEST_CASE("who follows a pass that was left out waits for what that one would have waited for") {
+  KernelScheduler scheduler(schedule_device(), {QueueMode::overlap, true, false});
+  const auto counter = make_buffer("counter", {0}), data = make_buffer("data", Uints(element_count, 1));
+  const auto copy = make_buffer("copy", Uints(element_count, 0));
+  ScheduleRecorder recorder = scheduler.record("gap", "test");
+  recorder.pass("slow", schedule_program(), "scramble_alone")
+      .global(1)
+      .local(1)
+      .arg("target", data)
+      .arg("rounds", 1000u)
+      .arg("count", element_count);
+  recorder.pass("left out", schedule_program(), "write_pattern")
+      .global_by(counter)
+      .arg("target", data)
+      .arg("salt", 1u)
+      .arg("count", element_count);
+  recorder.pass("copy", schedule_program(), "overwrite")
+      .global(element_count)
+      .arg("target", copy)
+      .arg("source", data)
+      .arg("salt", 0u)
+      .arg("count", element_count);
+  Schedule schedule = recorder.compile();
+  scheduler.warm_up(schedule);  // no compiler between the passes
+  scheduler.run(schedule);
+  Uints expected = data.download();
+  for (uint32_t i = 0; i < element_count; ++i) expected[i] = expected[i] * 2654435761u + i;
+  CHECK(copy.download() == expected);
+}
+
 TEST_CASE("what does not fit fails the run with the numbers and the remedy, and the schedule then refuses") {
   KernelScheduler scheduler(schedule_device());
   CountedSchedule counted(scheduler, size_t{1} << 36);
