@@ -85,8 +85,7 @@ void RunLog::settle(size_t count, ApiCalls& calls) {
 }
 
 void RunLog::sum_up(const Waiting& run) {
-  for (size_t i = 0; i < run.record.events.size(); ++i) {
-    const RunRecord::StepEvent& each = run.record.events[i];
+  for (const RunRecord::StepEvent& each : run.record.events) {
     const uint64_t started = timestamp(each.event.get(), CL_PROFILING_COMMAND_START);
     const uint64_t ended = timestamp(each.event.get(), CL_PROFILING_COMMAND_END);
     const double seconds = ended > started ? static_cast<double>(ended - started) * 1e-9 : 0;
@@ -96,7 +95,7 @@ void RunLog::sum_up(const Waiting& run) {
     const int slot = (*run.slots)[each.step];
     PassProfile& pass = profile_.passes[static_cast<size_t>(slot)];
     pass.device_seconds += seconds;
-    pass.bytes += run.record.moved_bytes[i];
+    pass.bytes += each.moved_bytes;
     if (each.first) {
       ++pass.count;
       pass.launch_seconds += started > queued ? static_cast<double>(started - queued) * 1e-9 : 0;

@@ -11,7 +11,7 @@ namespace lucarium {
 namespace {
 
 /// Work enqueued ahead of the device is limited to this, because what is enqueued cannot be cancelled.
-constexpr double queued_seconds_limit = 0.02;
+constexpr double queued_seconds_limit = 0.05;
 /// Expected of a step that was never measured.
 constexpr double unknown_step_seconds = 0.005;
 
@@ -29,6 +29,7 @@ ScheduleRun::ScheduleRun(Schedule::State& state, const Options& options, ApiCall
       calls_(calls),
       queue_(options.overlap ? device_.overlap_queue() : device_.queue()) {
   done_of_.reserve(state.steps.size());
+  done_.reserve(state.steps.size());
   record_.events.reserve(state.steps.size());
 }
 
@@ -134,6 +135,7 @@ void ScheduleRun::rebind(int life) {
 
 void ScheduleRun::collect_waits(size_t index) {
   waits_.clear();
+  if (!options_.overlap && step(index).kind != StepKind::host) return;  // the queue keeps the order
   for (const int predecessor : state_.graph.predecessors(static_cast<int>(index))) {
     const auto [first, behind] = done_of_[static_cast<size_t>(predecessor)];
     waits_.insert(waits_.end(), done_.begin() + static_cast<std::ptrdiff_t>(first),
@@ -283,21 +285,22 @@ void ScheduleRun::check_guards(const CompiledStep& of) {
 
 void ScheduleRun::add_event(size_t index, bool first, cl_event event, size_t bytes) {
   ++calls_.enqueues;
-  record_.events.push_back({index, first, ClEvent(event)});
-  record_.moved_bytes.push_back(static_cast<double>(bytes));
+  record_.events.push_back({index, first, static_cast<double>(bytes), ClEvent(event)});
   done_.push_back(event);
+  queued_seconds_ += expected_seconds(index);
+}
+
+double ScheduleRun::expected_seconds(size_t index) const {
   const double seconds = (*state_.estimates)[index];
-  queued_.push_back({event, seconds < 0 ? unknown_step_seconds : seconds});
-  queued_seconds_ += queued_.back().second;
+  return seconds < 0 ? unknown_step_seconds : seconds;
 }
 
 void ScheduleRun::limit_queued_work(size_t index) {
-  const double estimate = (*state_.estimates)[index];
-  const double next = estimate < 0 ? unknown_step_seconds : estimate;
-  while (!queued_.empty() && queued_seconds_ + next > queued_seconds_limit) {
-    wait({queued_.front().first}, state_.where(step(index)));
-    queued_seconds_ -= queued_.front().second;
-    queued_.pop_front();
+  const double next = expected_seconds(index);
+  while (first_queued_ < record_.events.size() && queued_seconds_ + next > queued_seconds_limit) {
+    const RunRecord::StepEvent& oldest = record_.events[first_queued_++];
+    wait({oldest.event.get()}, state_.where(step(oldest.step)));
+    queued_seconds_ -= expected_seconds(oldest.step);
   }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One execution of a compiled schedule: internal to compute/.
 #pragma once
-#include <deque>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "lucarium/compute/schedule_state.h"
@@ -15,6 +15,7 @@ struct RunRecord {
   struct StepEvent {
     size_t step = 0;
     bool first = true;  ///< of the step's slices
+    double moved_bytes = 0;
     ClEvent event;
   };
   struct HostTime {
@@ -23,8 +24,7 @@ struct RunRecord {
   };
   std::vector<StepEvent> events;
   std::vector<HostTime> host_times;
-  std::vector<double> moved_bytes;  ///< by event
-  ClEvent end;                      ///< complete when everything of the run is; null: nothing was enqueued
+  ClEvent end;  ///< complete when everything of the run is; null: nothing was enqueued
 };
 
 /// Enqueues the steps in order. On an in-order queue that order is all; on the out-of-order queue every command waits
@@ -59,6 +59,7 @@ class ScheduleRun {
   void run_host_step(size_t index);
   void check_guards(const CompiledStep& step);
   void add_event(size_t index, bool first, cl_event event, size_t bytes);
+  double expected_seconds(size_t step) const;
   void limit_queued_work(size_t step);
   void wait(const std::vector<cl_event>& events, const std::string& about);
   void set_argument(CompiledStep& step, cl_uint position, size_t bytes, const void* value);
@@ -80,8 +81,8 @@ class ScheduleRun {
   std::vector<cl_event> done_;                      ///< events after which a step is done, all steps'
   std::vector<std::pair<size_t, size_t>> done_of_;  ///< each step's part of done_
   std::vector<cl_event> counter_events_;
-  std::deque<std::pair<cl_event, double>> queued_;  ///< not known to have ended, with the seconds expected
-  double queued_seconds_ = 0;
+  size_t first_queued_ = 0;    ///< events before this one are known to have ended
+  double queued_seconds_ = 0;  ///< expected of the others
 };
 
 }  // namespace lucarium

@@ -136,24 +136,23 @@ TEST_CASE("passes known to be long are not all enqueued ahead, so that cancellat
   KernelScheduler scheduler(schedule_device());
   const auto data = make_buffer("data", Uints(4096, 1));
   ScheduleRecorder recorder = scheduler.record("long", "test");
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 8; ++i) {
     recorder.pass("scramble", schedule_program(), "scramble_alone")
         .global(1)
         .local(1)
         .arg("target", data)
-        .arg("rounds", 2000u)
+        .arg("rounds", 5000u)
         .arg("count", 4096u);
   }
   Schedule schedule = recorder.compile();
   scheduler.run(schedule);
   scheduler.finish();
-  const double seconds_each = scheduler.profile().passes[0].device_seconds / 12;
-  REQUIRE(seconds_each > 0.003);
+  // 20 million dependent steps each: two of them fill what may be enqueued ahead.
   const uint64_t before = scheduler.api_calls().waits;
   scheduler.run(schedule);
   CHECK(scheduler.api_calls().waits - before >= 5);
   int asked = 0;
-  scheduler.set_cancel([&] { return ++asked > 8; });
+  scheduler.set_cancel([&] { return ++asked > 4; });
   CHECK(scheduler.run(schedule) == RunResult::cancelled);
 }
 
