@@ -66,6 +66,10 @@ class Device : public std::enable_shared_from_this<Device> {
   MemoryAccount& memory() { return *memory_; }
   ProgramCache& program_cache() { return *cache_; }
 
+  /// Wall time spent compiling or loading programs so far [s]; clocks of comparisons leave it out.
+  double program_seconds() const { return program_seconds_; }
+  void add_program_seconds(double seconds) { program_seconds_ += seconds; }
+
   /// Waits for everything enqueued. The only place besides read-backs where the host waits.
   void finish();
 
@@ -77,6 +81,7 @@ class Device : public std::enable_shared_from_this<Device> {
   cl_command_queue queue_ = nullptr, overlap_queue_ = nullptr;
   std::unique_ptr<MemoryAccount> memory_;
   std::unique_ptr<ProgramCache> cache_;
+  double program_seconds_ = 0;
 };
 
 /// "CL_INVALID_KERNEL_ARGS" for -52.

@@ -206,6 +206,7 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   state_->from_cache = state_->load(spec, source);
   if (!state_->from_cache) state_->compile(spec, source);
   state_->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  device.add_program_seconds(state_->build_seconds);
 }
 
 void Program::keep_launch_code() const { state_->keep_launch_code(); }

@@ -10,6 +10,13 @@
 
 namespace lucarium {
 
+/// How long to render; whichever ends first, 0: no limit. Checked between iterations.
+struct RenderBudget {
+  double seconds = 0;       ///< of iterating
+  uint64_t iterations = 0;
+  uint64_t samples = 0;     ///< per pixel
+};
+
 /// One technique on one scene on one device: owns scene buffers, BVH, scheduler and the technique, in the right order,
 /// with clocks. The programs render and compare, and tests, all go through it.
 class RenderSession {
@@ -33,12 +40,12 @@ class RenderSession {
   IterationResult iterate();
   /// Iterates until the budget is used up, converged or interrupted; `on_progress` after each iteration.
   /// Returns whether it was interrupted.
-  bool run(const Budget& budget, const std::function<void(const IterationResult&)>& on_progress = {});
+  bool run(const RenderBudget& budget, const std::function<void(const IterationResult&)>& on_progress = {});
   uint64_t iterations() const;
   IterationResult last() const;
 
   /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique.
-  void set_time(double seconds);
+  void set_time(double seconds, int animation = 0);
   void set_camera(const SceneCamera& camera);
 
   /// Film with layers and metadata (technique, parameters, scene hash, samples, seconds, seed, device, driver, version).

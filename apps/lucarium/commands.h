@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace lucarium::app {
+
+/// What the chosen command does; returns the exit code. Set while the command line is parsed, run afterwards.
+using Action = std::function<int()>;
+
+// Each adds its subcommand; the commands are listed in main.cpp.
+void add_render_command(CLI::App& program, Action& action);
+void add_compare_command(CLI::App& program, Action& action);
+void add_report_command(CLI::App& program, Action& action);
+void add_diff_command(CLI::App& program, Action& action);
+void add_scene_command(CLI::App& program, Action& action);
+void add_techniques_command(CLI::App& program, Action& action);
+void add_devices_command(CLI::App& program, Action& action);
+
+}  // namespace lucarium::app

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium: the command-line program. All work is in the library; this only reads arguments and prints.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <new>
+
+#include "commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/nearest_name.h"
+#include "lucarium/version.h"
+
+namespace {
+
+using namespace lucarium;
+
+void print_error(const std::string& message, const std::string& details) {
+  fmt::print(stderr, "lucarium: error: {}\n", message);
+  if (!details.empty() && log_level() >= LogLevel::info) fmt::print(stderr, "{}\n", details);
+}
+
+/// The subcommand that was named, else the program itself.
+const CLI::App& chosen_command(const CLI::App& program) {
+  const auto commands = program.get_subcommands();
+  return commands.empty() ? program : *commands.front();
+}
+
+/// CLI11's message, with the nearest option or command where something unknown was given.
+std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake, const std::vector<std::string>& arguments) {
+  const CLI::App& command = chosen_command(program);
+  std::vector<std::string> options, commands;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(sub->get_name());
+  if (mistake.get_name() == "ExtrasError") {
+    for (const std::string& argument : arguments) {
+      const std::string name = argument.substr(0, argument.find('='));
+      if (name.starts_with("--") && std::find(options.begin(), options.end(), name) == options.end()) {
+        return fmt::format("unknown option {}{}", name, suggest_name(name, options));
+      }
+    }
+    if (&command == &program && !arguments.empty()) {
+      return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
+    }
+  }
+  std::string text = mistake.what();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return fmt::format("{} (see lucarium {} --help)", text, &command == &program ? "" : command.get_name());
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("Compares global-illumination techniques on glTF scenes, on any OpenCL device.", "lucarium");
+  program.set_version_flag("--version", std::string("lucarium ") + LUCARIUM_VERSION);
+  program.require_subcommand(1);
+  app::Action action;
+  app::add_render_command(program, action);
+  app::add_compare_command(program, action);
+  app::add_report_command(program, action);
+  app::add_diff_command(program, action);
+  app::add_scene_command(program, action);
+  app::add_techniques_command(program, action);
+  app::add_devices_command(program, action);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return program.exit(help);
+  } catch (const CLI::ParseError& mistake) {
+    print_error(describe_mistake(program, mistake, {argv + 1, argv + argc}), "");
+    return static_cast<int>(ErrorClass::usage);
+  }
+  install_interrupt_handler();
+  return action();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const Error& error) {
+    print_error(error.what(), error.details());
+    return error.exit_code();
+  } catch (const std::bad_alloc&) {
+    print_error("the host's memory does not suffice; use a smaller scene, --size or --texture-size", "");
+    return static_cast<int>(ErrorClass::device);
+  } catch (const std::exception& error) {
+    print_error(fmt::format("internal: {}; please report it", error.what()), "");
+    return static_cast<int>(ErrorClass::internal);
+  }
+}

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/compute/byte_size.h"
+
+namespace lucarium::app {
+namespace {
+
+uint32_t parse_uint(const std::string& text, const std::string& whole, const char* what) {
+  uint32_t value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || end != text.data() + text.size()) throw_error(ErrorClass::usage, "'{}' is not {}", whole, what);
+  return value;
+}
+
+std::pair<std::string, std::string> parse_assignment(const std::string& text) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw_error(ErrorClass::usage, "'{}' is not key=value", text);
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+}  // namespace
+
+void DeviceArguments::add_to(CLI::App& command) {
+  command.add_option("--device", options.selector, "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
+  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")->check(CLI::Range(0, 4096));
+  command.add_option("--cache-dir", options.cache_dir, "folder of compiled kernels and references");
+  command.add_flag("--no-cache{false}", options.use_cache, "compile every kernel anew");
+  command.add_option("--memory-limit", memory_limit, "most device memory to use, as 500M or 2G");
+  command.add_option("--allocation-limit", allocation_limit, "most device memory of one buffer");
+}
+
+DeviceOptions DeviceArguments::resolved() const {
+  DeviceOptions result = options;
+  if (!memory_limit.empty()) result.memory_limit_bytes = parse_bytes(memory_limit, "--memory-limit");
+  if (!allocation_limit.empty()) result.allocation_limit_bytes = parse_bytes(allocation_limit, "--allocation-limit");
+  return result;
+}
+
+std::vector<std::string> DeviceArguments::words() const {
+  std::vector<std::string> list;
+  if (!options.selector.empty()) list.insert(list.end(), {"--device", options.selector});
+  if (options.threads > 0) list.insert(list.end(), {"--threads", std::to_string(options.threads)});
+  if (!options.cache_dir.empty()) list.insert(list.end(), {"--cache-dir", options.cache_dir.string()});
+  if (!options.use_cache) list.push_back("--no-cache");
+  if (!memory_limit.empty()) list.insert(list.end(), {"--memory-limit", memory_limit});
+  if (!allocation_limit.empty()) list.insert(list.end(), {"--allocation-limit", allocation_limit});
+  return list;
+}
+
+void SceneArguments::add_to(CLI::App& command) {
+  command.add_option("--camera", overrides.camera, "NAME, INDEX, or EYE:TARGET[:VFOV] as x,y,z:x,y,z:degrees");
+  command.add_option("--environment", overrides.environment, "equirectangular .hdr/.exr, or r,g,b; *FACTOR and @DEGREES may follow");
+  command.add_option("--light", overrides.lights, "point:x,y,z:r,g,b, spot:…, directional:dx,dy,dz:r,g,b, or none (docs/scenes.md)")
+      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--exposure", overrides.exposure, "of pictures [stops]");
+  command.add_option("--material", overrides.materials, "NAME:key=value[,…]; NAME may hold *")
+      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--at", overrides.at_seconds, "time of the animation [s]");
+  command.add_option("--animation", overrides.animation, "name or index");
+  command.add_flag("--no-sidecar", no_sidecar, "ignore FILE.lucarium.json beside the scene");
+  command.add_option("--texture-size", import.max_texture_size, "larger textures are halved until they fit [pixels]")
+      ->check(CLI::Range(1u, 65536u));
+}
+
+SceneOverrides SceneArguments::resolved() const {
+  SceneOverrides result = overrides;
+  result.use_sidecar = !no_sidecar;
+  return result;
+}
+
+Scene SceneArguments::load(const std::string& source) const { return load_scene(source, resolved(), import); }
+
+std::vector<std::string> SceneArguments::words() const {
+  std::vector<std::string> list;
+  // "=" keeps values that begin with a minus sign from being read as options.
+  const auto add = [&list](const char* option, const std::string& value) { list.push_back(fmt::format("{}={}", option, value)); };
+  if (overrides.camera) add("--camera", *overrides.camera);
+  if (overrides.environment) add("--environment", *overrides.environment);
+  for (const std::string& light : overrides.lights) add("--light", light);
+  if (overrides.exposure) add("--exposure", fmt::format("{}", *overrides.exposure));
+  for (const std::string& material : overrides.materials) add("--material", material);
+  if (overrides.at_seconds) add("--at", fmt::format("{}", *overrides.at_seconds));
+  if (overrides.animation) add("--animation", *overrides.animation);
+  if (no_sidecar) list.push_back("--no-sidecar");
+  if (import.max_texture_size != ImportOptions().max_texture_size) add("--texture-size", std::to_string(import.max_texture_size));
+  return list;
+}
+
+void ImageArguments::add_to(CLI::App& command, bool with_seed) {
+  command.add_option("--size", size, "WIDTHxHEIGHT in pixels")->capture_default_str();
+  command.add_option("--max-bounces", max_bounces, "indirect bounces; 0: direct light only, -1: unlimited")
+      ->check(CLI::Range(-1, 4095))->capture_default_str();
+  command.add_option("--pixel-sampling", pixel_sampling, "jitter, centre, or n for a grid of n×n")->capture_default_str();
+  if (with_seed) command.add_option("--seed", seed, "same seed, same image")->capture_default_str();
+}
+
+RenderSettings ImageArguments::settings() const {
+  RenderSettings result;
+  std::tie(result.width, result.height) = parse_size(size);
+  result.max_bounces = max_bounces;
+  result.seed = seed;
+  if (pixel_sampling == "jitter") {
+    result.pixel_sampling = 0;
+  } else if (pixel_sampling == "centre") {
+    result.pixel_sampling = 1;
+  } else {
+    result.pixel_sampling = parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: jitter, centre, or n from 2 to 16");
+    if (result.pixel_sampling < 2 || result.pixel_sampling > 16) {
+      throw_error(ErrorClass::usage, "--pixel-sampling {} is not jitter, centre, or n from 2 to 16", pixel_sampling);
+    }
+  }
+  return result;
+}
+
+TechniqueArguments::Spec TechniqueArguments::parse(const std::string& text) {
+  const size_t colon = text.find(':');
+  Spec spec{text.substr(0, colon), {}};
+  if (spec.name.empty()) throw_error(ErrorClass::usage, "'{}' names no technique", text);
+  for (size_t begin = colon == std::string::npos ? text.size() : colon + 1; begin < text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    spec.parameters.push_back(parse_assignment(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return spec;
+}
+
+void TechniqueArguments::add_to(CLI::App& command) {
+  command.add_option_function<std::string>("-t,--technique", [this](const std::string& text) { specs.push_back(parse(text)); },
+                                           "NAME[:key=value,…] (see lucarium techniques)")
+      ->trigger_on_parse()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  command.add_option_function<std::string>(
+             "-p,--parameter",
+             [this](const std::string& text) {
+               if (specs.empty()) throw_error(ErrorClass::usage, "-p {} comes before any -t it could belong to", text);
+               specs.back().parameters.push_back(parse_assignment(text));
+             },
+             "key=value for the -t before it")
+      ->trigger_on_parse()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  command.add_option("--technique-path", folders, "folder of plug-ins, searched first")
+      ->take_all()->expected(1)->allow_extra_args(false);
+}
+
+void OutputArguments::add_to(CLI::App& command, bool with_json) {
+  if (with_json) command.add_flag("--json", json, "print the result as JSON on standard output");
+  command.add_flag("--quiet", quiet, "no progress, no warnings");
+  command.add_flag("-v,--verbose", verbose, "details of errors, and what is being done");
+}
+
+void OutputArguments::apply() const {
+  set_log_level(quiet ? LogLevel::error : verbose ? LogLevel::info : LogLevel::warning);
+}
+
+std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
+  constexpr const char* what = "a size in pixels as WIDTHxHEIGHT, from 1 to 32768 each";
+  const size_t x = text.find('x');
+  if (x == std::string::npos) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
+  const uint32_t width = parse_uint(text.substr(0, x), text, what), height = parse_uint(text.substr(x + 1), text, what);
+  if (width == 0 || height == 0 || width > 32768 || height > 32768) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
+  return {width, height};
+}
+
+}  // namespace lucarium::app

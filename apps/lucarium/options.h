@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Options that several commands share; each struct adds itself to a subcommand.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lucarium/compute/device.h"
+#include "lucarium/scene/load_scene.h"
+#include "lucarium/technique/technique.h"
+
+namespace CLI {
+class App;
+}
+
+namespace lucarium::app {
+
+/// --device, --threads, --cache-dir, --no-cache, --memory-limit
+struct DeviceArguments {
+  DeviceOptions options;
+  std::string memory_limit, allocation_limit;
+  void add_to(CLI::App& command);
+  /// With the texts parsed; throws Error{usage}.
+  DeviceOptions resolved() const;
+  /// As words that give another lucarium process the same device.
+  std::vector<std::string> words() const;
+};
+
+/// --camera, --environment, --light, --exposure, --material, --at, --animation, --no-sidecar, --texture-size
+struct SceneArguments {
+  SceneOverrides overrides;
+  ImportOptions import;
+  bool no_sidecar = false;
+  void add_to(CLI::App& command);
+  Scene load(const std::string& source) const;
+  SceneOverrides resolved() const;
+  std::vector<std::string> words() const;
+};
+
+/// --size, --max-bounces, --pixel-sampling, --seed
+struct ImageArguments {
+  std::string size = "640x360";
+  std::string pixel_sampling = "jitter";
+  int max_bounces = -1;
+  uint64_t seed = 1;
+  void add_to(CLI::App& command, bool with_seed);
+  /// Settings without a camera; throws Error{usage}.
+  RenderSettings settings() const;
+};
+
+/// -t NAME[:key=value,…] and -p key=value, which binds to the -t before it.
+struct TechniqueArguments {
+  struct Spec {
+    std::string name;
+    std::vector<std::pair<std::string, std::string>> parameters;
+  };
+  std::vector<Spec> specs;
+  std::vector<std::filesystem::path> folders;  ///< --technique-path
+  void add_to(CLI::App& command);
+  static Spec parse(const std::string& text);
+};
+
+/// --json, --quiet, -v
+struct OutputArguments {
+  bool json = false, quiet = false, verbose = false;
+  void add_to(CLI::App& command, bool with_json = true);
+  void apply() const;  ///< sets the log level
+};
+
+/// "1920x1080" → {1920, 1080}.
+std::pair<uint32_t, uint32_t> parse_size(const std::string& text);
+
+}  // namespace lucarium::app

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium render: one technique, one scene, one or several pictures.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/progress.h"
+#include "lucarium/film/image_io.h"
+#include "lucarium/technique/session.h"
+#include "lucarium/version.h"
+#include "options.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr uint64_t default_samples = 64;
+
+struct RenderArguments {
+  std::string scene;
+  DeviceArguments device;
+  SceneArguments overrides;
+  ImageArguments image;
+  TechniqueArguments technique;
+  OutputArguments output;
+  std::vector<fs::path> files;
+  uint64_t samples = 0, iterations = 0;
+  double seconds = 0, iterate_seconds = 0;
+  std::string frames;
+  double frames_per_second = 24;
+  bool overwrite = false, half = false;
+  std::string profile;
+};
+
+struct FrameRange {
+  int first = 0, last = 0;
+};
+
+std::optional<FrameRange> parse_frames(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  FrameRange range;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d:%d%c", &range.first, &range.last, &rest) != 2 || range.first < 0 || range.last < range.first) {
+    throw_error(ErrorClass::usage, "--frames {} is not FIRST:LAST", text);
+  }
+  return range;
+}
+
+/// "out.exr" → "out.0007.exr".
+fs::path frame_file(const fs::path& file, int frame) {
+  return file.parent_path() / fmt::format("{}.{:04}{}", file.stem().string(), frame, file.extension().string());
+}
+
+/// Everything that would make writing fail is found before any work is done.
+void check_outputs(const std::vector<fs::path>& files, bool overwrite) {
+  for (const fs::path& file : files) {
+    const std::string extension = file.extension().string();
+    if (extension != ".exr" && extension != ".png") {
+      throw_error(ErrorClass::usage, "{}: output must end in .exr or .png", file.string());
+    }
+    if (fs::exists(file) && !overwrite) {
+      throw_error(ErrorClass::usage, "{} exists; choose another --output or give --overwrite", file.string());
+    }
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder)) throw_error(ErrorClass::input, "{}: there is no such folder to write into", folder.string());
+    const fs::path probe = folder / fmt::format(".lucarium-probe-{}", ::getpid());
+    write_file_atomically(probe, "");
+    std::error_code ignored;
+    fs::remove(probe, ignored);
+  }
+}
+
+void write_outputs(const std::vector<fs::path>& files, const Film& film, float exposure, bool half) {
+  for (const fs::path& file : files) {
+    if (file.extension() == ".png") {
+      write_png(file, film, exposure);
+    } else {
+      write_exr(file, film, {half});
+    }
+  }
+}
+
+void write_profile(const RenderArguments& arguments, RenderSession& session) {
+  if (arguments.profile.empty()) return;
+  session.scheduler().finish();
+  const Profile& profile = session.scheduler().profile();
+  if (arguments.profile == "-") {
+    fmt::print(stderr, "{}", profile.table());
+  } else if (arguments.profile.ends_with(".trace.json")) {
+    write_file_atomically(arguments.profile, profile.chrome_trace());
+  } else {
+    write_file_atomically(arguments.profile, profile.json());
+  }
+}
+
+ordered_json summary_json(RenderSession& session, const Film& film, Device& device, bool partial, double total_seconds,
+                          const std::vector<fs::path>& files) {
+  const RenderSession::Clocks& clocks = session.clocks();
+  ordered_json json;
+  json["schema"] = "lucarium-render-1";
+  for (const auto& [key, value] : film.metadata) json[key] = value;
+  json["width"] = film.width();
+  json["height"] = film.height();
+  json["samples"] = session.last().samples;
+  json["iterations"] = session.iterations();
+  json["seed"] = session.settings().seed;
+  json["partial"] = partial;
+  json["converged"] = session.last().converged;
+  json["seconds"] = total_seconds;
+  json["clocks"] = {{"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
+                    {"compile_seconds", clocks.compile}, {"prepare_seconds", clocks.prepare},
+                    {"warm_up_seconds", clocks.warm_up}, {"iterate_seconds", clocks.iterate}};
+  json["device_memory_bytes"] = device.memory().by_owner();
+  json["peak_device_memory_bytes"] = device.memory().peak_bytes();
+  json["counters"] = session.technique().counters();
+  json["limitations"] = session.limitations();
+  json["warnings"] = session.scene().warnings;
+  json["files"] = ordered_json::array();
+  for (const fs::path& file : files) json["files"].push_back(file.string());
+  return json;
+}
+
+/// Renders within the budget; returns whether it was interrupted.
+bool render_within_budget(const RenderArguments& arguments, RenderSession& session,
+                          std::chrono::steady_clock::time_point start) {
+  RenderBudget budget{arguments.iterate_seconds, arguments.iterations, arguments.samples};
+  if (arguments.seconds > 0) {
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    budget.seconds = std::max(1e-9, arguments.seconds - spent);
+  }
+  if (budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0) budget.samples = default_samples;
+  Progress progress("rendering", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  const double before = session.clocks().iterate;
+  return session.run(budget, [&](const IterationResult& now) {
+    double fraction = now.progress;
+    if (budget.samples > 0) fraction = std::max(fraction, static_cast<double>(now.samples) / static_cast<double>(budget.samples));
+    if (budget.iterations > 0) {
+      fraction = std::max(fraction, static_cast<double>(session.iterations()) / static_cast<double>(budget.iterations));
+    }
+    const double seconds = session.clocks().iterate - before;
+    if (budget.seconds > 0) fraction = std::max(fraction, seconds / budget.seconds);
+    const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
+                        std::max(1e-9, seconds);
+    progress.update(fraction, fmt::format("{} samples per pixel, {:.2f} Msamples/s", now.samples, rate));
+  });
+}
+
+int render(RenderArguments arguments) {
+  const auto start = std::chrono::steady_clock::now();
+  arguments.output.apply();
+  if (arguments.files.empty() && !arguments.output.json) {
+    throw_error(ErrorClass::usage, "where to? add --output FILE.exr or FILE.png");
+  }
+  if (arguments.technique.specs.empty()) arguments.technique.specs.push_back({"path_tracing", {}});
+  if (arguments.technique.specs.size() > 1) throw_error(ErrorClass::usage, "render takes one -t; to compare several use lucarium compare");
+  const std::optional<FrameRange> frames = parse_frames(arguments.frames);
+  std::vector<std::vector<fs::path>> outputs;
+  for (int frame = frames ? frames->first : 0; frame <= (frames ? frames->last : 0); ++frame) {
+    outputs.push_back(arguments.files);
+    for (fs::path& file : outputs.back()) file = frames ? frame_file(file, frame) : file;
+    check_outputs(outputs.back(), arguments.overwrite);
+  }
+  RenderSettings settings = arguments.image.settings();
+  const TechniqueRegistry registry(arguments.technique.folders);
+  const TechniqueArguments::Spec& spec = arguments.technique.specs.front();
+  const TechniqueType& type = registry.find(spec.name);
+
+  Scene scene = arguments.overrides.load(arguments.scene);
+  require_light(scene);
+  for (const std::string& warning : scene.warnings) log_warning("{}", warning);
+  settings.camera = scene.cameras.front();
+  const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
+  RenderSession session(device, std::move(scene), type, settings, spec.parameters);
+  for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
+
+  bool interrupted = false;
+  ordered_json summaries = ordered_json::array();
+  for (size_t i = 0; i < outputs.size() && !interrupted; ++i) {
+    const auto frame_start = i == 0 ? start : std::chrono::steady_clock::now();
+    if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
+    interrupted = render_within_budget(arguments, session, frame_start);
+    if (interrupted && session.iterations() == 0) throw_error(ErrorClass::interrupted, "interrupted before the first iteration; nothing was written");
+    Film film = session.resolve();
+    if (interrupted) film.metadata["partial"] = "yes";
+    write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - frame_start).count();
+    summaries.push_back(summary_json(session, film, *device, interrupted, seconds, outputs[i]));
+  }
+  write_profile(arguments, session);
+  if (arguments.output.json) fmt::print("{}\n", (frames ? summaries : summaries.front()).dump(2));
+  if (!interrupted) return 0;
+  log_warning("interrupted: the partial result is kept");
+  return static_cast<int>(ErrorClass::interrupted);
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& program, Action& action) {
+  auto arguments = std::make_shared<RenderArguments>();
+  CLI::App& command = *program.add_subcommand("render", "render a scene with one technique");
+  command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
+  arguments->technique.add_to(command);
+  command.add_option("-o,--output", arguments->files, ".exr (layers, metadata) or .png (picture); may be given twice")
+      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--spp", arguments->samples, "samples per pixel (default 64 when no other budget is given)")->check(CLI::PositiveNumber);
+  command.add_option("--iterations", arguments->iterations, "iterations of the technique")->check(CLI::PositiveNumber);
+  command.add_option("--time", arguments->seconds, "seconds, preparation included")->check(CLI::PositiveNumber);
+  command.add_option("--iterate-time", arguments->iterate_seconds, "seconds of iterating alone")->check(CLI::PositiveNumber);
+  arguments->image.add_to(command, true);
+  arguments->overrides.add_to(command);
+  command.add_option("--frames", arguments->frames, "FIRST:LAST of the animation; files are numbered");
+  command.add_option("--fps", arguments->frames_per_second, "frames per second of --frames")->check(CLI::PositiveNumber)->capture_default_str();
+  command.add_flag("--half", arguments->half, "16-bit floats in EXR");
+  command.add_flag("--overwrite", arguments->overwrite, "replace existing files");
+  command.add_flag("--profile{-}", arguments->profile, "time per pass: a table, or --profile=FILE.json, FILE.trace.json (Perfetto)");
+  arguments->device.add_to(command);
+  arguments->output.add_to(command);
+  command.callback([arguments, &action] { action = [arguments] { return render(*arguments); }; });
+}
+
+}  // namespace lucarium::app

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium techniques [NAME]: everything a technique declares, as text, JSON, or the page docs/techniques.md.
+#include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/technique/plugin.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+namespace {
+
+struct TechniquesArguments {
+  std::string name;
+  std::vector<fs::path> folders;
+  bool json = false, markdown = false;
+};
+
+std::string bounces_text(const Capabilities& can) {
+  return can.max_bounces < 0 ? std::string("unlimited") : fmt::format("at most {}", can.max_bounces);
+}
+
+void print_text(const TechniqueType& type) {
+  const TechniqueInfo& info = type.info();
+  const Capabilities& can = info.capabilities;
+  fmt::print("{} {}: {}\n", info.name, info.version, info.summary);
+  if (!info.citation.empty()) fmt::print("  paper       {}\n", info.citation);
+  fmt::print("  file        {}\n  lights      {}\n  materials   {}\n  changes     {}\n  bounces     {}\n", type.file().string(),
+             fmt::join(can.lights, ", "), fmt::join(can.materials, ", "), fmt::join(can.changes, ", "), bounces_text(can));
+  fmt::print("  {}, {}, {}\n  layers      {}\n  parameters\n", can.progressive ? "progressive" : "one-shot",
+             can.view_independent ? "view-independent data" : "view-dependent",
+             can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", fmt::join(info.layers, ", "));
+  const std::unique_ptr<Technique> technique = type.create();
+  for (const ParameterTable::Entry& entry : technique->parameters().entries()) {
+    const ParameterInfo& p = entry.info;
+    fmt::print("    {}={}  ({}{}{})\n        {}\n", p.name, p.default_value, p.range, p.unit.empty() ? "" : " ", p.unit, p.doc);
+  }
+}
+
+ordered_json to_json(const TechniqueType& type) {
+  const TechniqueInfo& info = type.info();
+  const Capabilities& can = info.capabilities;
+  ordered_json json = {{"name", info.name},
+                       {"version", info.version},
+                       {"summary", info.summary},
+                       {"citation", info.citation},
+                       {"file", type.file().string()},
+                       {"layers", info.layers},
+                       {"capabilities",
+                        {{"lights", can.lights},
+                         {"materials", can.materials},
+                         {"changes", can.changes},
+                         {"max_bounces", can.max_bounces},
+                         {"progressive", can.progressive},
+                         {"view_independent", can.view_independent},
+                         {"sample_streams", can.sample_streams},
+                         {"pixel_sampling", can.pixel_sampling}}},
+                       {"parameters", ordered_json::array()}};
+  const std::unique_ptr<Technique> technique = type.create();
+  for (const ParameterTable::Entry& entry : technique->parameters().entries()) {
+    const ParameterInfo& p = entry.info;
+    json["parameters"].push_back({{"name", p.name}, {"type", p.type}, {"default", p.default_value}, {"range", p.range},
+                                  {"unit", p.unit}, {"meaning", p.doc}});
+  }
+  return json;
+}
+
+std::string table_cell(std::string text) {
+  for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.replace(at, 1, "\\|");
+  return text;
+}
+
+std::string markdown(const TechniqueType& type) {
+  const TechniqueInfo& info = type.info();
+  const Capabilities& can = info.capabilities;
+  std::string page = fmt::format("\n## {}\n\n{}.\n\n", info.name, info.summary);
+  if (!info.citation.empty()) page += fmt::format("{}.\n\n", info.citation);
+  page += fmt::format("- lights: {}\n- materials: {}\n- scene changes: {}\n- bounces: {}\n- {}; {}\n- layers: {}\n\n",
+                      fmt::join(can.lights, ", "), fmt::join(can.materials, ", "), fmt::join(can.changes, ", "),
+                      bounces_text(can), can.progressive ? "progressive" : "one-shot",
+                      can.view_independent ? "data do not depend on the view" : "data depend on the view",
+                      fmt::join(info.layers, ", "));
+  page += "| parameter | type | default | range | unit | meaning |\n|---|---|---|---|---|---|\n";
+  const std::unique_ptr<Technique> technique = type.create();
+  for (const ParameterTable::Entry& entry : technique->parameters().entries()) {
+    const ParameterInfo& p = entry.info;
+    page += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", p.name, p.type, p.default_value, table_cell(p.range), p.unit,
+                        table_cell(p.doc));
+  }
+  return page;
+}
+
+int techniques(const TechniquesArguments& arguments) {
+  const TechniqueRegistry registry(arguments.folders);
+  std::vector<const TechniqueType*> chosen;
+  if (!arguments.name.empty()) {
+    chosen.push_back(&registry.find(arguments.name));
+  } else {
+    for (const TechniqueType& type : registry.types()) chosen.push_back(&type);
+  }
+  if (arguments.json) {
+    ordered_json list = ordered_json::array();
+    for (const TechniqueType* type : chosen) list.push_back(to_json(*type));
+    fmt::print("{}\n", list.dump(2));
+  } else if (arguments.markdown) {
+    fmt::print("# Techniques\n\nGenerated by `lucarium techniques --markdown`; edit the techniques' `describe()` instead.\n");
+    for (const TechniqueType* type : chosen) fmt::print("{}", markdown(*type));
+  } else if (!arguments.name.empty()) {
+    print_text(*chosen.front());
+  } else {
+    for (const TechniqueType* type : chosen) fmt::print("{:<24} {}\n", type->info().name, type->info().summary);
+  }
+  for (const PluginFailure& failure : registry.failures()) log_warning("{}: {}", failure.file.string(), failure.reason);
+  if (chosen.empty()) {
+    std::string searched;
+    for (const fs::path& folder : registry.searched()) searched += (searched.empty() ? "" : ", ") + folder.string();
+    throw_error(ErrorClass::technique, "no technique found; searched {}; name a folder with --technique-path", searched);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_techniques_command(CLI::App& program, Action& action) {
+  auto arguments = std::make_shared<TechniquesArguments>();
+  CLI::App& command = *program.add_subcommand("techniques", "list techniques, or print everything one declares");
+  command.add_option("name", arguments->name, "technique");
+  command.add_option("--technique-path", arguments->folders, "folder of plug-ins, searched first")
+      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_flag("--json", arguments->json, "print JSON");
+  command.add_flag("--markdown", arguments->markdown, "print the reference page docs/techniques.md");
+  command.callback([arguments, &action] { action = [arguments] { return techniques(*arguments); }; });
+}
+
+}  // namespace lucarium::app
