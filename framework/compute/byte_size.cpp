@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/compute/byte_size.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
@@ -19,23 +20,22 @@ std::string format_bytes(size_t bytes) {
 }
 
 size_t parse_bytes(std::string_view text, std::string_view what) {
-  const std::string copy(text);
+  const size_t digits = std::min(text.find_first_not_of("0123456789."), text.size());
+  const std::string number(text.substr(0, digits));
   char* end = nullptr;
-  const double number = std::strtod(copy.c_str(), &end);
-  std::string suffix(end);
-  for (char& c : suffix) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  int exponent = 0;
-  if (!suffix.empty() && suffix != "B") {
-    const size_t unit = std::string_view("KMGT").find(suffix[0]);
-    const std::string rest = suffix.substr(1);
-    exponent =
-        unit != std::string::npos && (rest.empty() || rest == "B" || rest == "IB") ? static_cast<int>(unit) + 1 : -1;
+  const double value = std::strtod(number.c_str(), &end);
+  std::string unit(text.substr(digits));
+  for (char& c : unit) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (const std::string_view ending : {"IB", "B"}) {
+    if (unit.ends_with(ending)) unit.resize(unit.size() - ending.size());
   }
-  const bool starts_with_digit = !copy.empty() && (std::isdigit(static_cast<unsigned char>(copy[0])) || copy[0] == '.');
-  if (!starts_with_digit || end == copy.c_str() || exponent < 0 || !std::isfinite(number)) {
+  constexpr std::string_view units = "KMGT";
+  const bool known = unit.empty() || (unit.size() == 1 && units.find(unit) != std::string_view::npos);
+  if (number.empty() || end == number.c_str() || *end || !known) {
     throw_error(ErrorClass::usage, "{}: '{}' is not a number of bytes; write for instance 800M or 2G", what, text);
   }
-  const double bytes = std::ldexp(number, 10 * exponent);
+  const int exponent = unit.empty() ? 0 : static_cast<int>(units.find(unit)) + 1;
+  const double bytes = std::ldexp(value, 10 * exponent);
   if (bytes >= std::ldexp(1.0, 63)) {
     throw_error(ErrorClass::usage, "{}: '{}' is more memory than any machine has", what, text);
   }

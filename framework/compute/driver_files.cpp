@@ -43,24 +43,27 @@ fs::path generic_variant(const std::string& program, const std::string& kernel) 
   return driver_folder()->path() / program / kernel / "0-0-0" / (kernel + launch_code);
 }
 
+/// Program by cache key, as known to this process. Under folder_mutex().
+std::string& program_of(const Hash128& key) {
+  static std::map<std::string, std::string> programs;
+  return programs[key.hex()];
+}
+
 bool stays_inside(const fs::path& relative) {
   return relative.is_relative() && !relative.empty() && *relative.lexically_normal().begin() != "..";
 }
 
 }  // namespace
 
-std::string program_made_by(const std::function<void()>& build) {
+std::string program_made_by(const Hash128& key, const std::function<void()>& build) {
   const std::lock_guard lock(folder_mutex());
   const std::vector<std::string> before = driver_folder()->programs();
   build();
   const std::set<std::string> known(before.begin(), before.end());
-  std::string made;
-  for (const std::string& program : driver_folder()->programs()) {
-    if (known.contains(program)) continue;
-    if (!made.empty()) return "";
-    made = program;
-  }
-  return made;
+  std::vector<std::string> made = driver_folder()->programs();
+  std::erase_if(made, [&](const std::string& program) { return known.contains(program); });
+  if (made.size() == 1) program_of(key) = made.front();
+  return program_of(key);
 }
 
 std::set<std::string> list_driver_files(const std::string& program) {
@@ -84,8 +87,9 @@ std::vector<DriverFile> read_driver_files(const std::set<std::string>& paths) {
   return files;
 }
 
-void restore_driver_files(const CachedProgram& program) {
+void restore_driver_files(const Hash128& key, const CachedProgram& program) {
   const std::lock_guard lock(folder_mutex());
+  program_of(key) = program.driver_program;
   const fs::path& root = driver_folder()->path();
   for (const DriverFile& file : program.driver_files) {
     if (!stays_inside(file.path)) throw_error(ErrorClass::device, "driver file '{}' is outside the folder", file.path);
@@ -113,6 +117,7 @@ void without_generic_variants(const std::string& program, const std::vector<std:
     for (const auto& [generic, code] : stand_ins) fs::remove(generic, ignored);
   };
   try {
+    remove();  // the empty files of an earlier restore
     for (const auto& [generic, code] : stand_ins) write_new_file(generic, read_file(code));
     take();
   } catch (...) {

@@ -14,15 +14,16 @@ namespace lucarium {
 /// 40-500 ms each). These functions carry both between that folder and cache entries. A program is named by its
 /// folder, relative to driver_folder()->path().
 
-/// Runs `build` and returns the program that appeared meanwhile; empty when there is not exactly one.
-std::string program_made_by(const std::function<void()>& build);
+/// Runs `build` and returns the program that appeared meanwhile, or the one that the same `key` had before in this
+/// process; empty when neither is known.
+std::string program_made_by(const Hash128& key, const std::function<void()>& build);
 
 /// Paths of what there is now.
 std::set<std::string> list_driver_files(const std::string& program);
 std::vector<DriverFile> read_driver_files(const std::set<std::string>& paths);
 
 /// Writes the files of an entry to where PoCL will look for them. Throws when that fails, leaving no partial file.
-void restore_driver_files(const CachedProgram& program);
+void restore_driver_files(const Hash128& key, const CachedProgram& program);
 
 /// Runs `take`, which asks PoCL for the program's binary, such that PoCL compiles nothing; does nothing when some
 /// kernel has no launch code yet. PoCL would compile a generic variant of every kernel first, which takes as long as

@@ -121,6 +121,8 @@ DriverFolder::~DriverFolder() {
   fs::remove_all(path_, ignored);
 }
 
+bool DriverFolder::is_one(const fs::path& path) { return path.filename().string().starts_with(name_prefix); }
+
 std::vector<std::string> DriverFolder::programs() const {
   std::vector<std::string> found;
   std::error_code failure;

@@ -24,6 +24,9 @@ class DriverFolder {
 
   const std::filesystem::path& path() const { return path_; }
 
+  /// Whether a path looks like a folder of this class, of whichever process.
+  static bool is_one(const std::filesystem::path& path);
+
   /// Folders of built programs, relative to path().
   std::vector<std::string> programs() const;
 

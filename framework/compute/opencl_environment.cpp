@@ -26,7 +26,8 @@ std::string environment_value(const char* name) {
 }
 
 void set_driver_folder(const DeviceOptions& options) {
-  if (const std::string chosen = environment_value("POCL_CACHE_DIR"); !chosen.empty()) {
+  const std::string chosen = environment_value("POCL_CACHE_DIR");
+  if (!chosen.empty() && !DriverFolder::is_one(chosen)) {  // a parent process's folder is not a choice
     const std::string problem = why_not_writable(chosen);
     if (problem.empty()) return;
     log_warning("POCL_CACHE_DIR={} cannot be used ({}); using a temporary folder", chosen, problem);

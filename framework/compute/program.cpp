@@ -51,9 +51,11 @@ std::string first_error(const std::string& log) {
   std::string fallback;
   for (std::string_view rest = log; !rest.empty();) {
     const size_t end = std::min(rest.find('\n'), rest.size());
-    const std::string_view line = rest.substr(0, end);
+    std::string_view line = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
-    if (line.find("error:") != std::string_view::npos) return std::string(line);
+    const bool is_error = line.find("error:") != std::string_view::npos;
+    if (constexpr std::string_view prefix = "error: "; line.starts_with(prefix)) line.remove_prefix(prefix.size());
+    if (is_error) return std::string(line);
     if (fallback.empty() && line.find_first_not_of(" \t\r") != std::string_view::npos) fallback = line;
   }
   return fallback.empty() ? "the driver gives no reason" : fallback;
@@ -124,7 +126,7 @@ struct Program::State {
     const std::optional<CachedProgram> entry = device->program_cache().load(key);
     if (!entry) return false;
     try {
-      if (has_driver_files()) restore_driver_files(*entry);
+      if (has_driver_files()) restore_driver_files(key, *entry);
       program = entry->binary.empty() ? create_from_source(*device, spec, source)
                                       : create_from_binary(*device, spec, entry->binary);
       build(program.get(), *device, spec);
@@ -143,7 +145,7 @@ struct Program::State {
   void compile(const ProgramSpec& spec, const std::string& source) {
     program = create_from_source(*device, spec, source);
     if (has_driver_files()) {
-      driver_program = program_made_by([&] { build(program.get(), *device, spec); });
+      driver_program = program_made_by(key, [&] { build(program.get(), *device, spec); });
     } else {
       build(program.get(), *device, spec);
     }
@@ -164,9 +166,10 @@ struct Program::State {
   }
 
   void keep_launch_code() noexcept {
+    if (driver_program.empty()) return;
     try {
       const ProgramCache& cache = device->program_cache();
-      if (!cache.enabled() || driver_program.empty() || !has_driver_files()) return;
+      if (!cache.enabled() || !has_driver_files()) return;
       const std::set<std::string> present = list_driver_files(driver_program);
       if (std::includes(kept_files.begin(), kept_files.end(), present.begin(), present.end())) return;
       std::optional<CachedProgram> entry = cache.load(key);
