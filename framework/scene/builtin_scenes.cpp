@@ -22,7 +22,6 @@ const std::vector<BuiltinScene>& builtin_scenes() {
       {"cornell-glossy", [] { return make_cornell("glossy"); }},
       {"furnace", make_furnace},
       {"room", make_room},
-      {"atrium", make_atrium},
   };
   return scenes;
 }

@@ -19,8 +19,8 @@ struct BvhStatistics {
 /// How rays are traversed. All find the same hits, bit for bit on one device.
 enum class BvhTraversal {
   automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
-  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item; with AVX-512 many rays interleaved
-  wide_portable,  ///< the same without compiler built-ins, one ray after the other
+  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item
+  wide_portable,  ///< the same without compiler built-ins
   scalar,         ///< 4-wide nodes, 4-triangle leaves, one ray per work-item
 };
 
@@ -29,10 +29,10 @@ enum class BvhTraversal {
 /// triangle index; closed meshes with shared vertices are watertight. Results do not depend on the number of threads.
 class Bvh : public Intersector {
  public:
-  /// Refuses with Error{device} and the numbers when the device's memory does not suffice. `buffers` must outlive this.
+  /// Refuses with Error{device} and the numbers when the device's memory does not suffice.
   Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers,
       BvhTraversal traversal = BvhTraversal::automatic);
-  /// The same over any opaque triangles, without a scene (Triangle::instance and all of Vertex but the position are unused).
+  /// The same over any triangles, without a scene (Triangle::instance and all of Vertex but the position are unused).
   Bvh(Device& device, std::span<const Vertex> vertices, std::span<const Triangle> triangles,
       BvhTraversal traversal = BvhTraversal::automatic);
   ~Bvh() override;

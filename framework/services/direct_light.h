@@ -19,12 +19,16 @@ class DirectLight {
   ~DirectLight();
 
   /// Adds one sample per pixel to `radiance` (float4 per pixel, xyz sum, w sample count) for the points of the G-buffer.
-  void accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,
+  /// Returns false when cancelled; nothing has then been added.
+  bool accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,
                            uint32_t sample_index, uint32_t seed);
   /// Adds one sample per point to `irradiance` (float4, xyz sum [lx], w count); light sampling only, which suffices for a
-  /// cosine-weighted receiver.
-  void accumulate_irradiance(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance,
+  /// cosine-weighted receiver. Returns false when cancelled; nothing has then been added.
+  bool accumulate_irradiance(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance,
                              uint32_t sample_index, uint32_t seed);
+  /// Compiles what the same call will launch.
+  void warm_up(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance);
+  void warm_up(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance);
 
  private:
   struct State;

@@ -19,12 +19,15 @@ class GBuffer {
           const Frame& frame, const std::string& owner);
   ~GBuffer();
 
-  /// Fills `points()` for sample `sample_index`.
-  void render(uint32_t sample_index);
+  /// Fills `points()` for sample `sample_index`. Returns false when cancelled midway: the points are then useless.
+  bool render(uint32_t sample_index);
+  /// Another camera or seed; the image size stays.
   void set_frame(const Frame& frame);
+  void warm_up();
   const TypedBuffer<GBufferPoint>& points() const;  ///< width · height, rows from the top
   /// Writes Albedo, P, N, Ns AOVs of the last render.
   void resolve(Film& film) const;
+  static size_t estimate_bytes(uint32_t width, uint32_t height);
 
  private:
   struct State;

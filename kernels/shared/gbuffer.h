@@ -14,9 +14,10 @@ LUCARIUM_STRUCT_BEGIN(GBufferPoint)
   float4 view;        // xyz unit direction from the point towards where the ray came from; w unused
   float4 throughput;  // xyz of the delta chain (1 without one); w: number of delta events
   float4 emission;    // xyz radiance emitted along the eye path towards the eye, throughput included [cd/m²]; w unused
+  float4 albedo;      // xyz: what the surface reflects of white light from everywhere, averaged over its hemisphere; w unused
   float u, v;         // barycentrics of the hit
   uint triangle;      // LUCARIUM_NONE for a miss
   uint state;         // LUCARIUM_GBUFFER_*
-LUCARIUM_STRUCT_END(GBufferPoint, 112)
+LUCARIUM_STRUCT_END(GBufferPoint, 128)
 
 #endif

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// path_tracing: unidirectional path tracing, and the reference of every comparison
+// --------------------------------------------------------------------------------
+//
+// Idea. Follow light backwards from the eye. At every vertex x of a path with throughput T,
+//
+//   L += T · w_l · f(x, ω_l) · L_e · |cos| / p_l(ω_l)      one light sample ω_l, if nothing blocks it
+//   T *= f(x, ω) · |cos| / p(ω)                            one BSDF sample ω, along which the path goes on
+//   L += T · w_b · L_e                                     when ω hits an emitter
+//
+// (Kajiya, The Rendering Equation, SIGGRAPH 1986, eq. 1, expanded into a sum over paths). w_l and w_b are the power
+// heuristic with β = 2 (Veach and Guibas, Optimally Combining Sampling Techniques, SIGGRAPH 1995, section 3.3), so that
+// both strategies may find the same emitter; punctual lights can only be sampled (w_l = 1), and after a mirror or ideal
+// refraction emitters can only be hit (w_b = 1).
+//
+// What is counted. A path with n counted scatterings adds to the layer `emission` (n = 0), `direct` (n = 1) or
+// `indirect` (n ≥ 2). Ideal mirrors and ideal refraction between the eye and the first other vertex are free; every
+// other scattering counts; crossings of MASK and BLEND surfaces never do. max_bounces limits n to max_bounces + 1.
+//
+// How. PathIntegrator (framework/services) does the work in batches of at most batch_paths paths: all rays of one
+// bounce are traced together, then all vertices shaded, then all shadow rays traced. This file only says which paths.
+//
+// Error. With replicates R > 1 the samples form R independent sets, and the layer `Variance` is s²/R of their means.
+// Within a set Owen-scrambled Sobol points are used, whose own variance says nothing about the error.
+//
+// Limits. Punctual light through a mirror or glass is found by no strategy and is left out; shadow rays take glass as
+// opaque. Caustics of small emitters are found by hits only and are noisy. Nothing is clamped unless asked.
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/bvh.h"
+#include "lucarium/services/path_integrator.h"
+#include "lucarium/technique/plugin.h"
+
+namespace lucarium {
+namespace {
+
+// ---- options
+
+struct PathTracingParameters {
+  PathIntegratorOptions options;
+
+  template <class V>
+  void describe(V& v) {
+    v.choice("estimator", options.estimator,
+             {{"mis", PathEstimator::mis}, {"nee", PathEstimator::nee_only}, {"bsdf", PathEstimator::bsdf_only}},
+             "how light of surfaces and environment is found: by light samples (nee), by hits (bsdf), or both (mis)");
+    v.choice("sampler", options.sampler, {{"sobol", PathSampler::sobol}, {"random", PathSampler::random}},
+             "Owen-scrambled Sobol points, or independent random numbers");
+    v.choice("light_choice", options.light_choice, {{"power", LightChoice::power}, {"uniform", LightChoice::uniform}},
+             "which light a vertex samples: in proportion to its power, or all alike");
+    v.flag("roulette", options.roulette, "Russian roulette (never used when max_bounces is below 8)");
+    v.number("roulette_start", options.roulette_start, 0, 4096, "scatterings", "when Russian roulette begins");
+    v.number("replicates", options.replicates, 1, 64, "", "independent sample sets; 2 or more give the error per pixel");
+    v.number("samples_per_iteration", options.samples_per_iteration, 1, 4096, "samples/pixel",
+             "samples per pixel of one iteration");
+    v.number("batch_paths", options.batch_paths, 1024, 1 << 22, "paths", "most paths in flight; memory grows with it");
+    describe_path_set(v);
+  }
+
+  // The defaults are all paths; the reference of a comparison sets what the technique under test leaves out.
+  template <class V>
+  void describe_path_set(V& v) {
+    PathSet& set = options.path_set;
+    v.flag("emission", set.emission, "compute the layer emission");
+    v.flag("direct", set.direct, "compute the layer direct");
+    v.flag("indirect", set.indirect, "compute the layer indirect");
+    v.flag("point_lights", set.point_lights, "include point lights");
+    v.flag("spot_lights", set.spot_lights, "include spot lights");
+    v.flag("directional_lights", set.directional_lights, "include directional lights");
+    v.flag("emissive_triangles", set.emissive_triangles, "include emissive surfaces");
+    v.flag("environment", set.environment, "include the environment");
+    v.flag("eye_delta", set.eye_delta, "include mirrors and ideal refraction seen by the eye");
+    v.flag("light_delta", set.light_delta, "include mirrors and ideal refraction behind the first counted scattering");
+    v.flag("secondary_lambert_only", set.secondary_lambert_only,
+           "behind the first non-delta vertex keep only the diffuse lobe");
+    v.flag("geometric_normals", set.geometric_normals, "shade with geometric instead of shading normals");
+    v.flag("blend", set.blend, "BLEND surfaces are crossed at random; off: they are opaque");
+    v.number("indirect_clamp", set.indirect_clamp, 0.0, 1e30, "cd/m²",
+             "upper bound of one sample's indirect light, which biases; 0: none");
+  }
+};
+
+// ---- what it reads and writes
+
+TechniqueInfo path_tracing_info() {
+  TechniqueInfo info;
+  info.name = "path_tracing";
+  info.version = "1.0";
+  info.summary = "unidirectional path tracing with light sampling and multiple importance sampling";
+  info.citation =
+      "J. T. Kajiya, The Rendering Equation, SIGGRAPH 1986; E. Veach and L. J. Guibas, Optimally Combining Sampling "
+      "Techniques for Monte Carlo Rendering, SIGGRAPH 1995";
+  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
+  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
+  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.sample_streams = true;
+  info.capabilities.pixel_sampling = {};
+  for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
+  info.layers = {"emission", "direct", "indirect", "Variance"};
+  return info;
+}
+
+// ---- code
+
+class PathTracing : public Technique {
+ public:
+  ParameterTable& parameters() override { return table_; }
+
+  PathSet path_set(const Scene&, const RenderSettings& settings) const override {
+    PathSet set = parameters_.options.path_set;
+    set.max_bounces = settings.max_bounces;
+    return set;
+  }
+
+  std::vector<std::string> limitations(const Scene&, const RenderSettings&) const override { return {}; }
+
+  size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
+    return PathIntegrator::estimate_bytes(settings.width, settings.height, parameters_.options);
+  }
+
+  void prepare(const TechniqueContext& context) override {
+    context_ = std::make_unique<TechniqueContext>(context);
+    seed_ = context.settings.seed;
+    make_integrator();
+  }
+
+  void update(const SceneChange& change) override {
+    const bool only_camera = change.camera && !change.geometry() && change.materials.empty() && !change.lights &&
+                             !change.environment;
+    if (only_camera)
+      integrator_->set_frame(make_frame());
+    else if (change.any())
+      make_integrator();
+  }
+
+  IterationResult iterate() override {
+    integrator_->iterate();
+    IterationResult result;
+    result.progress = -1;
+    result.samples = integrator_->samples();
+    result.phase = "trace";
+    return result;
+  }
+
+  void resolve(Film& film) override { integrator_->resolve(film); }
+
+  void reset(uint64_t seed) override {
+    seed_ = seed;
+    integrator_->reset(seed);
+  }
+
+  void warm_up() override { integrator_->warm_up(); }
+  std::map<std::string, double> counters() const override { return integrator_->counters(); }
+
+ private:
+  Frame make_frame() const {
+    const RenderSettings& settings = context_->settings;
+    Frame frame{};
+    frame.camera = make_camera(settings.camera, static_cast<float>(settings.width) / static_cast<float>(settings.height));
+    frame.width = settings.width;
+    frame.height = settings.height;
+    frame.pixel_sampling = settings.pixel_sampling;
+    frame.max_bounces = settings.max_bounces;
+    return frame;
+  }
+
+  void make_integrator() {
+    integrator_.reset();  // its memory first
+    PathIntegratorOptions options = parameters_.options;
+    options.path_set = path_set(context_->scene, context_->settings);
+    integrator_ = std::make_unique<PathIntegrator>(*context_->device, context_->scheduler, context_->scene_buffers,
+                                                   context_->bvh(), make_frame(), options, "path_tracing");
+    integrator_->reset(seed_);
+  }
+
+  PathTracingParameters parameters_;
+  ParameterTable table_ = make_parameter_table(parameters_);
+  std::unique_ptr<TechniqueContext> context_;
+  uint64_t seed_ = 1;
+  std::unique_ptr<PathIntegrator> integrator_;
+};
+
+std::unique_ptr<Technique> create_path_tracing() { return std::make_unique<PathTracing>(); }
+
+}  // namespace
+}  // namespace lucarium
+
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::path_tracing_info, lucarium::create_path_tracing)

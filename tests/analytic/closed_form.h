@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the closed-form tests share: scenes made by hand, an estimate with its standard error, and the criterion
+//   |mean - exact| <= t SE + 2e-4 exact
+// with the t-quantile of the replicates, Sidak-corrected over all rows of a table, so that a whole table fails by
+// chance once in a hundred seeds (and seeds are fixed).
+#pragma once
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <string>
+#include <vector>
+
+#include "lucarium/scene/scene.h"
+#include "lucarium/services/bvh.h"
+#include "lucarium/services/path_integrator.h"
+#include "student_t.h"
+#include "test_support.h"
+
+namespace lucarium::test {
+
+// ---- scenes
+
+/// No Fresnel interface (ior 1): exactly Lambertian with albedo `rho`.
+inline SceneMaterial lambert(float rho) {
+  SceneMaterial material;
+  material.base_color = glm::vec4(rho, rho, rho, 1);
+  material.metallic = 0;
+  material.roughness = 1;
+  material.ior = 1;
+  return material;
+}
+
+inline SceneMaterial emitter(float radiance, float rho = 0) {
+  SceneMaterial material = lambert(rho);
+  material.emissive_factor = glm::vec3(1);
+  material.emissive_strength = radiance;
+  return material;
+}
+
+inline int add_material(Scene& scene, const SceneMaterial& material) {
+  scene.materials.push_back(material);
+  return static_cast<int>(scene.materials.size()) - 1;
+}
+
+/// Flat triangles, three positions each, counter-clockwise seen from the front.
+inline void add_triangles(Scene& scene, const std::vector<glm::vec3>& positions, int material) {
+  Mesh mesh;
+  mesh.positions = positions;
+  mesh.material = material;
+  mesh.flat_normals = true;
+  for (uint32_t i = 0; i < positions.size(); i += 3) {
+    const glm::vec3 n = glm::normalize(glm::cross(positions[i + 1] - positions[i], positions[i + 2] - positions[i]));
+    mesh.normals.insert(mesh.normals.end(), 3, n);
+    mesh.triangles.push_back({i, i + 1, i + 2});
+  }
+  scene.meshes.push_back(std::move(mesh));
+  SceneInstance instance;
+  instance.mesh = static_cast<int>(scene.meshes.size()) - 1;
+  instance.material = material;
+  scene.instances.push_back(instance);
+}
+
+/// A convex polygon as a fan, counter-clockwise seen from its front.
+inline void add_polygon(Scene& scene, const std::vector<glm::vec3>& corners, int material) {
+  std::vector<glm::vec3> positions;
+  for (size_t i = 2; i < corners.size(); ++i) positions.insert(positions.end(), {corners[0], corners[i - 1], corners[i]});
+  add_triangles(scene, positions, material);
+}
+
+/// A horizontal rectangle about (x, z) at height y that faces up or down.
+inline void add_horizontal(Scene& scene, float x, float y, float z, float size_x, float size_z, bool faces_up, int material) {
+  const float a = 0.5f * size_x, b = 0.5f * size_z;
+  std::vector<glm::vec3> corners = {{x - a, y, z + b}, {x + a, y, z + b}, {x + a, y, z - b}, {x - a, y, z - b}};
+  if (!faces_up) std::swap(corners[1], corners[3]);
+  add_polygon(scene, corners, material);
+}
+
+/// Regular polygon with `sides` sides whose area is that of the disk of this radius.
+inline std::vector<glm::vec3> disk_corners(float y, float radius, int sides, bool faces_up) {
+  const double step = 2 * M_PI / sides;
+  const double scaled = radius * std::sqrt(step / std::sin(step));
+  std::vector<glm::vec3> corners;
+  for (int i = 0; i < sides; ++i) {
+    const double angle = (faces_up ? -i : i) * step;
+    corners.push_back({scaled * std::cos(angle), y, scaled * std::sin(angle)});
+  }
+  return corners;
+}
+
+/// The walls of an axis-aligned box.
+inline void add_box(Scene& scene, const glm::vec3& low, const glm::vec3& high, bool faces_inward, int material) {
+  const auto corner = [&](int i) {
+    return glm::vec3(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z);
+  };
+  const int faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  for (const auto& face : faces) {
+    std::vector<glm::vec3> corners = {corner(face[0]), corner(face[1]), corner(face[2]), corner(face[3])};
+    if (faces_inward) std::swap(corners[1], corners[3]);
+    add_polygon(scene, corners, material);
+  }
+}
+
+/// Triangles of an octahedron subdivided `levels` times and pushed out to the sphere; flat.
+std::vector<glm::vec3> inline sphere_triangles(const glm::vec3& center, float radius, int levels, bool faces_inward) {
+  std::vector<glm::dvec3> positions;
+  for (int octant = 0; octant < 8; ++octant) {
+    const glm::dvec3 x(octant & 1 ? -1 : 1, 0, 0), y(0, octant & 2 ? -1 : 1, 0), z(0, 0, octant & 4 ? -1 : 1);
+    const bool mirrored = ((octant & 1) + ((octant >> 1) & 1) + ((octant >> 2) & 1)) % 2 == 1;
+    if (mirrored != faces_inward)
+      positions.insert(positions.end(), {x, z, y});
+    else
+      positions.insert(positions.end(), {x, y, z});
+  }
+  for (int level = 0; level < levels; ++level) {
+    std::vector<glm::dvec3> finer;
+    for (size_t i = 0; i < positions.size(); i += 3) {
+      const glm::dvec3 &a = positions[i], &b = positions[i + 1], &c = positions[i + 2];
+      const glm::dvec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c), ca = glm::normalize(c + a);
+      finer.insert(finer.end(), {a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca});
+    }
+    positions = std::move(finer);
+  }
+  std::vector<glm::vec3> result;
+  for (const glm::dvec3& p : positions) result.push_back(center + radius * glm::vec3(p));
+  return result;
+}
+
+inline void add_light(Scene& scene, LightType type, float intensity, const glm::vec3& position, const glm::vec3& towards) {
+  SceneLight light;
+  light.type = type;
+  light.intensity = glm::vec3(intensity);
+  const glm::vec3 up = std::abs(glm::normalize(towards - position).y) > 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  light.world_from_light = glm::inverse(glm::lookAt(position, towards, up));
+  scene.lights.push_back(light);
+}
+
+inline void set_environment(Scene& scene, float radiance) {
+  scene.environment.emplace();
+  scene.environment->factor = glm::vec3(radiance);
+}
+
+/// An orthographic camera that looks at `target` from `eye`; half extents `half` [m].
+inline SceneCamera look_orthographic(const glm::vec3& eye, const glm::vec3& target, float half) {
+  SceneCamera camera;
+  camera.perspective = false;
+  camera.xmag = camera.ymag = half;
+  const glm::vec3 up = std::abs(glm::normalize(target - eye).y) > 0.9f ? glm::vec3(0, 0, -1) : glm::vec3(0, 1, 0);
+  camera.world_from_camera = glm::inverse(glm::lookAt(eye, target, up));
+  return camera;
+}
+
+inline SceneCamera look_perspective(const glm::vec3& eye, const glm::vec3& target, float yfov) {
+  SceneCamera camera = look_orthographic(eye, target, 1);
+  camera.perspective = true;
+  camera.yfov = yfov;
+  return camera;
+}
+
+// ---- estimates
+
+std::shared_ptr<Device> inline test_device() {
+  static const std::shared_ptr<Device> device = Device::open();
+  return device;
+}
+
+/// How much to render. All pixels of one estimate share an exact value (or their mean has one).
+struct Effort {
+  uint32_t side = 32;               ///< pixels per image side
+  uint32_t replicates = 16;
+  uint32_t samples_per_replicate = 16;
+};
+
+/// Mean over the image of the first channel, and its standard error from the replicates.
+struct Estimate {
+  double mean = 0, error = 0;
+  uint32_t replicates = 0;
+};
+
+inline Estimate estimate_of(const std::vector<double>& means) {
+  Estimate result;
+  result.replicates = static_cast<uint32_t>(means.size());
+  for (const double m : means) result.mean += m / static_cast<double>(means.size());
+  double squares = 0;
+  for (const double m : means) squares += (m - result.mean) * (m - result.mean);
+  const double count = static_cast<double>(means.size());
+  result.error = std::sqrt(squares / (count - 1) / count);
+  return result;
+}
+
+/// Everything an integrator needs to render one scene.
+struct TestRender {
+  TestRender(const Scene& scene, const SceneCamera& camera, const PathIntegratorOptions& options, uint32_t side,
+             uint64_t seed = 1)
+      : scheduler(test_device()), buffers(*test_device(), scene), bvh(*test_device(), scene, buffers) {
+    frame.camera = make_camera(camera, 1);
+    frame.width = frame.height = side;
+    integrator = std::make_unique<PathIntegrator>(*test_device(), scheduler, buffers, bvh, frame, options, "test");
+    integrator->reset(seed);
+  }
+  KernelScheduler scheduler;
+  SceneBuffers buffers;
+  Bvh bvh;
+  Frame frame{};
+  std::unique_ptr<PathIntegrator> integrator;
+};
+
+inline std::vector<double> replicate_means(const Scene& scene, const SceneCamera& camera, PathIntegratorOptions options,
+                                           const Effort& effort, uint64_t seed = 1) {
+  options.replicates = effort.replicates;
+  options.samples_per_iteration = effort.replicates * effort.samples_per_replicate;
+  TestRender render(scene, camera, options, effort.side, seed);
+  REQUIRE(render.integrator->iterate());
+  std::vector<double> means;
+  for (const std::vector<float>& image : render.integrator->replicate_images()) {
+    double sum = 0;
+    for (size_t p = 0; p < image.size(); p += 3) sum += image[p];
+    means.push_back(sum / (static_cast<double>(image.size()) / 3));
+  }
+  return means;
+}
+
+inline Estimate estimate(const Scene& scene, const SceneCamera& camera, const PathIntegratorOptions& options,
+                         const Effort& effort, uint64_t seed = 1) {
+  return estimate_of(replicate_means(scene, camera, options, effort, seed));
+}
+
+// ---- the criterion
+
+/// Rows of one table of closed forms.
+class ClosedForms {
+ public:
+  /// `slack`: what the exact value itself is uncertain by (rounded tables, tessellation), absolute.
+  void add(const std::string& name, const Estimate& estimate, double exact, double slack = 0) {
+    rows_.push_back({name, estimate, exact, slack});
+  }
+  /// `most_error`: largest standard error relative to the exact value with which the test still means something; where
+  /// the exact value has a slack, an error of that size is small enough.
+  void check(double most_error) const {
+    for (const Row& row : rows_) {
+      const double t = student_t_quantile(sidak_level(0.01, rows_.size()), row.estimate.replicates - 1);
+      const double allowed = t * row.estimate.error + 2e-4 * row.exact + row.slack;
+      INFO(row.name, ": mean ", row.estimate.mean, " +- ", row.estimate.error, ", exact ", row.exact, ", allowed ", allowed);
+      CHECK(std::abs(row.estimate.mean - row.exact) <= allowed);
+      CHECK(row.estimate.error <= std::max(most_error * row.exact, row.slack));
+    }
+  }
+
+ private:
+  struct Row {
+    std::string name;
+    Estimate estimate;
+    double exact, slack;
+  };
+  std::vector<Row> rows_;
+};
+
+}  // namespace lucarium::test

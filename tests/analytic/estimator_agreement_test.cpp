@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every way of estimating the same light has the same mean: Welch's t on replicate means, Sidak over all pairs.
+#include <map>
+
+#include "closed_form.h"
+#include "lucarium/scene/load_scene.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+struct Variant {
+  std::string name;
+  PathIntegratorOptions options;
+};
+
+std::vector<Variant> variants(int max_bounces) {
+  PathIntegratorOptions base;
+  base.path_set.max_bounces = max_bounces;
+  std::vector<Variant> all = {{"mis", base}};
+  const auto add = [&](const std::string& name, auto change) {
+    all.push_back({name, base});
+    change(all.back().options);
+  };
+  add("nee", [](PathIntegratorOptions& o) { o.estimator = PathEstimator::nee_only; });
+  add("bsdf", [](PathIntegratorOptions& o) { o.estimator = PathEstimator::bsdf_only; });
+  add("roulette from 1", [](PathIntegratorOptions& o) { o.roulette_start = 1; });
+  add("no roulette", [](PathIntegratorOptions& o) { o.roulette = false; });
+  add("uniform light choice", [](PathIntegratorOptions& o) { o.light_choice = LightChoice::uniform; });
+  add("random sampler", [](PathIntegratorOptions& o) { o.sampler = PathSampler::random; });
+  return all;
+}
+
+void check_agreement(const Scene& scene, int max_bounces, const Effort& effort) {
+  std::vector<std::pair<std::string, Estimate>> results;
+  uint64_t seed = 1;
+  for (const Variant& variant : variants(max_bounces))
+    results.emplace_back(variant.name, estimate(scene, scene.cameras.at(0), variant.options, effort, seed++));
+  const size_t pairs = results.size() * (results.size() - 1) / 2;
+  for (size_t i = 0; i < results.size(); ++i)
+    for (size_t j = i + 1; j < results.size(); ++j) {
+      const Estimate &a = results[i].second, &b = results[j].second;
+      const double va = a.error * a.error, vb = b.error * b.error;
+      const double n = effort.replicates - 1;
+      const double dof = (va + vb) * (va + vb) / (va * va / n + vb * vb / n);
+      const double t = (a.mean - b.mean) / std::sqrt(va + vb);
+      INFO(scene.source, ": ", results[i].first, " ", a.mean, " +- ", a.error, ", ", results[j].first, " ", b.mean, " +- ", b.error);
+      CHECK(std::abs(t) <= student_t_quantile(sidak_level(0.01, pairs), dof));
+      CHECK(a.error <= 0.03 * a.mean);
+    }
+}
+
+Effort effort() { return full_run() ? Effort{64, 32, 64} : Effort{32, 16, 8}; }
+
+/// The Cornell box with lights of very different kinds and powers, so that a wrong probability would show.
+Scene mixed_lights() {
+  Scene scene = make_builtin_scene("cornell");
+  set_environment(scene, 0.5f);
+  const Bounds bounds = scene.bounds();
+  const glm::vec3 center = bounds.center();
+  add_light(scene, LightType::point, 0.05f * bounds.radius() * bounds.radius(), center, center - glm::vec3(0, 1, 0));
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("estimator agreement: Cornell box, unlimited") { check_agreement(make_builtin_scene("cornell"), -1, effort()); }
+TEST_CASE("estimator agreement: Cornell box with mixed lights, unlimited") { check_agreement(mixed_lights(), -1, effort()); }
+TEST_CASE("estimator agreement: glossy Cornell box, two bounces") { check_agreement(make_builtin_scene("cornell-glossy"), 2, effort()); }
+TEST_CASE("estimator agreement: Cornell box with a mirror, two bounces") { check_agreement(make_builtin_scene("cornell-mirror"), 2, effort()); }

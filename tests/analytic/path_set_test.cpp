@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// Limits of the path set: layers are disjoint and complete, and switched-off sources leave nothing behind.
+#include "closed_form.h"
+#include "lucarium/scene/load_scene.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+constexpr Effort kEffort{32, 4, 4};
+
+double mean_with(const Scene& scene, const PathSet& set) {
+  PathIntegratorOptions options;
+  options.path_set = set;
+  return estimate(scene, scene.cameras.at(0), options, kEffort).mean;
+}
+
+PathSet layers(bool emission, bool direct, bool indirect, int max_bounces) {
+  PathSet set;
+  set.emission = emission;
+  set.direct = direct;
+  set.indirect = indirect;
+  set.max_bounces = max_bounces;
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("path set: each layer alone is what it is among the others, bit for bit") {
+  for (const char* name : {"cornell", "cornell-mirror"}) {
+    const Scene scene = make_builtin_scene(name);
+    PathIntegratorOptions options;
+    options.path_set.max_bounces = 3;
+    TestRender all(scene, scene.cameras[0], options, 32);
+    REQUIRE(all.integrator->iterate());
+    Film film(32, 32);
+    all.integrator->resolve(film);
+    for (int layer = 0; layer < 3; ++layer) {
+      options.path_set = layers(layer == 0, layer == 1, layer == 2, 3);
+      TestRender one(scene, scene.cameras[0], options, 32);
+      REQUIRE(one.integrator->iterate());
+      Film alone(32, 32);
+      one.integrator->resolve(alone);
+      for (const FilmLayer& other : alone.layers()) {
+        const bool wanted = other.name == std::array{"emission", "direct", "indirect"}[layer];
+        INFO(name, " ", other.name, " alone ", layer);
+        CHECK(other.pixels == (wanted ? film.find(other.name)->pixels : std::vector<float>(other.pixels.size(), 0.f)));
+      }
+    }
+  }
+}
+
+TEST_CASE("path set: an excluded kind of light gives nothing") {
+  Scene scene = make_builtin_scene("cornell");
+  PathSet set;
+  set.max_bounces = 2;
+  CHECK(mean_with(scene, set) > 0);
+  set.emissive_triangles = false;
+  CHECK(mean_with(scene, set) == 0);
+
+  set = PathSet();
+  set.max_bounces = 1;
+  Scene open;
+  open.cameras.push_back(look_perspective({0, 1, 2}, {0, 0, 0}, 0.8f));
+  add_horizontal(open, 0, 0, 0, 4, 4, true, add_material(open, lambert(0.5f)));
+  set_environment(open, 1);
+  CHECK(mean_with(open, set) > 0);
+  set.environment = false;
+  CHECK(mean_with(open, set) == 0);
+}
+
+TEST_CASE("path set: the sum over kinds of light is the whole") {
+  Scene scene = make_builtin_scene("cornell");
+  add_light(scene, LightType::point, 0.1f, scene.bounds().center(), scene.bounds().center() - glm::vec3(0, 1, 0));
+  PathIntegratorOptions options;
+  options.path_set.max_bounces = 2;
+  const Effort effort = full_run() ? Effort{64, 16, 64} : Effort{32, 16, 32};
+  const Estimate whole = estimate(scene, scene.cameras[0], options, effort, 1);
+  options.path_set.point_lights = false;
+  const Estimate area = estimate(scene, scene.cameras[0], options, effort, 2);
+  options.path_set.point_lights = true;
+  options.path_set.emissive_triangles = false;
+  const Estimate point = estimate(scene, scene.cameras[0], options, effort, 3);
+  CHECK(area.mean > 0);
+  CHECK(point.mean > 0);
+  const double error = std::sqrt(whole.error * whole.error + area.error * area.error + point.error * point.error);
+  CHECK(std::abs(whole.mean - area.mean - point.mean) <= student_t_quantile(0.01, effort.replicates - 1) * error);
+  CHECK(error <= 0.01 * whole.mean);
+}
+
+TEST_CASE("path set: with only diffuse surfaces, Lambert-only secondary vertices change nothing") {
+  const Scene scene = make_builtin_scene("room");
+  PathSet set;
+  set.max_bounces = 2;
+  const double full = mean_with(scene, set);
+  set.secondary_lambert_only = true;
+  CHECK(mean_with(scene, set) == doctest::Approx(full).epsilon(1e-5));
+}
+
+TEST_CASE("path set: a clamp bounds the indirect layer and only that") {
+  const Scene scene = make_builtin_scene("cornell");
+  PathIntegratorOptions options;
+  options.path_set.max_bounces = 2;
+  options.path_set.indirect_clamp = 0.01;
+  TestRender render(scene, scene.cameras[0], options, 32);
+  REQUIRE(render.integrator->iterate());
+  Film film(32, 32);
+  render.integrator->resolve(film);
+  const auto largest = [&](const char* layer) {
+    return *std::max_element(film.find(layer)->pixels.begin(), film.find(layer)->pixels.end());
+  };
+  CHECK(largest("indirect") <= 0.01f);
+  CHECK(largest("indirect") > 0.f);
+  CHECK(largest("direct") > 0.01f);
+}
