@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: Apache-2.0
+// kernels/bsdf.clh: albedos against tabulated quadratures, reciprocity, conservation of energy, ideal lobes, sides.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "bsdf_scene.h"
+#include "lucarium/scene/specular_albedo.h"
+#include "test_support.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+constexpr uint replicates = 16;
+/// Quantile of Student's t, 15 degrees of freedom, for 1 % over 60 two-sided rows.
+constexpr double t_quantile = 5.0;
+
+struct Estimate {
+  double mean = 0, error = 0;  ///< standard error
+};
+
+/// Mean of the green weights with its error from the spread of the replicates (sample i belongs to i mod 16).
+Estimate estimate(const std::vector<float4>& weights) {
+  double sums[replicates] = {}, mean = 0, variance = 0;
+  for (size_t i = 0; i < weights.size(); ++i) sums[i % replicates] += weights[i].y;
+  for (double& sum : sums) sum /= static_cast<double>(weights.size()) / replicates, mean += sum / replicates;
+  for (const double sum : sums) variance += (sum - mean) * (sum - mean) / (replicates - 1);
+  return {mean, std::sqrt(variance / replicates)};
+}
+
+void check_mean(const Estimate& e, double exact) {
+  CAPTURE(e.mean);
+  CAPTURE(e.error);
+  CAPTURE(exact);
+  CHECK(std::abs(e.mean - exact) <= t_quantile * e.error + 2e-4 * exact);
+  CHECK(e.error <= 5e-4 * exact + 1e-9);
+}
+
+uint sample_count() { return full_run() ? 1u << 20 : 1u << 17; }
+
+/// Quadratures of the lobe with F = 1 (E1) and F = (1 - v.h)^5 (B), height-correlated Smith; rows mu.
+constexpr double cosines[] = {1, .8, .6, .4, .2, .1};
+struct Row {
+  float roughness;
+  double values[6];
+};
+constexpr Row e1_rows[] = {{.1f, {.99990, .99987, .99981, .99962, .99859, .99412}},
+                           {.2f, {.99830, .99778, .99664, .99324, .97515, .92899}},
+                           {.3f, {.99067, .98768, .98129, .96456, .91403, .88432}},
+                           {.5f, {.91581, .89727, .87172, .84427, .84816, .89162}},
+                           {.7f, {.69775, .69055, .69455, .72107, .79272, .86191}},
+                           {1.f, {.30685, .35126, .41150, .49889, .64165, .76021}}};
+constexpr Row b_rows[] = {{.2f, {.00000, .00046, .01113, .07729, .29695, .46966}},
+                          {.5f, {.00003, .00151, .01095, .04019, .09826, .13969}},
+                          {1.f, {.00003, .00043, .00169, .00508, .01403, .02387}}};
+struct Average {
+  float roughness;
+  double e1, b, dielectric;  ///< cosine averages, and Ebar for F0 = .04
+};
+constexpr Average averages[] = {{.1f, .99949, .0471, .0852}, {.2f, .99406, .0431, .0812}, {.3f, .97651, .0354, .0731},
+                                {.5f, .88232, .0187, .0532}, {.7f, .70743, .0086, .0365}, {1.f, .40914, .0028, .0190}};
+
+}  // namespace
+
+TEST_CASE("the albedo table holds the quadratures") {
+  const BsdfProbe probe({{"any", metal(1, 1)}});
+  const uint n = 1001;
+  const auto read = [&](double mu) {
+    const auto values = test_buffer<float4>(n);
+    run_kernel(kernel_program("bsdf"), "read_albedo_table", n, 64, [&](PassBuilder& pass) {
+      pass.arg("scene_albedo_table", probe.buffers().scene_albedo_table).arg("count", n);
+      pass.arg("mu", static_cast<float>(mu)).arg("values", values);
+    });
+    return values.download();
+  };
+  for (int k = 0; k < 6; ++k) {
+    const auto values = read(cosines[k]);
+    // Directional entries are interpolated; the averages almost exact.
+    for (const Row& row : e1_rows) CHECK(std::abs(values[std::lround(row.roughness * 1000)].x - row.values[k]) < 5e-3);
+    for (const Row& row : b_rows) CHECK(std::abs(values[std::lround(row.roughness * 1000)].y - row.values[k]) < 5e-3);
+    for (const Average& a : averages) {
+      const float4 v = values[std::lround(a.roughness * 1000)];
+      CHECK(std::abs(v.z - a.e1) < 2e-5);
+      CHECK(std::abs(v.w - a.b) < 1e-4);
+      CHECK(std::abs(0.04 * (double(v.z) - v.w) + v.w - a.dielectric) < 1e-4);
+    }
+  }
+  // Exact: a smooth surface, and E1 at normal incidence on the roughest.
+  const auto normal = read(1);
+  CHECK(normal[0].z == doctest::Approx(1));
+  CHECK(normal[0].w == doctest::Approx(1.0 / 21).epsilon(1e-6));
+  CHECK(normal[1000].x == doctest::Approx(1 - std::log(2.0)).epsilon(2e-6));
+  CHECK(specular_albedo_table().size() == 2 * (129 + 32 * 32));
+}
+
+TEST_CASE("the sampled albedo of a white metal is E1") {
+  std::vector<NamedMaterial> list;
+  for (const Row& row : e1_rows) list.push_back({"", metal(1, row.roughness)});
+  const BsdfProbe probe(list);
+  for (uint m = 0; m < 6; ++m) {
+    for (int k = 0; k < 6; ++k) {
+      CAPTURE(e1_rows[m].roughness);
+      CAPTURE(cosines[k]);
+      const auto samples = probe.sample(m, direction_at(cosines[k], 0.15), sample_count(), 7, replicates);
+      check_mean(estimate(samples.weights), e1_rows[m].values[k]);
+    }
+  }
+}
+
+TEST_CASE("the sampled albedo of a dielectric is c (1 - Ebar) + F0 (E1 - B) + B") {
+  std::vector<NamedMaterial> list;
+  for (const Row& row : b_rows) list.push_back({"", dielectric(0.5f, row.roughness)});
+  const BsdfProbe probe(list);
+  for (uint m = 0; m < 3; ++m) {
+    const Row* e1 = nullptr;
+    const Average* average = nullptr;
+    for (const Row& row : e1_rows) e1 = row.roughness == b_rows[m].roughness ? &row : e1;
+    for (const Average& a : averages) average = a.roughness == b_rows[m].roughness ? &a : average;
+    for (int k = 0; k < 6; ++k) {
+      CAPTURE(b_rows[m].roughness);
+      CAPTURE(cosines[k]);
+      const double exact = 0.5 * (1 - average->dielectric) + 0.04 * (e1->values[k] - b_rows[m].values[k]) + b_rows[m].values[k];
+      check_mean(estimate(probe.sample(m, direction_at(cosines[k], 0.4), 8 * sample_count(), 3, replicates).weights), exact);
+    }
+  }
+}
+
+TEST_CASE("the separable test build gives the albedos of other renderers") {
+  const BsdfProbe probe({{"", metal(1, 0.5f)}, {"", metal(1, 1)}}, {{"LUCARIUM_GGX_SEPARABLE", ""}});
+  const double exact[2][3] = {{.91581, .87061, .83146}, {.30685, .38357, .51142}};
+  const double mu[] = {1, .6, .2};
+  for (uint m = 0; m < 2; ++m) {
+    for (int k = 0; k < 3; ++k) {
+      check_mean(estimate(probe.sample(m, direction_at(mu[k], 0.1), sample_count(), 5, replicates).weights), exact[m][k]);
+    }
+  }
+}
+
+TEST_CASE("the Phong test build has the albedo of its lobe") {
+  // At normal incidence the integral of k (n + 2) / 2 pi cos^n cos over the hemisphere is k.
+  const BsdfProbe probe({{"", metal(0.8f, std::pow(2.f / 7.f, 0.25f))}}, {{"LUCARIUM_PHONG", ""}});
+  check_mean(estimate(probe.sample(0, glm::vec3(0, 0, 1), sample_count(), 5, replicates).weights), 0.8);
+  const float4 value = probe.evaluate(0, glm::vec3(0, 0, 1), direction_at(0.5, 0.3));
+  CHECK(value.y == doctest::Approx(0.8 * 7 / (2 * 3.14159265) * std::pow(0.5, 5) * 0.5).epsilon(1e-4));
+}
+
+TEST_CASE("cosine-averaged albedos never exceed 1, and are 1 for a white dielectric") {
+  const std::vector<NamedMaterial> list = {
+      {"white Lambert", dielectric(1, 0.5f, 1)},       {"white dielectric .1", dielectric(1, 0.1f)},
+      {"white dielectric .5", dielectric(1, 0.5f)},    {"polished", dielectric(1, 0)},
+      {"white metal .6", metal(1, 0.6f)},              {"thin clear", glass(1, 0, 1, false)},
+      {"thin half", glass(1, 0, 0.5f, false)},         {"thin rough", glass(1, 0.5f, 1, false)},
+      {"clear volume", glass(1, 0, 1, true)},          {"half volume", glass(1, 0, 0.5f, true)},
+      {"rough volume .3", glass(1, 0.3f, 1, true)},    {"rough volume .8", glass(1, 0.8f, 0.5f, true)},
+      {"rough volume of ior 1", glass(1, 0.4f, 1, true, 1.f)}};
+  const bool exactly_one[] = {true, true, true, true, false, true, true, false, true, true, false, false, true};
+  const BsdfProbe probe(list);
+  const uint n = sample_count();
+  for (uint m = 0; m < list.size(); ++m) {
+    for (const uint back : {0u, 1u}) {
+      CAPTURE(list[m].name);
+      CAPTURE(back);
+      const auto weights = test_buffer<float4>(n);
+      probe.run("sample_cosine_views", n, 64, [&](PassBuilder& pass) {
+        pass.arg("triangle", m).arg("back", back).arg("seed", 9u).arg("replicates", replicates).arg("count", n);
+        pass.arg("weights", weights);
+      });
+      const Estimate e = estimate(weights.download());
+      CHECK(e.mean <= 1 + t_quantile * e.error + 2e-4);
+      if (exactly_one[m]) check_mean(e, 1);
+    }
+  }
+}
+
+TEST_CASE("the BSDF is reciprocal, with squared indices for refraction") {
+  const std::vector<NamedMaterial> list = {
+      {"Lambert", dielectric(0.5f, 0.5f, 1)},     {"metal", metal(0.8f, 0.3f)},
+      {"dielectric", dielectric(0.5f, 0.4f)},     {"bumped", dielectric(0.5f, 0.4f), glm::vec3(0.3f, 0.1f, 1)},
+      {"thin", glass(0.9f, 0.4f, 0.7f, false)},   {"volume", glass(0.9f, 0.5f, 0.7f, true)},
+      {"bumped volume", glass(0.9f, 0.5f, 0.7f, true), glm::vec3(0.3f, 0.1f, 1)}};
+  const BsdfProbe probe(list);
+  const uint n = 4096;
+  for (uint m = 0; m < list.size(); ++m) {
+    CAPTURE(list[m].name);
+    const auto values = test_buffer<float2>(n);
+    probe.run("evaluate_both_ways", n, 64, [&](PassBuilder& pass) {
+      pass.arg("triangle", m).arg("seed", 4u).arg("count", n).arg("values", values);
+    });
+    int positive = 0, unequal = 0;
+    for (const float2& v : values.download()) {
+      positive += v.x > 0;
+      unequal += !(std::abs(v.x - v.y) <= 1e-3f * (v.x + v.y) + 1e-6f);
+    }
+    CHECK(positive > static_cast<int>(n) / 4);
+    CHECK(unequal == 0);
+  }
+}
+
+TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales radiance") {
+  const BsdfProbe probe({{"mirror", metal(0.8f, 0.02f)},
+                         {"volume", glass(1, 0, 1, true)},
+                         {"thin", glass(0.5f, 0, 1, false)},
+                         {"lambert only", dielectric(0.5f, 0.f)}});
+  const glm::vec3 view = direction_at(0.6, 0.2);
+  const double schlick = std::pow(0.4, 5);
+  const auto mirror = probe.sample(0, view, 64, 1);
+  for (uint i = 0; i < 64; ++i) {
+    CHECK(static_cast<int>(mirror.weights[i].w) == 1);
+    CHECK(glm::distance(mirror.directions[i].xyz(), glm::vec3(-view.x, -view.y, view.z)) < 1e-6f);
+    CHECK(mirror.weights[i].y == doctest::Approx(0.8 + 0.2 * schlick).epsilon(1e-5));
+  }
+  CHECK(probe.evaluate(0, view, glm::vec3(-view.x, -view.y, view.z)).y == 0);  // evaluated, an ideal lobe is nothing
+
+  // Glass from outside: F of the events reflect with weight 1, the others refract with (1 / 1.5)^2.
+  const uint n = 1 << 16;
+  const double fresnel = 0.04 + 0.96 * schlick;
+  const auto outside = probe.sample(1, view, n, 2);
+  uint reflected = 0;
+  for (uint i = 0; i < n; ++i) {
+    const bool transmitted = static_cast<int>(outside.weights[i].w) == 3;
+    reflected += !transmitted;
+    REQUIRE(outside.weights[i].y == doctest::Approx(transmitted ? 1 / 2.25 : 1.0).epsilon(1e-4));
+    const glm::vec3 d = outside.directions[i].xyz();
+    if (transmitted) REQUIRE(glm::distance(glm::vec2(d), -glm::vec2(view) / 1.5f) < 1e-6f);
+    REQUIRE((d.z < 0) == transmitted);
+  }
+  CHECK(std::abs(double(reflected) / n - fresnel) < 5 * std::sqrt(fresnel / n));
+
+  // From inside: total reflection beyond the critical angle (cosine .745), else Fresnel's cosine is the outer one.
+  const auto grazing = probe.sample(1, direction_at(-0.7, 0.2), 64, 3);
+  for (uint i = 0; i < 64; ++i) {
+    CHECK(static_cast<int>(grazing.weights[i].w) == 1);
+    CHECK(grazing.weights[i].y == doctest::Approx(1));
+    CHECK(grazing.directions[i].z == doctest::Approx(-0.7));
+  }
+  const double outer_cosine = std::sqrt(1 - 2.25 * (1 - 0.81));
+  const auto inside = probe.sample(1, direction_at(-0.9, 0.2), n, 3);
+  reflected = 0;
+  for (uint i = 0; i < n; ++i) {
+    const bool transmitted = static_cast<int>(inside.weights[i].w) == 3;
+    reflected += !transmitted;
+    REQUIRE(inside.weights[i].y == doctest::Approx(transmitted ? 2.25 : 1.0).epsilon(1e-4));
+    if (transmitted) REQUIRE(inside.directions[i].z == doctest::Approx(outer_cosine).epsilon(1e-4));
+  }
+  const double inner = 0.04 + 0.96 * std::pow(1 - outer_cosine, 5);
+  CHECK(std::abs(double(reflected) / n - inner) < 5 * std::sqrt(inner / n));
+
+  // A thin wall goes straight on, tinted.
+  double sum = 0;
+  const auto thin = probe.sample(2, view, n, 4);
+  for (uint i = 0; i < n; ++i) {
+    if (static_cast<int>(thin.weights[i].w) == 3) REQUIRE(glm::distance(thin.directions[i].xyz(), -view) < 1e-6f);
+    sum += thin.weights[i].y;
+  }
+  CHECK(sum / n == doctest::Approx(fresnel + 0.5 * (1 - fresnel)).epsilon(0.01));
+
+  // The option for secondary vertices keeps the diffuse lobe as it is: no ideal events, no specular light.
+  const auto lambert = probe.sample(3, view, 64, 5, 1, 1);
+  for (uint i = 0; i < 64; ++i) {
+    CHECK(static_cast<int>(lambert.weights[i].w) == 0);
+    CHECK(lambert.weights[i].y == doctest::Approx(0.5 * (1 - (0.04 * (1 - 1.0 / 21) + 1.0 / 21))).epsilon(1e-4));
+  }
+}
+
+TEST_CASE("black: backs of single-sided surfaces, unlit materials, directions on which the normals disagree") {
+  SceneMaterial single = dielectric(0.5f, 0.5f), unlit = dielectric(0.5f, 0.5f);
+  single.double_sided = false;
+  unlit.unlit = true;
+  const BsdfProbe probe({{"single", single},
+                         {"unlit", unlit},
+                         {"double", dielectric(0.5f, 0.5f)},
+                         {"bumped", dielectric(0.5f, 0.5f), glm::vec3(1, 0, 1)}});
+  const glm::vec3 up(0, 0, 1), down(0, 0, -1), side = direction_at(0.5, 0);
+  CHECK(probe.evaluate(0, up, side).y > 0);
+  CHECK(probe.evaluate(0, down, -side).y == 0);
+  CHECK(probe.evaluate(1, up, side).y == 0);
+  CHECK(probe.evaluate(2, down, -side).y == doctest::Approx(probe.evaluate(2, up, side).y));
+  CHECK(probe.evaluate(2, up, -side).y == 0);
+  for (const uint m : {0u, 1u}) {
+    const auto samples = probe.sample(m, m == 0 ? down : up, 64, 1);
+    for (const float4& weight : samples.weights) CHECK(weight.y == 0);
+  }
+  // n_s leans by 45 degrees towards +x: (-.9, 0, .4) is above the triangle but behind n_s, (.99, 0, -.1) the reverse.
+  CHECK(probe.evaluate(3, up, glm::normalize(glm::vec3(-0.9f, 0, 0.4f))).y == 0);
+  CHECK(probe.evaluate(3, up, glm::normalize(glm::vec3(0.99f, 0, -0.1f))).y == 0);
+  CHECK(probe.evaluate(3, up, glm::normalize(glm::vec3(0.9f, 0, 0.4f))).y > 0);
+}
+
+TEST_CASE("volumes absorb by Beer's law along segments that end on their inside") {
+  SceneMaterial coloured = glass(1, 0, 1, true), thin = glass(1, 0, 1, false);
+  coloured.attenuation_distance = thin.attenuation_distance = 2;
+  coloured.attenuation_color = thin.attenuation_color = glm::vec3(0.5f, 0.25f, 1);
+  const BsdfProbe probe({{"volume", coloured}, {"thin", thin}});
+  const auto transmittance = [&](uint triangle, float z) {
+    const auto value = test_buffer<float4>(1);
+    probe.run("transmittance", 1, 1, [&](PassBuilder& pass) {
+      pass.arg("triangle", triangle).arg("view", float4(0, 0, z, 0)).arg("metres", 4.f).arg("value", value);
+    });
+    return value.download()[0];
+  };
+  const float4 inside = transmittance(0, -1);
+  CHECK(inside.x == doctest::Approx(0.25));
+  CHECK(inside.y == doctest::Approx(0.0625));
+  CHECK(inside.z == doctest::Approx(1));
+  CHECK(transmittance(0, 1).x == 1);
+  CHECK(transmittance(1, -1).x == 1);
+}
