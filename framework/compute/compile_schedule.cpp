@@ -344,7 +344,7 @@ void ScheduleCompiler::set_kernel_arguments() {
         step.buffers.push_back({position, memory});
         const cl_mem handle =
             memory.life >= 0 ? state_->memory->handle(memory.life) : resource(memory.resource).buffer.handle();
-        if (handle) set(position, sizeof(handle), &handle);  // a counted transient gets its memory when it is sized
+        if (handle) set(position, sizeof(cl_mem), &handle);  // a counted transient gets its memory when it is sized
       }
     }
   }

@@ -17,7 +17,7 @@ struct PassEvent {
 struct PassProfile {
   std::string schedule, name, kernel;
   uint64_t count = 0;
-  double device_seconds = 0;
+  double device_seconds = 0;  ///< of host steps: on the host
   double launch_seconds = 0;  ///< queued → started
   double bytes = 0;           ///< as declared by moves_bytes()
 };

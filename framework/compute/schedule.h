@@ -62,7 +62,7 @@ class PassBuilder {
   /// Global x size read from a uint counter at run time: ceil(counter · items_per_count); with 0 the pass is left
   /// out. The schedule reads the counter back before the pass (a declared wait; passes that use the same value share
   /// it). y and z are those of global(), else 1.
-  PassBuilder& global_by(BufferRef counter, size_t counter_index = 0, double items_per_count = 1.0);
+  PassBuilder& global_by(const BufferRef& counter, size_t counter_index = 0, double items_per_count = 1.0);
 
   PassBuilder& arg(std::string_view name, const BufferRef& buffer);
   template <class T>
@@ -122,8 +122,8 @@ class ScheduleRecorder {
   /// memory to its high-water mark and goes on. The size holds for the rest of the run. Nothing is dropped: what does
   /// not fit into the device's memory fails the run with the numbers and `remedy`.
   template <class T>
-  BufferRef transient_sized_by(std::string name, BufferRef counter, size_t index = 0, size_t elements_per_count = 1,
-                               const std::string& remedy = "") {
+  BufferRef transient_sized_by(std::string name, const BufferRef& counter, size_t index = 0,
+                               size_t elements_per_count = 1, const std::string& remedy = "") {
     return transient_counted(std::move(name), sizeof(T), counter, index, elements_per_count, remedy);
   }
 

@@ -74,7 +74,7 @@ PassBuilder& PassBuilder::local(size_t x, size_t y, size_t z) {
   return *this;
 }
 
-PassBuilder& PassBuilder::global_by(BufferRef counter, size_t counter_index, double items_per_count) {
+PassBuilder& PassBuilder::global_by(const BufferRef& counter, size_t counter_index, double items_per_count) {
   const int index = recorded_->counter(counter, counter_index, recorded_->steps[step_].name);
   recorded_->steps[step_].counter = index;
   recorded_->steps[step_].items_per_count = items_per_count;

@@ -128,7 +128,7 @@ void ScheduleRun::rebind(int life) {
   for (CompiledStep& user : state_.steps) {
     for (const BoundBuffer& bound : user.buffers) {
       if (bound.memory.life < 0 || !state_.memory->same_slot(bound.memory.life, life)) continue;
-      set_argument(user, bound.position, sizeof(handle), &handle);
+      set_argument(user, bound.position, sizeof(cl_mem), &handle);
     }
   }
 }

@@ -59,7 +59,7 @@ class StandIns {
       for (const BoundBuffer& bound : step.buffers) {
         if (bound.memory.life >= 0) continue;
         const cl_mem handle = state_.handle(bound.memory);
-        check_opencl(clSetKernelArg(step.kernel.get(), bound.position, sizeof(handle), &handle), "clSetKernelArg",
+        check_opencl(clSetKernelArg(step.kernel.get(), bound.position, sizeof(cl_mem), &handle), "clSetKernelArg",
                      state_.where(step), *state_.device);
       }
     }

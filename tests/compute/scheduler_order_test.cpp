@@ -183,7 +183,7 @@ void check_random_graphs(const SchedulerOptions& options, unsigned seed, int tri
   }
 }
 
-int trials() { return full_run() ? 500 : 25; }
+int trials() { return full_run() ? 1000 : 60; }
 
 }  // namespace
 
