@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <mutex>
 #include <optional>
 #include <set>
 
@@ -117,7 +118,23 @@ struct Program::State {
   std::string driver_program;        // see driver_files.h; empty where there is none to keep
   std::set<std::string> kept_files;  // of the driver, in the cache entry
 
-  ~State() { keep_launch_code(); }
+  /// The programs that are ready.
+  struct Registry {
+    std::mutex mutex;
+    std::set<State*> states;
+  };
+  static Registry& registry() {
+    static Registry instance;
+    return instance;
+  }
+
+  ~State() {
+    {
+      const std::lock_guard lock(registry().mutex);
+      registry().states.erase(this);
+    }
+    keep_launch_code();
+  }
 
   bool has_driver_files() const { return device->info().is_pocl && driver_folder() != nullptr; }
 
@@ -208,11 +225,21 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   state_->key = device.program_cache().key(source, build_options(spec));
   state_->from_cache = state_->load(spec, source);
   if (!state_->from_cache) state_->compile(spec, source);
+  {
+    const std::lock_guard lock(State::registry().mutex);
+    State::registry().states.insert(state_.get());
+  }
   state_->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   device.add_program_seconds(state_->build_seconds);
 }
 
-void Program::keep_launch_code() const { state_->keep_launch_code(); }
+void keep_launch_code(const Device& device) noexcept {
+  Program::State::Registry& registry = Program::State::registry();
+  const std::lock_guard lock(registry.mutex);
+  for (Program::State* state : registry.states) {
+    if (state->device.get() == &device) state->keep_launch_code();
+  }
+}
 const std::string& Program::name() const { return state_->name; }
 Device& Program::device() const { return *state_->device; }
 cl_program Program::handle() const { return state_->program.get(); }

@@ -84,13 +84,15 @@ class Program {
   const KernelSignature& signature(std::string_view kernel) const;
   std::vector<std::string> kernel_names() const;
 
-  /// Adds what the driver compiled at first launches to the cache entry (PoCL: 40-500 ms per kernel and local size).
-  /// Called after warm-up, so that a killed process does not lose it, and with the last copy. Never throws.
-  void keep_launch_code() const;
-
  private:
+  friend void keep_launch_code(const Device& device) noexcept;
   struct State;
   std::shared_ptr<State> state_;
 };
+
+/// Adds what the driver compiled at first launches (PoCL: 40-500 ms per kernel and local size) to the cache entries of
+/// all programs of a device. Called after warm-up, so that a killed process does not lose it; a program that goes does
+/// it too.
+void keep_launch_code(const Device& device) noexcept;
 
 }  // namespace lucarium
