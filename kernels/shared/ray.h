@@ -6,6 +6,9 @@
 
 #define LUCARIUM_NO_HIT 0xffffffffu
 
+// Seed of a ray to which BLEND surfaces are opaque (path set without BLEND); other rays' seeds differ from it.
+#define LUCARIUM_SEED_OPAQUE 0u
+
 LUCARIUM_STRUCT_BEGIN(Ray)
   float4 origin;     // xyz: origin, world space [m], already offset from its surface; w: bits of a uint seed that decides
                      // stochastic transparency (BLEND) along this ray

@@ -6,57 +6,13 @@
 #include <limits>
 
 #include "lucarium/base/error.h"
-#include "lucarium/compute/scheduler.h"
-#include "lucarium/services/bvh.h"
 #include "test_support.h"
-#include "triangle_soups.h"
+#include "tracer.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
 
 namespace {
-
-constexpr BvhTraversal traversals[] = {BvhTraversal::wide, BvhTraversal::wide_portable, BvhTraversal::scalar};
-
-struct Results {
-  std::vector<Hit> hits;
-  std::vector<uint32_t> occluded;
-};
-
-/// Device, scheduler and the two passes over a ray buffer.
-class Tracer {
- public:
-  Tracer() : device_(Device::open()), scheduler_(device_) {}
-  Device& device() { return *device_; }
-
-  /// Traces the first `count` rays of a buffer of `capacity`; the rest of the results keeps 0xee bytes.
-  Results trace(const Bvh& bvh, const std::vector<Ray>& rays, uint32_t count, uint32_t capacity) {
-    const TypedBuffer<Ray> ray_buffer(*device_, "test", "rays", rays);
-    TypedBuffer<Hit> hits(*device_, "test", "hits", rays.size());
-    TypedBuffer<uint32_t> occluded(*device_, "test", "occluded", rays.size());
-    const std::vector<std::byte> untouched(rays.size() * sizeof(Hit), std::byte{0xee});
-    hits.write(untouched.data(), rays.size() * sizeof(Hit));
-    occluded.write(untouched.data(), rays.size() * sizeof(uint32_t));
-    const TypedBuffer<uint32_t> counter(*device_, "test", "counter", std::vector<uint32_t>{77, count});
-    ScheduleRecorder recorder = scheduler_.record("trace", "test");
-    bvh.record_closest(recorder, "closest", ray_buffer, hits, counter, 1, capacity);
-    bvh.record_any(recorder, "any", ray_buffer, occluded, counter, 1, capacity);
-    Schedule schedule = recorder.compile();
-    scheduler_.run(schedule);
-    scheduler_.finish();
-    return {hits.download(), occluded.download()};
-  }
-  Results trace(const Bvh& bvh, const std::vector<Ray>& rays) {
-    return trace(bvh, rays, static_cast<uint32_t>(rays.size()), static_cast<uint32_t>(rays.size()));
-  }
-  Bvh make(const Soup& soup, BvhTraversal traversal = BvhTraversal::wide) {
-    return Bvh(*device_, soup.vertices, soup.triangles, traversal);
-  }
-
- private:
-  std::shared_ptr<Device> device_;
-  KernelScheduler scheduler_;
-};
 
 bool missed(const Hit& hit) {
   return hit.triangle == LUCARIUM_NO_HIT && hit.distance == INFINITY && hit.u == 0 && hit.v == 0;
