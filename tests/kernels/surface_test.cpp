@@ -1,0 +1,344 @@
+// SPDX-License-Identifier: Apache-2.0
+// kernels/texture.clh, surface.clh, camera.clh, mis.clh against the host's scene functions and against geometry.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+#include "kernel_fixture.h"
+#include "lucarium/scene/texture_sampling.h"
+#include "lucarium/shared/ray.h"
+#include "test_support.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+const Program& program() {
+  static const Program instance = kernel_program("surface");
+  return instance;
+}
+
+struct SurfaceResult {
+  float4 position_material, n_g_flags, n_s_offset, uvs, color, base, origin_on, origin_back;
+};
+
+std::vector<SurfaceResult> make_surfaces(const SceneBuffers& buffers, const std::vector<Hit>& hits,
+                                         const glm::vec3& direction, uint options = 0) {
+  const auto device_hits = test_buffer(hits);
+  const auto results = test_buffer<float4>(8 * hits.size());
+  run_kernel(program(), "make_surfaces", hits.size(), 1, [&](PassBuilder& pass) {
+    buffers.bind(pass, program(), "make_surfaces");
+    pass.arg("hits", device_hits).arg("direction", float4(direction, 0.f)).arg("options", options);
+    pass.arg("count", static_cast<uint>(hits.size())).arg("results", results);
+  });
+  const auto values = results.download();
+  std::vector<SurfaceResult> list(hits.size());
+  std::memcpy(static_cast<void*>(list.data()), values.data(), values.size() * sizeof(float4));
+  return list;
+}
+
+Hit hit_at(uint triangle, float u, float v) {
+  Hit hit{};
+  hit.distance = 1, hit.triangle = triangle, hit.u = u, hit.v = v;
+  return hit;
+}
+
+/// A triangle in z = 0 that faces +z, with every attribute, under `matrix`.
+Scene attribute_scene(const glm::mat4& matrix = glm::mat4(1.f)) {
+  Scene scene;
+  scene.source = "test";
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.normals = {glm::normalize(glm::vec3(0.2f, 0, 1)), glm::normalize(glm::vec3(0, 0.2f, 1)), {0, 0, 1}};
+  mesh.tangents.assign(3, glm::vec4(1, 0, 0, 1));
+  mesh.uv[0] = {{0.1f, 0.2f}, {0.9f, 0.3f}, {0.2f, 0.8f}};
+  mesh.uv[1] = {{1, 2}, {3, 4}, {5, 6}};
+  mesh.colors = {{1, 0, 0, 1}, {0, 1, 0, 0.5f}, {0, 0, 1, 0.25f}};
+  mesh.triangles = {{0, 1, 2}};
+  scene.meshes.push_back(mesh);
+  scene.materials.emplace_back();
+  SceneInstance instance;
+  instance.mesh = 0, instance.material = 0;
+  instance.world_from_object = matrix;
+  scene.instances.push_back(instance);
+  return scene;
+}
+
+Image noise_image(uint32_t width, uint32_t height) {
+  std::mt19937 random(width * 31 + height);
+  Image image{"noise", width, height, {}};
+  for (uint32_t i = 0; i < 4 * width * height; ++i) image.rgba.push_back(static_cast<uint8_t>(random() & 255));
+  return image;
+}
+
+bool near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) { return glm::distance(a, b) <= tolerance; }
+
+}  // namespace
+
+TEST_CASE("textures are looked up as on the host, for every wrap mode and filter") {
+  Scene scene = attribute_scene();
+  scene.images = {noise_image(7, 5), noise_image(1, 1), noise_image(64, 32)};
+  for (int image = 0; image < 3; ++image) {
+    for (const Wrap u : {Wrap::repeat, Wrap::clamp, Wrap::mirror}) {
+      for (const Wrap v : {Wrap::repeat, Wrap::clamp, Wrap::mirror}) {
+        scene.textures.push_back({image, u, v, false, image == 0});
+        scene.textures.push_back({image, u, v, true, image == 2});
+      }
+    }
+  }
+  const SceneBuffers buffers(kernel_device(), scene);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform(-3, 3);
+  std::vector<float2> uvs;
+  for (int i = 0; i < 2000; ++i) uvs.emplace_back(uniform(random), uniform(random));
+  for (const float x : {0.f, 1.f, -1.f, 0.5f, 2.f}) {
+    for (const float y : {0.f, 1.f, -0.5f}) uvs.emplace_back(x, y);
+  }
+  const size_t ordinary = uvs.size();
+  // Nothing to compare with, but no crash and no foreign memory.
+  const float wild[] = {1e30f, -1e30f, INFINITY, -INFINITY, std::numeric_limits<float>::quiet_NaN()};
+  for (const float x : wild) uvs.emplace_back(x, -x);
+  const auto points = test_buffer(uvs);
+  const auto values = test_buffer<float4>(uvs.size());
+  for (size_t t = 0; t < scene.textures.size(); ++t) {
+    CAPTURE(t);
+    run_kernel(program(), "lookup_textures", uvs.size(), 64, [&](PassBuilder& pass) {
+      buffers.bind(pass, program(), "lookup_textures");
+      pass.arg("texture", static_cast<uint>(t)).arg("count", static_cast<uint>(uvs.size()));
+      pass.arg("uvs", points).arg("values", values);
+    });
+    const auto got = values.download();
+    size_t different = 0;
+    for (size_t i = 0; i < ordinary; ++i) {
+      const glm::vec4 expected = sample_texture(scene, scene.textures[t], {uvs[i].x, uvs[i].y});
+      const glm::vec4 value(got[i].x, got[i].y, got[i].z, got[i].w);
+      different += glm::distance(value, expected) > 1e-4f;
+    }
+    // Nearest: coordinates whose rounding to the image's period crosses a texel's edge.
+    CHECK(different <= (scene.textures[t].nearest ? 2u : 0u));
+  }
+}
+
+TEST_CASE("base colours use factor, transformed texture coordinates of either set, and vertex colours") {
+  Scene scene = attribute_scene();
+  scene.images = {noise_image(16, 16)};
+  scene.textures = {{0, Wrap::repeat, Wrap::repeat, false, true}};
+  TextureUse& use = scene.materials[0].base_color_texture;
+  use.texture = 0, use.uv_set = 1, use.offset = {0.3f, -0.2f}, use.scale = {0.4f, 0.7f}, use.rotation = 0.6f;
+  scene.materials[0].base_color = glm::vec4(0.5f, 0.25f, 1, 0.75f);
+  const SceneBuffers buffers(kernel_device(), scene);
+  const float u = 0.3f, v = 0.5f;
+  const SurfaceResult s = make_surfaces(buffers, {hit_at(0, u, v)}, {0, 0, -1})[0];
+  const glm::vec2 uv = (1 - u - v) * glm::vec2(1, 2) + u * glm::vec2(3, 4) + v * glm::vec2(5, 6);
+  CHECK(s.uvs.z == doctest::Approx(uv.x));
+  CHECK(s.uvs.w == doctest::Approx(uv.y));
+  CHECK(s.uvs.x == doctest::Approx(0.2 * 0.1 + 0.3 * 0.9 + 0.5 * 0.2));
+  const glm::vec4 color(1 - u - v, u, v, (1 - u - v) + 0.5f * u + 0.25f * v);
+  CHECK(near(s.color.xyz(), glm::vec3(color)));
+  const glm::vec4 expected =
+      scene.materials[0].base_color * color * sample_texture(scene, scene.textures[0], texture_transform(use)(uv));
+  CHECK(near(s.base.xyz(), glm::vec3(expected), 1e-4f));
+  CHECK(s.base.w == doctest::Approx(expected.w).epsilon(1e-4));
+}
+
+TEST_CASE("normals turn to the side of view, mirrored instances included") {
+  const glm::mat4 matrices[] = {glm::mat4(1), glm::mat4(glm::vec4(-2, 0, 0, 0), glm::vec4(0, 1, 0, 0), glm::vec4(0, 0, 3, 0),
+                                                        glm::vec4(5, 6, 7, 1))};
+  for (const glm::mat4& matrix : matrices) {
+    Scene scene = attribute_scene(matrix);
+    const SceneBuffers buffers(kernel_device(), scene);
+    const glm::vec3 front(0, 0, 1);
+    const float u = 0.25f, v = 0.25f;
+    // A mirrored instance's triangles swap two vertices, so that they stay counter-clockwise.
+    const SurfaceResult a = make_surfaces(buffers, {hit_at(0, u, v)}, -front)[0];
+    const SurfaceResult b = make_surfaces(buffers, {hit_at(0, u, v)}, front)[0];
+    const SurfaceResult g = make_surfaces(buffers, {hit_at(0, u, v)}, front, 2u)[0];
+    CHECK(near(a.n_g_flags.xyz(), front));
+    CHECK(near(b.n_g_flags.xyz(), -front));
+    CHECK((static_cast<int>(a.n_g_flags.w) & 1) == 1);
+    CHECK((static_cast<int>(b.n_g_flags.w) & 1) == 0);
+    const glm::mat3 normal_matrix = glm::transpose(glm::inverse(glm::mat3(matrix)));
+    glm::vec3 normal(0);
+    for (int i = 0; i < 3; ++i) {
+      normal += (i == 0 ? 0.5f : 0.25f) * glm::normalize(normal_matrix * scene.meshes[0].normals[i]);
+    }
+    CHECK(near(a.n_s_offset.xyz(), glm::normalize(normal)));
+    CHECK(near(b.n_s_offset.xyz(), -glm::normalize(normal)));
+    CHECK(near(g.n_s_offset.xyz(), -front));
+    const glm::vec3 middle = glm::vec3(matrix * glm::vec4(0.25f, 0.25f, 0, 1));
+    CHECK(near(a.position_material.xyz(), middle));
+  }
+}
+
+TEST_CASE("normal maps tilt towards tangent and bitangent by their scale") {
+  // Texel (191, 223, 255): x = .498, y = .749, z = 1. The mirrored instance mirrors what is seen.
+  for (const float mirror : {1.f, -1.f}) {
+    glm::mat4 matrix(1);
+    matrix[0][0] = mirror;
+    Scene scene = attribute_scene(matrix);
+    scene.meshes[0].normals.assign(3, glm::vec3(0, 0, 1));
+    scene.images.push_back({"normal", 1, 1, {191, 223, 255, 255}});
+    scene.textures = {{0, Wrap::repeat, Wrap::repeat, false, false}};
+    scene.materials[0].normal_texture.texture = 0;
+    scene.materials[0].normal_texture.strength = 0.5f;
+    const SceneBuffers buffers(kernel_device(), scene);
+    const float x = 0.5f * (191 / 255.f * 2 - 1), y = 0.5f * (223 / 255.f * 2 - 1);
+    const glm::vec3 expected = glm::normalize(glm::vec3(mirror * x, y, 1));
+    CHECK(near(make_surfaces(buffers, {hit_at(0, 0.3f, 0.3f)}, {0, 0, -1})[0].n_s_offset.xyz(), expected));
+    CHECK(near(make_surfaces(buffers, {hit_at(0, 0.3f, 0.3f)}, {0, 0, 1})[0].n_s_offset.xyz(), -expected));
+  }
+}
+
+TEST_CASE("MASK cuts at the cutoff, BLEND lets its share of the seeds through") {
+  Scene scene = attribute_scene();
+  scene.materials[0].base_color.a = 0.8f;
+  const auto passes = [](const SceneBuffers& buffers, float u, float v, uint first_seed, uint count) {
+    const auto result = test_buffer<uint>(count);
+    run_kernel(program(), "count_passes", count, 64, [&](PassBuilder& pass) {
+      buffers.bind(pass, program(), "count_passes");
+      pass.arg("triangle", 0u).arg("u", u).arg("v", v).arg("first_seed", first_seed).arg("count", count).arg("passes", result);
+    });
+    uint sum = 0;
+    for (const uint passed : result.download()) sum += passed;
+    return sum;
+  };
+  const uint n = 1 << 16;
+  // Alpha is .8 at the first vertex, .4 at the second, .2 at the third.
+  const double alpha = 0.8 * (0.5 * 1 + 0.25 * 0.5 + 0.25 * 0.25);
+  {
+    const SceneBuffers buffers(kernel_device(), scene);
+    CHECK(passes(buffers, 1, 0, 1, 64) == 64);  // opaque: alpha means nothing
+  }
+  scene.materials[0].alpha_mode = AlphaMode::mask;
+  scene.materials[0].alpha_cutoff = 0.39f;
+  {
+    const SceneBuffers buffers(kernel_device(), scene);
+    CHECK(passes(buffers, 0.99f, 0, 1, 64) == 64);
+    CHECK(passes(buffers, 0, 0.99f, 1, 64) == 0);
+  }
+  scene.materials[0].alpha_mode = AlphaMode::blend;
+  const SceneBuffers buffers(kernel_device(), scene);
+  const double share = passes(buffers, 0.25f, 0.25f, 1, n) / double(n);
+  CHECK(std::abs(share - alpha) < 5 * std::sqrt(alpha * (1 - alpha) / n));
+  CHECK(passes(buffers, 0.25f, 0.25f, 0, 1) == 1);  // LUCARIUM_SEED_OPAQUE
+}
+
+TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far from it") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> uniform(-1, 1), positive(0, 1);
+  const int triangles = full_run() ? 200000 : 20000;
+  Scene scene;
+  scene.source = "test";
+  scene.materials.emplace_back();
+  Mesh mesh;
+  const auto vec3 = [&] { return glm::vec3(uniform(random), uniform(random), uniform(random)); };
+  std::vector<float> sizes;
+  for (int i = 0; i < triangles; ++i) {
+    // Sizes from a millimetre to ten kilometres, some far from the world's origin, some in axis-aligned planes.
+    const float size = std::pow(10.f, 3.5f * uniform(random) + 0.5f), away = i % 3 ? 0.f : 100 * size;
+    const glm::vec3 centre = away * vec3();
+    for (int k = 0; k < 3; ++k) {
+      glm::vec3 p = centre + size * vec3();
+      if (i % 5 == 0) p[i / 5 % 3] = i % 2 ? 0.f : centre[i / 5 % 3];
+      mesh.positions.push_back(p);
+      mesh.normals.emplace_back(0, 0, 1);
+    }
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    sizes.push_back(size + away);
+  }
+  scene.meshes.push_back(mesh);
+  SceneInstance instance;
+  instance.mesh = 0, instance.material = 0;
+  scene.instances.push_back(instance);
+  const SceneBuffers buffers(kernel_device(), scene);
+  std::vector<Hit> hits;
+  for (int i = 0; i < triangles; ++i) {
+    const float u = positive(random), v = (1 - u) * positive(random);
+    hits.push_back(hit_at(static_cast<uint>(i), u, v));
+  }
+  const glm::vec3 direction = glm::normalize(glm::vec3(0.3f, -0.5f, 0.7f));
+  const auto surfaces = make_surfaces(buffers, hits, direction);
+  int wrong = 0, far = 0;
+  for (int i = 0; i < triangles; ++i) {
+    const glm::dvec3 a(mesh.positions[3 * i]), b(mesh.positions[3 * i + 1]), c(mesh.positions[3 * i + 2]);
+    const glm::dvec3 e1 = b - a, e2 = c - a, normal = glm::normalize(glm::cross(e1, e2));
+    // Needles have no normal in single precision.
+    if (glm::length(glm::cross(e1, e2)) < 1e-3 * glm::length(e1) * glm::length(e2)) continue;
+    const double side = glm::dot(normal, glm::dvec3(direction)) > 0 ? 1 : -1;
+    const double on = side * glm::dot(glm::dvec3(surfaces[i].origin_on.xyz()) - a, normal);
+    const double back = -side * glm::dot(glm::dvec3(surfaces[i].origin_back.xyz()) - a, normal);
+    wrong += !(on > 0 && back > 0);
+    far += on > 1e-4 * sizes[i] || back > 1e-4 * sizes[i];
+  }
+  CHECK(wrong == 0);
+  CHECK(far == 0);
+}
+
+TEST_CASE("primary rays pass through their film points; pixel sampling modes") {
+  SceneCamera camera;
+  camera.yfov = 1.0f;
+  camera.world_from_camera = glm::mat4(glm::vec4(0, 0, -1, 0), glm::vec4(0, 1, 0, 0), glm::vec4(1, 0, 0, 0), glm::vec4(1, 2, 3, 1));
+  const uint width = 8, height = 4;
+  const auto rays = [&](uint sampling, const std::vector<uint4>& samples, const std::vector<float2>& jitters) {
+    Frame frame{};
+    frame.camera = make_camera(camera, float(width) / float(height));
+    frame.width = width, frame.height = height, frame.pixel_sampling = sampling;
+    const auto device_samples = test_buffer(samples);
+    const auto device_jitters = test_buffer(jitters);
+    const auto result = test_buffer<Ray>(samples.size());
+    run_kernel(program(), "make_camera_rays", samples.size(), 1, [&](PassBuilder& pass) {
+      pass.arg("frame", frame).arg("samples", device_samples).arg("jitters", device_jitters);
+      pass.arg("count", static_cast<uint>(samples.size())).arg("rays", result);
+    });
+    return result.download();
+  };
+  // The camera looks along -x, its right is -z, its up is +y.
+  const auto expected = [&](float film_x, float film_y) {
+    const float half = std::tan(0.5f);
+    const float sx = 2 * film_x / width - 1, sy = 1 - 2 * film_y / height;
+    return glm::normalize(glm::vec3(-1, half * sy, -2 * half * sx));
+  };
+  const auto jittered = rays(LUCARIUM_PIXEL_JITTER, {{0, 0, 0, 0}, {7, 3, 5, 0}}, {{0.25f, 0.75f}, {0.5f, 0.1f}});
+  CHECK(near(jittered[0].direction.xyz(), expected(0.25f, 0.75f)));
+  CHECK(near(jittered[1].direction.xyz(), expected(7.5f, 3.1f)));
+  CHECK(near(jittered[0].origin.xyz(), {1, 2, 3}));
+  CHECK(std::isinf(jittered[0].direction.w));
+  uint seed = 0;
+  std::memcpy(&seed, &jittered[0].origin.w, sizeof seed);
+  CHECK(seed == 5);
+  const auto centre = rays(LUCARIUM_PIXEL_CENTRE, {{2, 1, 9, 0}}, {{0.9f, 0.9f}});
+  CHECK(near(centre[0].direction.xyz(), expected(2.5f, 1.5f)));
+  const auto grid = rays(2, {{2, 1, 0, 0}, {2, 1, 1, 0}, {2, 1, 6, 0}}, {{0.9f, 0.9f}, {0.9f, 0.9f}, {0.9f, 0.9f}});
+  CHECK(near(grid[0].direction.xyz(), expected(2.25f, 1.25f)));
+  CHECK(near(grid[1].direction.xyz(), expected(2.75f, 1.25f)));
+  CHECK(near(grid[2].direction.xyz(), expected(2.25f, 1.75f)));
+
+  camera.perspective = false;
+  camera.ymag = 3;
+  const auto parallel = rays(LUCARIUM_PIXEL_JITTER, {{0, 0, 0, 0}, {4, 2, 0, 0}}, {{0, 0}, {0, 0}});
+  CHECK(near(parallel[0].direction.xyz(), {-1, 0, 0}));
+  CHECK(near(parallel[0].origin.xyz(), {1, 2 + 3, 3 + 6}));
+  CHECK(near(parallel[1].origin.xyz(), {1, 2, 3}));
+}
+
+TEST_CASE("heuristics of multiple importance sampling add up to 1") {
+  const std::vector<float2> densities = {{1, 1}, {3, 1}, {1, 3}, {1e30f, 1}, {1, 1e30f}, {2, 0}, {1e-20f, 1e-20f}};
+  const auto input = test_buffer(densities);
+  const auto weights = test_buffer<float2>(densities.size());
+  run_kernel(program(), "weigh", densities.size(), 1, [&](PassBuilder& pass) {
+    pass.arg("densities", input).arg("count", static_cast<uint>(densities.size())).arg("weights", weights);
+  });
+  const auto got = weights.download();
+  CHECK(got[0].x == doctest::Approx(0.5));
+  CHECK(got[1].x == doctest::Approx(0.9));
+  CHECK(got[1].x + got[2].x == doctest::Approx(1));
+  CHECK(got[1].y == doctest::Approx(0.75));
+  CHECK(got[3].x == 1);
+  CHECK(got[4].x == doctest::Approx(0));
+  CHECK(got[5].x == 1);
+  CHECK(got[6].x == doctest::Approx(0.5));
+}
