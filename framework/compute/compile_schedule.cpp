@@ -40,7 +40,10 @@ class ScheduleCompiler {
     set_kernel_arguments();
     decide_overlap();
     state_->resources = std::move(recorded_.resources);
-    state_->estimates = std::make_shared<std::vector<double>>(drafts_.size(), -1.0);
+    state_->facts = std::make_shared<ScheduleFacts>();
+    state_->facts->name = fmt::format("schedule '{}'", recorded_.name);
+    state_->facts->seconds.assign(drafts_.size(), -1.0);
+    for (const Step& step : state_->steps) state_->facts->where.push_back(state_->where(step));
     return std::move(state_);
   }
 

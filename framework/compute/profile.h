@@ -18,7 +18,7 @@ struct PassProfile {
   std::string schedule, name, kernel;
   uint64_t count = 0;
   double device_seconds = 0;  ///< of host steps: on the host
-  double launch_seconds = 0;  ///< queued → started
+  double launch_seconds = 0;  ///< from enqueued, or the device free, to started
   double bytes = 0;           ///< as declared by moves_bytes()
 };
 

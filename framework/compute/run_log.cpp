@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/compute/run_log.h"
 
+#include <algorithm>
 #include <atomic>
+#include <iterator>
 
 #include "lucarium/base/error.h"
 
@@ -66,8 +68,8 @@ void RunLog::add(Schedule::State& schedule, RunRecord record, bool keep) {
     assign_slots(schedule);
     ++profile_.runs;
   }
-  waiting_.push_back({std::move(record), schedule.device, schedule.name, schedule.estimates,
-                      keep ? schedule.profile_slots : nullptr, profile_.runs});
+  waiting_.push_back(
+      {std::move(record), schedule.device, schedule.facts, keep ? schedule.profile_slots : nullptr, profile_.runs});
 }
 
 void RunLog::settle(size_t count, ApiCalls& calls) {
@@ -77,19 +79,38 @@ void RunLog::settle(size_t count, ApiCalls& calls) {
     if (run.record.end) {
       const cl_event end = run.record.end.get();
       ++calls.waits;
-      check_opencl(clWaitForEvents(1, &end), "clWaitForEvents", fmt::format("a run of schedule '{}'", run.schedule),
-                   *run.device);
+      if (const cl_int code = clWaitForEvents(1, &end); code != CL_SUCCESS) report_failure(run, code);
     }
     sum_up(run);
   }
 }
 
+/// Marks the schedule failed and throws, naming the first command that the device reports as failed.
+void RunLog::report_failure(const Waiting& run, cl_int code) {
+  std::string where = fmt::format("a run of {}", run.facts->name);
+  for (const RunRecord::StepEvent& each : run.record.events) {
+    cl_int status = CL_COMPLETE;
+    clGetEventInfo(each.event.get(), CL_EVENT_COMMAND_EXECUTION_STATUS, sizeof(status), &status, nullptr);
+    if (status >= 0) continue;
+    where = run.facts->where[each.step];
+    code = status;
+    break;
+  }
+  run.facts->failure = fmt::format("{}: failed on {}: {}", where, run.device->info().name, opencl_error_name(code));
+  throw Error(ErrorClass::device, run.facts->failure);
+}
+
 void RunLog::sum_up(const Waiting& run) {
+  std::vector<uint64_t> ends;  // of all commands, to tell waiting for the device from launching
+  for (const RunRecord::StepEvent& each : run.record.events) {
+    if (run.slots) ends.push_back(timestamp(each.event.get(), CL_PROFILING_COMMAND_END));
+  }
+  if (!std::is_sorted(ends.begin(), ends.end())) std::sort(ends.begin(), ends.end());
   for (const RunRecord::StepEvent& each : run.record.events) {
     const uint64_t started = timestamp(each.event.get(), CL_PROFILING_COMMAND_START);
     const uint64_t ended = timestamp(each.event.get(), CL_PROFILING_COMMAND_END);
     const double seconds = ended > started ? static_cast<double>(ended - started) * 1e-9 : 0;
-    (*run.estimates)[each.step] = seconds;
+    run.facts->seconds[each.step] = seconds;
     if (!run.slots) continue;
     const uint64_t queued = timestamp(each.event.get(), CL_PROFILING_COMMAND_QUEUED);
     const int slot = (*run.slots)[each.step];
@@ -98,12 +119,14 @@ void RunLog::sum_up(const Waiting& run) {
     pass.bytes += each.moved_bytes;
     if (each.first) {
       ++pass.count;
-      pass.launch_seconds += started > queued ? static_cast<double>(started - queued) * 1e-9 : 0;
+      const auto later_end = std::upper_bound(ends.begin(), ends.end(), started);
+      const uint64_t free = later_end == ends.begin() ? queued : std::max(queued, *std::prev(later_end));
+      pass.launch_seconds += started > free ? static_cast<double>(started - free) * 1e-9 : 0;
     }
     if (profile_.events.size() < event_limit) profile_.events.push_back({slot, run.run, queued, started, ended});
   }
   for (const RunRecord::HostTime& each : run.record.host_times) {
-    (*run.estimates)[each.step] = 0;
+    run.facts->seconds[each.step] = 0;
     if (!run.slots) continue;
     PassProfile& pass = profile_.passes[static_cast<size_t>((*run.slots)[each.step])];
     ++pass.count;

@@ -18,9 +18,11 @@ class RunLog {
  public:
   RunLog();
 
-  /// `keep`: whether the run counts in the profile; its durations become the schedule's estimates in any case.
+  /// `keep`: whether the run counts in the profile; what it took is noted in the schedule's
+  /// facts in any case.
   void add(Schedule::State& schedule, RunRecord record, bool keep);
-  /// Waits for the oldest runs until at most `count` are left. Throws Error{device} when a command had failed.
+  /// Waits for the oldest runs until at most `count` are left. Throws Error{device} that names
+  /// the pass when a command had failed.
   void settle(size_t count, ApiCalls& calls);
   size_t waiting() const { return waiting_.size(); }
   /// Forgets them after a failure; the device must be idle.
@@ -34,12 +36,12 @@ class RunLog {
   struct Waiting {
     RunRecord record;
     std::shared_ptr<Device> device;
-    std::string schedule;
-    std::shared_ptr<std::vector<double>> estimates;
+    std::shared_ptr<ScheduleFacts> facts;
     std::shared_ptr<std::vector<int>> slots;  ///< null: not profiled
     uint64_t run = 0;
   };
   void assign_slots(Schedule::State& schedule);
+  [[noreturn]] static void report_failure(const Waiting& run, cl_int code);
   void sum_up(const Waiting& run);
 
   uint64_t id_;  ///< of the present profile

@@ -291,7 +291,7 @@ void ScheduleRun::add_event(size_t index, bool first, cl_event event, size_t byt
 }
 
 double ScheduleRun::expected_seconds(size_t index) const {
-  const double seconds = (*state_.estimates)[index];
+  const double seconds = state_.facts->seconds[index];
   return seconds < 0 ? unknown_step_seconds : seconds;
 }
 

@@ -66,6 +66,14 @@ struct VariableValue {
   bool changed = false;
 };
 
+/// What runs find out about their schedule; they may outlive it.
+struct ScheduleFacts {
+  std::string name;                ///< "schedule 'a'"
+  std::vector<std::string> where;  ///< by step, for messages
+  std::vector<double> seconds;     ///< by step, in the last run that was measured; negative: never
+  std::string failure;             ///< not empty: refuse to run
+};
+
 struct Schedule::State {
   ~State();
 
@@ -85,9 +93,8 @@ struct Schedule::State {
   bool has_read_back = false;
 
   // Across runs.
-  bool in_flight = false;                           ///< something may have been enqueued since the device was last idle
-  std::string failure;                              ///< not empty: refuse to run
-  std::shared_ptr<std::vector<double>> estimates;   ///< seconds by step, from the last run that was measured
+  bool in_flight = false;  ///< something may have been enqueued since the device was last idle
+  std::shared_ptr<ScheduleFacts> facts;
   std::shared_ptr<std::vector<int>> profile_slots;  ///< by step, index in the profile `profile_id`
   uint64_t profile_id = 0;
   /// Copies that stand for the callers' buffers during a warm-up, by resource.

@@ -47,7 +47,7 @@ class StandIns {
       state_.stand_ins.clear();
       bind();
     } catch (const Error& error) {
-      state_.failure = error.what();
+      state_.facts->failure = error.what();
     }
   }
   StandIns(const StandIns&) = delete;
@@ -88,9 +88,9 @@ struct KernelScheduler::State {
     if (state.device != device) {
       throw_error(ErrorClass::device, "schedule '{}' was recorded for another device", schedule.name());
     }
-    if (!state.failure.empty()) {
+    if (!state.facts->failure.empty()) {
       throw_error(ErrorClass::device, "schedule '{}' failed before and cannot run again: {}", schedule.name(),
-                  state.failure);
+                  state.facts->failure);
     }
     return state;
   }
@@ -121,9 +121,9 @@ struct KernelScheduler::State {
       log.drop();
       std::rethrow_exception(cause);
     } catch (const std::exception& error) {
-      schedule.failure = error.what();
+      schedule.facts->failure = error.what();
     } catch (...) {
-      schedule.failure = "an unknown exception";
+      schedule.facts->failure = "an unknown exception";
     }
   }
 };
