@@ -16,7 +16,8 @@ struct BvhStatistics {
   double sah_cost = 0;  ///< expected node + leaf block tests of a random line that crosses the root box
 };
 
-/// How rays are traversed. All find the same hits, bit for bit on one device.
+/// How rays are traversed. All compute hits by the same operations, so that they find the same ones to the bit on one
+/// device (but for needle-thin triangles, whose computed distance may lie in front of the boxes that hold them).
 enum class BvhTraversal {
   automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
   wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item
