@@ -33,32 +33,6 @@ Mesh one_face(const std::string& name, const glm::vec3& min, const glm::vec3& ma
   return MeshBuilder(name).box_face(min, max, axis, side, true).take();
 }
 
-/// Golden-ratio icosahedron, every triangle cut into four `levels` times, corners on the unit sphere.
-std::vector<std::array<glm::vec3, 3>> icosphere(int levels) {
-  const float t = 0.5f * (1 + std::sqrt(5.f));
-  const glm::vec3 p[12] = {{-1, t, 0},  {1, t, 0},  {-1, -t, 0}, {1, -t, 0}, {0, -1, t},  {0, 1, t},
-                           {0, -1, -t}, {0, 1, -t}, {t, 0, -1},  {t, 0, 1},  {-t, 0, -1}, {-t, 0, 1}};
-  const int f[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
-                        {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
-                        {3, 8, 9},  {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-  std::vector<std::array<glm::vec3, 3>> faces;
-  for (const auto& i : f) {
-    faces.push_back({glm::normalize(p[i[0]]), glm::normalize(p[i[1]]), glm::normalize(p[i[2]])});
-  }
-  for (int level = 0; level < levels; ++level) {
-    std::vector<std::array<glm::vec3, 3>> finer;
-    for (const auto& [a, b, c] : faces) {
-      const glm::vec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c), ca = glm::normalize(c + a);
-      finer.push_back({a, ab, ca});
-      finer.push_back({ab, b, bc});
-      finer.push_back({ca, bc, c});
-      finer.push_back({ab, bc, ca});
-    }
-    faces = std::move(finer);
-  }
-  return faces;
-}
-
 }  // namespace
 
 Scene make_cornell(const std::string& variant) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <glm/glm.hpp>
 #include <string>
+#include <vector>
 
 #include "lucarium/scene/scene.h"
 
@@ -26,6 +28,19 @@ class MeshBuilder {
   uint32_t vertex(const glm::vec3& position, const glm::vec3& normal);
   /// Leaves out triangles without area.
   MeshBuilder& face(uint32_t a, uint32_t b, uint32_t c);
+
+  /// A smooth sheet: `rows` by `columns` positions, row by row; normals are averaged from its faces. Faces run
+  /// (row, column), (row, column + 1), (row + 1, column + 1) counter-clockwise seen from the front. `closed` joins the
+  /// last column to the first.
+  MeshBuilder& sheet(const std::vector<glm::vec3>& positions, size_t rows, size_t columns, bool closed);
+
+  /// Surface of revolution about the Y axis from points (radius, y), upwards = facing outwards. Each part is smooth;
+  /// parts meet in creases.
+  MeshBuilder& revolve(const std::vector<std::vector<glm::vec2>>& parts, size_t segments);
+
+  /// A closed polygon (d, y), counter-clockwise with d to the right, swept around the rectangle |x| = half.x,
+  /// |z| = half.y: d is the distance outwards from it. Mitred corners, closed, faces outwards.
+  MeshBuilder& sweep_around(const std::vector<glm::vec2>& polygon, const glm::vec2& half);
 
   Mesh take() { return std::move(mesh_); }
   size_t triangle_count() const { return mesh_.triangles.size(); }
@@ -52,6 +67,9 @@ SceneCamera look_at_camera(const std::string& name, const glm::vec3& eye, const 
 
 /// Places a light's or camera's frame: at `position`, looking (shining) along `direction`, up as near to +Y as can be.
 glm::mat4 frame_along(const glm::vec3& position, const glm::vec3& direction);
+
+/// Golden-ratio icosahedron with every triangle cut into four `levels` times, corners on the unit sphere.
+std::vector<std::array<glm::vec3, 3>> icosphere(int levels);
 
 Scene make_cornell(const std::string& variant);  ///< "", "mirror" or "glossy"
 Scene make_furnace();

@@ -22,6 +22,7 @@ const std::vector<BuiltinScene>& builtin_scenes() {
       {"cornell-glossy", [] { return make_cornell("glossy"); }},
       {"furnace", make_furnace},
       {"room", make_room},
+      {"atrium", make_atrium},
   };
   return scenes;
 }

@@ -126,3 +126,25 @@ TEST_CASE("the furnace is a closed convex body of flat facets") {
   CHECK(scene.environment->width == 0);
   CHECK(scene.environment->factor == glm::vec3(1));
 }
+
+TEST_CASE("the atrium has about 300 000 triangles, sun, sky and lanterns") {
+  const Scene scene = load_scene("builtin:atrium");
+  CHECK(scene.triangle_count() > 250'000);
+  CHECK(scene.triangle_count() < 350'000);
+  REQUIRE(scene.lights.size() == 1);
+  CHECK(scene.lights[0].type == LightType::directional);
+  REQUIRE(scene.environment);
+  CHECK(scene.environment->width > 0);
+  CHECK(scene.cameras.size() == 3);
+  size_t lanterns = 0;
+  for (const SceneInstance& instance : scene.instances) lanterns += scene.materials[instance.material].emits();
+  CHECK(lanterns == 12);
+  // What keeps the light out is closed: walls, slabs, roof and foundation.
+  for (const char* name : {"outer wall", "upper floor", "roof", "foundation", "cornice", "roof cornice", "parapet"}) {
+    CAPTURE(name);
+    const auto [edges, open] = test::count_edges(scene, [&](const Mesh& m) { return m.name == name; });
+    CHECK(edges > 0);
+    CHECK(open == 0);
+    CHECK(signed_volume(scene, [&](const Mesh& m) { return m.name == name; }) > 0);
+  }
+}
