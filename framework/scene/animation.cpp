@@ -52,8 +52,8 @@ std::vector<float> sample_channel(const AnimationChannel& channel, double second
     if (cubic) {
       result = cubic_spline(channel, components, key, s, step);
     } else if (rotation) {
-      result = to_vector(glm::slerp(glm::normalize(to_quaternion(value(key))),
-                                    glm::normalize(to_quaternion(value(key + 1))), s));
+      result = to_vector(
+          glm::slerp(glm::normalize(to_quaternion(value(key))), glm::normalize(to_quaternion(value(key + 1))), s));
     } else {
       for (size_t c = 0; c < components; ++c) result[c] = (1 - s) * value(key)[c] + s * value(key + 1)[c];
     }

@@ -44,7 +44,8 @@ Palette add_palette(Scene& scene) {
 }
 
 glm::mat4 placed(const glm::vec3& position, float quarter_turns = 0) {
-  return glm::rotate(glm::translate(glm::mat4(1.f), position), quarter_turns * glm::half_pi<float>(), glm::vec3(0, 1, 0));
+  return glm::rotate(glm::translate(glm::mat4(1.f), position), quarter_turns * glm::half_pi<float>(),
+                     glm::vec3(0, 1, 0));
 }
 
 int columns_along(float half) { return static_cast<int>(std::lround(2 * half / bay)) + 1; }
@@ -98,7 +99,8 @@ void add_columns(Scene& scene, const Palette& p) {
   for (int level = 0; level < 2; ++level) {
     for (int i = 0; i < columns_along(half_court.x); ++i) {
       for (int j = 0; j < columns_along(half_court.y); ++j) {
-        const bool on_edge = i == 0 || j == 0 || i + 1 == columns_along(half_court.x) || j + 1 == columns_along(half_court.y);
+        const bool on_edge =
+            i == 0 || j == 0 || i + 1 == columns_along(half_court.x) || j + 1 == columns_along(half_court.y);
         if (!on_edge) continue;
         const glm::vec3 foot(-half_court.x + static_cast<float>(i) * bay, static_cast<float>(level) * storey,
                              -half_court.y + static_cast<float>(j) * bay);
@@ -185,9 +187,10 @@ void add_tiles(Scene& scene, const char* name, const glm::vec2& low, const glm::
 
 void add_floor(Scene& scene, const Palette& p) {
   const glm::vec2 outer = half_court + glm::vec2(aisle);
-  add_instance(scene, add_mesh(scene, MeshBuilder("foundation")
-                                          .box({-outer.x - 1, -0.6f, -outer.y - 1}, {outer.x + 1, -0.03f, outer.y + 1})
-                                          .take()),
+  add_instance(scene,
+               add_mesh(scene, MeshBuilder("foundation")
+                                   .box({-outer.x - 1, -0.6f, -outer.y - 1}, {outer.x + 1, -0.03f, outer.y + 1})
+                                   .take()),
                p.ground);
   add_tiles(scene, "court floor", -half_court, half_court, 0.75f, {p.light_tile, p.dark_tile, p.red_tile},
             [](int i, int j, int columns, int rows) {
@@ -241,7 +244,8 @@ Environment sky() {
   environment.name = "clear sky";
   environment.width = 128, environment.height = 64;
   for (uint32_t j = 0; j < environment.height; ++j) {
-    const float up = std::cos(glm::pi<float>() * (static_cast<float>(j) + 0.5f) / static_cast<float>(environment.height));
+    const float up =
+        std::cos(glm::pi<float>() * (static_cast<float>(j) + 0.5f) / static_cast<float>(environment.height));
     const glm::vec3 horizon(1.05f, 1.15f, 1.30f), zenith(0.28f, 0.55f, 1.15f), ground(0.22f, 0.20f, 0.18f);
     const glm::vec3 color = up > 0 ? glm::mix(horizon, zenith, std::pow(up, 0.5f)) : ground;
     environment.radiance.insert(environment.radiance.end(), environment.width, 1.6f * color);

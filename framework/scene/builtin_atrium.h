@@ -5,12 +5,12 @@
 // Parts of builtin:atrium, each around its own origin. Lengths in metres.
 namespace lucarium::atrium {
 
-inline constexpr float bay = 3.f;               ///< distance of column axes
-inline constexpr glm::vec2 half_court{6, 9};    ///< column axes stand on |x| = 6 and |z| = 9
-inline constexpr float aisle = 3.f;             ///< from the column axes to the wall's axis
-inline constexpr float storey = 4.5f;           ///< floor to floor
-inline constexpr float springing = 2.7f;        ///< of the arches above the floor
-inline constexpr float half_wall = 0.25f;       ///< half the thickness of the arcade
+inline constexpr float bay = 3.f;             ///< distance of column axes
+inline constexpr glm::vec2 half_court{6, 9};  ///< column axes stand on |x| = 6 and |z| = 9
+inline constexpr float aisle = 3.f;           ///< from the column axes to the wall's axis
+inline constexpr float storey = 4.5f;         ///< floor to floor
+inline constexpr float springing = 2.7f;      ///< of the arches above the floor
+inline constexpr float half_wall = 0.25f;     ///< half the thickness of the arcade
 inline constexpr float vault_radius = bay / 2 - half_wall;
 inline constexpr float arch_radius = vault_radius - 0.1f;  ///< arches are ribs below the vault
 inline constexpr int arch_segments = 24;

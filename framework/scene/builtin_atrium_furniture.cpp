@@ -10,8 +10,14 @@ namespace lucarium::atrium {
 Mesh baluster() {
   return MeshBuilder("baluster")
       .revolve({{{0.075f, 0.f}, {0.075f, 0.05f}},
-                {{0.075f, 0.05f}, {0.045f, 0.075f}, {0.06f, 0.13f}, {0.078f, 0.21f}, {0.07f, 0.31f}, {0.045f, 0.43f},
-                 {0.032f, 0.55f}, {0.034f, 0.64f}},
+                {{0.075f, 0.05f},
+                 {0.045f, 0.075f},
+                 {0.06f, 0.13f},
+                 {0.078f, 0.21f},
+                 {0.07f, 0.31f},
+                 {0.045f, 0.43f},
+                 {0.032f, 0.55f},
+                 {0.034f, 0.64f}},
                 {{0.034f, 0.64f}, {0.055f, 0.66f}, {0.055f, 0.69f}},
                 {{0.055f, 0.69f}, {0.07f, 0.71f}, {0.07f, 0.78f}}},
                10)
@@ -26,7 +32,9 @@ Mesh rail() {
 }
 
 Mesh lantern_glass() {
-  return MeshBuilder("lantern glass").revolve({{{0.f, -0.13f}, {0.075f, -0.13f}}, {{0.075f, -0.13f}, {0.11f, 0.12f}}}, 8).take();
+  return MeshBuilder("lantern glass")
+      .revolve({{{0.f, -0.13f}, {0.075f, -0.13f}}, {{0.075f, -0.13f}, {0.11f, 0.12f}}}, 8)
+      .take();
 }
 
 Mesh lantern_frame() {
@@ -82,7 +90,8 @@ Mesh topiary() {
   // A clipped bush: a sphere with dents of fixed, irrational frequencies.
   MeshBuilder builder("topiary");
   const auto dented = [](const glm::vec3& p) {
-    const float dent = std::sin(9.1f * p.x + 2.3f * p.y) + std::sin(8.3f * p.y + 3.7f * p.z) + std::sin(10.7f * p.z - 4.1f * p.x);
+    const float dent =
+        std::sin(9.1f * p.x + 2.3f * p.y) + std::sin(8.3f * p.y + 3.7f * p.z) + std::sin(10.7f * p.z - 4.1f * p.x);
     return (0.52f + 0.012f * dent) * p + glm::vec3(0, 1.02f, 0);
   };
   for (const auto& [a, b, c] : icosphere(3)) builder.triangle(dented(a), dented(b), dented(c));

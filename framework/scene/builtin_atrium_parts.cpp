@@ -34,8 +34,10 @@ void add_soffit(MeshBuilder& builder, float radius) {
 /// A quad in the plane z = `z`, given counter-clockwise seen from +Z; turned over on the far side.
 void add_wall_quad(MeshBuilder& builder, float z, const glm::vec2& a, const glm::vec2& b, const glm::vec2& c,
                    const glm::vec2& d) {
-  if (z > 0) builder.quad({a, z}, {b, z}, {c, z}, {d, z});
-  else builder.quad({d, z}, {c, z}, {b, z}, {a, z});
+  if (z > 0)
+    builder.quad({a, z}, {b, z}, {c, z}, {d, z});
+  else
+    builder.quad({d, z}, {c, z}, {b, z}, {a, z});
 }
 
 }  // namespace

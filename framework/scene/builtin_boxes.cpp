@@ -19,8 +19,10 @@ glm::vec2 cornell_xz(float x_mm, float z_mm) { return {0.5f * box_width - 0.001f
 Mesh cornell_ceiling(const glm::vec2& hole_min, const glm::vec2& hole_max) {
   const float x = 0.5f * box_width, y = box_height;
   const glm::vec3 outer[4] = {{-x, y, 0}, {-x, y, -box_depth}, {x, y, -box_depth}, {x, y, 0}};
-  const glm::vec3 inner[4] = {{hole_min.x, y, hole_max.y}, {hole_min.x, y, hole_min.y},
-                              {hole_max.x, y, hole_min.y}, {hole_max.x, y, hole_max.y}};
+  const glm::vec3 inner[4] = {{hole_min.x, y, hole_max.y},
+                              {hole_min.x, y, hole_min.y},
+                              {hole_max.x, y, hole_min.y},
+                              {hole_max.x, y, hole_max.y}};
   MeshBuilder builder("ceiling");
   for (int i = 0; i < 4; ++i) {
     const int next = (i + 1) % 4;
@@ -53,8 +55,9 @@ Scene make_cornell(const std::string& variant) {
   add_instance(scene, add_mesh(scene, one_face("right wall", low, high, 0, 1)), green);
   const glm::vec2 lamp_min = cornell_xz(343, 332), lamp_max = cornell_xz(213, 227);
   add_instance(scene, add_mesh(scene, cornell_ceiling(lamp_min, lamp_max)), white);
-  add_instance(scene, add_mesh(scene, one_face("lamp", {lamp_min.x, 0, lamp_min.y}, {lamp_max.x, box_height, lamp_max.y}, 1, 1)),
-               lamp);
+  add_instance(
+      scene, add_mesh(scene, one_face("lamp", {lamp_min.x, 0, lamp_min.y}, {lamp_max.x, box_height, lamp_max.y}, 1, 1)),
+      lamp);
 
   const std::vector<glm::vec2> short_block = {cornell_xz(130, 65), cornell_xz(82, 225), cornell_xz(240, 272),
                                               cornell_xz(290, 114)};
@@ -83,7 +86,8 @@ Scene make_furnace() {
 Scene make_room() {
   Scene scene;
   const int horizontal = add_lambert(scene, "floor and ceiling", glm::vec3(0.7f));
-  const int left = add_lambert(scene, "wall -x", glm::vec3(0.6f)), right = add_lambert(scene, "wall +x", glm::vec3(0.3f));
+  const int left = add_lambert(scene, "wall -x", glm::vec3(0.6f)),
+            right = add_lambert(scene, "wall +x", glm::vec3(0.3f));
   const int ends = add_lambert(scene, "walls z", glm::vec3(0.5f)), body = add_lambert(scene, "box", glm::vec3(0.8f));
   const glm::vec3 low(-1, 0, -1), high(1, 2, 1);
   const int materials[3][2] = {{left, right}, {horizontal, horizontal}, {ends, ends}};

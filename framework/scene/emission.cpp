@@ -11,7 +11,7 @@ namespace lucarium {
 
 namespace {
 
-constexpr int max_subdivision = 64;           // rows of samples in one triangle
+constexpr int max_subdivision = 64;  // rows of samples in one triangle
 
 /// A range of texel indices along one axis, grown by the bilinear footprint; never longer than all there is.
 struct TexelRange {

@@ -29,7 +29,8 @@ std::vector<double> cell_luminance(const Environment& e) {
     }
   }
   for (uint32_t j = 0; j < h; ++j) {
-    const size_t above = size_t(j == 0 ? 0 : j - 1) * w, below = size_t(std::min(j + 1, h - 1)) * w, here = size_t(j) * w;
+    const size_t above = size_t(j == 0 ? 0 : j - 1) * w, below = size_t(std::min(j + 1, h - 1)) * w,
+                 here = size_t(j) * w;
     for (uint32_t i = 0; i < w; ++i) {
       result[here + i] = cell_mean(horizontal[above + i], horizontal[here + i], horizontal[below + i]);
     }

@@ -84,7 +84,7 @@ std::shared_ptr<const Mesh> pose_of(const Scene& scene, const SceneInstance& ins
     for (size_t j = 0; j < skeleton.joints.size(); ++j) {
       const glm::mat4& world_from_joint = scene.nodes[skeleton.joints[j]].world_from_node;
       world_from_bind.push_back(skeleton.inverse_bind.empty() ? world_from_joint
-                                                               : world_from_joint * skeleton.inverse_bind[j]);
+                                                              : world_from_joint * skeleton.inverse_bind[j]);
     }
     mirrored = skin(*pose, world_from_bind, node.world_from_node);
   }

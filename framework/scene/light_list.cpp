@@ -40,7 +40,8 @@ Light punctual_light(const SceneLight& light, float scene_radius) {
 double world_area(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
   const glm::dmat3 linear{glm::mat3(m)};
   const glm::dvec3 a(mesh.positions[t.x]);
-  const glm::dvec3 u = linear * (glm::dvec3(mesh.positions[t.y]) - a), v = linear * (glm::dvec3(mesh.positions[t.z]) - a);
+  const glm::dvec3 u = linear * (glm::dvec3(mesh.positions[t.y]) - a),
+                   v = linear * (glm::dvec3(mesh.positions[t.z]) - a);
   return 0.5 * glm::length(glm::cross(u, v));
 }
 
@@ -52,7 +53,8 @@ std::vector<AliasEntry> choice_table(const std::vector<Light>& lights, LightChoi
   weights.reserve(lights.size());
   for (const Light& light : lights) {
     const bool even = choice == LightChoice::uniform || !(sum > 0);
-    weights.push_back(even ? 1 : (1 - even_light_share) * static_cast<double>(light.intensity.w) / sum + even_light_share / n);
+    weights.push_back(
+        even ? 1 : (1 - even_light_share) * static_cast<double>(light.intensity.w) / sum + even_light_share / n);
   }
   return make_alias_table(weights);
 }

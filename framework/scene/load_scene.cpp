@@ -104,8 +104,8 @@ void validate_evaluated(const Scene& scene) {
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const SceneInstance& instance = scene.instances[i];
     if (is_finite(instance, instance.shape(scene))) continue;
-    throw_error(ErrorClass::input, "{}: mesh '{}' (instance {}) has positions that are not finite at {} s", scene.source,
-                scene.meshes[instance.mesh].name, i, scene.time);
+    throw_error(ErrorClass::input, "{}: mesh '{}' (instance {}) has positions that are not finite at {} s",
+                scene.source, scene.meshes[instance.mesh].name, i, scene.time);
   }
 }
 

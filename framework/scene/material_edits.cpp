@@ -21,7 +21,7 @@ struct MaterialKey {
   std::function<bool(SceneMaterial&, const std::string&)> set;  ///< false: the value is not as expected
 };
 
-MaterialKey number_key(const char* name, const char* expected, float SceneMaterial::* member, float low, float high) {
+MaterialKey number_key(const char* name, const char* expected, float SceneMaterial::*member, float low, float high) {
   return {name, expected, [=](SceneMaterial& material, const std::string& text) {
             const auto value = parse_number(text);
             if (!value || *value < low || *value > high) return false;
@@ -30,7 +30,7 @@ MaterialKey number_key(const char* name, const char* expected, float SceneMateri
           }};
 }
 
-MaterialKey color_key(const char* name, const char* expected, glm::vec3 SceneMaterial::* member, float high) {
+MaterialKey color_key(const char* name, const char* expected, glm::vec3 SceneMaterial::*member, float high) {
   return {name, expected, [=](SceneMaterial& material, const std::string& text) {
             const auto value = parse_color(text);
             if (!value || std::max({value->r, value->g, value->b}) > high) return false;
@@ -39,7 +39,7 @@ MaterialKey color_key(const char* name, const char* expected, glm::vec3 SceneMat
           }};
 }
 
-MaterialKey flag_key(const char* name, bool SceneMaterial::* member) {
+MaterialKey flag_key(const char* name, bool SceneMaterial::*member) {
   return {name, "true or false", [=](SceneMaterial& material, const std::string& text) {
             if (text != "true" && text != "false") return false;
             material.*member = text == "true";
@@ -54,15 +54,20 @@ bool set_base_color(SceneMaterial& material, const std::string& text) {
     if (c < 0 || c > 1) return false;
   }
   const float alpha = v->size() == 4 ? (*v)[3] : material.base_color.a;
-  material.base_color = v->size() == 1 ? glm::vec4(glm::vec3((*v)[0]), alpha) : glm::vec4((*v)[0], (*v)[1], (*v)[2], alpha);
+  material.base_color =
+      v->size() == 1 ? glm::vec4(glm::vec3((*v)[0]), alpha) : glm::vec4((*v)[0], (*v)[1], (*v)[2], alpha);
   return true;
 }
 
 bool set_alpha_mode(SceneMaterial& material, const std::string& text) {
-  if (text == "opaque") material.alpha_mode = AlphaMode::opaque;
-  else if (text == "mask") material.alpha_mode = AlphaMode::mask;
-  else if (text == "blend") material.alpha_mode = AlphaMode::blend;
-  else return false;
+  if (text == "opaque")
+    material.alpha_mode = AlphaMode::opaque;
+  else if (text == "mask")
+    material.alpha_mode = AlphaMode::mask;
+  else if (text == "blend")
+    material.alpha_mode = AlphaMode::blend;
+  else
+    return false;
   return true;
 }
 

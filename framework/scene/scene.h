@@ -37,12 +37,12 @@ struct Mesh {
   std::vector<glm::vec3> normals;   ///< never empty after import (flat ones are made, with vertices split)
   std::vector<glm::vec4> tangents;  ///< w handedness; made when a normal map needs them and the file has none
   std::vector<glm::vec2> uv[2];
-  std::vector<glm::vec4> colors;    ///< linear
+  std::vector<glm::vec4> colors;  ///< linear
   std::vector<glm::uvec3> triangles;
   std::vector<std::array<uint16_t, 4>> joints;
   std::vector<glm::vec4> weights;
   std::vector<MorphTarget> morph_targets;
-  bool flat_normals = false;        ///< normals were missing: recomputed after deformation
+  bool flat_normals = false;  ///< normals were missing: recomputed after deformation
   int material = 0;
 };
 
@@ -82,8 +82,8 @@ struct SceneMaterial {
   float emissive_strength = 1;
   float ior = 1.5f;
   float transmission = 0;
-  float thickness = 0;                     ///< KHR_materials_volume; 0: thin wall
-  float attenuation_distance = INFINITY;   ///< [m]
+  float thickness = 0;                    ///< KHR_materials_volume; 0: thin wall
+  float attenuation_distance = INFINITY;  ///< [m]
   glm::vec3 attenuation_color{1};
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5f;
@@ -98,18 +98,18 @@ enum class LightType : uint8_t { point, spot, directional };
 struct SceneLight {
   std::string name;
   LightType type = LightType::point;
-  glm::vec3 intensity{1};  ///< colour × intensity: [cd] point and spot, [lx] directional
+  glm::vec3 intensity{1};                             ///< colour × intensity: [cd] point and spot, [lx] directional
   float inner_angle = 0, outer_angle = 0.785398163f;  ///< spot half angles [rad]
-  int node = none;         ///< whose transform places it; none: world_from_light is given
-  glm::mat4 world_from_light{1};  ///< at the evaluated time; shines along -Z
+  int node = none;                                    ///< whose transform places it; none: world_from_light is given
+  glm::mat4 world_from_light{1};                      ///< at the evaluated time; shines along -Z
 };
 
 struct SceneCamera {
   std::string name;
   bool perspective = true;
-  float yfov = 0.8f;             ///< vertical field of view [rad]
-  float aspect = 0;              ///< of the file; 0: the image's. The image's aspect always wins.
-  float xmag = 1, ymag = 1;      ///< orthographic half extents [m]
+  float yfov = 0.8f;         ///< vertical field of view [rad]
+  float aspect = 0;          ///< of the file; 0: the image's. The image's aspect always wins.
+  float xmag = 1, ymag = 1;  ///< orthographic half extents [m]
   int node = none;
   glm::mat4 world_from_camera{1};  ///< at the evaluated time; looks along -Z
 };
@@ -125,8 +125,8 @@ struct Node {
   std::vector<int> meshes;  ///< the primitives of its glTF mesh
   int skin = none;
   std::vector<float> morph_weights;
-  bool in_scene = true;           ///< reached from the chosen glTF scene
-  glm::mat4 world_from_node{1};   ///< at the evaluated time
+  bool in_scene = true;          ///< reached from the chosen glTF scene
+  glm::mat4 world_from_node{1};  ///< at the evaluated time
 };
 
 struct Skin {
@@ -169,9 +169,9 @@ struct SceneInstance {
 /// Equirectangular radiance map [cd/m²]; direction y is up, u = ½ + atan2(z, x)/2π, v = acos(y)/π from the top.
 struct Environment {
   std::string name;
-  uint32_t width = 0, height = 0;     ///< 0: constant
-  std::vector<glm::vec3> radiance;    ///< rows from the top
-  glm::vec3 factor{1};                ///< multiplier, or the constant radiance
+  uint32_t width = 0, height = 0;   ///< 0: constant
+  std::vector<glm::vec3> radiance;  ///< rows from the top
+  glm::vec3 factor{1};              ///< multiplier, or the constant radiance
   glm::mat3 environment_from_world{1};
 };
 
@@ -196,10 +196,10 @@ struct Scene {
   std::vector<std::string> warnings;  ///< one line each
 
   Bounds instance_bounds(int instance) const;
-  Bounds bounds() const;           ///< world space, at the evaluated time
-  uint64_t triangle_count() const; ///< over all instances
-  bool has_light() const;          ///< punctual, emissive or environment
-  Hash128 hash() const;            ///< of everything that changes radiance (cameras and exposure do not)
+  Bounds bounds() const;            ///< world space, at the evaluated time
+  uint64_t triangle_count() const;  ///< over all instances
+  bool has_light() const;           ///< punctual, emissive or environment
+  Hash128 hash() const;             ///< of everything that changes radiance (cameras and exposure do not)
 };
 
 inline const Mesh& SceneInstance::shape(const Scene& scene) const { return pose ? *pose : scene.meshes[mesh]; }
@@ -207,10 +207,10 @@ inline const Mesh& SceneInstance::shape(const Scene& scene) const { return pose 
 /// Kinds of change; several may be set.
 struct SceneChange {
   bool camera = false;
-  bool topology = false;  ///< instances or meshes came or went: rebuild everything
-  std::vector<int> moved_instances;                ///< rigid or affine motion
+  bool topology = false;                              ///< instances or meshes came or went: rebuild everything
+  std::vector<int> moved_instances;                   ///< rigid or affine motion
   std::vector<glm::mat4> previous_world_from_object;  ///< of the moved ones, same order
-  std::vector<int> deformed_instances;             ///< skins, morphs
+  std::vector<int> deformed_instances;                ///< skins, morphs
   std::vector<int> materials;
   bool lights = false;
   bool environment = false;

@@ -66,8 +66,8 @@ void SceneBuffers::refuse_if_too_large(const Scene& scene) const {
     total += need.bytes;
     if (need.bytes > largest_bytes) largest = need.name, largest_bytes = need.bytes;
     if (need.bytes <= account.single_bytes()) continue;
-    throw_error(ErrorClass::device, "{}: its {} need {} in one piece, the device allows {}; {}", scene.source, need.name,
-                format_bytes(need.bytes), format_bytes(account.single_bytes()), remedy);
+    throw_error(ErrorClass::device, "{}: its {} need {} in one piece, the device allows {}; {}", scene.source,
+                need.name, format_bytes(need.bytes), format_bytes(account.single_bytes()), remedy);
   }
   if (total <= account.total_bytes() - std::min(others, account.total_bytes())) return;
   throw_error(ErrorClass::device,
@@ -182,10 +182,10 @@ void SceneBuffers::refresh_info(const Scene& scene) {
   for (const SceneInstance& instance : scene.instances) {
     if (scene.materials[instance.material].alpha_mode != AlphaMode::opaque) info_.flags |= LUCARIUM_SCENE_HAS_ALPHA;
   }
-  const Environment environment = scene.environment ? Environment{"", scene.environment->width, scene.environment->height,
-                                                                  {}, scene.environment->factor,
-                                                                  scene.environment->environment_from_world}
-                                                    : Environment{"", 0, 0, {}, glm::vec3(0), glm::mat3(1)};
+  const Environment environment =
+      scene.environment ? Environment{"", scene.environment->width,  scene.environment->height,
+                                      {}, scene.environment->factor, scene.environment->environment_from_world}
+                        : Environment{"", 0, 0, {}, glm::vec3(0), glm::mat3(1)};
   const glm::mat3 rows = glm::transpose(environment.environment_from_world);
   info_.environment_factor = float4(environment.factor, 0.f);
   info_.environment_row0 = float4(rows[0], 0.f);
@@ -200,7 +200,8 @@ void SceneBuffers::refresh_lights(const Scene& scene) {
   const size_t capacity = light_capacity(scene);
   const bool first = !scene_lights;
   if (first || !same_bytes(list.lights, light_list_.lights)) store(scene_lights, "lights", list.lights, capacity);
-  if (first || !same_bytes(list.table, light_list_.table)) store(scene_light_table, "light table", list.table, capacity);
+  if (first || !same_bytes(list.table, light_list_.table))
+    store(scene_light_table, "light table", list.table, capacity);
   if (first || !same_bytes(list.triangle_lights, light_list_.triangle_lights)) {
     store(scene_triangle_lights, "triangle lights", list.triangle_lights);
   }
@@ -227,7 +228,8 @@ void SceneBuffers::update_geometry(const Scene& scene, const SceneChange& change
   touched.insert(touched.end(), change.deformed_instances.begin(), change.deformed_instances.end());
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  for (const int i : change.deformed_instances) upload_vertices(*scene.instances[i].pose, layout_.instances[i].mesh_vertex);
+  for (const int i : change.deformed_instances)
+    upload_vertices(*scene.instances[i].pose, layout_.instances[i].mesh_vertex);
 
   bool winding = false;
   std::vector<VertexRange> ranges;

@@ -59,8 +59,8 @@ SceneLayout::SceneLayout(const Scene& scene) {
     }
     uint64_t first_vertex = mesh_vertices;
     if (instance.pose || mesh_vertex[instance.mesh] == UINT64_MAX) {
-      vertex_sources.push_back({instance.pose ? none : instance.mesh, instance.pose ? i : none,
-                                static_cast<uint32_t>(mesh_vertices)});
+      vertex_sources.push_back(
+          {instance.pose ? none : instance.mesh, instance.pose ? i : none, static_cast<uint32_t>(mesh_vertices)});
       if (!instance.pose) mesh_vertex[instance.mesh] = mesh_vertices;
       mesh_vertices += mesh.positions.size();
     } else {

@@ -18,8 +18,8 @@ struct SceneLayout {
     uint32_t first = 0;   ///< in scene_mesh_vertices
   };
   std::vector<VertexSource> vertex_sources;
-  std::vector<int> meshes;               ///< that are used, in the order of their triangles in scene_mesh_triangles
-  std::vector<Instance> instances;       ///< one record per instance of the scene, complete
+  std::vector<int> meshes;          ///< that are used, in the order of their triangles in scene_mesh_triangles
+  std::vector<Instance> instances;  ///< one record per instance of the scene, complete
   uint64_t mesh_vertices = 0, mesh_triangles = 0, world_vertices = 0, world_triangles = 0;
 
   /// Throws Error{input} when an index would not fit into 32 bits.

@@ -21,11 +21,11 @@ std::optional<SceneCamera> parse_look_at(std::string_view text);  ///< empty: it
 std::optional<SceneLight> parse_light(std::string_view text);
 
 struct EnvironmentChoice {
-  bool none = false;                  ///< drop what there is
-  std::filesystem::path file;         ///< empty: constant
-  glm::vec3 radiance{1};              ///< the constant [cd/m²]
+  bool none = false;           ///< drop what there is
+  std::filesystem::path file;  ///< empty: constant
+  glm::vec3 radiance{1};       ///< the constant [cd/m²]
   float factor = 1;
-  float rotation_degrees = 0;         ///< about +Y, counter-clockwise seen from above
+  float rotation_degrees = 0;  ///< about +Y, counter-clockwise seen from above
 };
 EnvironmentChoice parse_environment(std::string_view text);
 

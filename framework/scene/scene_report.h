@@ -23,8 +23,8 @@ struct SceneReport {
   std::vector<SceneMaterial> materials;
   std::vector<Lamp> lamps;
   uint64_t emissive_triangles = 0;
-  double emissive_area = 0;      ///< [m²], one side
-  glm::vec3 emissive_flux{0};    ///< [lm], all sides that emit
+  double emissive_area = 0;    ///< [m²], one side
+  glm::vec3 emissive_flux{0};  ///< [lm], all sides that emit
   bool has_environment = false;
   uint32_t environment_width = 0, environment_height = 0;
   glm::vec3 environment_radiance{0};  ///< mean over the sphere [cd/m²]
@@ -38,6 +38,8 @@ struct SceneReport {
   std::string text() const;
   std::string json() const;  ///< units in the key names
 };
+
+const char* alpha_mode_name(AlphaMode mode);  ///< as in materials of glTF files, lower case
 
 /// Triangles without area.
 uint64_t degenerate_triangle_count(const Mesh& mesh);

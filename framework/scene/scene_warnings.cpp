@@ -22,7 +22,8 @@ float mean_base_color(const Scene& scene, const SceneMaterial& material) {
     glm::vec3 sum(0);
     for (uint32_t j = 0; j < rows; ++j) {
       for (uint32_t i = 0; i < columns; ++i) {
-        sum += glm::vec3(fetch_texel(scene, texture, int64_t{i} * image.width / columns, int64_t{j} * image.height / rows));
+        sum += glm::vec3(
+            fetch_texel(scene, texture, int64_t{i} * image.width / columns, int64_t{j} * image.height / rows));
       }
     }
     color *= sum / static_cast<float>(rows * columns);
@@ -50,11 +51,14 @@ void warn_of_materials(const Scene& scene, std::vector<std::string>& warnings) {
     if (std::min({e.r, e.g, e.b}) < 0 || std::max({e.r, e.g, e.b}) > 1) emissive.push_back(name);
     if (material.unlit || material.transmission > 0) continue;
     const float albedo = mean_base_color(scene, material);
-    if (albedo >= 1) white.push_back(name);
-    else if (albedo > 0.95f) bright.push_back(name);
+    if (albedo >= 1)
+      white.push_back(name);
+    else if (albedo > 0.95f)
+      bright.push_back(name);
   }
   constexpr const char* advice = "light barely fades there and converges slowly; --material NAME:base_color=0.8 helps";
-  if (!white.empty()) warnings.push_back(fmt::format("base colour 1 (a perfect reflector) in {}: {}", list_names(white), advice));
+  if (!white.empty())
+    warnings.push_back(fmt::format("base colour 1 (a perfect reflector) in {}: {}", list_names(white), advice));
   if (!bright.empty()) warnings.push_back(fmt::format("base colour above 0.95 in {}: {}", list_names(bright), advice));
   if (!emissive.empty()) {
     warnings.push_back(fmt::format("emissive factor outside 0 to 1 in {}: taken as it is", list_names(emissive)));
@@ -84,8 +88,8 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
   const float largest = std::max({extent.x, extent.y, extent.z});
   constexpr float kilometres = 10'000, centimetre = 0.01f;
   if (largest > kilometres || largest < centimetre) {
-    warnings.push_back(fmt::format("the scene is {:.4g} m large, which hints at a wrong unit: glTF's unit is the metre",
-                                   largest));
+    warnings.push_back(
+        fmt::format("the scene is {:.4g} m large, which hints at a wrong unit: glTF's unit is the metre", largest));
   }
   uint64_t degenerate = 0;
   for (const Mesh& mesh : scene.meshes) degenerate += degenerate_triangle_count(mesh);

@@ -155,8 +155,10 @@ class SidecarReader {
       std::vector<std::string> pairs;
       for (const auto& [key, edit] : edits.items()) {
         std::string text;
-        if (edit.is_boolean()) text = edit.get<bool>() ? "true" : "false";
-        else text = edit.is_string() ? edit.get<std::string>() : numbers(edit, pointer + "/" + key);
+        if (edit.is_boolean())
+          text = edit.get<bool>() ? "true" : "false";
+        else
+          text = edit.is_string() ? edit.get<std::string>() : numbers(edit, pointer + "/" + key);
         checked(pointer + "/" + key, [&] { check_material_value(key, text); });
         pairs.push_back(key + "=" + text);
       }

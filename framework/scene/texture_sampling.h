@@ -14,7 +14,9 @@ const std::array<float, 256>& srgb_to_linear_table();
 /// seen in the image (v points down), then the offset.
 struct TextureTransform {
   glm::vec3 row_u{1, 0, 0}, row_v{0, 1, 0};
-  glm::vec2 operator()(const glm::vec2& uv) const { return {glm::dot(row_u, glm::vec3(uv, 1)), glm::dot(row_v, glm::vec3(uv, 1))}; }
+  glm::vec2 operator()(const glm::vec2& uv) const {
+    return {glm::dot(row_u, glm::vec3(uv, 1)), glm::dot(row_v, glm::vec3(uv, 1))};
+  }
 };
 TextureTransform texture_transform(const TextureUse& use);
 

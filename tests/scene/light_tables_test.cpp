@@ -113,7 +113,8 @@ TEST_CASE("environment densities integrate to 1, match the search's frequencies 
         integral += w / (e.width * e.height);
         double brightest = 0;
         for (int s = 0; s < 25; ++s) {
-          brightest = std::max(brightest, lookup(e, (i + (s % 5 + 0.5) / 5) / e.width, (j + (s / 5 + 0.5) / 5) / e.height));
+          brightest =
+              std::max(brightest, lookup(e, (i + (s % 5 + 0.5) / 5) / e.width, (j + (s / 5 + 0.5) / 5) / e.height));
         }
         missed += brightest > 0 && !(w > 0);
         wasted += brightest == 0 && w > 0;
@@ -137,7 +138,8 @@ TEST_CASE("environment densities follow luminance times solid angle") {
   for (size_t cell = 0; cell < mass.size(); ++cell) {
     const double i = static_cast<double>(cell % 16), j = static_cast<double>(cell / 16);
     double mean = 0;
-    for (int s = 0; s < n * n; ++s) mean += lookup(e, (i + (s % n + 0.5) / n) / 16, (j + (s / n + 0.5) / n) / 8) / (n * n);
+    for (int s = 0; s < n * n; ++s)
+      mean += lookup(e, (i + (s % n + 0.5) / n) / 16, (j + (s / n + 0.5) / n) / 8) / (n * n);
     mass[cell] = mean * (std::cos(pi * j / 8) - std::cos(pi * (j + 1) / 8));
     sum += mass[cell];
   }

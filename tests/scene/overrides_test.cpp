@@ -49,8 +49,9 @@ TEST_CASE("lights in text") {
   CHECK(spot.inner_angle == doctest::Approx(glm::radians(20.f)));
   CHECK(largest_difference(-column(spot.world_from_light, 2), {1, 0, 0}) < 1e-6f);
   CHECK_FALSE(parse_light("none"));
-  for (const char* bad : {"", "point", "point:1,2:1", "point:1,2,3:-1", "point:1,2,3:nan", "point:1,2,3:1,2", "lamp:1,2,3:1",
-                          "directional:0,0,0:1", "spot:0,0,0:1,0,0:1:20:30", "spot:0,0,0:1,0,0:1:120", "point:1,2,3:1:2"}) {
+  for (const char* bad :
+       {"", "point", "point:1,2:1", "point:1,2,3:-1", "point:1,2,3:nan", "point:1,2,3:1,2", "lamp:1,2,3:1",
+        "directional:0,0,0:1", "spot:0,0,0:1,0,0:1:20:30", "spot:0,0,0:1,0,0:1:120", "point:1,2,3:1:2"}) {
     CAPTURE(bad);
     CHECK_THROWS_WITH_AS(parse_light(bad), doctest::Contains("expected point:"), Error);
   }
@@ -186,15 +187,20 @@ TEST_CASE("the sidecar says the same as the command line") {
 
 TEST_CASE("sidecar errors name file, line and key") {
   CHECK(sidecar_error("{\"exposure\": 1}").empty());
-  CHECK(sidecar_error("{\n \"exposure\": 1,\n \"expsure\": 2\n}").starts_with(":3: expsure: unknown key; allowed are camera"));
+  CHECK(sidecar_error("{\n \"exposure\": 1,\n \"expsure\": 2\n}")
+            .starts_with(":3: expsure: unknown key; allowed are camera"));
   CHECK(sidecar_error("{\n \"exposure\":\n \"much\"}").starts_with(":2: exposure: must be a number"));
   CHECK(sidecar_error("{\"lights\": [\n \"none\",\n {\"type\": \"lamp\"}]}").starts_with(":3: lights/1/type: must be"));
-  CHECK(sidecar_error("{\"lights\": [\n\n {\"type\": \"point\",\n\"intensity\": 1}]}").find("\"position\" is missing") != std::string::npos);
-  CHECK(sidecar_error("{\"materials\": {\"a\": {\n\"roughness\": 3}}}").starts_with(":2: materials/a/roughness: material value"));
+  CHECK(
+      sidecar_error("{\"lights\": [\n\n {\"type\": \"point\",\n\"intensity\": 1}]}").find("\"position\" is missing") !=
+      std::string::npos);
+  CHECK(sidecar_error("{\"materials\": {\"a\": {\n\"roughness\": 3}}}")
+            .starts_with(":2: materials/a/roughness: material value"));
   CHECK(sidecar_error("{\n\n \"camera\": }").starts_with(":3: this is not valid JSON"));
   CHECK(sidecar_error("[1]").starts_with(":1: the file: must be an object"));
   CHECK(sidecar_error("").starts_with(":1: this is not valid JSON"));
-  CHECK(sidecar_error("{\"environment\": {\"factor\": 1}}").find("either \"file\" or \"radiance\"") != std::string::npos);
+  CHECK(sidecar_error("{\"environment\": {\"factor\": 1}}").find("either \"file\" or \"radiance\"") !=
+        std::string::npos);
 }
 
 TEST_CASE("a framed camera sees the whole box and little more") {

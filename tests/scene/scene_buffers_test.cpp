@@ -40,7 +40,8 @@ Mesh random_mesh(unsigned seed, int triangles) {
     mesh.uv[1].emplace_back(uniform(random), uniform(random));
     mesh.colors.emplace_back(0.25f, 0.5f, 1.f, 0.75f);
   }
-  for (uint32_t i = 0; i < static_cast<uint32_t>(triangles); ++i) mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  for (uint32_t i = 0; i < static_cast<uint32_t>(triangles); ++i)
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
   return mesh;
 }
 
@@ -127,7 +128,8 @@ TEST_CASE("derived vertices and triangles equal the host's, mirrored and flatten
         if (determinant == 0) continue;
         const glm::vec3 normal = glm::normalize(glm::transpose(glm::inverse(linear)) * mesh.normals[c]);
         worst = std::max(worst, largest_difference(v.normal.xyz(), normal));
-        worst = std::max(worst, largest_difference(v.tangent.xyz(), glm::normalize(linear * glm::vec3(mesh.tangents[c]))));
+        worst =
+            std::max(worst, largest_difference(v.tangent.xyz(), glm::normalize(linear * glm::vec3(mesh.tangents[c]))));
       }
       // Counter-clockwise seen from the front: the geometric normal is the image of the mesh's.
       if (determinant == 0) continue;
@@ -169,7 +171,7 @@ TEST_CASE("after a rigid motion the buffers equal new ones, and nothing was repl
     if (std::memcmp(&before[i], &after[i], sizeof(Vertex)) == 0) continue;
     first_changed = std::min(first_changed, i), last_changed = i;
   }
-  CHECK(first_changed == 150);            // instance 1 begins behind the 150 vertices of instance 0
+  CHECK(first_changed == 150);  // instance 1 begins behind the 150 vertices of instance 0
   CHECK(last_changed == after.size() - 1);
   for (size_t i = 300; i < 321; ++i) CHECK(std::memcmp(&before[i], &after[i], sizeof(Vertex)) == 0);
 }
@@ -217,7 +219,8 @@ TEST_CASE("deformed instances have their own object-space vertices") {
   CHECK(change.moved_instances.empty());
   buffers.update(scene, change);
   check_same(buffers, SceneBuffers(*device(), scene));
-  const glm::vec3 expected(scene.instances[0].world_from_object * glm::vec4(scene.meshes[0].positions[0] + glm::vec3(0, 5, 0), 1));
+  const glm::vec3 expected(scene.instances[0].world_from_object *
+                           glm::vec4(scene.meshes[0].positions[0] + glm::vec3(0, 5, 0), 1));
   CHECK(largest_difference(buffers.scene_vertices.download(0, 1)[0].position.xyz(), expected) < 2e-6f);
 }
 

@@ -55,8 +55,10 @@ std::pair<size_t, size_t> count_edges(const Scene& scene, Chosen&& chosen) {
     for (const glm::uvec3& t : mesh.triangles) {
       for (int i = 0; i < 3; ++i) {
         const Key a = key(t[i]), b = key(t[(i + 1) % 3]);
-        if (a < b) ++balance[{a, b}];
-        else --balance[{b, a}];
+        if (a < b)
+          ++balance[{a, b}];
+        else
+          --balance[{b, a}];
       }
     }
   }
