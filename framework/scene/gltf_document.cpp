@@ -92,7 +92,7 @@ std::string_view view_bytes(const Document& document, int buffer_view, const std
                             const ImportContext& context) {
   const tinygltf::BufferView& view = document.model.bufferViews[buffer_view];
   const std::optional<Bytes>& buffer = document.buffers[view.buffer];
-  if (!buffer) context.fail("{} needs /buffers/{}, which has neither a uri nor a GLB chunk", where, view.buffer);
+  if (!buffer) context.fail("{}: /buffers/{} has no contents, neither by uri nor in a GLB", where, view.buffer);
   return {reinterpret_cast<const char*>(buffer->data()) + view.byteOffset, view.byteLength};
 }
 

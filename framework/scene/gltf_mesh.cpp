@@ -100,7 +100,7 @@ std::vector<glm::uvec3> MeshImporter::read_triangles(const tinygltf::Primitive& 
   }
   for (size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] < vertices) continue;
-    context_.fail("{}: index {} (the {}th) lies outside its {} vertices", where, indices[i], i, vertices);
+    context_.fail("{}: index {} at position {} lies outside its {} vertices", where, indices[i], i, vertices);
   }
   if (primitive.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3) {
     context_.warn("{}: {} vertices make no whole number of triangles; the rest was left out", where, indices.size());

@@ -2,6 +2,7 @@
 #include "lucarium/scene/gltf_schema.h"
 
 #include <cmath>
+#include <map>
 
 namespace lucarium::gltf {
 
@@ -115,20 +116,31 @@ class Checker {
                        (value.is_number_float() && std::trunc(value.get<double>()) == value.get<double>());
     if (!whole) mismatch(path, "an integer", value);
     const double x = value.get<double>();
-    if (x < min || x > max) mismatch(path, fmt::format("an integer from {:.0f} to {:.0f}", min, max), value);
+    if (x < min) mismatch(path, fmt::format("an integer of at least {:.0f}", min), value);
+    if (x > max) mismatch(path, fmt::format("an integer of at most {:.0f}", max), value);
     if (value.is_number_float()) value = static_cast<int64_t>(x);
   }
 
-  void index(Json& value, const Rule& rule, const std::string& path) const {
+  void index(Json& value, const Rule& rule, const std::string& path) {
     integer(value, 0, 9007199254740992.0, path);
-    const Json::json_pointer pointer(rule.target);
-    const size_t count = root_.contains(pointer) && root_[pointer].is_array() ? root_[pointer].size() : 0;
+    const size_t count = size_of(rule.target);
     if (value.get<uint64_t>() < count) return;
-    context_.fail("{} refers to {}/{}, but there are {}", path, rule.target, value.get<uint64_t>(), count);
+    context_.fail("{} refers to {}/{}, but there {} {}", path, rule.target, value.get<uint64_t>(),
+                  count == 1 ? "is" : "are", count ? std::to_string(count) : "none");
+  }
+
+  /// Elements of the array at a JSON pointer of the document.
+  size_t size_of(const std::string& target) {
+    const auto [entry, fresh] = sizes_.try_emplace(target, 0);
+    if (!fresh) return entry->second;
+    const Json::json_pointer pointer(target);
+    if (root_.contains(pointer) && root_[pointer].is_array()) entry->second = root_[pointer].size();
+    return entry->second;
   }
 
   Json& root_;
   ImportContext& context_;
+  std::map<std::string, size_t> sizes_;
 };
 
 /// Depth of brackets outside of strings.

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/scene/encoded_image.h"
 
 namespace lucarium {
 
@@ -15,6 +16,8 @@ namespace {
 struct Kind {
   const char* reader;  ///< of OpenImageIO; null: not supported
   const char* name;
+  std::vector<uint8_t> (*strip)(std::span<const uint8_t>) = nullptr;
+  std::string (*damage)(std::span<const uint8_t>) = nullptr;
 };
 
 Kind sniff(std::span<const uint8_t> bytes) {
@@ -23,8 +26,8 @@ Kind sniff(std::span<const uint8_t> bytes) {
            std::equal(magic.begin(), magic.end(), bytes.begin() + offset,
                       [](char a, uint8_t b) { return static_cast<uint8_t>(a) == b; });
   };
-  if (starts("\x89PNG\r\n\x1A\n")) return {"png", "PNG"};
-  if (starts("\xFF\xD8\xFF")) return {"jpeg", "JPEG"};
+  if (starts("\x89PNG\r\n\x1A\n")) return {"png", "PNG", strip_png_metadata, png_damage};
+  if (starts("\xFF\xD8\xFF")) return {"jpeg", "JPEG", strip_jpeg_metadata};
   if (starts("RIFF") && starts("WEBP", 8)) return {nullptr, "a WebP image"};
   if (starts("\xABKTX 20\xBB")) return {nullptr, "a KTX2 image"};
   if (starts("DDS ")) return {nullptr, "a DDS image"};
@@ -72,14 +75,18 @@ std::vector<uint8_t> to_rgba(const std::vector<uint8_t>& pixels, int channels) {
 DecodedImage decode_image(std::span<const uint8_t> encoded, const std::string& what, const ImportOptions& options) {
   const Kind kind = sniff(encoded);
   if (!kind.reader) throw_error(ErrorClass::input, "{} is {}; only PNG and JPEG can be read", what, kind.name);
-  OIIO::Filesystem::IOMemReader memory(encoded.data(), encoded.size());
-  OIIO::ImageSpec config;
-  config["oiio:UnassociatedAlpha"] = 1;
-  const auto input = OIIO::ImageInput::create(kind.reader);
   const auto fail = [&](const std::string& reason) {
     throw_error(ErrorClass::input, "{} is a damaged {}: {}", what, kind.name,
                 reason.empty() ? "it cannot be decoded" : reason);
   };
+  if (kind.damage) {
+    if (const std::string damage = kind.damage(encoded); !damage.empty()) fail(damage);
+  }
+  const std::vector<uint8_t> bare = kind.strip(encoded);
+  OIIO::Filesystem::IOMemReader memory(bare.data(), bare.size());
+  OIIO::ImageSpec config;
+  config["oiio:UnassociatedAlpha"] = 1;
+  const auto input = OIIO::ImageInput::create(kind.reader);
   if (!input || !input->set_ioproxy(&memory)) fail(OIIO::geterror());
   OIIO::ImageSpec spec;
   if (!input->open("image", spec, config)) fail(input->geterror());
