@@ -65,7 +65,8 @@ kernel void evaluate_both_ways(LUCARIUM_SCENE_PARAMETERS const uint triangle, co
   const float4 u = random_float4(seed, i, 0u);
   const float3 v = sample_uniform_sphere(u.xy), l = sample_uniform_sphere(u.zw);
   const Bsdf from_v = bsdf_from(&scene, triangle, v, 0u), from_l = bsdf_from(&scene, triangle, l, 0u);
-  const global Material* material = scene.scene_materials + scene.scene_instances[scene.scene_triangles[triangle].instance].material;
+  const uint instance = scene.scene_triangles[triangle].instance;
+  const global Material* material = scene.scene_materials + scene.scene_instances[instance].material;
   const bool volume = (material->flags & LUCARIUM_MATERIAL_TRANSMISSIVE) && !(material->flags & LUCARIUM_MATERIAL_THIN);
   const float eta_v = volume && v.z < 0.0f ? material->ior : 1.0f, eta_l = volume && l.z < 0.0f ? material->ior : 1.0f;
   const float cos_l = fabs(dot(from_v.n_s, l)), cos_v = fabs(dot(from_l.n_s, v));

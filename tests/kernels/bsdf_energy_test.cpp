@@ -46,12 +46,10 @@ struct Row {
   float roughness;
   double values[6];
 };
-constexpr Row e1_rows[] = {{.1f, {.99990, .99987, .99981, .99962, .99859, .99412}},
-                           {.2f, {.99830, .99778, .99664, .99324, .97515, .92899}},
-                           {.3f, {.99067, .98768, .98129, .96456, .91403, .88432}},
-                           {.5f, {.91581, .89727, .87172, .84427, .84816, .89162}},
-                           {.7f, {.69775, .69055, .69455, .72107, .79272, .86191}},
-                           {1.f, {.30685, .35126, .41150, .49889, .64165, .76021}}};
+constexpr Row e1_rows[] = {
+    {.1f, {.99990, .99987, .99981, .99962, .99859, .99412}}, {.2f, {.99830, .99778, .99664, .99324, .97515, .92899}},
+    {.3f, {.99067, .98768, .98129, .96456, .91403, .88432}}, {.5f, {.91581, .89727, .87172, .84427, .84816, .89162}},
+    {.7f, {.69775, .69055, .69455, .72107, .79272, .86191}}, {1.f, {.30685, .35126, .41150, .49889, .64165, .76021}}};
 constexpr Row b_rows[] = {{.2f, {.00000, .00046, .01113, .07729, .29695, .46966}},
                           {.5f, {.00003, .00151, .01095, .04019, .09826, .13969}},
                           {1.f, {.00003, .00043, .00169, .00508, .01403, .02387}}};
@@ -121,8 +119,10 @@ TEST_CASE("the sampled albedo of a dielectric is c (1 - Ebar) + F0 (E1 - B) + B"
     for (int k = 0; k < 6; ++k) {
       CAPTURE(b_rows[m].roughness);
       CAPTURE(cosines[k]);
-      const double exact = 0.5 * (1 - average->dielectric) + 0.04 * (e1->values[k] - b_rows[m].values[k]) + b_rows[m].values[k];
-      check_mean(estimate(probe.sample(m, direction_at(cosines[k], 0.4), 8 * sample_count(), 3, replicates).weights), exact);
+      const double exact =
+          0.5 * (1 - average->dielectric) + 0.04 * (e1->values[k] - b_rows[m].values[k]) + b_rows[m].values[k];
+      check_mean(estimate(probe.sample(m, direction_at(cosines[k], 0.4), 8 * sample_count(), 3, replicates).weights),
+                 exact);
     }
   }
 }
@@ -133,7 +133,8 @@ TEST_CASE("the separable test build gives the albedos of other renderers") {
   const double mu[] = {1, .6, .2};
   for (uint m = 0; m < 2; ++m) {
     for (int k = 0; k < 3; ++k) {
-      check_mean(estimate(probe.sample(m, direction_at(mu[k], 0.1), sample_count(), 5, replicates).weights), exact[m][k]);
+      check_mean(estimate(probe.sample(m, direction_at(mu[k], 0.1), sample_count(), 5, replicates).weights),
+                 exact[m][k]);
     }
   }
 }
@@ -147,14 +148,19 @@ TEST_CASE("the Phong test build has the albedo of its lobe") {
 }
 
 TEST_CASE("cosine-averaged albedos never exceed 1, and are 1 for a white dielectric") {
-  const std::vector<NamedMaterial> list = {
-      {"white Lambert", dielectric(1, 0.5f, 1)},       {"white dielectric .1", dielectric(1, 0.1f)},
-      {"white dielectric .5", dielectric(1, 0.5f)},    {"polished", dielectric(1, 0)},
-      {"white metal .6", metal(1, 0.6f)},              {"thin clear", glass(1, 0, 1, false)},
-      {"thin half", glass(1, 0, 0.5f, false)},         {"thin rough", glass(1, 0.5f, 1, false)},
-      {"clear volume", glass(1, 0, 1, true)},          {"half volume", glass(1, 0, 0.5f, true)},
-      {"rough volume .3", glass(1, 0.3f, 1, true)},    {"rough volume .8", glass(1, 0.8f, 0.5f, true)},
-      {"rough volume of ior 1", glass(1, 0.4f, 1, true, 1.f)}};
+  const std::vector<NamedMaterial> list = {{"white Lambert", dielectric(1, 0.5f, 1)},
+                                           {"white dielectric .1", dielectric(1, 0.1f)},
+                                           {"white dielectric .5", dielectric(1, 0.5f)},
+                                           {"polished", dielectric(1, 0)},
+                                           {"white metal .6", metal(1, 0.6f)},
+                                           {"thin clear", glass(1, 0, 1, false)},
+                                           {"thin half", glass(1, 0, 0.5f, false)},
+                                           {"thin rough", glass(1, 0.5f, 1, false)},
+                                           {"clear volume", glass(1, 0, 1, true)},
+                                           {"half volume", glass(1, 0, 0.5f, true)},
+                                           {"rough volume .3", glass(1, 0.3f, 1, true)},
+                                           {"rough volume .8", glass(1, 0.8f, 0.5f, true)},
+                                           {"rough volume of ior 1", glass(1, 0.4f, 1, true, 1.f)}};
   const bool exactly_one[] = {true, true, true, true, false, true, true, false, true, true, false, false, true};
   const BsdfProbe probe(list);
   const uint n = sample_count();
@@ -175,11 +181,13 @@ TEST_CASE("cosine-averaged albedos never exceed 1, and are 1 for a white dielect
 }
 
 TEST_CASE("the BSDF is reciprocal, with squared indices for refraction") {
-  const std::vector<NamedMaterial> list = {
-      {"Lambert", dielectric(0.5f, 0.5f, 1)},     {"metal", metal(0.8f, 0.3f)},
-      {"dielectric", dielectric(0.5f, 0.4f)},     {"bumped", dielectric(0.5f, 0.4f), glm::vec3(0.3f, 0.1f, 1)},
-      {"thin", glass(0.9f, 0.4f, 0.7f, false)},   {"volume", glass(0.9f, 0.5f, 0.7f, true)},
-      {"bumped volume", glass(0.9f, 0.5f, 0.7f, true), glm::vec3(0.3f, 0.1f, 1)}};
+  const std::vector<NamedMaterial> list = {{"Lambert", dielectric(0.5f, 0.5f, 1)},
+                                           {"metal", metal(0.8f, 0.3f)},
+                                           {"dielectric", dielectric(0.5f, 0.4f)},
+                                           {"bumped", dielectric(0.5f, 0.4f), glm::vec3(0.3f, 0.1f, 1)},
+                                           {"thin", glass(0.9f, 0.4f, 0.7f, false)},
+                                           {"volume", glass(0.9f, 0.5f, 0.7f, true)},
+                                           {"bumped volume", glass(0.9f, 0.5f, 0.7f, true), glm::vec3(0.3f, 0.1f, 1)}};
   const BsdfProbe probe(list);
   const uint n = 4096;
   for (uint m = 0; m < list.size(); ++m) {

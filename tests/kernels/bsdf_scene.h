@@ -55,7 +55,8 @@ inline Scene material_scene(const std::vector<NamedMaterial>& materials) {
 /// Kernels of bsdf.cl over such a scene.
 class BsdfProbe {
  public:
-  explicit BsdfProbe(const std::vector<NamedMaterial>& materials, const std::map<std::string, std::string>& defines = {})
+  explicit BsdfProbe(const std::vector<NamedMaterial>& materials,
+                     const std::map<std::string, std::string>& defines = {})
       : buffers_(kernel_device(), material_scene(materials)), program_(kernel_program("bsdf", defines)) {}
 
   /// Binds the scene and what `bind` gives.
@@ -71,7 +72,8 @@ class BsdfProbe {
     std::vector<float4> directions, weights;
   };
   /// `replicates` 1: random numbers; more: that many Sobol sets, interleaved.
-  Samples sample(uint triangle, const glm::vec3& view, uint count, uint seed, uint replicates = 1, uint options = 0) const {
+  Samples sample(uint triangle, const glm::vec3& view, uint count, uint seed, uint replicates = 1,
+                 uint options = 0) const {
     const auto directions = test_buffer<float4>(count), weights = test_buffer<float4>(count);
     run("sample_directions", count, 64, [&](PassBuilder& pass) {
       pass.arg("triangle", triangle).arg("view", float4(view, 0.f)).arg("options", options).arg("seed", seed);

@@ -35,7 +35,8 @@ SceneMaterial emitter(float radiance, bool double_sided = false) {
   return m;
 }
 
-void add_triangle(Scene& scene, const SceneMaterial& material, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+void add_triangle(Scene& scene, const SceneMaterial& material, const glm::vec3& a, const glm::vec3& b,
+                  const glm::vec3& c) {
   Mesh mesh;
   mesh.positions = {a, b, c};
   mesh.normals.assign(3, glm::normalize(glm::cross(b - a, c - a)));
@@ -88,8 +89,10 @@ struct LightSamples {
   std::vector<float4> directions, radiances, ends;
 };
 
-LightSamples sample(const SceneBuffers& buffers, const glm::vec3& position, uint count, uint kinds = all_kinds, uint seed = 1) {
-  const auto directions = test_buffer<float4>(count), radiances = test_buffer<float4>(count), ends = test_buffer<float4>(count);
+LightSamples sample(const SceneBuffers& buffers, const glm::vec3& position, uint count, uint kinds = all_kinds,
+                    uint seed = 1) {
+  const auto directions = test_buffer<float4>(count), radiances = test_buffer<float4>(count),
+             ends = test_buffer<float4>(count);
   run_kernel(program(), "sample_lights", count, 64, [&](PassBuilder& pass) {
     buffers.bind(pass, program(), "sample_lights");
     pass.arg("position", float4(position, 0.f)).arg("kinds", kinds).arg("seed", seed).arg("count", count);
@@ -99,7 +102,8 @@ LightSamples sample(const SceneBuffers& buffers, const glm::vec3& position, uint
 }
 
 /// Radiance (xyz) and density (w) met along the directions from a point.
-std::vector<float4> meet(const SceneBuffers& buffers, const glm::vec3& position, const std::vector<float4>& directions) {
+std::vector<float4> meet(const SceneBuffers& buffers, const glm::vec3& position,
+                         const std::vector<float4>& directions) {
   const auto rays = test_buffer(directions), values = test_buffer<float4>(directions.size());
   run_kernel(program(), "meet_lights", directions.size(), 64, [&](PassBuilder& pass) {
     buffers.bind(pass, program(), "meet_lights");
@@ -124,7 +128,8 @@ void check_illuminance(const LightSamples& samples, double exact) {
   const size_t n = samples.directions.size();
   for (size_t i = 0; i < n; ++i) {
     const float4 d = samples.directions[i];
-    if (d.w > 0 && d.z > 0) sums[i % replicates] += double(samples.radiances[i].y) * d.z / d.w / (double(n) / replicates);
+    if (d.w > 0 && d.z > 0)
+      sums[i % replicates] += double(samples.radiances[i].y) * d.z / d.w / (double(n) / replicates);
   }
   for (const double sum : sums) mean += sum / replicates;
   for (const double sum : sums) variance += (sum - mean) * (sum - mean) / (replicates - 1);
@@ -155,8 +160,9 @@ glm::dvec3 environment_reference(const Environment& e, const glm::vec3& world) {
 TEST_CASE("light samples follow the density with which met light is weighted") {
   const int columns = full_run() ? 101 : 32, rows = full_run() ? 202 : 64;
   const uint n = full_run() ? 1u << 20 : 1u << 17;
-  const std::pair<Scene, glm::vec3> cases[] = {
-      {environment_scene(), glm::vec3(0)}, {triangle_scene(), glm::vec3(0)}, {triangle_scene(), glm::vec3(0.5f, 0.2f, 0.7f)}};
+  const std::pair<Scene, glm::vec3> cases[] = {{environment_scene(), glm::vec3(0)},
+                                               {triangle_scene(), glm::vec3(0)},
+                                               {triangle_scene(), glm::vec3(0.5f, 0.2f, 0.7f)}};
   for (const auto& [scene, position] : cases) {
     const SceneBuffers buffers(kernel_device(), scene);
     const auto masses = test_buffer<float>(columns * rows);
@@ -212,7 +218,8 @@ TEST_CASE("the environment is looked up as its definition says") {
   }
   // The environment's own poles and seam.
   const glm::mat3 world = glm::transpose(scene.environment->environment_from_world);
-  for (const glm::vec3& d : {glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), glm::vec3(-1, 0, 1e-7f), glm::vec3(-1, 0, -1e-7f)}) {
+  for (const glm::vec3& d :
+       {glm::vec3(0, 1, 0), glm::vec3(0, -1, 0), glm::vec3(-1, 0, 1e-7f), glm::vec3(-1, 0, -1e-7f)}) {
     directions.emplace_back(world * d, 0.f);
   }
   directions.resize(4160, directions[0]);
@@ -243,7 +250,8 @@ TEST_CASE("punctual lights: point, directional, spot") {
   {
     const SceneBuffers buffers(kernel_device(), scene);
     const auto values = illuminate(buffers, points);
-    for (int i = 0; i < 4; ++i) CHECK(values[i].y * values[i].w * 0.5 / pi == doctest::Approx(expected[i]).epsilon(1e-5));
+    for (int i = 0; i < 4; ++i)
+      CHECK(values[i].y * values[i].w * 0.5 / pi == doctest::Approx(expected[i]).epsilon(1e-5));
   }
   scene.lights[0].type = LightType::directional;
   {
@@ -312,10 +320,12 @@ TEST_CASE("shadow rays end in front of the light's surface") {
   for (size_t i = 0; i < samples.ends.size(); ++i) {
     double nearest = 1e30;
     for (const Triangle& t : triangles) {
-      const glm::dvec3 a(vertices[t.v0].position.xyz()), b(vertices[t.v1].position.xyz()), c(vertices[t.v2].position.xyz());
+      const glm::dvec3 a(vertices[t.v0].position.xyz()), b(vertices[t.v1].position.xyz()),
+          c(vertices[t.v2].position.xyz());
       const glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
       // Height of the end over the plane, positive on the origin's side; only of the plane it belongs to.
-      const double height = glm::dot(glm::dvec3(samples.ends[i].xyz()) - a, normal) * (glm::dot(-a, normal) > 0 ? 1 : -1);
+      const double height =
+          glm::dot(glm::dvec3(samples.ends[i].xyz()) - a, normal) * (glm::dot(-a, normal) > 0 ? 1 : -1);
       if (std::abs(height) < std::abs(nearest)) nearest = height;
     }
     REQUIRE(nearest > 0);

@@ -22,7 +22,12 @@ const Program& program() {
 std::vector<float4> sampler_points(uint seed, uint block, uint mode, uint first, uint count) {
   const auto points = test::test_buffer<float4>(count);
   test::run_kernel(program(), "sampler_points", count, 64, [&](PassBuilder& pass) {
-    pass.arg("seed", seed).arg("block", block).arg("mode", mode).arg("first", first).arg("count", count).arg("points", points);
+    pass.arg("seed", seed)
+        .arg("block", block)
+        .arg("mode", mode)
+        .arg("first", first)
+        .arg("count", count)
+        .arg("points", points);
   });
   return points.download();
 }
@@ -110,7 +115,8 @@ TEST_CASE("sampler blocks are the Owen-scrambled Sobol sequence of the host") {
     int wrong = 0;
     for (uint i = 0; i < 8192; ++i) {
       const uint index = first + i;
-      const uint shuffled = (index & 0xffff0000u) | (owen_scramble((index & 0xffffu) << 16, pcg(seeds[0] ^ seeds[3])) >> 16);
+      const uint shuffled =
+          (index & 0xffff0000u) | (owen_scramble((index & 0xffffu) << 16, pcg(seeds[0] ^ seeds[3])) >> 16);
       for (int d = 0; d < 4; ++d) wrong += component(points[i], d) != unit(owen_scramble(sobol(shuffled, d), seeds[d]));
     }
     CHECK(wrong == 0);
@@ -148,20 +154,26 @@ TEST_CASE("blocks, samples and replicates of a pixel are independent over pixels
   const auto points = [&](const Choice& c) {
     const auto buffer = test::test_buffer<float4>(n);
     test::run_kernel(program(), "pixel_points", n, 64, [&](PassBuilder& pass) {
-      pass.arg("block", c.block).arg("index", c.index).arg("replicate", c.replicate).arg("count", n).arg("points", buffer);
+      pass.arg("block", c.block)
+          .arg("index", c.index)
+          .arg("replicate", c.replicate)
+          .arg("count", n)
+          .arg("points", buffer);
     });
     return buffer.download();
   };
   const int cells = 16, tests = 5 * 16;
   const Choice first{1, 0, 0};
   const auto a = points(first);
-  for (const Choice& other : {Choice{2, 0, 0}, Choice{3, 0, 0}, Choice{2, 1, 0}, Choice{1, 0, 1}, Choice{4, 77777, 0}}) {
+  for (const Choice& other :
+       {Choice{2, 0, 0}, Choice{3, 0, 0}, Choice{2, 1, 0}, Choice{1, 0, 1}, Choice{4, 77777, 0}}) {
     const auto b = points(other);
     for (int d = 0; d < 4; ++d) {
       for (int e = 0; e < 4; ++e) {
         std::vector<uint64_t> histogram(cells * cells);
         for (uint i = 0; i < n; ++i) {
-          ++histogram[static_cast<int>(component(a[i], d) * cells) * cells + static_cast<int>(component(b[i], e) * cells)];
+          ++histogram[static_cast<int>(component(a[i], d) * cells) * cells +
+                      static_cast<int>(component(b[i], e) * cells)];
         }
         const auto result = test::chi2_test(histogram, std::vector<double>(cells * cells, double(n) / (cells * cells)));
         CAPTURE(other.block);
@@ -188,9 +200,8 @@ TEST_CASE("a path's decisions come from their own blocks") {
   const auto points = test::test_buffer<float4>(3);
   const auto seeds = test::test_buffer<uint>(1);
   const uint vertex = 2;
-  test::run_kernel(program(), "path_dimensions", 1, 1, [&](PassBuilder& pass) {
-    pass.arg("vertex", vertex).arg("points", points).arg("seeds", seeds);
-  });
+  test::run_kernel(program(), "path_dimensions", 1, 1,
+                   [&](PassBuilder& pass) { pass.arg("vertex", vertex).arg("points", points).arg("seeds", seeds); });
   const uint seed = seeds.download()[0];
   CHECK(seed == pcg(3u + pcg(1u + pcg(7u))));
   const auto got = points.download();

@@ -44,9 +44,9 @@ size_t round_up(size_t value, size_t multiple) { return (value + multiple - 1) /
 /// The types of the dialect, and one after the other the structs.
 std::map<std::string, Type>& types() {
   static std::map<std::string, Type> known = {
-      {"float", type_of<float>()}, {"int", type_of<int>()},     {"uint", type_of<uint>()},
+      {"float", type_of<float>()},   {"int", type_of<int>()},       {"uint", type_of<uint>()},
       {"float2", type_of<float2>()}, {"float4", type_of<float4>()}, {"int2", type_of<int2>()},
-      {"int4", type_of<int4>()},   {"uint2", type_of<uint2>()}, {"uint4", type_of<uint4>()}};
+      {"int4", type_of<int4>()},     {"uint2", type_of<uint2>()},   {"uint4", type_of<uint4>()}};
   return known;
 }
 
@@ -56,7 +56,8 @@ Struct parse_struct(const std::string& name, const std::string& header, const st
   static const std::regex declaration(R"((\w+)\s+([\w\s,]+);)");
   for (std::sregex_iterator i(body.begin(), body.end(), declaration), end; i != end; ++i) {
     const std::string type = (*i)[1];
-    REQUIRE_MESSAGE(types().count(type) == 1, "type " << type << " in " << name << " is neither of the dialect nor of a header before it");
+    REQUIRE_MESSAGE(types().count(type) == 1,
+                    "type " << type << " in " << name << " is neither of the dialect nor of a header before it");
     std::stringstream names((*i)[2]);
     for (std::string field; std::getline(names, field, ',');) {
       field.erase(std::remove_if(field.begin(), field.end(), ::isspace), field.end());
@@ -73,7 +74,8 @@ Struct parse_struct(const std::string& name, const std::string& header, const st
 /// Every struct of every shared header, in alphabetical order of the headers.
 std::vector<Struct> shared_structs() {
   std::vector<Struct> list;
-  static const std::regex comment("//[^\n]*"), block(R"(\bLUCARIUM_STRUCT_BEGIN\((\w+)\)([^]*?)LUCARIUM_STRUCT_END\((\w+), (\d+)\))");
+  static const std::regex comment("//[^\n]*"),
+      block(R"(\bLUCARIUM_STRUCT_BEGIN\((\w+)\)([^]*?)LUCARIUM_STRUCT_END\((\w+), (\d+)\))");
   for (const auto& [name, text] : lucarium_kernels()) {
     if (name.rfind("lucarium/shared/", 0) != 0 || name == "lucarium/shared/dialect.h") continue;
     const std::string code = std::regex_replace(std::string(text), comment, "");

@@ -47,5 +47,6 @@ kernel void make_camera_rays(const Frame frame, const global uint4* samples, con
 kernel void weigh(const global float2* densities, const uint count, global float2* weights) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  weights[i] = (float2)(power_heuristic(densities[i].x, densities[i].y), balance_heuristic(densities[i].x, densities[i].y));
+  const float2 d = densities[i];
+  weights[i] = (float2)(power_heuristic(d.x, d.y), balance_heuristic(d.x, d.y));
 }

@@ -146,8 +146,8 @@ TEST_CASE("base colours use factor, transformed texture coordinates of either se
 }
 
 TEST_CASE("normals turn to the side of view, mirrored instances included") {
-  const glm::mat4 matrices[] = {glm::mat4(1), glm::mat4(glm::vec4(-2, 0, 0, 0), glm::vec4(0, 1, 0, 0), glm::vec4(0, 0, 3, 0),
-                                                        glm::vec4(5, 6, 7, 1))};
+  const glm::mat4 matrices[] = {glm::mat4(1), glm::mat4(glm::vec4(-2, 0, 0, 0), glm::vec4(0, 1, 0, 0),
+                                                        glm::vec4(0, 0, 3, 0), glm::vec4(5, 6, 7, 1))};
   for (const glm::mat4& matrix : matrices) {
     Scene scene = attribute_scene(matrix);
     const SceneBuffers buffers(kernel_device(), scene);
@@ -200,7 +200,12 @@ TEST_CASE("MASK cuts at the cutoff, BLEND lets its share of the seeds through") 
     const auto result = test_buffer<uint>(count);
     run_kernel(program(), "count_passes", count, 64, [&](PassBuilder& pass) {
       buffers.bind(pass, program(), "count_passes");
-      pass.arg("triangle", 0u).arg("u", u).arg("v", v).arg("first_seed", first_seed).arg("count", count).arg("passes", result);
+      pass.arg("triangle", 0u)
+          .arg("u", u)
+          .arg("v", v)
+          .arg("first_seed", first_seed)
+          .arg("count", count)
+          .arg("passes", result);
     });
     uint sum = 0;
     for (const uint passed : result.download()) sum += passed;
@@ -281,7 +286,8 @@ TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far fr
 TEST_CASE("primary rays pass through their film points; pixel sampling modes") {
   SceneCamera camera;
   camera.yfov = 1.0f;
-  camera.world_from_camera = glm::mat4(glm::vec4(0, 0, -1, 0), glm::vec4(0, 1, 0, 0), glm::vec4(1, 0, 0, 0), glm::vec4(1, 2, 3, 1));
+  camera.world_from_camera =
+      glm::mat4(glm::vec4(0, 0, -1, 0), glm::vec4(0, 1, 0, 0), glm::vec4(1, 0, 0, 0), glm::vec4(1, 2, 3, 1));
   const uint width = 8, height = 4;
   const auto rays = [&](uint sampling, const std::vector<uint4>& samples, const std::vector<float2>& jitters) {
     Frame frame{};

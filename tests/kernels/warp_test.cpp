@@ -45,10 +45,15 @@ std::vector<Warp> warps() {
   return {
       {"disk", 0, 0, [](const float4& p) { return glm::dvec2(double(p.x) * p.x + double(p.y) * p.y, azimuth(p)); },
        linear, [](const float4&) { return 1 / pi; }},
-      {"cosine hemisphere", 1, 0, zonal, [](double a) { const double z = std::max(0.0, 1 - 2 * a); return 1 - z * z; },
+      {"cosine hemisphere", 1, 0, zonal,
+       [](double a) {
+         const double z = std::max(0.0, 1 - 2 * a);
+         return 1 - z * z;
+       },
        [](const float4& w) { return w.z / pi; }},
       {"sphere", 2, 0, zonal, linear, [](const float4&) { return 1 / (4 * pi); }},
-      {"hemisphere", 3, 0, zonal, [](double a) { return std::min(1.0, 2 * a); }, [](const float4&) { return 1 / (2 * pi); }},
+      {"hemisphere", 3, 0, zonal, [](double a) { return std::min(1.0, 2 * a); },
+       [](const float4&) { return 1 / (2 * pi); }},
       {"cone", 4, static_cast<float>(cone), zonal, [=](double a) { return std::min(1.0, 2 * a / (1 - cone)); },
        [=](const float4&) { return 1 / (2 * pi * (1 - cone)); }},
       // The triangle's weights: the share 1 - x - y is the square root's complement of a uniform number.
@@ -114,9 +119,8 @@ TEST_CASE("sincos_turns is as exact as single precision allows") {
   const uint n = 1 << 16;
   for (const float scale : {1.f, 1000.f}) {
     const auto buffer = test::test_buffer<float4>(n);
-    test::run_kernel(program(), "sine_table", n, 64, [&](PassBuilder& pass) {
-      pass.arg("count", n).arg("scale", scale).arg("values", buffer);
-    });
+    test::run_kernel(program(), "sine_table", n, 64,
+                     [&](PassBuilder& pass) { pass.arg("count", n).arg("scale", scale).arg("values", buffer); });
     double worst = 0;
     for (const float4& v : buffer.download()) {
       worst = std::max(worst, std::abs(std::sin(2 * pi * double(v.x)) - v.y));
