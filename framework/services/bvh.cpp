@@ -25,7 +25,7 @@ struct TraversalShape {
 };
 
 TraversalShape shape_of(BvhTraversal traversal) {
-  return traversal == BvhTraversal::scalar ? TraversalShape{4, 4, 1, 64} : TraversalShape{16, 8, 256, 1};
+  return traversal == BvhTraversal::scalar ? TraversalShape{4, 4, 1, 64} : TraversalShape{16, 8, 1024, 1};
 }
 
 BvhTraversal choose_traversal(BvhTraversal asked, const DeviceInfo& device) {
@@ -48,14 +48,19 @@ std::vector<Triangle> scene_triangles(const SceneBuffers& buffers) {
 }  // namespace
 
 struct Bvh::State {
-  Device* device = nullptr;
-  BvhTraversal traversal = BvhTraversal::wide;
-  TraversalShape shape{};
+  State(Device& on, const SceneBuffers* of, BvhTraversal asked)
+      : device(&on), traversal(choose_traversal(asked, on.info())), shape(shape_of(traversal)), scene(of) {}
+
+  Device* device;
+  BvhTraversal traversal;
+  TraversalShape shape;
+  const SceneBuffers* scene;  // for MASK and BLEND materials; null: everything is opaque
   WideBvh tree;
   std::vector<uint32_t> ignored;  // triangles that nothing could hit when the tree was built
   double built_cost = 0;
   Program program;
   uint32_t program_stack = 0;
+  bool program_alpha = false;
   TypedBuffer<uint32_t> nodes, blocks;
   BvhStatistics statistics;
   uint64_t generation = 0;
@@ -121,18 +126,21 @@ void Bvh::State::upload() {
 }
 
 void Bvh::State::compile() {
-  const uint32_t stack = std::max(minimum_stack, std::bit_ceil(tree.stack_size()));
-  if (stack <= program_stack) return;
+  const uint32_t stack = std::max({minimum_stack, std::bit_ceil(tree.stack_size()), program_stack});
+  const bool alpha = scene && (scene->info().flags & LUCARIUM_SCENE_HAS_ALPHA);
+  if (program && stack == program_stack && alpha == program_alpha) return;
   ProgramSpec spec{.name = "services/bvh", .files = {"lucarium/services/bvh_intersect.cl"}};
   spec.defines = {{"BVH_WIDTH", std::to_string(shape.width)},
                   {"BVH_LEAF", std::to_string(shape.leaf_size)},
                   {"BVH_STACK", std::to_string(stack)},
                   {"BVH_CHUNK", std::to_string(shape.rays_per_item)}};
   if (traversal != BvhTraversal::wide) spec.defines["BVH_PORTABLE"] = "";
+  if (alpha) spec.defines["BVH_ALPHA"] = "";
   // Watertight edge functions must round both products alike: no contraction but where the source asks for it.
   spec.mad_enable = false;
   program = Program(*device, SourceLibrary(), spec);
   program_stack = stack;
+  program_alpha = alpha;
   ++generation;
 }
 
@@ -140,30 +148,32 @@ void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name
                         const BufferRef& rays, const char* result_name, const BufferRef& result,
                         const BufferRef& counter, uint32_t counter_index, uint32_t capacity) const {
   const size_t items = std::max<size_t>(1, (size_t{capacity} + shape.rays_per_item - 1) / shape.rays_per_item);
-  recorder.pass(pass_name, program, kernel)
-      .global(items).local(shape.local_size).slice(slice_rays / shape.rays_per_item)
+  PassBuilder pass = recorder.pass(pass_name, program, kernel);
+  pass.global(items).local(shape.local_size).slice(slice_rays / shape.rays_per_item)
       .arg("rays", rays).arg(result_name, result)
       .arg("counter", counter).arg("counter_index", counter_index).arg("capacity", capacity)
       .arg("bvh_nodes", nodes).arg("bvh_blocks", blocks);
+  if (program_alpha) scene->bind(pass, program, kernel);
 }
 
 Bvh::Bvh(Device& device, const Scene&, const SceneBuffers& buffers, BvhTraversal traversal)
-    : Bvh(device, buffers.scene_vertices.download(), scene_triangles(buffers), traversal) {}
+    : state_(std::make_unique<State>(device, &buffers, traversal)) {
+  update(buffers.scene_vertices.download(), scene_triangles(buffers), true);
+}
 
 Bvh::Bvh(Device& device, std::span<const Vertex> vertices, std::span<const Triangle> triangles, BvhTraversal traversal)
-    : state_(std::make_unique<State>()) {
-  state_->device = &device;
-  state_->traversal = choose_traversal(traversal, device.info());
-  state_->shape = shape_of(state_->traversal);
-  state_->build(vertices, triangles);
-  state_->upload();
-  state_->compile();
+    : state_(std::make_unique<State>(device, nullptr, traversal)) {
+  update(vertices, triangles, true);
 }
 
 Bvh::~Bvh() = default;
 
 void Bvh::update(const Scene&, const SceneBuffers& buffers, const SceneChange& change) {
-  if (change.geometry()) update(buffers.scene_vertices.download(), scene_triangles(buffers), change.topology);
+  state_->scene = &buffers;
+  if (change.geometry())
+    update(buffers.scene_vertices.download(), scene_triangles(buffers), change.topology);
+  else
+    state_->compile();
 }
 
 void Bvh::update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology) {

@@ -20,8 +20,8 @@ struct BvhStatistics {
 /// device (but for needle-thin triangles, whose computed distance may lie in front of the boxes that hold them).
 enum class BvhTraversal {
   automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
-  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item
-  wide_portable,  ///< the same without compiler built-ins
+  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item; with AVX-512 many rays interleaved
+  wide_portable,  ///< the same without compiler built-ins, one ray after the other
   scalar,         ///< 4-wide nodes, 4-triangle leaves, one ray per work-item
 };
 
@@ -30,10 +30,10 @@ enum class BvhTraversal {
 /// triangle index; closed meshes with shared vertices are watertight. Results do not depend on the number of threads.
 class Bvh : public Intersector {
  public:
-  /// Refuses with Error{device} and the numbers when the device's memory does not suffice.
+  /// Refuses with Error{device} and the numbers when the device's memory does not suffice. `buffers` must outlive this.
   Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers,
       BvhTraversal traversal = BvhTraversal::automatic);
-  /// The same over any triangles, without a scene (Triangle::instance and all of Vertex but the position are unused).
+  /// The same over any opaque triangles, without a scene (Triangle::instance and all of Vertex but the position are unused).
   Bvh(Device& device, std::span<const Vertex> vertices, std::span<const Triangle> triangles,
       BvhTraversal traversal = BvhTraversal::automatic);
   ~Bvh() override;

@@ -91,18 +91,19 @@ class WideBvh::Collapse {
         collect_roots(binary_.right(index), width_ - left, roots);
       }
     }
+    const uint32_t count = static_cast<uint32_t>(roots.size());
+    out_.node(self)[LUCARIUM_BVH_NODE_ORDER(width_)] = arrange(roots);
     uint32_t deepest = 0;
     for (int slot = 0; slot < width_; ++slot) {
       uint32_t reference = no_child;
-      if (slot < static_cast<int>(roots.size())) {
-        const uint32_t root = roots[slot];
+      if (const uint32_t root = roots[slot]; root != no_child) {
         const Emitted child = choices_[root][1] ? emit_block(root) : emit_node(root);
         reference = child.reference;
         deepest = std::max(deepest, child.stack);
       }
       out_.node(self)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot] = reference;
     }
-    return {self, static_cast<uint32_t>(roots.size()) + deepest};
+    return {self, count + deepest};
   }
 
   void collect_roots(uint32_t index, int roots, std::vector<uint32_t>& out) {
@@ -115,6 +116,59 @@ class WideBvh::Collapse {
     const int left = choices_[index][roots];
     collect_roots(binary_.left(index), left, out);
     collect_roots(binary_.right(index), roots - left, out);
+  }
+
+  float centre2(uint32_t root, int axis) const {
+    const Box& box = binary_.nodes[root].box;
+    return box.lower[axis] + box.upper[axis];
+  }
+
+  /// Sorts [begin, end) along an axis, high to low, and returns how far its halves lie apart.
+  float sort_along(std::vector<uint32_t>::iterator begin, std::vector<uint32_t>::iterator end, int axis) const {
+    if (end - begin < 2) return 0;
+    std::sort(begin, end, [&](uint32_t a, uint32_t b) {
+      const float x = centre2(a, axis), y = centre2(b, axis);
+      return x != y ? x > y : a < b;
+    });
+    const auto middle = begin + (end - begin) / 2;
+    float high = 0, low = 0;
+    for (auto root = begin; root != end; ++root) (root < middle ? high : low) += centre2(*root, axis);
+    return high / static_cast<float>(middle - begin) - low / static_cast<float>(end - middle);
+  }
+
+  /// Arranges the roots in slots (empty ones: no_child) such that every bit of a slot's number, from the highest one
+  /// down, separates its group along one axis, the one of largest separation: 0 is the high half, which a ray in
+  /// positive direction sees last. Returns the order word.
+  uint32_t arrange(std::vector<uint32_t>& roots) const {
+    struct Group {
+      uint32_t slot;
+      std::vector<uint32_t> roots;
+    };
+    std::vector<Group> groups = {{0, roots}};
+    uint32_t order = 0;
+    for (uint32_t bit = static_cast<uint32_t>(width_) / 2; bit > 0; bit /= 2) {
+      int axis = 0;
+      float best = -1;
+      for (int candidate = 0; candidate < 3; ++candidate) {
+        float separation = 0;
+        for (Group& group : groups) separation += sort_along(group.roots.begin(), group.roots.end(), candidate);
+        if (separation > best) best = separation, axis = candidate;
+      }
+      for (uint32_t octant = 0; octant < 8; ++octant)
+        if (octant >> axis & 1) order |= bit << (4 * octant);
+      std::vector<Group> halves;
+      for (Group& group : groups) {
+        sort_along(group.roots.begin(), group.roots.end(), axis);
+        const auto middle = group.roots.begin() + static_cast<ptrdiff_t>(group.roots.size() / 2);
+        halves.push_back({group.slot, {group.roots.begin(), middle}});
+        halves.push_back({group.slot | bit, {middle, group.roots.end()}});
+      }
+      groups = std::move(halves);
+    }
+    roots.assign(static_cast<size_t>(width_), no_child);
+    for (const Group& group : groups)
+      if (!group.roots.empty()) roots[group.slot] = group.roots.front();
+    return order;
   }
 
   Emitted emit_block(uint32_t index) {

@@ -9,10 +9,16 @@
 #define LUCARIUM_BVH_HEADER_EXTENT 0u  // float: largest absolute coordinate of any triangle [m]
 
 // Node n starts at word HEADER + n · NODE_WORDS: W lower x, W lower y, W lower z, W upper x, W upper y, W upper z
-// (floats [m]; empty slots hold an inverted box), then W references. Node 0 is the root; children follow parents.
-#define LUCARIUM_BVH_NODE_WORDS(W) (7u * (W))
+// (floats [m]; empty slots hold an inverted box), then W references, then the order word and unused ones. Node 0 is the
+// root; children follow parents.
+#define LUCARIUM_BVH_NODE_WORDS(W) (8u * (W))
 #define LUCARIUM_BVH_NODE_REFERENCES(W) (6u * (W))
+#define LUCARIUM_BVH_NODE_ORDER(W) (7u * (W))
 #define LUCARIUM_BVH_UPPER(W) (3u * (W))  // from a lower plane to the upper one of the same axis
+
+// Slots are arranged so that (0, 1, …, W − 1) XOR m visits the children roughly from far to near, where m depends on the
+// ray's octant (bit 0, 1, 2: the direction's x, y, z is negative) and stands in bits 4 · octant … of the order word.
+#define LUCARIUM_BVH_ORDER_MASK(word, octant) (((word) >> (4u * (octant))) & 15u)
 
 // A reference is a node index, or this flag and a leaf block index.
 #define LUCARIUM_BVH_LEAF 0x80000000u

@@ -111,7 +111,7 @@ TEST_CASE("all traversals give the same bits, with counts below the capacity and
   const Results all = tracer.trace(tracer.make(soup), rays);
   for (const BvhTraversal traversal : traversals) {
     const Bvh bvh = tracer.make(soup, traversal);
-    for (const uint32_t count : {0u, 1u, 255u, 256u, 257u, 3001u, 9999u}) {
+    for (const uint32_t count : {0u, 1u, 33u, 1023u, 1024u, 1025u, 3001u, 9999u}) {
       CAPTURE(count);
       const uint32_t traced = std::min(count, 3000u);
       const Results some = tracer.trace(bvh, rays, count, 3000);
