@@ -21,6 +21,7 @@ using nlohmann::json;
 namespace {
 
 constexpr uint32_t reference_replicates = 16;
+constexpr uint32_t reference_batch = 16;  // samples per pixel and iteration: large batches trace faster
 constexpr uint32_t reference_seed = 0x5eed;  // not one of the pieces' seeds 1, 2, …
 
 RenderSettings settings_of(const ComparisonSpec& spec, const Scene& scene) {
@@ -228,7 +229,7 @@ void ComparisonRunner::render_reference(size_t index, const fs::path& cached) {
   fs::create_directories(cached.parent_path(), ignored);
   say(fmt::format("{}: rendering the reference, {} samples per pixel", spec_.scenes[index], spec_.reference_samples));
   std::vector<std::string> command = render_command(index, reference_seed);
-  std::string technique = fmt::format("path_tracing:replicates={}", reference_replicates);
+  std::string technique = fmt::format("path_tracing:replicates={},samples_per_iteration={}", reference_replicates, reference_batch);
   // Every key of a path set is a parameter of path_tracing; max_bounces is the framework's.
   const PathSet set = PathSet::parse(path_sets_[index]);
   for (const auto& [key, value] : set.technique_parameters()) technique += fmt::format(",{}={}", key, value);

@@ -36,6 +36,16 @@ std::string script_safe(std::string json) {
   return json;
 }
 
+/// "all", or what is left out, in words.
+std::string describe_path_set(const std::string& text) {
+  std::string differences;
+  for (const std::string& line : PathSet::parse(text).differences(PathSet())) {
+    const std::string field = line.substr(0, line.find(" against "));
+    differences += (differences.empty() ? "" : ", ") + field;
+  }
+  return differences.empty() ? "all" : "all but " + differences;
+}
+
 /// Table row of one variant: mean over its seeds; relMSE as a geometric mean, since errors spread by factors.
 ordered_json variant_row(const ComparisonResult& result, size_t scene, size_t variant) {
   ordered_json row = {{"label", result.spec.variants[variant].label()}};
@@ -115,7 +125,7 @@ ordered_json scene_data(const ComparisonResult& result, size_t index, const fs::
                              scene.reference.error_known
                                  ? fmt::format(", its own relMSE {:.2g}", scene.reference.relmse)
                                  : std::string(", its own error unknown"),
-                             scene.reference.path_set);
+                             describe_path_set(scene.reference.path_set));
   double best = INFINITY;
   for (size_t variant = 0; variant < result.spec.variants.size(); ++variant) {
     data["rows"].push_back(variant_row(result, index, variant));

@@ -107,8 +107,9 @@ function viewer(scene) {
     view.y += event.movementY;
     update();
   });
+  const bars = [bar('left'), bar('right')];
   update();
-  return element('div', {}, bar('left'), bar('right'), element('div', { class: 'buttons' }, 'split ', split), stage,
+  return element('div', {}, ...bars, element('div', { class: 'buttons' }, 'split ', split), stage,
     element('p', { class: 'caption' }, 'Keys on the picture: 1 to 9 or arrows flip the left one, 0 resets the zoom; wheel zooms, drag pans. Error maps: ',
       element('span', { class: 'scale' }), ' −100 % (too dark) to +100 % (too bright) of the reference\'s luminance.'));
 }
@@ -116,7 +117,7 @@ function viewer(scene) {
 for (const scene of data.scenes) {
   const section = element('section', {}, element('h2', {}, scene.name), element('p', {}, scene.text));
   for (const warning of scene.warnings) section.append(element('p', { class: 'note' }, warning));
-  if (scene.rows.length) section.append(table(scene), plot(scene));
+  if (scene.rows.length) section.append(element('div', { class: 'wide' }, table(scene)), plot(scene));
   if (scene.pictures.length) section.append(viewer(scene));
   document.getElementById('scenes').append(section);
 }
