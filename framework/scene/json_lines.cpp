@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 
 #include "lucarium/base/error.h"
 
@@ -49,6 +50,7 @@ class LineRecorder {
       case Event::object_start:
       case Event::array_start:
         next_element();
+        if (levels_.size() >= deepest) throw std::length_error("it is nested too deeply");
         levels_.push_back({event == Event::array_start, -1, ""});
         break;
       case Event::object_end:
@@ -59,6 +61,7 @@ class LineRecorder {
   }
 
  private:
+  static constexpr size_t deepest = 64;  ///< every level costs time in note()
   struct Level {
     bool array;
     int index;
@@ -100,6 +103,8 @@ JsonWithLines read_json_with_lines(const std::filesystem::path& file) {
   try {
     const CountingIterator begin{text.data(), &line}, end{text.data() + text.size(), &line};
     result.value = nlohmann::json::parse(begin, end, LineRecorder(result.lines, line), true, true);
+  } catch (const std::length_error& error) {
+    throw_error(ErrorClass::input, "{}:{}: {}", file.string(), line, error.what());
   } catch (const nlohmann::json::exception& exception) {
     // The parser's message repeats the position and ends with what it expected.
     std::string what = exception.what();

@@ -33,6 +33,20 @@ void add_environment(Hasher& hasher, const Environment& environment) {
   hasher.add(environment.factor).add(environment.environment_from_world);
 }
 
+bool is_black(const Image& image) {
+  for (size_t i = 0; i < image.rgba.size(); ++i) {
+    if (i % 4 != 3 && image.rgba[i] != 0) return false;
+  }
+  return true;
+}
+
+/// Whether the factors and some texel let light out.
+bool shines(const Scene& scene, const SceneMaterial& material) {
+  if (!material.emits()) return false;
+  const int texture = (material.unlit ? material.base_color_texture : material.emissive_texture).texture;
+  return texture == none || !is_black(scene.images[scene.textures[texture].image]);
+}
+
 }  // namespace
 
 bool SceneMaterial::emits() const {
@@ -63,17 +77,17 @@ uint64_t Scene::triangle_count() const {
 }
 
 bool Scene::has_light() const {
-  const auto shines = [](const glm::vec3& v) { return v.r > 0 || v.g > 0 || v.b > 0; };
+  const auto positive = [](const glm::vec3& v) { return v.r > 0 || v.g > 0 || v.b > 0; };
   for (const SceneLight& light : lights) {
-    if (shines(light.intensity)) return true;
+    if (positive(light.intensity)) return true;
   }
   for (const SceneInstance& instance : instances) {
-    if (materials[instance.material].emits() && !meshes[instance.mesh].triangles.empty()) return true;
+    if (!meshes[instance.mesh].triangles.empty() && shines(*this, materials[instance.material])) return true;
   }
-  if (!environment || !shines(environment->factor)) return false;
+  if (!environment || !positive(environment->factor)) return false;
   if (environment->width == 0) return true;
   for (const glm::vec3& radiance : environment->radiance) {
-    if (shines(radiance * environment->factor)) return true;
+    if (positive(radiance * environment->factor)) return true;
   }
   return false;
 }

@@ -256,6 +256,7 @@ void SceneBuffers::update_geometry(const Scene& scene, const SceneChange& change
 }
 
 void SceneBuffers::update(const Scene& scene, const SceneChange& change) {
+  if (!change.geometry() && change.materials.empty() && !change.lights && !change.environment) return;
   device_->finish();
   if (change.topology || !layout_.fits(scene)) {
     layout_ = SceneLayout(scene);

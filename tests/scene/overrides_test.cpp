@@ -156,6 +156,22 @@ TEST_CASE("a scene without light names the options") {
   CHECK_THROWS_WITH_AS(require_light(scene), doctest::Contains("--light"), Error);
 }
 
+TEST_CASE("a material whose emissive texture is black is no light") {
+  Scene scene = make_builtin_scene("room");
+  scene.lights.clear();
+  Image image;
+  image.width = image.height = 2;
+  image.rgba.assign(16, 0);
+  for (size_t alpha = 3; alpha < 16; alpha += 4) image.rgba[alpha] = 255;
+  scene.images = {image};
+  scene.textures = {{0, Wrap::repeat, Wrap::repeat, false, true}};
+  scene.materials[0].emissive_factor = glm::vec3(1);
+  scene.materials[0].emissive_texture.texture = 0;
+  CHECK_FALSE(scene.has_light());
+  scene.images[0].rgba[5] = 1;
+  CHECK(scene.has_light());
+}
+
 TEST_CASE("the sidecar says the same as the command line") {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "x.glb.lucarium.json";
@@ -197,6 +213,7 @@ TEST_CASE("sidecar errors name file, line and key") {
   CHECK(sidecar_error("{\"materials\": {\"a\": {\n\"roughness\": 3}}}")
             .starts_with(":2: materials/a/roughness: material value"));
   CHECK(sidecar_error("{\n\n \"camera\": }").starts_with(":3: this is not valid JSON"));
+  CHECK(sidecar_error("\n" + std::string(1000000, '[')) == ":2: it is nested too deeply");
   CHECK(sidecar_error("[1]").starts_with(":1: the file: must be an object"));
   CHECK(sidecar_error("").starts_with(":1: this is not valid JSON"));
   CHECK(sidecar_error("{\"environment\": {\"factor\": 1}}").find("either \"file\" or \"radiance\"") !=
