@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "lucarium/base/error.h"
@@ -21,26 +22,34 @@ class ImportContext {
     throw Error(ErrorClass::input, name_ + ": " + fmt::format(format, std::forward<Args>(args)...));
   }
 
-  /// Adds a warning unless it was given before.
+  /// Adds a warning unless it was given before. Of very many, the first are kept and the rest counted.
   template <class... Args>
   void warn(fmt::format_string<Args...> format, Args&&... args) {
     std::string text = fmt::format(format, std::forward<Args>(args)...);
-    if (std::find(warnings_.begin(), warnings_.end(), text) == warnings_.end()) warnings_.push_back(std::move(text));
+    if (!known_warnings_.insert(text).second) return;
+    if (warnings_.size() < max_warnings) warnings_.push_back(std::move(text));
+    else ++further_warnings_;
   }
 
-  /// Counts memory that the file makes us allocate; refuses files that ask for more than a scene of max_triangles
-  /// could need. Small files may refer to the same data, or to none, very often.
+  /// Says how large the file and the buffers it names are.
+  void count_input_bytes(uint64_t bytes) { input_ += bytes; }
+
+  /// Counts memory that the file makes us allocate. Small files may refer to the same data, or to none, very often:
+  /// what they may ask for is bounded by their own size and by what max_triangles triangles could need.
   void spend_bytes(uint64_t bytes) {
     spent_ += bytes;
-    const uint64_t limit = options.max_triangles * bytes_per_triangle + (1u << 20);
-    if (spent_ > limit) {
-      fail("its meshes, instances and animations need more than {} MiB, the most for {} triangles", limit >> 20,
-           options.max_triangles);
-    }
+    const uint64_t limit = std::min(options.max_triangles * bytes_per_triangle + (1u << 20), 64 * input_ + (1u << 30));
+    if (spent_ <= limit) return;
+    fail("its meshes, instances and animations need more than {} MiB, the most for {} triangles and {} bytes of data",
+         limit >> 20, options.max_triangles, input_);
   }
 
   const std::string& name() const { return name_; }
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  std::vector<std::string> warnings() const {
+    std::vector<std::string> result = warnings_;
+    if (further_warnings_) result.push_back(fmt::format("{} further warnings were left out", further_warnings_));
+    return result;
+  }
 
   const ImportOptions& options;
 
@@ -48,9 +57,13 @@ class ImportContext {
   /// Indices, and two thirds of a vertex with all attributes and one morph target, rounded up.
   static constexpr uint64_t bytes_per_triangle = 96;
 
+  static constexpr size_t max_warnings = 100;
+
   std::string name_;
   std::vector<std::string> warnings_;
-  uint64_t spent_ = 0;
+  std::unordered_set<std::string> known_warnings_;
+  size_t further_warnings_ = 0;
+  uint64_t spent_ = 0, input_ = 0;
 };
 
 /// "mesh 3" or "mesh 3 'wall'".

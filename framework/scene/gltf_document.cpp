@@ -16,6 +16,7 @@ std::optional<Bytes> load_buffer(const Json& buffer, size_t index, const std::op
   Bytes bytes;
   if (buffer.contains("uri")) {
     bytes = read_uri(buffer["uri"].get<std::string>(), document.folder, length, where, context);
+    context.count_input_bytes(bytes.size());
   } else if (index == 0 && binary_chunk) {
     bytes.assign(binary_chunk->begin(), binary_chunk->end());
   } else {

@@ -67,11 +67,10 @@ class MaterialReader {
     material_.unlit = find("KHR_materials_unlit") != nullptr;
   }
 
-  /// Factors above 1 are outside of glTF's range, but older exporters write lamps so.
+  /// Factors above 1 are outside of glTF's range, but older exporters write lamps so: they are kept.
   void read_emission() {
     for (size_t c = 0; c < source_.emissiveFactor.size() && c < 3; ++c) {
       material_.emissive_factor[static_cast<int>(c)] = limited(source_.emissiveFactor[c], 0, 1e30, "emissiveFactor");
-      if (source_.emissiveFactor[c] > 1) context_.warn("{}: emissiveFactor above 1 is kept as radiance", where_);
     }
     if (const auto* value = find("KHR_materials_emissive_strength")) {
       material_.emissive_strength = limited(number_or(*value, "emissiveStrength", 1), 0, 1e30, "emissiveStrength");

@@ -22,6 +22,7 @@ std::string single_line(std::string text) {
 }
 
 Scene import_checked(std::string_view bytes, const std::filesystem::path& folder, gltf::ImportContext& context) {
+  context.count_input_bytes(bytes.size());
   const gltf::Document document = gltf::read_document(bytes, folder, context);
   Scene scene;
   scene.source = context.name();

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DFROM=<scenes> -DTO=<corpus> -P collect_corpus.cmake: copies every glTF file of at most 32 KiB, named by hash.
+set(largest 32768)
+file(MAKE_DIRECTORY ${TO})
+file(GLOB_RECURSE files ${FROM}/*.gltf ${FROM}/*.glb)
+set(count 0)
+foreach(file IN LISTS files)
+  file(SIZE ${file} size)
+  if(size GREATER 0 AND NOT size GREATER largest)
+    file(SHA1 ${file} name)
+    configure_file(${file} ${TO}/${name} COPYONLY)
+    math(EXPR count "${count} + 1")
+  endif()
+endforeach()
+message(STATUS "${count} seeds in ${TO}")
