@@ -39,7 +39,7 @@ Palette add_palette(Scene& scene) {
   p.leaf = add_lambert(scene, "leaves", {0.12f, 0.26f, 0.06f});
   p.clay = add_lambert(scene, "clay", {0.60f, 0.30f, 0.17f});
   p.iron = add_metal(scene, "iron", {0.35f, 0.33f, 0.31f}, 0.5f);
-  p.glow = add_emitter(scene, "lantern light", {190.f, 105.f, 38.f});
+  p.glow = add_emitter(scene, "lantern light", {60.f, 36.f, 16.f});
   return p;
 }
 
