@@ -2,8 +2,6 @@
 // Animations, skins and morph targets of glTF, each on a small file made here.
 #include <doctest/doctest.h>
 
-#include <algorithm>
-
 #include "gltf_builder.h"
 #include "lucarium/base/error.h"
 #include "lucarium/scene/load_scene.h"
@@ -11,16 +9,11 @@
 
 using namespace lucarium;
 using test::GltfBuilder;
+using test::load;
+using test::warns;
 using Json = nlohmann::json;
 
 namespace {
-
-Scene load(const GltfBuilder& builder) { return import_gltf_bytes(builder.text(), ".", "test.gltf"); }
-
-bool warns(const Scene& scene, const std::string& part) {
-  return std::any_of(scene.warnings.begin(), scene.warnings.end(),
-                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
-}
 
 /// A triangle whose node has one animated property.
 GltfBuilder animated(const char* path, int times, int values, const char* interpolation, GltfBuilder builder) {

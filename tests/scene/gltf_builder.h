@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "lucarium/scene/load_scene.h"
+
 namespace lucarium::test {
 
 /// Writes small glTF documents: one buffer that grows, and JSON that tests may edit at will.
@@ -129,5 +131,15 @@ class GltfBuilder {
 
   std::string buffer_;
 };
+
+inline Scene load(const GltfBuilder& builder, const ImportOptions& options = {}) {
+  return import_gltf_bytes(builder.text(), ".", "test.gltf", options);
+}
+
+/// Whether a warning holds this text.
+inline bool warns(const Scene& scene, const std::string& part) {
+  return std::any_of(scene.warnings.begin(), scene.warnings.end(),
+                     [&](const std::string& text) { return text.find(part) != std::string::npos; });
+}
 
 }  // namespace lucarium::test
