@@ -27,7 +27,8 @@
 // Limits. Punctual light through a mirror or glass is found by no strategy and is left out; shadow rays take glass as
 // opaque. Caustics of small emitters are found by hits only and are noisy. Nothing is clamped unless asked.
 
-#include "lucarium/base/error.h"
+#include <algorithm>
+
 #include "lucarium/services/bvh.h"
 #include "lucarium/services/path_integrator.h"
 #include "lucarium/technique/plugin.h"
@@ -103,6 +104,9 @@ TechniqueInfo path_tracing_info() {
 
 // ---- code
 
+/// Below it reflection and refraction are ideal (LUCARIUM_MIRROR_ROUGHNESS, kernels/bsdf.clh).
+constexpr float kMirrorRoughness = 0.03f;
+
 class PathTracing : public Technique {
  public:
   ParameterTable& parameters() override { return table_; }
@@ -113,7 +117,13 @@ class PathTracing : public Technique {
     return set;
   }
 
-  std::vector<std::string> limitations(const Scene&, const RenderSettings&) const override { return {}; }
+  std::vector<std::string> limitations(const Scene& scene, const RenderSettings&) const override {
+    const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
+      return material.transmission > 0 || material.roughness < kMirrorRoughness;
+    });
+    if (!ideal || scene.lights.empty()) return {};
+    return {"point, spot and directional light that reaches a surface through a mirror or glass is left out"};
+  }
 
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
     return PathIntegrator::estimate_bytes(settings.width, settings.height, parameters_.options);

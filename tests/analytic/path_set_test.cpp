@@ -114,3 +114,57 @@ TEST_CASE("path set: a clamp bounds the indirect layer and only that") {
   CHECK(largest("indirect") > 0.f);
   CHECK(largest("direct") > 0.01f);
 }
+
+TEST_CASE("path set: without light-side delta events the light from mirrors to other surfaces is gone, and only that") {
+  // An emitter that faces up lights a floor that faces up by way of a ceiling mirror only.
+  Scene scene;
+  scene.cameras.push_back(look_orthographic({0, 0.5f, 0}, {0, 0, 0}, 0.2f));
+  SceneMaterial mirror;
+  mirror.roughness = 0;
+  add_horizontal(scene, 0, 0, 0, 1, 1, true, add_material(scene, lambert(0.5f)));
+  add_horizontal(scene, 2, 0.1f, 0, 1, 1, true, add_material(scene, emitter(10)));
+  add_horizontal(scene, 0, 1, 0, 10, 10, false, add_material(scene, mirror));
+  PathSet set;
+  CHECK(mean_with(scene, set) > 0);
+  set.light_delta = false;
+  CHECK(mean_with(scene, set) == 0);
+  // The mirror itself, seen by the eye, still shows the emitter.
+  scene.cameras[0] = look_orthographic({1, 0.5f, 0}, {1.5f, 1, 0}, 0.05f);
+  CHECK(mean_with(scene, set) > 0);
+  set.eye_delta = false;
+  CHECK(mean_with(scene, set) == 0);
+}
+
+TEST_CASE("path set: geometric normals change smooth surfaces and not flat ones") {
+  Scene flat = make_builtin_scene("cornell");
+  PathSet shading, geometric;
+  shading.max_bounces = geometric.max_bounces = 1;
+  geometric.geometric_normals = true;
+  CHECK(mean_with(flat, geometric) == doctest::Approx(mean_with(flat, shading)).epsilon(1e-4));
+
+  // One triangle whose vertex normals all lean to one side, lit along its true normal: cos 60 degrees against 1.
+  Scene leaning;
+  leaning.cameras.push_back(look_orthographic({0, 1, 0}, {0, 0, 0}, 0.1f));
+  add_horizontal(leaning, 0, 0, 0, 2, 2, true, add_material(leaning, lambert(0.5f)));
+  leaning.meshes[0].flat_normals = false;
+  for (glm::vec3& normal : leaning.meshes[0].normals) normal = glm::normalize(glm::vec3(std::sqrt(3.f), 1, 0));
+  add_light(leaning, LightType::directional, 1, {0, 1, 0}, {0, 0, 0});
+  CHECK(mean_with(leaning, geometric) == doctest::Approx(0.5 / M_PI).epsilon(1e-5));
+  CHECK(mean_with(leaning, shading) == doctest::Approx(0.25 / M_PI).epsilon(1e-5));
+}
+
+TEST_CASE("path set: BLEND surfaces can be taken as opaque") {
+  // A half-transparent plate above an emitter: half of it shows, or nothing.
+  Scene scene;
+  scene.cameras.push_back(look_orthographic({0, 1, 0}, {0, 0, 0}, 0.2f));
+  SceneMaterial plate = lambert(0);
+  plate.alpha_mode = AlphaMode::blend;
+  plate.base_color.w = 0.25f;
+  plate.double_sided = true;
+  add_horizontal(scene, 0, 0.5f, 0, 2, 2, true, add_material(scene, plate));
+  add_horizontal(scene, 0, 0, 0, 2, 2, true, add_material(scene, emitter(1)));
+  PathSet set;
+  CHECK(mean_with(scene, set) == doctest::Approx(0.75).epsilon(0.02));
+  set.blend = false;
+  CHECK(mean_with(scene, set) == 0);
+}

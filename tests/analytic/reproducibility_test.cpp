@@ -122,3 +122,25 @@ TEST_CASE("reproducibility: samples that are no finite numbers fail the run") {
     CHECK(render.integrator->counters().at("nonfinite") > 0);
   }
 }
+
+TEST_CASE("reproducibility: the layer Variance is that of the mean of the replicates, also when they differ in length") {
+  const Scene scene = make_builtin_scene("cornell");
+  PathIntegratorOptions options = small_options(3, 1u << 20);  // 4 samples: replicates of 2, 1 and 1
+  TestRender render(scene, scene.cameras[0], options, kSide);
+  REQUIRE(render.integrator->iterate());
+  Film film(kSide, kSide);
+  render.integrator->resolve(film);
+  const std::vector<std::vector<float>> images = render.integrator->replicate_images();
+  REQUIRE(images.size() == 3);
+  const std::vector<float>& variance = film.find("Variance")->pixels;
+  const std::vector<float> image = film.image();
+  double largest = 0;
+  for (size_t i = 0; i < variance.size(); ++i) {
+    const double a = images[0][i], b = images[1][i], c = images[2][i], mean = (a + b + c) / 3;
+    const double expected = ((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2 / 3;
+    CHECK(variance[i] == doctest::Approx(expected).epsilon(1e-4));
+    CHECK(image[i] == doctest::Approx((2 * a + b + c) / 4).epsilon(1e-4));
+    largest = std::max(largest, expected);
+  }
+  CHECK(largest > 0);
+}
