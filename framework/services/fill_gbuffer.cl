@@ -2,6 +2,7 @@
 // One vertex of every eye path: ideal reflection and refraction are followed, the first other surface is kept.
 #include "lucarium/bsdf.clh"
 #include "lucarium/lights.clh"
+#include "lucarium/medium.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/gbuffer_sampler.clh"
 #include "lucarium/shared/camera.h"
@@ -35,7 +36,9 @@ bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hi
                 GBufferPoint* point, Ray* next_ray) {
   const Surface surface = make_surface(scene, hit, direction, 0u);
   point->position.w += hit.distance;
-  point->throughput.xyz *= medium_transmittance(scene, &surface, hit.distance);
+  // While the path is followed, the medium of its ray waits where the view will be.
+  const uint medium = medium_at(scene, &surface, as_uint(point->view.w));
+  point->throughput.xyz *= medium_transmittance(scene, medium, hit.distance);
   point->emission.xyz += point->throughput.xyz * emitted_radiance(scene, &surface);
   const Bsdf bsdf = make_bsdf(scene, &surface, 0u);
   const uint events = (uint)point->throughput.w;
@@ -53,6 +56,7 @@ bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hi
   if (is_black(sample.weight) || events == LUCARIUM_PATH_EYE_DELTA_LIMIT) return false;
   point->throughput.xyz *= sample.weight;
   point->throughput.w += 1.0f;
+  point->view.w = as_float(sample.transmitted ? medium_behind(scene, &surface, medium) : medium);
   *next_ray = make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 2u * events + 1u)));
   return true;
 }
@@ -76,6 +80,7 @@ __kernel void fill_gbuffer(LUCARIUM_SCENE_PARAMETERS Frame frame, uint sample_in
     goes_on = follow_hit(&scene, frame.seed, sample_index, pixel, hit, direction, &point, &next_ray);
   else if (scene.scene_info->environment_light != LUCARIUM_NONE)
     point.emission.xyz += point.throughput.xyz * environment_radiance(&scene, direction);
+  if (!goes_on) point.view.w = 0.0f;
   points[pixel] = point;
   alive[i] = goes_on;
   next_rays[i] = next_ray;

@@ -19,6 +19,7 @@ __kernel void generate_gbuffer_rays(Frame frame, uint sample_index, __global GBu
   GBufferPoint point;
   point.position = point.normal = point.shading = point.view = point.emission = point.albedo = (float4)(0.0f);
   point.throughput = (float4)(1.0f, 1.0f, 1.0f, 0.0f);
+  point.view.w = as_float(LUCARIUM_NONE);  // the medium, see fill_gbuffer
   point.u = point.v = 0.0f;
   point.triangle = LUCARIUM_NONE;
   point.state = LUCARIUM_GBUFFER_MISS;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vertex of every active path: what it emits, one light sample, and the BSDF sample along which the path goes on.
+#include "lucarium/medium.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/light_strategies.clh"
 #include "lucarium/services/path_state.clh"
@@ -46,31 +47,6 @@ void add_emission(const Scene* scene, PathSettings settings, PathBatch batch, Wa
   if (weight > 0.0f) add_light(batch, walk, weight * emission, path_radiance);
 }
 
-// ---- volumes
-
-bool bounds_volume(const Scene* scene, const Surface* surface) {
-  const uint flags = scene->scene_materials[surface->material].flags;
-  return (flags & LUCARIUM_MATERIAL_TRANSMISSIVE) && !(flags & LUCARIUM_MATERIAL_THIN);
-}
-
-// Material of the volume on the viewer's side of a surface: seen from inside it says so itself.
-uint medium_at(const Scene* scene, const Surface* surface, uint medium) {
-  const bool inside = bounds_volume(scene, surface) && !(surface->flags & LUCARIUM_SURFACE_FRONT);
-  return inside ? surface->material : medium;
-}
-
-// And of the volume behind it.
-uint medium_behind(const Scene* scene, const Surface* surface, uint medium) {
-  if (!bounds_volume(scene, surface)) return medium;
-  return surface->flags & LUCARIUM_SURFACE_FRONT ? surface->material : LUCARIUM_NONE;
-}
-
-// Beer's law; a ray without end is not attenuated.
-float3 transmittance(const Scene* scene, uint medium, float distance) {
-  if (medium == LUCARIUM_NONE || isinf(distance)) return (float3)(1.0f);
-  return exp(-distance * scene->scene_materials[medium].attenuation.xyz);
-}
-
 // ---- the two samples
 
 // Whether a path that has scattered so often can still bring light that is wanted.
@@ -94,7 +70,7 @@ void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const 
   if (!sample_light_at(scene, surface, bsdf, u, hits_compete, seed, &light, &ray)) return;
   const bool behind = dot(surface->n_g, ray.direction.xyz) < 0.0f;
   const uint medium = behind ? medium_behind(scene, surface, walk->state.medium) : walk->state.medium;
-  light *= walk->throughput * transmittance(scene, medium, ray.direction.w);
+  light *= walk->throughput * medium_transmittance(scene, medium, ray.direction.w);
   if (!is_contribution(light)) {
     walk->state.flags |= PATH_BAD;
     return;
@@ -160,7 +136,7 @@ bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk*
 
   // Attenuate by the volume that the segment ran through.
   walk->state.medium = medium_at(scene, &surface, walk->state.medium);
-  walk->throughput *= transmittance(scene, walk->state.medium, hit.distance);
+  walk->throughput *= medium_transmittance(scene, walk->state.medium, hit.distance);
 
   // Add what the surface emits.
   add_emission(scene, settings, batch, walk, &surface, hit.distance, path_radiance);

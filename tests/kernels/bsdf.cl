@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/bsdf.clh"
+#include "lucarium/medium.clh"
 #include "lucarium/sobol.clh"
 #include "test_kernels/sphere_grid.clh"
 
@@ -84,13 +85,14 @@ kernel void evaluate_pair(LUCARIUM_SCENE_PARAMETERS const uint triangle, const f
   value[0] = (float4)(f, pdf);
 }
 
-// Transmittance of one metre behind the triangle seen from `view`.
-kernel void transmittance(LUCARIUM_SCENE_PARAMETERS const uint triangle, const float4 view, const float metres,
-                          global float4* value) {
+// A ray of `metres` through `medium` meets the triangle: transmittance xyz; in w 0 for air behind it, else 1 + material.
+kernel void cross_medium(LUCARIUM_SCENE_PARAMETERS const uint triangle, const float4 view, const uint medium,
+                         const float metres, global float4* value) {
   LUCARIUM_SCENE_BIND(scene);
   const Hit hit = {metres, triangle, 0.3f, 0.3f};
   const Surface surface = make_surface(&scene, hit, -view.xyz, 0u);
-  value[0] = (float4)(medium_transmittance(&scene, &surface, metres), 0.0f);
+  const uint here = medium_at(&scene, &surface, medium), behind = medium_behind(&scene, &surface, here);
+  value[0] = (float4)(medium_transmittance(&scene, here, metres), behind == LUCARIUM_NONE ? 0.0f : 1.0f + (float)behind);
 }
 
 // The albedo table: x, y directional (E1, B), z, w their averages.

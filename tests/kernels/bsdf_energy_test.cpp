@@ -296,22 +296,30 @@ TEST_CASE("black: backs of single-sided surfaces, unlit materials, directions on
   CHECK(probe.evaluate(3, up, glm::normalize(glm::vec3(0.9f, 0, 0.4f))).y > 0);
 }
 
-TEST_CASE("volumes absorb by Beer's law along segments that end on their inside") {
+TEST_CASE("volumes absorb by Beer's law along segments inside them") {
   SceneMaterial coloured = glass(1, 0, 1, true), thin = glass(1, 0, 1, false);
   coloured.attenuation_distance = thin.attenuation_distance = 2;
   coloured.attenuation_color = thin.attenuation_color = glm::vec3(0.5f, 0.25f, 1);
-  const BsdfProbe probe({{"volume", coloured}, {"thin", thin}});
-  const auto transmittance = [&](uint triangle, float z) {
+  const BsdfProbe probe({{"volume", coloured}, {"thin", thin}, {"opaque", dielectric(0.5f, 0.5f)}});
+  const auto cross = [&](uint triangle, float z, uint medium) {
     const auto value = test_buffer<float4>(1);
-    probe.run("transmittance", 1, 1, [&](PassBuilder& pass) {
-      pass.arg("triangle", triangle).arg("view", float4(0, 0, z, 0)).arg("metres", 4.f).arg("value", value);
+    probe.run("cross_medium", 1, 1, [&](PassBuilder& pass) {
+      pass.arg("triangle", triangle).arg("view", float4(0, 0, z, 0)).arg("medium", medium).arg("metres", 4.f);
+      pass.arg("value", value);
     });
     return value.download()[0];
   };
-  const float4 inside = transmittance(0, -1);
-  CHECK(inside.x == doctest::Approx(0.25));
-  CHECK(inside.y == doctest::Approx(0.0625));
-  CHECK(inside.z == doctest::Approx(1));
-  CHECK(transmittance(0, 1).x == 1);
-  CHECK(transmittance(1, -1).x == 1);
+  const uint air = LUCARIUM_NONE, volume = 0;
+  const auto check = [](const float4& got, bool absorbed, float behind) {
+    CHECK(got.x == doctest::Approx(absorbed ? 0.25 : 1));
+    CHECK(got.y == doctest::Approx(absorbed ? 0.0625 : 1));
+    CHECK(got.z == doctest::Approx(1));
+    CHECK(got.w == behind);
+  };
+  check(cross(0, 1, air), false, 1);     // into the volume
+  check(cross(0, -1, volume), true, 0);  // and out of it
+  check(cross(0, -1, air), true, 0);     // seen from inside, whatever the path believes
+  check(cross(1, 1, air), false, 0);     // thin walls have no inside
+  check(cross(1, -1, air), false, 0);
+  check(cross(2, 1, volume), true, 1);  // a thing within the volume
 }
