@@ -36,21 +36,18 @@ void ParameterDescriber::flag(std::string name, bool& value, std::string doc) {
                                       }});
 }
 
-double parse_parameter_number(const std::string& name, std::string_view text, double low, double high, bool integral) {
+double parse_parameter_number(const std::string& name, std::string_view text, bool integral) {
   double value = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc() || end != text.data() + text.size() || (integral && value != std::floor(value))) {
     throw_error(ErrorClass::usage, "parameter {}: '{}' is not {} number", name, text, integral ? "a whole" : "a");
   }
-  if (!(value >= low && value <= high)) {
-    throw_error(ErrorClass::usage, "parameter {}: {} is outside {} … {}", name, text, format_parameter_number(low, integral),
-                format_parameter_number(high, integral));
-  }
   return value;
 }
 
-std::string format_parameter_number(double value, bool integral) {
-  return integral ? fmt::format("{:.0f}", value) : fmt::format("{:g}", value);
+void throw_parameter_range(const std::string& name, std::string_view text, const std::string& low,
+                           const std::string& high) {
+  throw_error(ErrorClass::usage, "parameter {}: {} is outside {} … {}", name, text, low, high);
 }
 
 size_t parse_parameter_choice(const std::string& name, std::string_view text, const std::vector<std::string>& choices) {

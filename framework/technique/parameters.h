@@ -76,24 +76,30 @@ ParameterTable make_parameter_table(P& parameters) {
 
 // ---- implementation of the templates
 
-/// Parses a number completely or throws Error{usage} naming parameter, text and range.
-double parse_parameter_number(const std::string& name, std::string_view text, double low, double high, bool integral);
-std::string format_parameter_number(double value, bool integral);
+/// Parses a number completely or throws Error{usage} naming parameter and text.
+double parse_parameter_number(const std::string& name, std::string_view text, bool integral);
+[[noreturn]] void throw_parameter_range(const std::string& name, std::string_view text, const std::string& low,
+                                        const std::string& high);
 
 template <class T>
   requires(std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
 void ParameterDescriber::number(std::string name, T& value, std::type_identity_t<T> low, std::type_identity_t<T> high,
                                 std::string unit, std::string doc) {
-  constexpr bool integral = std::is_integral_v<T>;
-  const auto format = [](double v) { return format_parameter_number(v, integral); };
-  ParameterInfo info{name, integral ? "int" : "float", format(static_cast<double>(value)),
-                     format(static_cast<double>(low)) + " … " + format(static_cast<double>(high)), std::move(unit),
-                     std::move(doc), {}};
-  table_.mutable_entries().push_back(
-      {std::move(info), [&value, format] { return format(static_cast<double>(value)); },
-       [&value, name, low, high](std::string_view text) {
-         value = static_cast<T>(parse_parameter_number(name, text, static_cast<double>(low), static_cast<double>(high), integral));
-       }});
+  // The shortest text that reads back as the same T: what a result records gives the same image again.
+  const auto format = [](T v) { return fmt::format("{}", v); };
+  ParameterInfo info{name, std::is_integral_v<T> ? "int" : "float", format(value), format(low) + " … " + format(high),
+                     std::move(unit), std::move(doc), {}};
+  const auto set = [&value, format, name, low, high](std::string_view text) {
+    // A real number is rounded before it is compared, so that the limits' own texts are inside; a whole one is compared
+    // before it is converted, since converting what does not fit is undefined.
+    using Compared = std::conditional_t<std::is_floating_point_v<T>, T, double>;
+    const auto number = static_cast<Compared>(parse_parameter_number(name, text, std::is_integral_v<T>));
+    if (!(number >= static_cast<Compared>(low) && number <= static_cast<Compared>(high))) {
+      throw_parameter_range(name, text, format(low), format(high));
+    }
+    value = static_cast<T>(number);
+  };
+  table_.mutable_entries().push_back({std::move(info), [&value, format] { return format(value); }, set});
 }
 
 /// Index of `text` in `choices` or Error{usage} naming them.

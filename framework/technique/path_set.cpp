@@ -31,7 +31,7 @@ void visit_fields(Set& set, V&& visit) {
 
 std::string text_of(bool value) { return value ? "on" : "off"; }
 std::string text_of(int value) { return std::to_string(value); }
-std::string text_of(double value) { return fmt::format("{:g}", value); }
+std::string text_of(double value) { return fmt::format("{}", value); }  // reads back as the same
 
 bool parse_value(std::string_view text, bool& value) {
   value = text == "on";

@@ -70,19 +70,55 @@ std::string header_mismatch(const PluginHeader& theirs) {
 
 }  // namespace
 
-std::unique_ptr<Technique> TechniqueType::create() const {
+namespace {
+
+/// Calls into a plug-in; whatever it throws leaves as lucarium::Error that begins with `who`.
+template <class Call>
+auto call_plugin(const std::string& who, Call&& call) {
   try {
-    std::unique_ptr<Technique> technique = descriptor_->create();
-    if (!technique) throw_error(ErrorClass::technique, "create() returned nothing");
-    return technique;
+    return call();
   } catch (const Error& error) {
-    throw error.with_context(fmt::format("technique {}", info_.name));
+    throw error.with_context(who);
   } catch (const std::exception& error) {
-    throw_error(ErrorClass::technique, "technique {}: {}", info_.name, error.what());
+    throw_error(ErrorClass::technique, "{}: {}", who, error.what());
+  } catch (...) {
+    throw_error(ErrorClass::technique, "{}: threw something that is no exception", who);
   }
 }
 
+bool is_technique_name(const std::string& name) {
+  return !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+}
+
+/// A handle that closes the library unless the plug-in is accepted.
+struct OpenLibrary {
+  void* handle;
+  explicit OpenLibrary(const fs::path& file) : handle(::dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL)) {
+    if (!handle) throw_error(ErrorClass::technique, "cannot be loaded: {}", ::dlerror());
+  }
+  ~OpenLibrary() {
+    if (handle) ::dlclose(handle);
+  }
+  OpenLibrary(const OpenLibrary&) = delete;
+  OpenLibrary& operator=(const OpenLibrary&) = delete;
+  void keep() { handle = nullptr; }
+};
+
+}  // namespace
+
+std::unique_ptr<Technique> TechniqueType::create() const {
+  return call_plugin(fmt::format("technique {}", info_.name), [this] {
+    std::unique_ptr<Technique> technique = descriptor_->create();
+    if (!technique) throw_error(ErrorClass::technique, "create() returned nothing");
+    return technique;
+  });
+}
+
 TechniqueRegistry::TechniqueRegistry(const std::vector<fs::path>& extra_folders) : searched_(search_folders(extra_folders)) {
+  for (const fs::path& folder : extra_folders) {
+    std::error_code failure;
+    if (!fs::is_directory(folder, failure)) failures_.push_back({folder, "there is no such folder"});
+  }
   for (const fs::path& folder : searched_) {
     std::error_code failure;
     std::vector<fs::path> files;
@@ -93,7 +129,7 @@ TechniqueRegistry::TechniqueRegistry(const std::vector<fs::path>& extra_folders)
     for (const fs::path& file : files) {
       try {
         load(file);
-      } catch (const std::exception& error) {
+      } catch (const Error& error) {
         failures_.push_back({file, error.what()});
       }
     }
@@ -101,19 +137,22 @@ TechniqueRegistry::TechniqueRegistry(const std::vector<fs::path>& extra_folders)
 }
 
 void TechniqueRegistry::load(const fs::path& file) {
-  void* handle = ::dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (!handle) throw_error(ErrorClass::technique, "cannot be loaded: {}", ::dlerror());
-  TechniqueType type;
-  type.library_ = std::shared_ptr<void>(handle, [](void* library) { ::dlclose(library); });
-  type.file_ = file;
-  void* symbol = ::dlsym(handle, "lucarium_technique");
+  OpenLibrary library(file);
+  void* symbol = ::dlsym(library.handle, "lucarium_technique");
   if (!symbol) throw_error(ErrorClass::technique, "exports no lucarium_technique() (LUCARIUM_EXPORT_TECHNIQUE)");
+  TechniqueType type;
+  type.file_ = file;
   type.descriptor_ = reinterpret_cast<const TechniqueDescriptor* (*)()>(symbol)();
   if (!type.descriptor_) throw_error(ErrorClass::technique, "has an empty descriptor");
   if (const std::string reason = header_mismatch(type.descriptor_->header); !reason.empty()) {
     throw_error(ErrorClass::technique, "{}", reason);
   }
-  type.info_ = type.descriptor_->info();
+  if (!type.descriptor_->info || !type.descriptor_->create) throw_error(ErrorClass::technique, "has an empty descriptor");
+  type.info_ = call_plugin("info() failed", [&] { return type.descriptor_->info(); });
+  if (!is_technique_name(type.info_.name)) {
+    throw_error(ErrorClass::technique, "calls itself '{}'; a name consists of a-z, 0-9 and _", type.info_.name);
+  }
+  library.keep();
   const bool taken = std::any_of(types_.begin(), types_.end(),
                                  [&](const TechniqueType& known) { return known.info_.name == type.info_.name; });
   if (!taken) types_.push_back(std::move(type));
@@ -125,11 +164,16 @@ const TechniqueType& TechniqueRegistry::find(const std::string& name) const {
     if (type.info_.name == name) return type;
     names.push_back(type.info_.name);
   }
-  std::string searched;
-  for (const fs::path& folder : searched_) searched += (searched.empty() ? "" : ", ") + folder.string();
-  std::string message = fmt::format("no technique is called '{}'{}; searched {}", name, suggest_name(name, names), searched);
-  for (const PluginFailure& failure : failures_) message += fmt::format("; {} {}", failure.file.string(), failure.reason);
-  throw_error(ErrorClass::technique, "{}", message);
+  std::string folders, reasons, all;
+  for (const fs::path& folder : searched_) folders += (folders.empty() ? "" : ", ") + folder.string();
+  for (const PluginFailure& failure : failures_) {
+    const std::string line = fmt::format("{} {}", failure.file.string(), failure.reason);
+    all += line + "\n";
+    if (failure.file.stem() == name) reasons += "; " + line;
+  }
+  if (reasons.empty()) reasons = suggest_name(name, names);
+  throw Error(ErrorClass::technique, fmt::format("no technique is called '{}'{}; searched {}", name, reasons, folders))
+      .with_details(all);
 }
 
 }  // namespace lucarium

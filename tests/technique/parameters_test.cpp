@@ -27,6 +27,16 @@ struct Example {
   }
 };
 
+struct Fine {
+  float width = 0.3f;
+  double clamp = 1.0 / 3;
+  template <class V>
+  void describe(V& v) {
+    v.number("width", width, 0.1f, 0.7f, "m", "");
+    v.number("clamp", clamp, 0.0, 1e30, "", "");
+  }
+};
+
 std::string message_of(const std::function<void()>& action) {
   try {
     action();
@@ -56,6 +66,21 @@ TEST_CASE("parameters are read and written as text, with the member initialisers
   CHECK(table.entries()[3].info.range == "fast|exact");
 }
 
+TEST_CASE("numbers survive their text, and the limits' own texts are inside") {
+  Fine fine, again;
+  ParameterTable table = make_parameter_table(fine), copy = make_parameter_table(again);
+  CHECK(table.get("width") == "0.3");
+  for (const char* text : {"0.1", "0.7", "0.123456789"}) {
+    table.set("width", text);
+    copy.set("width", table.get("width"));
+    CHECK(again.width == fine.width);
+  }
+  again.clamp = 0;
+  copy.set("clamp", table.get("clamp"));
+  CHECK(again.clamp == 1.0 / 3);
+  CHECK(message_of([&] { table.set("width", "0.70001"); }) == "parameter width: 0.70001 is outside 0.1 … 0.7");
+}
+
 TEST_CASE("mistakes name the parameter, the range or the nearest name") {
   Example example;
   ParameterTable table = make_parameter_table(example);
@@ -72,7 +97,7 @@ TEST_CASE("a path set survives its text, and differences are named") {
   PathSet a;
   a.max_bounces = 3;
   a.secondary_lambert_only = true;
-  a.indirect_clamp = 2.5;
+  a.indirect_clamp = 1.0 / 3;
   CHECK(PathSet::parse(a.to_string()) == a);
   const std::vector<std::string> lines = a.differences(PathSet());
   REQUIRE(lines.size() == 3);
