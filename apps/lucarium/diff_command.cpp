@@ -76,6 +76,9 @@ int diff(const DiffArguments& arguments) {
   } else {
     print_table(layers);
   }
+  if (arguments.max_relmse >= 0 && whole.nonfinite > 0) {
+    throw_error(ErrorClass::check_failed, "{} pixels of {} are not finite", whole.nonfinite, arguments.test.string());
+  }
   if (arguments.max_relmse >= 0 && whole.relmse > arguments.max_relmse) {
     throw_error(ErrorClass::check_failed, "relMSE {:.3g} is above {:.3g}", whole.relmse, arguments.max_relmse);
   }

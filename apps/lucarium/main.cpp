@@ -17,7 +17,9 @@ namespace {
 
 using namespace lucarium;
 
-void print_error(const std::string& message, const std::string& details) {
+/// One line, whatever a library put into the message.
+void print_error(std::string message, const std::string& details) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
   fmt::print(stderr, "lucarium: error: {}\n", message);
   if (!details.empty() && log_level() >= LogLevel::info) fmt::print(stderr, "{}\n", details);
 }
@@ -28,7 +30,8 @@ const CLI::App& chosen_command(const CLI::App& program) {
   return commands.empty() ? program : *commands.front();
 }
 
-/// CLI11's message, with the nearest option or command where something unknown was given.
+/// What is wrong with the arguments: a command or option that does not exist, with the nearest that does, before
+/// anything that CLI11 finds missing.
 std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake, const std::vector<std::string>& arguments) {
   const CLI::App& command = chosen_command(program);
   std::vector<std::string> options, commands;
@@ -36,26 +39,23 @@ std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mis
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   }
   for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(sub->get_name());
-  if (mistake.get_name() == "ExtrasError") {
-    for (const std::string& argument : arguments) {
-      const std::string name = argument.substr(0, argument.find('='));
-      if (name.starts_with("--") && std::find(options.begin(), options.end(), name) == options.end()) {
-        return fmt::format("unknown option {}{}", name, suggest_name(name, options));
-      }
-    }
-    if (&command == &program && !arguments.empty()) {
-      return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
+  if (&command == &program && !arguments.empty() && !arguments.front().starts_with("-")) {
+    return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
+  }
+  for (const std::string& argument : arguments) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (name.starts_with("--") && name != "--" && std::find(options.begin(), options.end(), name) == options.end()) {
+      return fmt::format("unknown option {}{}", name, suggest_name(name, options));
     }
   }
-  std::string text = mistake.what();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return fmt::format("{} (see lucarium {} --help)", text, &command == &program ? "" : command.get_name());
+  return fmt::format("{} (see lucarium{} --help)", mistake.what(), &command == &program ? "" : " " + command.get_name());
 }
 
 int run(int argc, char** argv) {
   CLI::App program("Compares global-illumination techniques on glTF scenes, on any OpenCL device.", "lucarium");
   program.set_version_flag("--version", std::string("lucarium ") + LUCARIUM_VERSION);
   program.require_subcommand(1);
+  program.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // the last one wins
   app::Action action;
   app::add_render_command(program, action);
   app::add_compare_command(program, action);
@@ -89,6 +89,8 @@ int main(int argc, char** argv) {
     return static_cast<int>(ErrorClass::device);
   } catch (const std::exception& error) {
     print_error(fmt::format("internal: {}; please report it", error.what()), "");
-    return static_cast<int>(ErrorClass::internal);
+  } catch (...) {
+    print_error("internal: something that is no exception was thrown; please report it", "");
   }
+  return static_cast<int>(ErrorClass::internal);
 }

@@ -146,6 +146,15 @@ void TechniqueArguments::add_to(CLI::App& command) {
       ->take_all()->expected(1)->allow_extra_args(false);
 }
 
+void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
+  const std::unique_ptr<Technique> technique = type.create();
+  try {
+    for (const auto& [name, value] : spec.parameters) technique->parameters().set(name, value);
+  } catch (const Error& error) {
+    throw error.with_context(type.info().name);
+  }
+}
+
 void OutputArguments::add_to(CLI::App& command, bool with_json) {
   if (with_json) command.add_flag("--json", json, "print the result as JSON on standard output");
   command.add_flag("--quiet", quiet, "no progress, no warnings");

@@ -8,7 +8,7 @@
 
 #include "lucarium/compute/device.h"
 #include "lucarium/scene/load_scene.h"
-#include "lucarium/technique/technique.h"
+#include "lucarium/technique/plugin.h"
 
 namespace CLI {
 class App;
@@ -60,6 +60,9 @@ struct TechniqueArguments {
   void add_to(CLI::App& command);
   static Spec parse(const std::string& text);
 };
+
+/// Sets the parameters on an instance that is thrown away, so that mistakes are found before long work.
+void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec);
 
 /// --json, --quiet, -v
 struct OutputArguments {

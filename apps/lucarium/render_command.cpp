@@ -24,6 +24,7 @@ using nlohmann::ordered_json;
 namespace {
 
 constexpr uint64_t default_samples = 64;
+constexpr int most_frames = 100000;
 
 struct RenderArguments {
   std::string scene;
@@ -49,8 +50,9 @@ std::optional<FrameRange> parse_frames(const std::string& text) {
   if (text.empty()) return std::nullopt;
   FrameRange range;
   char rest = 0;
-  if (std::sscanf(text.c_str(), "%d:%d%c", &range.first, &range.last, &rest) != 2 || range.first < 0 || range.last < range.first) {
-    throw_error(ErrorClass::usage, "--frames {} is not FIRST:LAST", text);
+  if (std::sscanf(text.c_str(), "%7d:%7d%c", &range.first, &range.last, &rest) != 2 || range.first < 0 ||
+      range.last < range.first || range.last - range.first >= most_frames) {
+    throw_error(ErrorClass::usage, "--frames {} is not FIRST:LAST with at most {} frames", text, most_frames);
   }
   return range;
 }
@@ -61,22 +63,44 @@ fs::path frame_file(const fs::path& file, int frame) {
 }
 
 /// Everything that would make writing fail is found before any work is done.
-void check_outputs(const std::vector<fs::path>& files, bool overwrite) {
-  for (const fs::path& file : files) {
+void check_output(const fs::path& file, bool overwrite) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) throw_error(ErrorClass::usage, "{} is a folder, not a file", file.string());
+  if (fs::exists(file, ignored) && !overwrite) {
+    throw_error(ErrorClass::usage, "{} exists; choose another name or give --overwrite", file.string());
+  }
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored)) {
+    throw_error(ErrorClass::input, "{}: there is no folder {} to write into", file.string(), folder.string());
+  }
+  const fs::path probe = folder / fmt::format(".lucarium-probe-{}", ::getpid());
+  try {
+    write_file_atomically(probe, "");
+  } catch (const Error& error) {
+    throw Error(ErrorClass::input, fmt::format("{}: the folder {} cannot be written into", file.string(), folder.string()))
+        .with_details(error.what());
+  }
+  fs::remove(probe, ignored);
+}
+
+/// The files of every frame, checked; one entry without --frames.
+std::vector<std::vector<fs::path>> plan_outputs(const RenderArguments& arguments, const std::optional<FrameRange>& frames) {
+  for (const fs::path& file : arguments.files) {
     const std::string extension = file.extension().string();
     if (extension != ".exr" && extension != ".png") {
-      throw_error(ErrorClass::usage, "{}: output must end in .exr or .png", file.string());
+      throw_error(ErrorClass::usage, "{}: the name must end in .exr or .png", file.string());
     }
-    if (fs::exists(file) && !overwrite) {
-      throw_error(ErrorClass::usage, "{} exists; choose another --output or give --overwrite", file.string());
-    }
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-    if (!fs::is_directory(folder)) throw_error(ErrorClass::input, "{}: there is no such folder to write into", folder.string());
-    const fs::path probe = folder / fmt::format(".lucarium-probe-{}", ::getpid());
-    write_file_atomically(probe, "");
-    std::error_code ignored;
-    fs::remove(probe, ignored);
   }
+  std::vector<std::vector<fs::path>> outputs;
+  for (int frame = frames ? frames->first : 0; frame <= (frames ? frames->last : 0); ++frame) {
+    outputs.push_back(arguments.files);
+    for (fs::path& file : outputs.back()) {
+      if (frames) file = frame_file(file, frame);
+      check_output(file, arguments.overwrite);
+    }
+  }
+  if (!arguments.profile.empty() && arguments.profile != "-") check_output(arguments.profile, arguments.overwrite);
+  return outputs;
 }
 
 void write_outputs(const std::vector<fs::path>& files, const Film& film, float exposure, bool half) {
@@ -102,8 +126,9 @@ void write_profile(const RenderArguments& arguments, RenderSession& session) {
   }
 }
 
-ordered_json summary_json(RenderSession& session, const Film& film, Device& device, bool partial, double total_seconds,
+ordered_json summary_json(RenderSession& session, const Film& film, bool partial, double total_seconds,
                           const std::vector<fs::path>& files) {
+  const MemoryAccount& memory = session.scheduler().device().memory();
   const RenderSession::Clocks& clocks = session.clocks();
   ordered_json json;
   json["schema"] = "lucarium-render-1";
@@ -119,8 +144,8 @@ ordered_json summary_json(RenderSession& session, const Film& film, Device& devi
   json["clocks"] = {{"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
                     {"compile_seconds", clocks.compile}, {"prepare_seconds", clocks.prepare},
                     {"warm_up_seconds", clocks.warm_up}, {"iterate_seconds", clocks.iterate}};
-  json["device_memory_bytes"] = device.memory().by_owner();
-  json["peak_device_memory_bytes"] = device.memory().peak_bytes();
+  json["device_memory_bytes"] = memory.by_owner();
+  json["peak_device_memory_bytes"] = memory.peak_bytes();
   json["counters"] = session.technique().counters();
   json["limitations"] = session.limitations();
   json["warnings"] = session.scene().warnings;
@@ -154,6 +179,33 @@ bool render_within_budget(const RenderArguments& arguments, RenderSession& sessi
   });
 }
 
+/// Renders and writes every frame (one without --frames); returns whether it was interrupted.
+bool render_frames(const RenderArguments& arguments, RenderSession& session, const std::vector<std::vector<fs::path>>& outputs,
+                   const std::optional<FrameRange>& frames, std::chrono::steady_clock::time_point start,
+                   ordered_json& summaries) {
+  for (size_t i = 0; i < outputs.size(); ++i) {
+    if (i > 0) start = std::chrono::steady_clock::now();
+    if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
+    const bool interrupted = render_within_budget(arguments, session, start);
+    if (interrupted && session.last().samples == 0) return true;
+    Film film = session.resolve();
+    if (interrupted) film.metadata["partial"] = "yes";
+    write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    summaries.push_back(summary_json(session, film, interrupted, seconds, outputs[i]));
+    if (interrupted) return true;
+  }
+  return false;
+}
+
+/// The scene with its light, its warnings told.
+Scene load(const RenderArguments& arguments) {
+  Scene scene = arguments.overrides.load(arguments.scene);
+  require_light(scene);
+  for (const std::string& warning : scene.warnings) log_warning("{}", warning);
+  return scene;
+}
+
 int render(RenderArguments arguments) {
   const auto start = std::chrono::steady_clock::now();
   arguments.output.apply();
@@ -163,42 +215,30 @@ int render(RenderArguments arguments) {
   if (arguments.technique.specs.empty()) arguments.technique.specs.push_back({"path_tracing", {}});
   if (arguments.technique.specs.size() > 1) throw_error(ErrorClass::usage, "render takes one -t; to compare several use lucarium compare");
   const std::optional<FrameRange> frames = parse_frames(arguments.frames);
-  std::vector<std::vector<fs::path>> outputs;
-  for (int frame = frames ? frames->first : 0; frame <= (frames ? frames->last : 0); ++frame) {
-    outputs.push_back(arguments.files);
-    for (fs::path& file : outputs.back()) file = frames ? frame_file(file, frame) : file;
-    check_outputs(outputs.back(), arguments.overwrite);
-  }
+  if (frames && arguments.overrides.overrides.at_seconds) throw_error(ErrorClass::usage, "give --at or --frames, not both");
+  const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments, frames);
   RenderSettings settings = arguments.image.settings();
   const TechniqueRegistry registry(arguments.technique.folders);
   const TechniqueArguments::Spec& spec = arguments.technique.specs.front();
   const TechniqueType& type = registry.find(spec.name);
+  check_parameters(type, spec);
 
-  Scene scene = arguments.overrides.load(arguments.scene);
-  require_light(scene);
-  for (const std::string& warning : scene.warnings) log_warning("{}", warning);
+  Scene scene = load(arguments);
   settings.camera = scene.cameras.front();
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
   RenderSession session(device, std::move(scene), type, settings, spec.parameters);
   for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
 
-  bool interrupted = false;
   ordered_json summaries = ordered_json::array();
-  for (size_t i = 0; i < outputs.size() && !interrupted; ++i) {
-    const auto frame_start = i == 0 ? start : std::chrono::steady_clock::now();
-    if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
-    interrupted = render_within_budget(arguments, session, frame_start);
-    if (interrupted && session.iterations() == 0) throw_error(ErrorClass::interrupted, "interrupted before the first iteration; nothing was written");
-    Film film = session.resolve();
-    if (interrupted) film.metadata["partial"] = "yes";
-    write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - frame_start).count();
-    summaries.push_back(summary_json(session, film, *device, interrupted, seconds, outputs[i]));
+  const bool interrupted = render_frames(arguments, session, outputs, frames, start, summaries);
+  if (summaries.empty()) {
+    throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
   }
   write_profile(arguments, session);
   if (arguments.output.json) fmt::print("{}\n", (frames ? summaries : summaries.front()).dump(2));
   if (!interrupted) return 0;
-  log_warning("interrupted: the partial result is kept");
+  log_warning("interrupted: {} ({} samples per pixel)",
+              arguments.files.empty() ? "no file was asked for" : "the partial result is kept", session.last().samples);
   return static_cast<int>(ErrorClass::interrupted);
 }
 

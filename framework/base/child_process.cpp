@@ -100,7 +100,10 @@ ChildResult run_child(const std::vector<std::string>& arguments,
   std::array<pollfd, 2> streams = {{{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}}};
   std::array<char, 65536> bytes;
   while (streams[0].fd >= 0 || streams[1].fd >= 0) {
-    if (::poll(streams.data(), streams.size(), -1) < 0 && errno != EINTR) break;
+    if (::poll(streams.data(), streams.size(), -1) < 0) {
+      if (errno == EINTR) continue;
+      break;
+    }
     for (pollfd& stream : streams) {
       if (stream.fd < 0 || !(stream.revents & (POLLIN | POLLHUP | POLLERR))) continue;
       const ssize_t count = ::read(stream.fd, bytes.data(), bytes.size());

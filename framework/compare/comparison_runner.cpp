@@ -72,8 +72,9 @@ void ComparisonRunner::say(const std::string& line) const {
 
 ComparisonResult ComparisonRunner::run() {
   const FolderLock lock(options_.folder);
-  open_folder();
+  check_folder();
   for (size_t i = 0; i < spec_.scenes.size(); ++i) plan_scene(i);
+  prepare_folder();  // only now, so that a mistake leaves nothing that stands in the way of the corrected command
   for (size_t i = 0; i < spec_.scenes.size() && !interrupt_requested(); ++i) {
     if (result_.scenes[i].failure.empty()) get_reference(i);
   }
@@ -102,29 +103,32 @@ ComparisonResult ComparisonRunner::run() {
   return result_;
 }
 
-void ComparisonRunner::open_folder() {
+void ComparisonRunner::check_folder() const {
   const fs::path file = options_.folder / "comparison.json";
-  const std::string text = spec_.to_json();
+  if (!fs::exists(file)) return;
+  if (!options_.resume) {
+    if (options_.overwrite) return;
+    throw_error(ErrorClass::usage, "{} already holds results; continue them with --resume or replace them with --overwrite",
+                options_.folder.string());
+  }
+  if (read_file(file) != spec_.to_json()) {
+    throw_error(ErrorClass::usage,
+                "{} holds another comparison than the one asked for; give the same arguments to resume it, or choose "
+                "another --output",
+                options_.folder.string());
+  }
+}
+
+void ComparisonRunner::prepare_folder() {
+  const fs::path file = options_.folder / "comparison.json";
   if (fs::exists(file)) {
-    if (options_.resume) {
-      if (read_file(file) != text) {
-        throw_error(ErrorClass::usage,
-                    "{} holds another comparison than the one asked for; give the same arguments to resume it, or choose "
-                    "another --output",
-                    options_.folder.string());
-      }
-      return;
-    }
-    if (!options_.overwrite) {
-      throw_error(ErrorClass::usage, "{} already holds results; continue them with --resume or replace them with --overwrite",
-                  options_.folder.string());
-    }
+    if (options_.resume) return;
     for (const char* name : {"pieces", "references"}) fs::remove_all(options_.folder / name);
     for (const char* name : {"results.json", "results.csv", "report.html"}) fs::remove(options_.folder / name);
   }
   fs::create_directories(options_.folder / "pieces");
   fs::create_directories(options_.folder / "references");
-  write_file_atomically(file, text);
+  write_file_atomically(file, spec_.to_json());
 }
 
 void ComparisonRunner::plan_scene(size_t index) {

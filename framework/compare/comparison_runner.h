@@ -14,7 +14,8 @@ class ComparisonRunner {
   ComparisonResult run();
 
  private:
-  void open_folder();
+  void check_folder() const;
+  void prepare_folder();
   void plan_scene(size_t index);
   void get_reference(size_t index);
   void render_reference(size_t index, const std::filesystem::path& cached);

@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr float largest_half = 65504.f;
+constexpr uint64_t most_values = uint64_t{1} << 31;  // of all channels; larger files are refused before memory is taken
 constexpr std::string_view attribute_prefix = "lucarium:";
 const std::string additive_attribute = "lucarium:additive_layers";
 
@@ -160,7 +161,8 @@ Film read_image(const fs::path& file) {
   const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string());
   if (!in) throw_error(ErrorClass::input, "{}: not a readable image: {}", file.string(), OIIO::geterror());
   const OIIO::ImageSpec spec = in->spec();
-  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.image_pixels() > (uint64_t{1} << 28)) {
+  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.image_pixels() > most_values ||
+      spec.image_pixels() * static_cast<uint64_t>(spec.nchannels) > most_values) {
     throw_error(ErrorClass::input, "{}: {}×{} pixels with {} channels is not an image this program reads", file.string(),
                 spec.width, spec.height, spec.nchannels);
   }

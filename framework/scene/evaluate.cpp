@@ -124,6 +124,7 @@ SceneChange evaluate(Scene& scene, double seconds, int animation) {
 
   SceneChange change;
   change.time = scene.time = seconds;
+  scene.animation = animation;
   place_instances(scene, poses, change);
   for (SceneLight& light : scene.lights) {
     if (light.node == none || light.world_from_light == scene.nodes[light.node].world_from_node) continue;

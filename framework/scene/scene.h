@@ -191,6 +191,7 @@ struct Scene {
   std::optional<Environment> environment;
   float exposure = 0;  ///< [stops], for previews
   double time = 0;     ///< at which it was evaluated [s]
+  int animation = 0;   ///< that was evaluated, or none
 
   std::vector<std::string> extensions_used, extensions_ignored;
   std::vector<std::string> warnings;  ///< one line each

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <new>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/log.h"
 #include "lucarium/services/bvh.h"
 #include "lucarium/version.h"
 
@@ -22,6 +23,20 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+/// Calls into a technique: whatever it throws leaves as lucarium::Error with its name before the message.
+template <class Call>
+auto call_technique(const TechniqueInfo& info, Call&& call) {
+  try {
+    return call();
+  } catch (const Error& error) {
+    throw error.with_context(info.name);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw_error(ErrorClass::technique, "{}: {}", info.name, error.what());
+  }
+}
 
 void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
   const Capabilities& can = info.capabilities;
@@ -38,6 +53,25 @@ void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
   }
 }
 
+/// What a technique may not hand out: layers of the wrong size, NaN, infinity. Negative radiance is told.
+void check_film(const Film& film, const TechniqueInfo& info) {
+  bool additive = false;
+  for (const FilmLayer& layer : film.layers()) {
+    additive |= layer.additive;
+    if (layer.pixels.size() != film.pixel_count() * layer.channels.size() || (layer.additive && layer.channels.size() != 3)) {
+      throw_error(ErrorClass::technique, "{}: layer {} has {} values for {} pixels of {} channels", info.name, layer.name,
+                  layer.pixels.size(), film.pixel_count(), layer.channels.size());
+    }
+  }
+  if (!additive) throw_error(ErrorClass::technique, "{}: gave no layer that is part of the image", info.name);
+  const BadPixels bad = film.count_bad_pixels();
+  const std::string where = fmt::format("the first in layer {} at pixel ({}, {})", bad.first_layer, bad.first_x, bad.first_y);
+  if (bad.nan + bad.infinite > 0) {
+    throw_error(ErrorClass::technique, "{}: {} values are NaN and {} infinite, {}", info.name, bad.nan, bad.infinite, where);
+  }
+  if (bad.negative > 0) log_warning("{}: {} values are negative, {}", info.name, bad.negative, where);
+}
+
 }  // namespace
 
 struct RenderSession::State {
@@ -52,7 +86,6 @@ struct RenderSession::State {
   std::unique_ptr<Technique> technique;
   std::vector<std::string> limitations;
   Clocks clocks;
-  Stopwatch since_start;
   IterationResult last;
   uint64_t iterations = 0;
 
@@ -62,8 +95,9 @@ struct RenderSession::State {
   Bvh& built_bvh() {
     if (!bvh) {
       const Stopwatch watch;
+      const double compiled = device->program_seconds();
       bvh = std::make_unique<Bvh>(*device, scene, *buffers);
-      clocks.bvh += watch.seconds();
+      clocks.bvh += watch.seconds() - (device->program_seconds() - compiled);
     }
     return *bvh;
   }
@@ -79,13 +113,49 @@ struct RenderSession::State {
     clock += watch.seconds() - compile - (clocks.bvh - built);
   }
 
+  /// Refuses a change that the technique does not declare, before anything is touched.
+  void require_change(const SceneChange& change) const {
+    const std::vector<std::string>& can = type.info().capabilities.changes;
+    const auto require = [&](bool happens, const char* kind) {
+      if (!happens || std::find(can.begin(), can.end(), kind) != can.end()) return;
+      throw_error(ErrorClass::technique, "cannot follow a change of {}; it knows {}; render the time alone with --at", kind,
+                  fmt::join(can, ", "));
+    };
+    require(change.camera, "camera");
+    require(!change.moved_instances.empty(), "transforms");
+    require(!change.deformed_instances.empty(), "deformation");
+    require(!change.materials.empty(), "materials");
+    require(change.lights || change.environment, "lights");
+    require(change.topology, "topology");
+  }
+
+  /// Brings everything up to date and starts anew; clocks and counts then are those of the new state.
   void apply(const SceneChange& change) {
-    if (!change.any()) return;
-    buffers->update(scene, change);
-    if (bvh && change.geometry()) bvh->update(scene, *buffers, change);
-    technique->update(change);
+    require_change(change);
+    clocks = {};
     last = {};
     iterations = 0;
+    if (!change.any()) {
+      technique->reset(settings.seed);
+      return;
+    }
+    timed(clocks.upload, [&] { buffers->update(scene, change); });
+    if (bvh && change.geometry()) timed(clocks.bvh, [&] { bvh->update(scene, *buffers, change); });
+    timed(clocks.prepare, [&] { technique->update(change); });
+  }
+
+  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters) {
+    for (const auto& [name, value] : parameters) technique->parameters().set(name, value);
+    limitations = technique->limitations(scene, settings);
+    const size_t own = technique->estimate_bytes(scene, settings);
+    device->memory().require("scene, bvh and technique", "all buffers",
+                             SceneBuffers::estimate_bytes(scene) + Bvh::estimate_bytes(scene) + own,
+                             "lower --size or --texture-size, or what makes the technique large");
+    timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
+    const TechniqueContext context{device, scheduler, scene, *buffers, [this]() -> Bvh& { return built_bvh(); }, settings};
+    timed(clocks.prepare, [&] { technique->prepare(context); });
+    timed(clocks.warm_up, [&] { technique->warm_up(); });
+    scheduler.reset_profile();
   }
 };
 
@@ -93,24 +163,8 @@ RenderSession::RenderSession(std::shared_ptr<Device> device, Scene scene, const 
                              const std::vector<std::pair<std::string, std::string>>& parameters) {
   check_settings(type.info(), settings);
   state_ = std::make_unique<State>(std::move(device), std::move(scene), type, std::move(settings));
-  State& s = *state_;
-  s.technique = type.create();
-  try {
-    for (const auto& [name, value] : parameters) s.technique->parameters().set(name, value);
-    s.limitations = s.technique->limitations(s.scene, s.settings);
-    s.device->memory().require("scene, bvh and " + type.info().name, "all buffers",
-                               SceneBuffers::estimate_bytes(s.scene) + Bvh::estimate_bytes(s.scene) +
-                                   s.technique->estimate_bytes(s.scene, s.settings),
-                               "lower --size or --texture-size");
-    s.timed(s.clocks.upload, [&] { s.buffers = std::make_unique<SceneBuffers>(*s.device, s.scene); });
-    const TechniqueContext context{s.device, s.scheduler, s.scene, *s.buffers, [&s]() -> Bvh& { return s.built_bvh(); },
-                                   s.settings};
-    s.timed(s.clocks.prepare, [&] { s.technique->prepare(context); });
-    s.timed(s.clocks.warm_up, [&] { s.technique->warm_up(); });
-    s.scheduler.reset_profile();
-  } catch (const Error& error) {
-    throw error.with_context(type.info().name);
-  }
+  state_->technique = type.create();
+  call_technique(type.info(), [&] { state_->prepare(parameters); });
 }
 
 RenderSession::~RenderSession() = default;
@@ -126,11 +180,7 @@ IterationResult RenderSession::last() const { return state_->last; }
 
 IterationResult RenderSession::iterate() {
   State& s = *state_;
-  try {
-    s.timed(s.clocks.iterate, [&] { s.last = s.technique->iterate(); });
-  } catch (const Error& error) {
-    throw error.with_context(s.type.info().name);
-  }
+  call_technique(s.type.info(), [&] { s.timed(s.clocks.iterate, [&] { s.last = s.technique->iterate(); }); });
   ++s.iterations;
   return s.last;
 }
@@ -149,29 +199,36 @@ bool RenderSession::run(const RenderBudget& budget, const std::function<void(con
   return interrupt_requested();
 }
 
-void RenderSession::set_time(double seconds, int animation) {
-  const SceneChange change = evaluate(state_->scene, seconds, animation);
-  if (change.camera) state_->settings.camera = state_->scene.cameras.front();
-  state_->apply(change);
+void RenderSession::set_time(double seconds) {
+  State& s = *state_;
+  const SceneChange change = evaluate(s.scene, seconds, s.scene.animation);
+  if (change.camera) s.settings.camera = s.scene.cameras.front();
+  if (change.any() || s.iterations > 0) call_technique(s.type.info(), [&] { s.apply(change); });
 }
 
 void RenderSession::set_camera(const SceneCamera& camera) {
-  state_->settings.camera = camera;
+  State& s = *state_;
+  s.settings.camera = camera;
   SceneChange change;
   change.camera = true;
-  state_->apply(change);
+  change.time = s.scene.time;
+  call_technique(s.type.info(), [&] { s.apply(change); });
 }
 
 Film RenderSession::resolve() {
   State& s = *state_;
   Film film(s.settings.width, s.settings.height);
-  s.technique->resolve(film);
+  call_technique(s.type.info(), [&] { s.technique->resolve(film); });
+  check_film(film, s.type.info());
   const DeviceInfo& device = s.device->info();
   film.metadata = {{"technique", s.type.info().name},
                    {"parameters", s.technique->parameters().to_string()},
                    {"path_set", s.technique->path_set(s.scene, s.settings).to_string()},
                    {"scene", s.scene.source},
                    {"scene_hash", s.scene.hash().hex()},
+                   {"scene_time_seconds", fmt::format("{}", s.scene.time)},
+                   {"max_bounces", std::to_string(s.settings.max_bounces)},
+                   {"pixel_sampling", std::to_string(s.settings.pixel_sampling)},
                    {"samples", std::to_string(s.last.samples)},
                    {"iterations", std::to_string(s.iterations)},
                    {"seconds", fmt::format("{:.3f}", s.clocks.iterate)},
@@ -179,12 +236,6 @@ Film RenderSession::resolve() {
                    {"device", device.name},
                    {"driver", device.driver_version},
                    {"version", LUCARIUM_VERSION}};
-  const BadPixels bad = film.count_bad_pixels();
-  if (bad.nan + bad.infinite > 0) {
-    throw_error(ErrorClass::technique,
-                "{} gave {} non-finite values, the first in layer {} at pixel ({}, {}); nothing was written",
-                s.type.info().name, bad.nan + bad.infinite, bad.first_layer, bad.first_x, bad.first_y);
-  }
   return film;
 }
 

@@ -21,7 +21,8 @@ struct RenderBudget {
 /// with clocks. The programs render and compare, and tests, all go through it.
 class RenderSession {
  public:
-  struct Clocks {  // [s]
+  /// Wall times [s] of the present state of the scene; each leaves out what the others count.
+  struct Clocks {
     double upload = 0, bvh = 0, compile = 0, prepare = 0, warm_up = 0, iterate = 0;
   };
 
@@ -44,11 +45,13 @@ class RenderSession {
   uint64_t iterations() const;
   IterationResult last() const;
 
-  /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique.
-  void set_time(double seconds, int animation = 0);
+  /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique. Clocks and
+  /// iterations then count from there.
+  void set_time(double seconds);
   void set_camera(const SceneCamera& camera);
 
   /// Film with layers and metadata (technique, parameters, scene hash, samples, seconds, seed, device, driver, version).
+  /// Throws Error{technique} for NaN or infinite values, naming the first; negative ones are a warning.
   Film resolve();
 
  private:

@@ -83,7 +83,8 @@ class Technique {
   virtual void prepare(const TechniqueContext& context) = 0;
   /// The scene or camera changed; buffers are already up to date.
   virtual void update(const SceneChange& change) = 0;
-  /// Does one iteration (aim: ≤ 250 ms of device time; its size never depends on a clock).
+  /// Does one iteration (aim: ≤ 250 ms of device time; its size never depends on a clock). Where the scheduler's run()
+  /// says `cancelled`, the state must be what it was before the iteration, so that resolve() gives a true image.
   virtual IterationResult iterate() = 0;
   /// Fills the film's layers from the current state; legal after any iterate, changes nothing.
   virtual void resolve(Film& film) = 0;

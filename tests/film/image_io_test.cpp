@@ -47,6 +47,20 @@ TEST_CASE("an EXR keeps layers, sum, names and metadata bit for bit") {
   CHECK(again.metadata == film.metadata);
 }
 
+TEST_CASE("half floats keep eleven bits, and what does not fit becomes infinite") {
+  const test::TemporaryFolder folder;
+  Film film(2, 1);
+  FilmLayer& direct = film.layer("direct", {"R", "G", "B"}, true);
+  direct.pixels = {0.1f, 2048, 65504, 70000, 0, 1};
+  write_exr(folder.path() / "a.exr", film, {.half = true});
+  const std::vector<float> again = read_image(folder.path() / "a.exr").image();
+  CHECK(again[0] == doctest::Approx(0.1).epsilon(5e-4));
+  CHECK(again[0] != 0.1f);
+  CHECK(again[1] == 2048);
+  CHECK(again[2] == 65504);
+  CHECK(std::isinf(again[3]));
+}
+
 TEST_CASE("a picture brightens by its exposure in stops, through the sRGB curve") {
   const test::TemporaryFolder folder;
   const std::vector<float> grey(2 * 2 * 3, 0.214041f);  // sRGB .5

@@ -93,8 +93,7 @@ class Constant : public Technique {
   IterationResult iterate() override {
     std::this_thread::sleep_for(std::chrono::milliseconds(parameters_.sleep));
     if (samples_ + 1 == static_cast<uint64_t>(parameters_.fail_at)) fail();
-    scheduler_->run(schedule_);
-    ++samples_;
+    if (scheduler_->run(schedule_) == RunResult::done) ++samples_;  // else cancelled, as if it had not begun
     IterationResult result;
     result.samples = samples_;
     result.progress = -1;
@@ -106,11 +105,11 @@ class Constant : public Technique {
   void resolve(Film& film) override {
     scheduler_->finish();
     const std::vector<glm::vec4> sum = sum_.download();
-    const float scale = samples_ ? 1.f / static_cast<float>(samples_) : 0.f;
+    const float count_of_samples = samples_ ? static_cast<float>(samples_) : 1.f;  // division is exact, unlike 1/n
     FilmLayer& direct = film.layer("direct", {"R", "G", "B"}, true);
     FilmLayer& count = film.layer("count", {"Y"});
     for (size_t p = 0; p < sum.size(); ++p) {
-      for (size_t c = 0; c < 3; ++c) direct.pixels[3 * p + c] = sum[p][static_cast<int>(c)] * scale;
+      for (size_t c = 0; c < 3; ++c) direct.pixels[3 * p + c] = sum[p][static_cast<int>(c)] / count_of_samples;
       count.pixels[p] = static_cast<float>(samples_);
     }
     if (bad_ != 0) direct.pixels[3 * (film.width() + 1)] = bad_;

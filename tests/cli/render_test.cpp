@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lucarium render writes and prints when all goes well, and what it keeps when it is interrupted.
+#include "lucarium/film/image_io.h"
+
+#include "cli_support.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+using nlohmann::json;
+
+TEST_CASE("an EXR with layers and metadata, a picture, and a summary that parses") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string(), png = (folder.path() / "a.png").string();
+  const ProgramResult result = run_lucarium("render builtin:cornell " + constant_technique("red=0.75") +
+                                            "-p blue=2 --spp 3 --seed 9 --json --quiet -o " + exr + " -o " + png);
+  CHECK(result.exit_code == 0);
+  CHECK(result.err.empty());
+  const json summary = json::parse(result.out);
+  CHECK(summary["schema"] == "lucarium-render-1");
+  CHECK(summary["technique"] == "constant");
+  CHECK(summary["samples"] == 3);
+  CHECK(summary["seed"] == 9);
+  CHECK(summary["partial"] == false);
+  CHECK(summary["width"] == 16);
+  CHECK(summary["clocks"]["iterate_seconds"].get<double>() > 0);
+  CHECK(summary["seconds"].get<double>() > summary["clocks"]["iterate_seconds"].get<double>());
+  CHECK(summary["peak_device_memory_bytes"].get<uint64_t>() >= 16 * 8 * 16);
+  CHECK(summary["limitations"][0] == "it does not look at the scene");
+  CHECK(summary["counters"]["samples"] == 3);
+  CHECK(summary["files"] == json({exr, png}));
+  const Film film = read_image(exr);
+  CHECK(film.width() == 16);
+  CHECK(film.image()[0] == 0.75f);
+  CHECK(film.image()[2] == 2);
+  CHECK(film.find("direct"));
+  CHECK(film.find("count")->pixels[5] == 3);
+  CHECK(film.metadata.at("technique") == "constant");
+  CHECK(contains(film.metadata.at("parameters"), "red=0.75,green=0.5,blue=2"));
+  CHECK(film.metadata.count("partial") == 0);
+  CHECK(count_files(folder.path()) == 2);
+}
+
+TEST_CASE("exposure brightens the picture and leaves the EXR alone") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string(), png = (folder.path() / "a.png").string();
+  CHECK(run_lucarium("render builtin:cornell " + constant_technique("red=0.107,green=0.107,blue=0.107") +
+                     "--iterations 1 --exposure 1 -o " + exr + " -o " + png).exit_code == 0);
+  CHECK(read_image(exr).image()[0] == 0.107f);
+  CHECK(read_image(png).image()[0] * 255 == doctest::Approx(128).epsilon(.01));
+}
+
+TEST_CASE("--half stores 16-bit floats and tells what does not fit") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string();
+  const ProgramResult result = run_lucarium("render builtin:cornell " + constant_technique("red=0.1") + "--iterations 1 --half -o " + exr);
+  CHECK(result.exit_code == 0);
+  CHECK(read_image(exr).image()[0] == doctest::Approx(0.1).epsilon(1e-3));
+  CHECK(read_image(exr).image()[0] != 0.1f);
+}
+
+TEST_CASE("an option given twice counts as given last") {
+  const json summary = json::parse(run_lucarium("render builtin:cornell " + constant_technique() + "--size 5x4 --iterations 3 --iterations 2 --json").out);
+  CHECK(summary["width"] == 5);
+  CHECK(summary["iterations"] == 2);
+}
+
+TEST_CASE("a sequence writes one file per frame, each standing for itself") {
+  const TemporaryFolder folder;
+  const ProgramResult result = run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 2 --frames 3:5 --fps 10 --json -o " +
+                                            (folder.path() / "out.exr").string());
+  CHECK(result.exit_code == 0);
+  const json summary = json::parse(result.out);
+  CHECK(summary.size() == 3);
+  CHECK(count_files(folder.path()) == 3);
+  const Film last = read_image(folder.path() / "out.0005.exr");
+  CHECK(last.metadata.at("scene_time_seconds") == "0.5");
+  CHECK(last.metadata.at("samples") == "2");
+}
+
+TEST_CASE("--profile prints a table, or writes JSON or a trace") {
+  const TemporaryFolder folder;
+  const std::string render = "render builtin:cornell " + constant_technique() + "--iterations 3 --json ";
+  const ProgramResult table = run_lucarium(render + "--profile");
+  CHECK(table.exit_code == 0);
+  CHECK(contains(table.err, "fill"));
+  const std::string profile = (folder.path() / "p.json").string(), trace = (folder.path() / "p.trace.json").string();
+  CHECK(run_lucarium(render + "--profile=" + profile).exit_code == 0);
+  CHECK(run_lucarium(render + "--profile=" + trace).exit_code == 0);
+  CHECK_NOTHROW(static_cast<void>(json::parse(run_program("cat " + profile).out)));
+  CHECK_NOTHROW(static_cast<void>(json::parse(run_program("cat " + trace).out)));
+  check_refused(render + "--profile=" + profile, 2, "exists");
+}
+
+TEST_CASE("Ctrl-C keeps the partial result, marked as such, and ends with 6") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string(), log = (folder.path() / "log").string();
+  // A first progress line shows that iterating has begun.
+  const ProgramResult result = run_program(
+      lucarium_program() + " render builtin:cornell " + constant_technique("sleep=50") + "--iterations 100000 --json -o " + exr +
+      " 2>" + log + " & pid=$!; until grep -q rendering " + log + "; do kill -0 $pid || exit 99; sleep 0.1; done; " +
+      "kill -INT $pid; wait $pid");
+  CHECK(result.exit_code == 6);
+  const json summary = json::parse(result.out);
+  CHECK(summary["partial"] == true);
+  const Film film = read_image(exr);
+  CHECK(film.metadata.at("partial") == "yes");
+  CHECK(film.image()[0] == 0.25f);
+  CHECK(film.metadata.at("samples") == std::to_string(summary["samples"].get<uint64_t>()));
+  CHECK(summary["samples"].get<uint64_t>() >= 1);
+  CHECK(contains(run_program("cat " + log).out, "the partial result is kept"));
+  CHECK(count_files(folder.path()) == 2);
+}

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// devices, techniques, scene, diff, help and version.
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "cli_support.h"
+#include "lucarium/film/image_io.h"
+#include "lucarium/version.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+using nlohmann::json;
+
+namespace {
+
+std::string write_grey(const TemporaryFolder& folder, const std::string& name, uint32_t width, float value) {
+  Film film(width, 12);
+  FilmLayer& direct = film.layer("direct", {"R", "G", "B"}, true);
+  std::fill(direct.pixels.begin(), direct.pixels.end(), value);
+  const std::string file = (folder.path() / name).string();
+  write_exr(file, film);
+  return file;
+}
+
+}  // namespace
+
+TEST_CASE("help and version are on standard output and end with 0") {
+  const ProgramResult help = run_lucarium("--help");
+  CHECK(help.exit_code == 0);
+  for (const char* command : {"render", "compare", "report", "diff", "scene", "techniques", "devices"}) CHECK(contains(help.out, command));
+  CHECK(run_lucarium("render --help").exit_code == 0);
+  CHECK(run_lucarium("--version").out == std::string("lucarium ") + LUCARIUM_VERSION + "\n");
+}
+
+TEST_CASE("devices lists what there is, also as JSON") {
+  CHECK(run_lucarium("devices").exit_code == 0);
+  const json list = json::parse(run_lucarium("devices --json").out);
+  REQUIRE(list.size() >= 1);
+  CHECK(list[0]["index"] == 0);
+  CHECK(list[0]["global_memory_bytes"].get<uint64_t>() > 0);
+}
+
+TEST_CASE("techniques prints everything that a technique declares") {
+  const std::string folder = "--technique-path " + environment("LUCARIUM_TEST_PLUGINS") + "/constant ";
+  const ProgramResult text = run_lucarium("techniques constant " + folder);
+  CHECK(text.exit_code == 0);
+  CHECK(contains(text.out, "red=0.25  (0 … 100 cd/m²)"));
+  const json all = json::parse(run_lucarium("techniques --json " + folder).out);
+  bool found = false;
+  for (const json& technique : all) {
+    if (technique["name"] != "constant") continue;
+    found = true;
+    CHECK(technique["parameters"][0] == json({{"name", "red"}, {"type", "float"}, {"default", "0.25"}, {"range", "0 … 100"},
+                                              {"unit", "cd/m²"}, {"meaning", "radiance of every pixel"}}));
+    CHECK(technique["capabilities"]["max_bounces"] == 3);
+  }
+  CHECK(found);
+  check_refused("techniques constnat " + folder, 5, "did you mean 'constant'?");
+}
+
+TEST_CASE("docs/techniques.md is what lucarium techniques --markdown prints") {
+  std::ifstream page(environment("LUCARIUM_TEST_SOURCE") + "/docs/techniques.md");
+  REQUIRE(page);
+  std::ostringstream text;
+  text << page.rdbuf();
+  CHECK(run_lucarium("techniques --markdown").out == text.str());
+}
+
+TEST_CASE("scene reports a scene, also as JSON") {
+  CHECK(contains(run_lucarium("scene builtin:cornell").out, "triangles"));
+  const ProgramResult result = run_lucarium("scene builtin:cornell --json");
+  CHECK(result.exit_code == 0);
+  CHECK(json::parse(result.out).is_object());
+}
+
+TEST_CASE("diff gives the metrics of two images per layer, and fails above a limit") {
+  const TemporaryFolder folder;
+  const std::string a = write_grey(folder, "a.exr", 16, 0.5f), b = write_grey(folder, "b.exr", 16, 0.6f);
+  const std::string wide = write_grey(folder, "wide.exr", 17, 0.5f);
+  const ProgramResult result = run_lucarium("diff " + b + " " + a + " --json");
+  CHECK(result.exit_code == 0);
+  const json values = json::parse(result.out);
+  // (x - r)² = .01; r² + .01 Ȳ² = .25 · 1.01
+  for (const char* layer : {"image", "direct"}) {
+    CHECK(values["layers"][layer]["MSE"].get<double>() == doctest::Approx(0.01));
+    CHECK(values["layers"][layer]["relMSE"].get<double>() == doctest::Approx(0.01 / (0.25 * 1.01)));
+  }
+  CHECK(values["layers"]["image"]["SSIM"].get<double>() < 1);
+  CHECK(values["formulas"].contains("relMSE"));
+  CHECK(contains(run_lucarium("diff " + b + " " + a).out, "relMSE"));
+  CHECK(json::parse(run_lucarium("diff " + a + " " + a + " --json").out)["layers"]["image"]["PSNR"] == "infinite");
+  CHECK(run_lucarium("diff " + b + " " + a + " --max-relmse 0.04 --json").exit_code == 0);
+  const ProgramResult above = run_lucarium("diff " + b + " " + a + " --max-relmse 0.03 --json");
+  CHECK(above.exit_code == 1);
+  CHECK(contains(above.err, "relMSE 0.0396 is above 0.03"));
+  check_refused("diff " + a + " " + wide, 3, "different size");
+}
