@@ -45,7 +45,7 @@ void SceneTransform::run(const std::vector<VertexRange>& ranges, const SceneTran
         .moves_bytes(buffers.triangles.count() * (sizeof(uint4) + sizeof(Triangle)));
   }
   Schedule schedule = recorder.compile();
-  scheduler.run(schedule);
+  scheduler.run_to_end(schedule);  // half-derived geometry would be worse than a late Ctrl-C
   scheduler.finish();
 }
 
