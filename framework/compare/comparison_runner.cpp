@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/compare/comparison_runner.h"
 
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include "lucarium/base/atomic_file.h"
@@ -232,16 +234,18 @@ void ComparisonRunner::render_reference(size_t index, const fs::path& cached) {
   std::error_code ignored;
   fs::create_directories(cached.parent_path(), ignored);
   say(fmt::format("{}: rendering the reference, {} samples per pixel", spec_.scenes[index], spec_.reference_samples));
+  // Named into place when it is whole: render also writes what an interrupt left unfinished.
+  const fs::path part = cached.parent_path() / fmt::format("{}.{}.part.exr", cached.stem().string(), ::getpid());
   std::vector<std::string> command = render_command(index, reference_seed);
   std::string technique = fmt::format("path_tracing:replicates={},samples_per_iteration={}", reference_replicates, reference_batch);
   // Every key of a path set is a parameter of path_tracing; max_bounces is the framework's.
   const PathSet set = PathSet::parse(path_sets_[index]);
   for (const auto& [key, value] : set.technique_parameters()) technique += fmt::format(",{}={}", key, value);
   command.insert(command.end(), {"--max-bounces", std::to_string(set.max_bounces), "-t", technique, "--spp",
-                                 std::to_string(spec_.reference_samples), "--output", cached.string()});
+                                 std::to_string(spec_.reference_samples), "--output", part.string()});
   const ChildResult child = run_child(command, [&](std::string_view line) { say("  " + std::string(line)); });
   if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) {
-    fs::remove(cached, ignored);  // a partial reference is none
+    fs::remove(part, ignored);  // a partial reference is none
     set_interrupt_requested(true);
     return;
   }
@@ -249,6 +253,7 @@ void ComparisonRunner::render_reference(size_t index, const fs::path& cached) {
     throw_error(ErrorClass::technique, "rendering it ended with {}: {}", describe_end(child),
                 child.last_words.empty() ? "no message" : child.last_words.back());
   }
+  fs::rename(part, cached);
   result_.scenes[index].reference.seconds = child.seconds;
 }
 
