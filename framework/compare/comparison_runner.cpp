@@ -3,7 +3,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/child_process.h"
@@ -13,8 +15,11 @@
 #include "lucarium/compare/folder_lock.h"
 #include "lucarium/compare/metrics.h"
 #include "lucarium/compare/reference_cache.h"
+#include "lucarium/compute/embedded_sources.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/version.h"
+
+const lucarium::EmbeddedSources& lucarium_kernels();
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -34,6 +39,16 @@ RenderSettings settings_of(const ComparisonSpec& spec, const Scene& scene) {
   settings.pixel_sampling = spec.pixel_sampling;
   settings.camera = scene.cameras.front();
   return settings;
+}
+
+/// What renders references: a changed kernel or plug-in must not be measured against the truth of the old one.
+std::string describe_reference_renderer(const TechniqueRegistry& registry) {
+  Hasher hasher;
+  for (const auto& [name, text] : lucarium_kernels()) hasher.add(name).add(text);
+  hasher.add(read_file(registry.find("path_tracing").file()));
+  const char* override_path = std::getenv("LUCARIUM_KERNEL_PATH");
+  return fmt::format("{} {} {} {} {}", hasher.finish().hex(), override_path ? override_path : "", reference_replicates,
+                     reference_batch, reference_seed);
 }
 
 void check_spec(const ComparisonSpec& spec) {
@@ -80,6 +95,7 @@ ComparisonResult ComparisonRunner::run() {
   for (size_t i = 0; i < spec_.scenes.size() && !interrupt_requested(); ++i) {
     if (result_.scenes[i].failure.empty()) get_reference(i);
   }
+  load_finished_pieces();
   // Interleaved: all variants of a seed before the next seed, so that a slow spell of the machine hits all alike.
   const size_t total = spec_.scenes.size() * spec_.variants.size() * spec_.seeds;
   size_t number = 0;
@@ -87,7 +103,7 @@ ComparisonResult ComparisonRunner::run() {
     for (uint32_t seed = 1; seed <= spec_.seeds; ++seed) {
       for (size_t variant = 0; variant < spec_.variants.size(); ++variant) {
         ++number;
-        if (interrupt_requested() || !result_.scenes[scene].failure.empty()) continue;
+        if (interrupt_requested() || !result_.scenes[scene].failure.empty() || is_finished(scene, variant, seed)) continue;
         PieceResult piece = run_piece(scene, variant, seed);
         if (interrupt_requested() && !piece.failure.empty()) continue;  // its partial result does not count
         say(fmt::format("[{}/{}] {}  {}  seed {}: {}", number, total, spec_.scenes[scene],
@@ -210,8 +226,8 @@ void ComparisonRunner::get_reference(size_t index) {
       estimate_reference_error(film, reference);
       return;
     }
-    const ReferenceKey key{scene.hash,   cameras_[index],      path_sets_[index],       spec_.width,
-                           spec_.height, spec_.pixel_sampling, spec_.reference_samples};
+    const ReferenceKey key{scene.hash,  cameras_[index], path_sets_[index],    describe_reference_renderer(registry_),
+                           spec_.width, spec_.height,    spec_.pixel_sampling, spec_.reference_samples};
     const fs::path cached = options_.cache_dir / "references" / key.file_name();
     reference.from_cache = fs::exists(cached);
     if (!reference.from_cache) render_reference(index, cached);
@@ -261,45 +277,78 @@ fs::path ComparisonRunner::piece_file(const PieceResult& piece, const char* exte
   return fs::path("pieces") / fmt::format("scene{}-variant{}-seed{}{}", piece.scene + 1, piece.variant + 1, piece.seed, extension);
 }
 
-bool ComparisonRunner::load_finished_piece(PieceResult& piece) const {
-  // The summary is written after the image, so its presence means that the piece is whole.
-  const fs::path summary = options_.folder / piece_file(piece, ".json");
-  if (!options_.resume || !fs::exists(summary)) return false;
-  piece.render_summary = read_file(summary);
-  piece.image = piece_file(piece, ".exr").string();
-  return fs::exists(options_.folder / piece.image);
+bool ComparisonRunner::is_finished(size_t scene, size_t variant, uint32_t seed) const {
+  return std::any_of(result_.pieces.begin(), result_.pieces.end(), [&](const PieceResult& piece) {
+    return piece.scene == scene && piece.variant == variant && piece.seed == seed;
+  });
+}
+
+void ComparisonRunner::load_finished_pieces() {
+  if (!options_.resume) return;
+  for (size_t scene = 0; scene < spec_.scenes.size(); ++scene) {
+    if (!result_.scenes[scene].failure.empty()) continue;
+    for (uint32_t seed = 1; seed <= spec_.seeds; ++seed) {
+      for (size_t variant = 0; variant < spec_.variants.size(); ++variant) {
+        PieceResult piece{scene, variant, seed};
+        if (load_finished_piece(piece)) result_.pieces.push_back(std::move(piece));
+      }
+    }
+  }
+  if (!result_.pieces.empty()) say(fmt::format("{} pieces were finished before", result_.pieces.size()));
+}
+
+bool ComparisonRunner::load_finished_piece(PieceResult& piece) {
+  // The summary is written after the image, so its presence means that the piece is whole. What is damaged, or was
+  // rendered from another state of the scene or the program, is rendered again.
+  const fs::path file = options_.folder / piece_file(piece, ".json");
+  if (!fs::exists(file)) return false;
+  try {
+    piece.render_summary = read_file(file);
+    piece.image = piece_file(piece, ".exr").string();
+    const json summary = json::parse(piece.render_summary);
+    if (summary.at("scene_hash") != result_.scenes[piece.scene].hash || summary.at("version") != LUCARIUM_VERSION ||
+        summary.at("path_set") != path_sets_[piece.scene]) {
+      say(fmt::format("{}: rendered from another scene or by another version; again", file.string()));
+      return false;
+    }
+    measure(piece);
+    return true;
+  } catch (const std::exception& error) {
+    say(fmt::format("{}: not usable, rendering it again: {}", file.string(), error.what()));
+    return false;
+  }
 }
 
 PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, uint32_t seed) {
-  PieceResult piece;
-  piece.scene = scene;
-  piece.variant = variant;
-  piece.seed = seed;
-  if (!load_finished_piece(piece)) {
-    const fs::path image = options_.folder / piece_file(piece, ".exr");
-    std::vector<std::string> command = render_command(scene, seed);
-    command.insert(command.end(), {"--max-bounces", std::to_string(spec_.max_bounces), "-t", spec_.variants[variant].label(),
-                                   "--output", image.string(), "--quiet"});
-    if (spec_.budget.seconds > 0) {
-      command.insert(command.end(), {"--iterate-time", fmt::format("{}", spec_.budget.seconds)});
-    } else {
-      command.insert(command.end(), {"--iterations", std::to_string(spec_.budget.iterations)});
-    }
-    const ChildResult child = run_child(command);
-    if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) set_interrupt_requested(true);
-    if (child.exit_code != 0) {
-      std::error_code ignored;
-      fs::remove(image, ignored);
-      piece.failure = fmt::format("{}: {}", describe_end(child), child.last_words.empty() ? "no message" : child.last_words.back());
-      return piece;
-    }
+  PieceResult piece{scene, variant, seed};
+  const fs::path image = options_.folder / piece_file(piece, ".exr");
+  std::vector<std::string> command = render_command(scene, seed);
+  command.insert(command.end(), {"--max-bounces", std::to_string(spec_.max_bounces), "-t", spec_.variants[variant].label(),
+                                 "--output", image.string(), "--quiet"});
+  if (spec_.budget.seconds > 0) {
+    command.insert(command.end(), {"--iterate-time", fmt::format("{}", spec_.budget.seconds)});
+  } else {
+    command.insert(command.end(), {"--iterations", std::to_string(spec_.budget.iterations)});
+  }
+  const ChildResult child = run_child(command);
+  if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) set_interrupt_requested(true);
+  if (child.exit_code != 0) {
+    std::error_code ignored;
+    fs::remove(image, ignored);
+    piece.failure = fmt::format("{}: {}", describe_end(child), child.last_words.empty() ? "no message" : child.last_words.back());
+    return piece;
+  }
+  try {
     json summary = json::parse(child.out);
     summary["peak_host_memory_bytes"] = child.peak_memory_bytes;
     piece.render_summary = summary.dump(2);
     piece.image = piece_file(piece, ".exr").string();
-    write_file_atomically(options_.folder / piece_file(piece, ".json"), piece.render_summary);
+    measure(piece);
+  } catch (const std::exception& error) {
+    piece.failure = fmt::format("its result cannot be read: {}", error.what());
+    return piece;
   }
-  measure(piece);
+  write_file_atomically(options_.folder / piece_file(piece, ".json"), piece.render_summary);
   return piece;
 }
 
@@ -322,6 +371,9 @@ void ComparisonRunner::measure(PieceResult& piece) {
 }
 
 void ComparisonRunner::save() {
+  std::sort(result_.pieces.begin(), result_.pieces.end(), [](const PieceResult& a, const PieceResult& b) {
+    return std::tie(a.scene, a.seed, a.variant) < std::tie(b.scene, b.seed, b.variant);
+  });
   write_file_atomically(options_.folder / "results.json", result_.to_json());
   write_file_atomically(options_.folder / "results.csv", result_.to_csv());
   write_report(result_, options_.folder);

@@ -25,7 +25,9 @@ class ComparisonRunner {
   void say(const std::string& line) const;
   std::vector<std::string> render_command(size_t scene, uint32_t seed) const;
   std::filesystem::path piece_file(const PieceResult& piece, const char* extension) const;
-  bool load_finished_piece(PieceResult& piece) const;
+  bool is_finished(size_t scene, size_t variant, uint32_t seed) const;
+  void load_finished_pieces();
+  bool load_finished_piece(PieceResult& piece);
 
   ComparisonSpec spec_;
   const TechniqueRegistry& registry_;

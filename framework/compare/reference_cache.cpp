@@ -9,7 +9,7 @@ namespace lucarium {
 
 std::string ReferenceKey::file_name() const {
   Hasher hasher;
-  hasher.add(LUCARIUM_VERSION).add(scene_hash).add(camera).add(path_set);
+  hasher.add(LUCARIUM_VERSION).add(scene_hash).add(camera).add(path_set).add(renderer);
   hasher.add(width).add(height).add(pixel_sampling).add(samples);
   return hasher.finish().hex() + ".exr";
 }

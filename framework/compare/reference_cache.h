@@ -11,6 +11,7 @@ namespace lucarium {
 /// Everything a rendered reference depends on; its hash is its name in the cache.
 struct ReferenceKey {
   std::string scene_hash, camera, path_set;
+  std::string renderer;  ///< identity of the kernels, the plug-in and its settings
   uint32_t width = 0, height = 0, pixel_sampling = 0, samples = 0;
   std::string file_name() const;  ///< "<hash>.exr"
 };

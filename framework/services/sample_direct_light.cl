@@ -69,7 +69,7 @@ __kernel void sample_direct_irradiance(LUCARIUM_SCENE_PARAMETERS __global const 
   const SurfacePoint point = points[i];
   const Sampler sampler = make_sampler(i, DIRECT_LIGHT_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-  const LightSample sample = sample_light(&scene, point.position.xyz, u.choice, u.point, LUCARIUM_ALL_LIGHTS);
+  const LightSample sample = sample_light(&scene, point.position.xyz, u.choice, u.point, LUCARIUM_ALL_LIGHTS, 1u);
   const float cosine = dot(point.normal.xyz, sample.direction);
   if (!(sample.pdf > 0.0f) || is_black(sample.radiance) || cosine <= 0.0f) return;
   Hit hit;

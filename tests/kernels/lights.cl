@@ -14,7 +14,7 @@ kernel void sample_lights(LUCARIUM_SCENE_PARAMETERS const float4 position, const
   if (i >= count) return;
   const Sampler sampler = make_sampler(seed, i % 16u, 0u, i / 16u, LUCARIUM_SAMPLER_SOBOL);
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-  const LightSample sample = sample_light(&scene, position.xyz, u.choice, u.point, kinds);
+  const LightSample sample = sample_light(&scene, position.xyz, u.choice, u.point, kinds, 1u);
   directions[i] = (float4)(sample.direction, sample.pdf);
   radiances[i] = (float4)(sample.radiance, (float)(sample.punctual + 2u * sample.infinite));
   ends[i] = (float4)(sample.end, 0.0f);
@@ -26,7 +26,7 @@ kernel void illuminate_points(LUCARIUM_SCENE_PARAMETERS const global float4* pos
   LUCARIUM_SCENE_BIND(scene);
   const uint i = get_global_id(0);
   if (i >= count) return;
-  const LightSample sample = sample_light(&scene, positions[i].xyz, 0.5f, (float2)(0.5f), LUCARIUM_ALL_LIGHTS);
+  const LightSample sample = sample_light(&scene, positions[i].xyz, 0.5f, (float2)(0.5f), LUCARIUM_ALL_LIGHTS, 1u);
   values[i] = sample.pdf > 0.0f ? (float4)(sample.radiance / sample.pdf, sample.direction.z) : (float4)(0.0f);
 }
 
@@ -93,6 +93,15 @@ kernel void choose_lights(LUCARIUM_SCENE_PARAMETERS const uint count, global uin
   const uint i = get_global_id(0);
   if (i >= count) return;
   float pmf;
-  lights[i] = choose_light(&scene, ((float)i + 0.5f) / (float)count, &pmf);
+  lights[i] = choose_light(&scene, ((float)i + 0.5f) / (float)count, hash_uint2(i, 7u), &pmf);
   pmfs[i] = pmf;
+}
+
+// The same with random u of 24 bits, as samplers give it.
+kernel void choose_lights_at_random(LUCARIUM_SCENE_PARAMETERS const uint count, global uint* lights) {
+  LUCARIUM_SCENE_BIND(scene);
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  float pmf;
+  lights[i] = choose_light(&scene, uint_to_unit(hash_uint2(i, 3u)), hash_uint2(i, 7u), &pmf);
 }
