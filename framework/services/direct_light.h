@@ -11,7 +11,8 @@
 namespace lucarium {
 
 /// The complete `direct` layer (one counted scattering): light sampling and BSDF sampling joined by MIS for every light
-/// type, as the path tracer does it (except that shadow and BSDF rays inside a volume are not attenuated); at pixels (reflected radiance towards the eye) or at surface points (irradiance).
+/// type, as the path tracer does it, at pixels (reflected radiance towards the eye) or at surface points (irradiance).
+/// Unlike the path tracer's, its shadow and BSDF rays are not attenuated inside volumes.
 class DirectLight {
  public:
   DirectLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,

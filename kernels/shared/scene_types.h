@@ -70,6 +70,8 @@ LUCARIUM_STRUCT_END(Texture, 16)
 #define LUCARIUM_MATERIAL_EMISSIVE 64u      // may emit (factor × strength > 0, or unlit)
 #define LUCARIUM_MATERIAL_VERTEX_COLOR 128u
 
+#define LUCARIUM_MIRROR_ROUGHNESS 0.03f  // below it reflection and refraction are ideal
+
 LUCARIUM_STRUCT_BEGIN(Material)
   float4 base_color;  // linear RGBA factor
   float4 emission;    // xyz: factor × strength [cd/m²]; w: alpha cutoff (MASK)

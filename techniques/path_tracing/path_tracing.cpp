@@ -104,9 +104,6 @@ TechniqueInfo path_tracing_info() {
 
 // ---- code
 
-/// Below it reflection and refraction are ideal (LUCARIUM_MIRROR_ROUGHNESS, kernels/bsdf.clh).
-constexpr float kMirrorRoughness = 0.03f;
-
 class PathTracing : public Technique {
  public:
   ParameterTable& parameters() override { return table_; }
@@ -119,7 +116,7 @@ class PathTracing : public Technique {
 
   std::vector<std::string> limitations(const Scene& scene, const RenderSettings&) const override {
     const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
-      return material.transmission > 0 || material.roughness < kMirrorRoughness;
+      return material.transmission > 0 || material.roughness < LUCARIUM_MIRROR_ROUGHNESS;
     });
     if (!ideal || scene.lights.empty()) return {};
     return {"point, spot and directional light that reaches a surface through a mirror or glass is left out"};
