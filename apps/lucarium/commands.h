@@ -13,6 +13,7 @@ using Action = std::function<int()>;
 
 // Each adds its subcommand; the commands are listed in main.cpp.
 void add_render_command(CLI::App& program, Action& action);
+void add_reference_command(CLI::App& program, Action& action);
 void add_compare_command(CLI::App& program, Action& action);
 void add_report_command(CLI::App& program, Action& action);
 void add_diff_command(CLI::App& program, Action& action);

@@ -58,6 +58,7 @@ int run(int argc, char** argv) {
   program.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // the last one wins
   app::Action action;
   app::add_render_command(program, action);
+  app::add_reference_command(program, action);
   app::add_compare_command(program, action);
   app::add_report_command(program, action);
   app::add_diff_command(program, action);

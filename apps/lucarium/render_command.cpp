@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium render: one technique, one scene, one or several pictures.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <nlohmann/json.hpp>
@@ -16,6 +14,7 @@
 #include "lucarium/technique/session.h"
 #include "lucarium/version.h"
 #include "options.h"
+#include "output_files.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -60,27 +59,6 @@ std::optional<FrameRange> parse_frames(const std::string& text) {
 /// "out.exr" → "out.0007.exr".
 fs::path frame_file(const fs::path& file, int frame) {
   return file.parent_path() / fmt::format("{}.{:04}{}", file.stem().string(), frame, file.extension().string());
-}
-
-/// Everything that would make writing fail is found before any work is done.
-void check_output(const fs::path& file, bool overwrite) {
-  std::error_code ignored;
-  if (fs::is_directory(file, ignored)) throw_error(ErrorClass::usage, "{} is a folder, not a file", file.string());
-  if (fs::exists(file, ignored) && !overwrite) {
-    throw_error(ErrorClass::usage, "{} exists; choose another name or give --overwrite", file.string());
-  }
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (!fs::is_directory(folder, ignored)) {
-    throw_error(ErrorClass::input, "{}: there is no folder {} to write into", file.string(), folder.string());
-  }
-  const fs::path probe = folder / fmt::format(".lucarium-probe-{}", ::getpid());
-  try {
-    write_file_atomically(probe, "");
-  } catch (const Error& error) {
-    throw Error(ErrorClass::input, fmt::format("{}: the folder {} cannot be written into", file.string(), folder.string()))
-        .with_details(error.what());
-  }
-  fs::remove(probe, ignored);
 }
 
 /// The files of every frame, checked; one entry without --frames.

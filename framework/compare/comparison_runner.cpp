@@ -12,14 +12,12 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
-#include "lucarium/compare/folder_lock.h"
+#include "lucarium/compare/file_lock.h"
 #include "lucarium/compare/metrics.h"
-#include "lucarium/compare/reference_cache.h"
-#include "lucarium/compute/embedded_sources.h"
+#include "lucarium/compare/reference_identity.h"
+#include "lucarium/compare/reference_image.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/version.h"
-
-const lucarium::EmbeddedSources& lucarium_kernels();
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -27,9 +25,7 @@ using nlohmann::json;
 
 namespace {
 
-constexpr uint32_t reference_replicates = 16;
-constexpr uint32_t reference_batch = 16;  // samples per pixel and iteration: large batches trace faster
-constexpr uint32_t reference_seed = 0x5eed;  // not one of the pieces' seeds 1, 2, …
+constexpr uint64_t reference_seed = 0x5eed;  // not one of the pieces' seeds 1, 2, …
 
 RenderSettings settings_of(const ComparisonSpec& spec, const Scene& scene) {
   RenderSettings settings;
@@ -39,16 +35,6 @@ RenderSettings settings_of(const ComparisonSpec& spec, const Scene& scene) {
   settings.pixel_sampling = spec.pixel_sampling;
   settings.camera = scene.cameras.front();
   return settings;
-}
-
-/// What renders references: a changed kernel or plug-in must not be measured against the truth of the old one.
-std::string describe_reference_renderer(const TechniqueRegistry& registry) {
-  Hasher hasher;
-  for (const auto& [name, text] : lucarium_kernels()) hasher.add(name).add(text);
-  hasher.add(read_file(registry.find("path_tracing").file()));
-  const char* override_path = std::getenv("LUCARIUM_KERNEL_PATH");
-  return fmt::format("{} {} {} {} {}", hasher.finish().hex(), override_path ? override_path : "", reference_replicates,
-                     reference_batch, reference_seed);
 }
 
 void check_spec(const ComparisonSpec& spec) {
@@ -78,7 +64,7 @@ ComparisonRunner::ComparisonRunner(const ComparisonSpec& spec, const TechniqueRe
   result_.version = LUCARIUM_VERSION;
   result_.scenes.resize(spec_.scenes.size());
   scene_hashes_.resize(spec_.scenes.size());
-  cameras_.resize(spec_.scenes.size());
+  reference_files_.resize(spec_.scenes.size());
   path_sets_.resize(spec_.scenes.size());
   needs_fallback_.resize(spec_.scenes.size());
 }
@@ -166,9 +152,8 @@ void ComparisonRunner::plan_scene(size_t index) {
     entry.hash = scene.hash().hex();
     entry.exposure = spec_.exposure.value_or(scene.exposure);
     entry.warnings = scene.warnings;
-    cameras_[index] = describe_camera(scene.cameras.front());
 
-    const RenderSettings settings = settings_of(spec_, scene);
+    RenderSettings settings = settings_of(spec_, scene);
     std::string first_label;
     for (const TechniqueVariant& variant : spec_.variants) {
       const std::unique_ptr<Technique> technique = registry_.find(variant.technique).create();
@@ -187,6 +172,10 @@ void ComparisonRunner::plan_scene(size_t index) {
                     first_label, text);
       }
     }
+    const PathSet path_set = PathSet::parse(path_sets_[index]);
+    settings.max_bounces = path_set.max_bounces;
+    settings.seed = reference_seed;
+    reference_files_[index] = ReferenceIdentity(scene, settings, path_set, registry_).hash() + ".exr";
   } catch (const Error& error) {
     // A mistake in the comparison itself ends it; a scene that cannot be used is reported and the others go on.
     if (error.error_class() != ErrorClass::input || spec_.scenes.size() == 1) throw;
@@ -195,8 +184,8 @@ void ComparisonRunner::plan_scene(size_t index) {
   }
 }
 
-std::vector<std::string> ComparisonRunner::render_command(size_t scene, uint32_t seed) const {
-  std::vector<std::string> command = {options_.program.string(), "render", spec_.scenes[scene], "--json", "--overwrite",
+std::vector<std::string> ComparisonRunner::program_command(const char* name, size_t scene, uint64_t seed) const {
+  std::vector<std::string> command = {options_.program.string(), name, spec_.scenes[scene], "--json",
                                       "--seed", std::to_string(seed), "--size",
                                       fmt::format("{}x{}", spec_.width, spec_.height)};
   if (spec_.pixel_sampling != 0) {
@@ -223,22 +212,18 @@ void ComparisonRunner::get_reference(size_t index) {
       }
       write_exr(target, film);
       reference.source = spec_.reference->filename().string();
-      estimate_reference_error(film, reference);
+    } else if (!render_reference(index, target)) {
       return;
     }
-    const ReferenceKey key{scene.hash,  cameras_[index], path_sets_[index],    describe_reference_renderer(registry_),
-                           spec_.width, spec_.height,    spec_.pixel_sampling, spec_.reference_samples};
-    const fs::path cached = options_.cache_dir / "references" / key.file_name();
-    reference.from_cache = fs::exists(cached);
-    if (!reference.from_cache) render_reference(index, cached);
-    if (interrupt_requested() && !fs::exists(cached)) return;
-    const Film film = read_image(cached);
-    write_file_atomically(target, [&](const fs::path& part) { fs::copy_file(cached, part); });
-    reference.source = fmt::format("path_tracing, {} samples per pixel", spec_.reference_samples);
-    estimate_reference_error(film, reference);
-    say(fmt::format("{}: reference {}, its own relMSE {:.2g}", scene.name,
-                    reference.from_cache ? "from the cache" : fmt::format("rendered in {:.1f} s", reference.seconds),
-                    reference.relmse));
+    ReferenceError own;
+    reference.error_known = estimate_reference_error(read_image(target), own);
+    reference.mse = own.mse;
+    reference.relmse = own.relmse;
+    say(fmt::format("{}: reference {}{}", scene.name,
+                    spec_.reference          ? reference.source
+                    : reference.from_cache ? "from the cache"
+                                           : fmt::format("rendered in {:.1f} s", reference.seconds),
+                    own.relmse > 0 ? fmt::format(", its own relMSE {:.2g}", own.relmse) : ""));
   } catch (const Error& error) {
     if (spec_.scenes.size() == 1) throw;
     scene.failure = fmt::format("no reference: {}", error.what());
@@ -246,31 +231,40 @@ void ComparisonRunner::get_reference(size_t index) {
   }
 }
 
-void ComparisonRunner::render_reference(size_t index, const fs::path& cached) {
+bool ComparisonRunner::render_reference(size_t index, const fs::path& target) {
+  ReferenceResult& reference = result_.scenes[index].reference;
+  const fs::path cached = options_.cache_dir / "references" / reference_files_[index];
   std::error_code ignored;
   fs::create_directories(cached.parent_path(), ignored);
-  say(fmt::format("{}: rendering the reference, {} samples per pixel", spec_.scenes[index], spec_.reference_samples));
-  // Named into place when it is whole: render also writes what an interrupt left unfinished.
-  const fs::path part = cached.parent_path() / fmt::format("{}.{}.part.exr", cached.stem().string(), ::getpid());
-  std::vector<std::string> command = render_command(index, reference_seed);
-  std::string technique = fmt::format("path_tracing:replicates={},samples_per_iteration={}", reference_replicates, reference_batch);
-  // Every key of a path set is a parameter of path_tracing; max_bounces is the framework's.
-  const PathSet set = PathSet::parse(path_sets_[index]);
-  for (const auto& [key, value] : set.technique_parameters()) technique += fmt::format(",{}={}", key, value);
-  command.insert(command.end(), {"--max-bounces", std::to_string(set.max_bounces), "-t", technique, "--spp",
-                                 std::to_string(spec_.reference_samples), "--output", part.string()});
-  const ChildResult child = run_child(command, [&](std::string_view line) { say("  " + std::string(line)); });
+  const FileLock lock(cached.string() + ".lock", [&] {
+    say(fmt::format("{}: waiting for another run that renders the same reference", spec_.scenes[index]));
+  });
+  std::vector<std::string> command = program_command("reference", index, reference_seed);
+  command.insert(command.end(), {"--path-set", path_sets_[index], "--extend", "--spp", std::to_string(spec_.reference_samples),
+                                 "--output", cached.string()});
+  // A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
+  const auto render = [&] { return run_child(command, [&](std::string_view line) { say("  " + std::string(line)); }); };
+  const bool was_cached = fs::exists(cached);
+  ChildResult child = render();
+  if (was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
+    say(fmt::format("{}: the reference in the cache is not usable, rendering it again", spec_.scenes[index]));
+    fs::remove(cached, ignored);
+    child = render();
+  }
   if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) {
-    fs::remove(part, ignored);  // a partial reference is none
     set_interrupt_requested(true);
-    return;
+    return false;
   }
   if (child.exit_code != 0) {
     throw_error(ErrorClass::technique, "rendering it ended with {}: {}", describe_end(child),
                 child.last_words.empty() ? "no message" : child.last_words.back());
   }
-  fs::rename(part, cached);
-  result_.scenes[index].reference.seconds = child.seconds;
+  const json summary = json::parse(child.out);
+  reference.seconds = summary.at("seconds");
+  reference.from_cache = summary.at("rounds_rendered") == 0;
+  reference.source = fmt::format("path_tracing, {} samples per pixel", summary.at("samples").get<uint64_t>());
+  write_file_atomically(target, [&](const fs::path& part) { fs::copy_file(cached, part); });
+  return true;
 }
 
 fs::path ComparisonRunner::piece_file(const PieceResult& piece, const char* extension) const {
@@ -322,8 +316,8 @@ bool ComparisonRunner::load_finished_piece(PieceResult& piece) {
 PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, uint32_t seed) {
   PieceResult piece{scene, variant, seed};
   const fs::path image = options_.folder / piece_file(piece, ".exr");
-  std::vector<std::string> command = render_command(scene, seed);
-  command.insert(command.end(), {"--max-bounces", std::to_string(spec_.max_bounces), "-t", spec_.variants[variant].label(),
+  std::vector<std::string> command = program_command("render", scene, seed);
+  command.insert(command.end(), {"--overwrite", "--max-bounces", std::to_string(spec_.max_bounces), "-t", spec_.variants[variant].label(),
                                  "--output", image.string(), "--quiet"});
   if (spec_.budget.seconds > 0) {
     command.insert(command.end(), {"--iterate-time", fmt::format("{}", spec_.budget.seconds)});

@@ -18,12 +18,13 @@ class ComparisonRunner {
   void prepare_folder();
   void plan_scene(size_t index);
   void get_reference(size_t index);
-  void render_reference(size_t index, const std::filesystem::path& cached);
+  /// Returns false when interrupted.
+  bool render_reference(size_t index, const std::filesystem::path& target);
   PieceResult run_piece(size_t scene, size_t variant, uint32_t seed);
   void measure(PieceResult& piece);
   void save();
   void say(const std::string& line) const;
-  std::vector<std::string> render_command(size_t scene, uint32_t seed) const;
+  std::vector<std::string> program_command(const char* name, size_t scene, uint64_t seed) const;
   std::filesystem::path piece_file(const PieceResult& piece, const char* extension) const;
   bool is_finished(size_t scene, size_t variant, uint32_t seed) const;
   void load_finished_pieces();
@@ -34,7 +35,7 @@ class ComparisonRunner {
   ComparisonOptions options_;
   ComparisonResult result_;
   std::vector<Hash128> scene_hashes_;
-  std::vector<std::string> cameras_, path_sets_;
+  std::vector<std::string> path_sets_, reference_files_;
   std::vector<bool> needs_fallback_;
 };
 

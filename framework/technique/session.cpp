@@ -199,6 +199,14 @@ bool RenderSession::run(const RenderBudget& budget, const std::function<void(con
   return interrupt_requested();
 }
 
+void RenderSession::restart(uint64_t seed) {
+  State& s = *state_;
+  s.settings.seed = seed;
+  s.last = {};
+  s.iterations = 0;
+  call_technique(s.type.info(), [&] { s.technique->reset(seed); });
+}
+
 void RenderSession::set_time(double seconds) {
   State& s = *state_;
   const SceneChange change = evaluate(s.scene, seconds, s.scene.animation);

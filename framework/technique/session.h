@@ -45,6 +45,8 @@ class RenderSession {
   uint64_t iterations() const;
   IterationResult last() const;
 
+  /// Starts anew from zero samples with another seed; the clocks run on.
+  void restart(uint64_t seed);
   /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique. Clocks and
   /// iterations then count from there.
   void set_time(double seconds);

@@ -8,8 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compare/comparison.h"
 #include "lucarium/compare/error_map.h"
-#include "lucarium/compare/folder_lock.h"
-#include "lucarium/compare/reference_cache.h"
+#include "lucarium/compare/file_lock.h"
 #include "lucarium/film/image_io.h"
 #include "test_support.h"
 
@@ -128,16 +127,4 @@ TEST_CASE("the error map is blue where too dark, red where too bright, white whe
   CHECK(map[2] > map[0]);  // dark: blue above red
   CHECK(map[3] == doctest::Approx(map[5]));
   CHECK(map[6] > map[8]);  // bright: red above blue
-}
-
-TEST_CASE("a reference's own error is the mean variance of its replicates") {
-  Film film = constant_film(2.0f);
-  ReferenceResult reference;
-  estimate_reference_error(film, reference);
-  CHECK_FALSE(reference.error_known);
-  film.layer("Variance").pixels.assign(8 * 4 * 3, 0.04f);
-  estimate_reference_error(film, reference);
-  CHECK(reference.error_known);
-  CHECK(reference.mse == doctest::Approx(0.04));
-  CHECK(reference.relmse == doctest::Approx(0.04 / (4 + 0.01 * 4)));
 }

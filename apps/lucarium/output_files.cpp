@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "output_files.h"
+
+#include <unistd.h>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+
+void check_output(const fs::path& file, bool overwrite) {
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) throw_error(ErrorClass::usage, "{} is a folder, not a file", file.string());
+  if (fs::exists(file, ignored) && !overwrite) {
+    throw_error(ErrorClass::usage, "{} exists; choose another name or give --overwrite", file.string());
+  }
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  if (!fs::is_directory(folder, ignored)) {
+    throw_error(ErrorClass::input, "{}: there is no folder {} to write into", file.string(), folder.string());
+  }
+  const fs::path probe = folder / fmt::format(".lucarium-probe-{}", ::getpid());
+  try {
+    write_file_atomically(probe, "");
+  } catch (const Error& error) {
+    throw Error(ErrorClass::input, fmt::format("{}: the folder {} cannot be written into", file.string(), folder.string()))
+        .with_details(error.what());
+  }
+  fs::remove(probe, ignored);
+}
+
+}  // namespace lucarium::app

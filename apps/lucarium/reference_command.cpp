@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium reference: a reference image rendered to a wanted error, and extended later.
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/progress.h"
+#include "lucarium/compare/reference_identity.h"
+#include "lucarium/compare/reference_render.h"
+#include "lucarium/film/image_io.h"
+#include "options.h"
+#include "output_files.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr uint64_t default_samples = 4096;
+
+struct ReferenceArguments {
+  std::string scene;
+  DeviceArguments device;
+  SceneArguments overrides;
+  ImageArguments image;
+  TechniqueArguments technique;
+  OutputArguments output;
+  ReferenceGoal goal;
+  std::string path_set;
+  fs::path file;
+  bool extend = false, overwrite = false;
+};
+
+/// The light paths asked for: those of a text, of a technique, or all up to --max-bounces.
+PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegistry& registry, const Scene& scene,
+                        const RenderSettings& settings) {
+  if (!arguments.path_set.empty()) {
+    if (!arguments.technique.specs.empty()) throw_error(ErrorClass::usage, "give --path-set or -t, not both");
+    return PathSet::parse(arguments.path_set);
+  }
+  if (arguments.technique.specs.empty()) {
+    PathSet set;
+    set.max_bounces = settings.max_bounces;
+    return set;
+  }
+  if (arguments.technique.specs.size() > 1) throw_error(ErrorClass::usage, "reference takes one -t: its light paths are wanted");
+  const TechniqueArguments::Spec& spec = arguments.technique.specs.front();
+  const TechniqueType& type = registry.find(spec.name);
+  check_parameters(type, spec);
+  const std::unique_ptr<Technique> technique = type.create();
+  for (const auto& [name, value] : spec.parameters) technique->parameters().set(name, value);
+  return technique->path_set(scene, settings);
+}
+
+/// What there is of the file, or an empty image.
+ReferenceImage open_reference(const ReferenceArguments& arguments, const ReferenceIdentity& identity, uint32_t width,
+                              uint32_t height) {
+  if (!arguments.extend || !fs::exists(arguments.file)) return {width, height};
+  Film film = read_image(arguments.file);
+  const std::vector<std::string> differences = identity.differences(film);
+  ReferenceImage image(std::move(film), arguments.file.string());
+  if (differences.empty()) return image;
+  std::string text;
+  for (const std::string& line : differences) text += (text.empty() ? "" : "; ") + line;
+  throw_error(ErrorClass::usage, "{} cannot be extended, it shows something else ({}); choose another --output",
+              arguments.file.string(), text);
+}
+
+nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file, bool goal_reached) {
+  nlohmann::ordered_json json;
+  json["schema"] = "lucarium-reference-1";
+  for (const auto& [key, value] : image.film().metadata) json[key] = value;
+  json["samples"] = image.samples();
+  json["rounds"] = image.rounds();
+  json["rounds_rendered"] = image.rounds() - rounds_before;
+  json["seconds"] = std::stod(image.metadata().at("seconds"));
+  if (image.error_known()) {
+    json["own_mse"] = image.error().mse;
+    json["own_relmse"] = image.error().relmse;
+  }
+  json["goal_reached"] = goal_reached;
+  json["file"] = file.string();
+  return json;
+}
+
+/// Renders what is missing and writes the file after every round; returns whether the goal was reached.
+bool extend(const ReferenceArguments& arguments, RenderSession& session, const ReferenceIdentity& identity,
+            ReferenceImage& image) {
+  const auto earlier = image.metadata().find("seconds");
+  const double seconds_before = earlier == image.metadata().end() ? 0 : std::stod(earlier->second);
+  const uint64_t seed = session.settings().seed, samples_before = image.samples();
+  const double pixels = static_cast<double>(session.settings().width) * session.settings().height;
+  const double clock_before = session.clocks().iterate;
+  const auto keep = [&](ReferenceImage& grown) {
+    std::map<std::string, std::string> metadata = session.resolve().metadata;
+    metadata.erase("iterations");
+    metadata["seconds"] = fmt::format("{:.3f}", seconds_before + session.clocks().iterate - clock_before);
+    grown.metadata() = metadata;
+    identity.write_to(grown.metadata());
+    write_exr(arguments.file, grown.film());
+  };
+  Progress progress("reference", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  return extend_reference(session, image, arguments.goal, seed, keep, [&](const ReferenceProgress& now) {
+    const double rate = static_cast<double>(now.samples - samples_before) * pixels / 1e6 / std::max(1e-9, now.seconds);
+    progress.update(now.fraction, fmt::format("{} samples per pixel, {:.2f} Msamples/s", now.samples, rate));
+  });
+}
+
+int reference(ReferenceArguments arguments) {
+  arguments.output.apply();
+  if (arguments.file.extension() != ".exr") throw_error(ErrorClass::usage, "{}: the name must end in .exr", arguments.file.string());
+  if (arguments.extend && arguments.overwrite) throw_error(ErrorClass::usage, "give --extend or --overwrite, not both");
+  check_output(arguments.file, arguments.overwrite || arguments.extend);
+  ReferenceGoal& goal = arguments.goal;
+  if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) goal.samples = default_samples;
+
+  Scene scene = arguments.overrides.load(arguments.scene);
+  require_light(scene);
+  for (const std::string& warning : scene.warnings) log_warning("{}", warning);
+  RenderSettings settings = arguments.image.settings();
+  settings.camera = scene.cameras.front();
+  const TechniqueRegistry registry(arguments.technique.folders);
+  const PathSet path_set = wanted_path_set(arguments, registry, scene, settings);
+  settings.max_bounces = path_set.max_bounces;
+  const ReferenceIdentity identity(scene, settings, path_set, registry);
+  ReferenceImage image = open_reference(arguments, identity, settings.width, settings.height);
+
+  RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"), settings,
+                        reference_parameters(path_set));
+  const uint64_t rounds_before = image.rounds();
+  const bool done = extend(arguments, session, identity, image);
+  if (image.samples() == 0) {
+    throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
+  }
+  if (arguments.output.json) {
+    fmt::print("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
+  } else if (!arguments.output.quiet) {
+    fmt::print("{}: {} samples per pixel, its own relMSE {}\n", arguments.file.string(), image.samples(),
+               image.error_known() ? fmt::format("{:.3g}", image.error().relmse) : "unknown (one half only)");
+  }
+  if (done) return 0;
+  log_warning("interrupted: {} samples per pixel are kept; continue with --extend", image.samples());
+  return static_cast<int>(ErrorClass::interrupted);
+}
+
+}  // namespace
+
+void add_reference_command(CLI::App& program, Action& action) {
+  auto arguments = std::make_shared<ReferenceArguments>();
+  arguments->image.seed = 0x5eed;  // not one of the small numbers that the runs it is compared with use
+  CLI::App& command = *program.add_subcommand("reference", "render a reference image to a wanted error, or extend one");
+  command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
+  command.add_option("-o,--output", arguments->file, ".exr")->required();
+  command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")->check(CLI::PositiveNumber);
+  command.add_option("--spp", arguments->goal.samples, "samples per pixel (default 4096 when no other goal is given)")->check(CLI::PositiveNumber);
+  command.add_option("--time", arguments->goal.seconds, "seconds of iterating")->check(CLI::PositiveNumber);
+  command.add_option("--path-set", arguments->path_set, "light paths as key=value,… (docs/references.md); default: all");
+  arguments->technique.add_to(command);
+  arguments->image.add_to(command, true);
+  arguments->overrides.add_to(command);
+  command.add_flag("--extend", arguments->extend, "add samples to the file if it is there");
+  command.add_flag("--overwrite", arguments->overwrite, "replace the file");
+  arguments->device.add_to(command);
+  arguments->output.add_to(command);
+  command.callback([arguments, &action] { action = [arguments] { return reference(*arguments); }; });
+}
+
+}  // namespace lucarium::app
