@@ -26,9 +26,9 @@ struct DiffArguments {
 
 ordered_json metrics_json(const ImageMetrics& metrics) {
   ordered_json json;
-  for (const auto& [name, formula] : metric_formulas()) {
-    const double value = metric_value(metrics, name);
-    json[name] = std::isfinite(value) ? ordered_json(value) : ordered_json("infinite");
+  for (const Metric& metric : metric_table()) {
+    const double value = metrics.*metric.value;
+    json[metric.name] = std::isinf(value) ? ordered_json("infinite") : std::isnan(value) ? ordered_json(nullptr) : ordered_json(value);
   }
   json["mean_test"] = metrics.mean_test;
   json["mean_reference"] = metrics.mean_reference;
@@ -39,10 +39,11 @@ ordered_json metrics_json(const ImageMetrics& metrics) {
 void print_table(const ordered_json& layers) {
   for (const auto& [layer, values] : layers.items()) {
     fmt::print("{}\n", layer);
-    for (const auto& [name, formula] : metric_formulas()) {
-      const ordered_json& value = values[name];
-      fmt::print("  {:<15} {:<12} {}\n", name, value.is_string() ? value.get<std::string>() : fmt::format("{:.6g}", value.get<double>()),
-                 formula);
+    for (const Metric& metric : metric_table()) {
+      const ordered_json& value = values[metric.name];
+      fmt::print("  {:<15} {:<12} {}\n", metric.name,
+                 value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : value.is_null() ? "none" : value.get<std::string>(),
+                 metric.formula);
     }
     fmt::print("  {:<15} {:.6g} against {:.6g}\n", "mean", values["mean_test"].get<double>(), values["mean_reference"].get<double>());
     if (values["nonfinite_pixels"] != 0) fmt::print("  {} non-finite pixels left out\n", values["nonfinite_pixels"].get<uint64_t>());
@@ -71,7 +72,7 @@ int diff(const DiffArguments& arguments) {
   }
   if (arguments.json) {
     ordered_json formulas;
-    for (const auto& [name, formula] : metric_formulas()) formulas[name] = formula;
+    for (const Metric& metric : metric_table()) formulas[metric.name] = metric.formula;
     fmt::print("{}\n", ordered_json({{"formulas", formulas}, {"layers", layers}}).dump(2));
   } else {
     print_table(layers);

@@ -2,118 +2,76 @@
 #include "lucarium/compare/metrics.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
+#include <strings.h>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compare/ssim.h"
 
 namespace lucarium {
 namespace {
 
-constexpr int ssim_window = 11;
-constexpr double ssim_sigma = 1.5;
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 double srgb(double linear) {
   const double x = std::clamp(linear, 0.0, 1.0);
   return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
 }
 
-std::vector<double> to_srgb(const std::vector<float>& rgb, float exposure_stops) {
+/// An image as PSNR and SSIM see it. Values that are not finite are 0.
+struct Encoded {
+  std::vector<double> srgb, luminance;
+};
+
+Encoded encode(const std::vector<float>& rgb, float exposure_stops) {
   const double scale = std::exp2(exposure_stops);
-  std::vector<double> encoded(rgb.size());
-  std::transform(rgb.begin(), rgb.end(), encoded.begin(), [scale](float v) { return srgb(std::isfinite(v) ? v * scale : 0); });
+  Encoded encoded;
+  encoded.srgb.resize(rgb.size());
+  std::transform(rgb.begin(), rgb.end(), encoded.srgb.begin(),
+                 [scale](float v) { return srgb(std::isfinite(v) ? v * scale : 0); });
+  encoded.luminance.resize(rgb.size() / 3);
+  for (size_t p = 0; p < encoded.luminance.size(); ++p) {
+    const double* c = encoded.srgb.data() + 3 * p;
+    encoded.luminance[p] = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+  }
   return encoded;
 }
 
-double psnr_of(const std::vector<double>& a, const std::vector<double>& b) {
-  double mse = 0;
-  for (size_t i = 0; i < a.size(); ++i) mse += (a[i] - b[i]) * (a[i] - b[i]);
-  return -10 * std::log10(mse / static_cast<double>(a.size()));
+std::vector<bool> nonfinite_pixels(const std::vector<float>& rgb) {
+  std::vector<bool> bad(rgb.size() / 3);
+  for (size_t p = 0; p < bad.size(); ++p) {
+    bad[p] = !std::isfinite(rgb[3 * p]) || !std::isfinite(rgb[3 * p + 1]) || !std::isfinite(rgb[3 * p + 2]);
+  }
+  return bad;
 }
 
-/// Separable Gaussian over the valid region: width − 10 by height − 10.
-std::vector<double> blur(const std::vector<double>& image, size_t width, size_t height) {
-  std::array<double, ssim_window> taps{};
+/// Mean over the pixels that are not excluded of a map with `channels` values per pixel.
+template <typename Value>
+double mean_without(const std::vector<bool>& excluded, size_t channels, const Value& value) {
   double sum = 0;
-  for (int i = 0; i < ssim_window; ++i) {
-    const double d = i - ssim_window / 2;
-    sum += taps[static_cast<size_t>(i)] = std::exp(-d * d / (2 * ssim_sigma * ssim_sigma));
+  size_t count = 0;
+  for (size_t p = 0; p < excluded.size(); ++p) {
+    if (excluded[p]) continue;
+    for (size_t c = 0; c < channels; ++c) sum += value(channels * p + c);
+    count += channels;
   }
-  for (double& tap : taps) tap /= sum;
-  const size_t out_width = width - ssim_window + 1, out_height = height - ssim_window + 1;
-  std::vector<double> rows(out_width * height), out(out_width * out_height);
-  for (size_t y = 0; y < height; ++y) {
-    for (size_t x = 0; x < out_width; ++x) {
-      for (size_t k = 0; k < taps.size(); ++k) rows[y * out_width + x] += taps[k] * image[y * width + x + k];
-    }
-  }
-  for (size_t y = 0; y < out_height; ++y) {
-    for (size_t x = 0; x < out_width; ++x) {
-      for (size_t k = 0; k < taps.size(); ++k) out[y * out_width + x] += taps[k] * rows[(y + k) * out_width + x];
-    }
-  }
-  return out;
+  return sum / static_cast<double>(count);
 }
 
-double ssim_of(const std::vector<double>& a_rgb, const std::vector<double>& b_rgb, size_t width, size_t height) {
-  if (width < ssim_window || height < ssim_window) return 0;
-  const size_t pixels = width * height;
-  std::vector<double> a(pixels), b(pixels), aa(pixels), bb(pixels), ab(pixels);
-  for (size_t p = 0; p < pixels; ++p) {
-    a[p] = 0.2126 * a_rgb[3 * p] + 0.7152 * a_rgb[3 * p + 1] + 0.0722 * a_rgb[3 * p + 2];
-    b[p] = 0.2126 * b_rgb[3 * p] + 0.7152 * b_rgb[3 * p + 1] + 0.0722 * b_rgb[3 * p + 2];
-    aa[p] = a[p] * a[p];
-    bb[p] = b[p] * b[p];
-    ab[p] = a[p] * b[p];
-  }
-  const auto mean_a = blur(a, width, height), mean_b = blur(b, width, height), mean_aa = blur(aa, width, height),
-             mean_bb = blur(bb, width, height), mean_ab = blur(ab, width, height);
-  constexpr double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
-  double sum = 0;
-  for (size_t p = 0; p < mean_a.size(); ++p) {
-    const double ma = mean_a[p], mb = mean_b[p];
-    const double var_a = mean_aa[p] - ma * ma, var_b = mean_bb[p] - mb * mb, cov = mean_ab[p] - ma * mb;
-    sum += (2 * ma * mb + c1) * (2 * cov + c2) / ((ma * ma + mb * mb + c1) * (var_a + var_b + c2));
-  }
-  return sum / static_cast<double>(mean_a.size());
-}
-
-void check_sizes(uint32_t width, uint32_t height, const std::vector<float>& test, const std::vector<float>& reference) {
-  const size_t expected = size_t{width} * height * 3;
-  if (expected == 0 || test.size() != expected || reference.size() != expected) {
-    throw_error(ErrorClass::input, "images of different size cannot be compared: {} and {} values for {}×{} pixels",
-                test.size(), reference.size(), width, height);
-  }
-  if (!std::all_of(reference.begin(), reference.end(), [](float v) { return std::isfinite(v); })) {
-    throw_error(ErrorClass::input, "the reference has non-finite pixels and cannot be compared with");
-  }
-}
-
-}  // namespace
-
-double mean_luminance(const std::vector<float>& rgb) {
-  double sum = 0;
-  for (size_t i = 0; i + 2 < rgb.size(); i += 3) sum += 0.2126 * rgb[i] + 0.7152 * rgb[i + 1] + 0.0722 * rgb[i + 2];
-  return rgb.empty() ? 0 : sum / static_cast<double>(rgb.size() / 3);
-}
-
-ImageMetrics compute_metrics(uint32_t width, uint32_t height, const std::vector<float>& test,
-                             const std::vector<float>& reference, float exposure_stops) {
-  check_sizes(width, height, test, reference);
+/// The metrics that are averages of a function of x and r alone.
+void measure_differences(const std::vector<float>& test, const std::vector<float>& reference,
+                         const std::vector<bool>& excluded, ImageMetrics& m) {
   const double luminance = mean_luminance(reference);
   // A black reference has no scale of its own; 1e-12 keeps the quotients defined.
   const double floor = 0.01 * luminance + 1e-12, floor2 = 0.01 * luminance * luminance + 1e-24;
-  ImageMetrics m;
   std::vector<double> pixel_relmse;
-  pixel_relmse.reserve(reference.size() / 3);
-  for (size_t p = 0; p < reference.size() / 3; ++p) {
-    if (!std::isfinite(test[3 * p]) || !std::isfinite(test[3 * p + 1]) || !std::isfinite(test[3 * p + 2])) {
-      ++m.nonfinite;
-      continue;
-    }
+  pixel_relmse.reserve(excluded.size());
+  for (size_t p = 0; p < excluded.size(); ++p) {
+    if (excluded[p]) continue;
     double relative = 0;
-    for (size_t c = 0; c < 3; ++c) {
-      const double x = test[3 * p + c], r = reference[3 * p + c], difference = x - r;
+    for (size_t i = 3 * p; i < 3 * p + 3; ++i) {
+      const double x = test[i], r = reference[i], difference = x - r;
       m.mse += difference * difference;
       relative += difference * difference / (r * r + floor2);
       m.mape += std::abs(difference) / (std::abs(r) + floor);
@@ -123,45 +81,130 @@ ImageMetrics compute_metrics(uint32_t width, uint32_t height, const std::vector<
     }
     pixel_relmse.push_back(relative / 3);
   }
-  if (pixel_relmse.empty()) throw_error(ErrorClass::input, "no pixel of the image is finite");
   const double values = 3.0 * static_cast<double>(pixel_relmse.size());
   for (double* sum : {&m.mse, &m.mape, &m.smape, &m.mean_test, &m.mean_reference}) *sum /= values;
   m.rmse = std::sqrt(m.mse);
-  std::sort(pixel_relmse.begin(), pixel_relmse.end());
+
   const size_t kept = pixel_relmse.size() - pixel_relmse.size() / 1000;
+  std::nth_element(pixel_relmse.begin(), pixel_relmse.begin() + static_cast<ptrdiff_t>(kept) - 1, pixel_relmse.end());
   for (size_t i = 0; i < pixel_relmse.size(); ++i) {
     m.relmse += pixel_relmse[i];
     if (i < kept) m.relmse_trimmed += pixel_relmse[i];
   }
   m.relmse /= static_cast<double>(pixel_relmse.size());
   m.relmse_trimmed /= static_cast<double>(kept);
-  const std::vector<double> a = to_srgb(test, exposure_stops), b = to_srgb(reference, exposure_stops);
-  m.psnr = psnr_of(a, b);
-  m.ssim = ssim_of(a, b, width, height);
+}
+
+}  // namespace
+
+struct MetricReference::Prepared {
+  uint32_t width, height;
+  std::vector<float> reference;
+  MetricOptions options;
+  Encoded encoded;
+  SsimReference ssim;
+  HdrFlipExposures exposures;
+  std::vector<FlipReference> flip;  // LDR, HDR; empty when not asked for
+};
+
+MetricReference::MetricReference(uint32_t width, uint32_t height, std::vector<float> reference,
+                                 const MetricOptions& options) {
+  const size_t expected = size_t{width} * height * 3;
+  if (expected == 0 || reference.size() != expected) {
+    throw_error(ErrorClass::input, "a reference of {}×{} RGB pixels has {} values, not {}", width, height,
+                reference.size(), expected);
+  }
+  if (!std::all_of(reference.begin(), reference.end(), [](float v) { return std::isfinite(v); })) {
+    throw_error(ErrorClass::input, "the reference has non-finite pixels and cannot be compared with");
+  }
+  Encoded encoded = encode(reference, options.exposure_stops);
+  SsimReference ssim(width, height, encoded.luminance);
+  const HdrFlipExposures exposures = hdr_flip_exposures(reference);
+  std::vector<FlipReference> flip;
+  if (options.flip) {
+    flip.emplace_back(width, height, reference, std::vector<FlipView>{{options.exposure_stops, false}});
+    flip.emplace_back(width, height, reference, hdr_flip_views(exposures));
+  }
+  prepared_.reset(new Prepared{width, height, std::move(reference), options, std::move(encoded), std::move(ssim),
+                               exposures, std::move(flip)});
+}
+
+MetricReference::~MetricReference() = default;
+MetricReference::MetricReference(MetricReference&&) noexcept = default;
+MetricReference& MetricReference::operator=(MetricReference&&) noexcept = default;
+
+const HdrFlipExposures& MetricReference::hdr_exposures() const { return prepared_->exposures; }
+
+ImageMetrics MetricReference::measure(const std::vector<float>& test) const {
+  const Prepared& p = *prepared_;
+  if (test.size() != p.reference.size()) {
+    throw_error(ErrorClass::input, "images of different size cannot be compared: {} and {} values for {}×{} pixels",
+                test.size(), p.reference.size(), p.width, p.height);
+  }
+  const std::vector<bool> excluded = nonfinite_pixels(test);
+  ImageMetrics m;
+  m.nonfinite = static_cast<uint64_t>(std::count(excluded.begin(), excluded.end(), true));
+  if (m.nonfinite == excluded.size()) throw_error(ErrorClass::input, "no pixel of the image is finite");
+  measure_differences(test, p.reference, excluded, m);
+
+  Encoded encoded = encode(test, p.options.exposure_stops);
+  m.psnr = -10 * std::log10(mean_without(excluded, 3, [&](size_t i) {
+             const double difference = encoded.srgb[i] - p.encoded.srgb[i];
+             return difference * difference;
+           }));
+  // In the windows of its neighbours, a pixel that is not finite counts as the reference's.
+  for (size_t i = 0; i < excluded.size(); ++i) {
+    if (excluded[i]) encoded.luminance[i] = p.encoded.luminance[i];
+  }
+  m.ssim = p.ssim.compare(encoded.luminance, excluded);
+
+  m.ldr_flip = m.hdr_flip = not_a_number;
+  if (p.options.flip) {
+    double* const means[] = {&m.ldr_flip, &m.hdr_flip};
+    for (size_t i = 0; i < p.flip.size(); ++i) {
+      const std::vector<float> map = p.flip[i].error_map(test);
+      *means[i] = mean_without(excluded, 1, [&](size_t pixel) { return double{map[pixel]}; });
+    }
+  }
   return m;
 }
 
-const std::vector<std::pair<std::string, std::string>>& metric_formulas() {
-  static const std::vector<std::pair<std::string, std::string>> formulas = {
-      {"MSE", "mean((x-r)^2)"},
-      {"RMSE", "sqrt(MSE)"},
-      {"relMSE", "mean((x-r)^2 / (r^2 + 0.01 Y^2)), Y the reference's mean luminance"},
-      {"relMSE_trimmed", "relMSE without the largest 0.1 % of pixels"},
-      {"MAPE", "mean(|x-r| / (|r| + 0.01 Y))"},
-      {"SMAPE", "mean(2|x-r| / (|x| + |r| + 0.01 Y))"},
-      {"PSNR", "-10 log10 MSE of clamped sRGB at the stated exposure [dB]"},
-      {"SSIM", "luminance of clamped sRGB, 11x11 Gaussian sigma 1.5, K = .01, .03, valid region"}};
-  return formulas;
+ImageMetrics compute_metrics(uint32_t width, uint32_t height, const std::vector<float>& test,
+                             const std::vector<float>& reference, float exposure_stops) {
+  return MetricReference(width, height, reference, {exposure_stops}).measure(test);
 }
 
-double metric_value(const ImageMetrics& m, const std::string& name) {
-  const std::vector<std::pair<std::string, double>> values = {
-      {"MSE", m.mse},   {"RMSE", m.rmse},   {"relMSE", m.relmse}, {"relMSE_trimmed", m.relmse_trimmed},
-      {"MAPE", m.mape}, {"SMAPE", m.smape}, {"PSNR", m.psnr},     {"SSIM", m.ssim}};
-  for (const auto& [known, value] : values) {
-    if (known == name) return value;
+double mean_luminance(const std::vector<float>& rgb) {
+  double sum = 0;
+  for (size_t i = 0; i + 2 < rgb.size(); i += 3) sum += 0.2126 * rgb[i] + 0.7152 * rgb[i + 1] + 0.0722 * rgb[i + 2];
+  return rgb.empty() ? 0 : sum / static_cast<double>(rgb.size() / 3);
+}
+
+const std::vector<Metric>& metric_table() {
+  static const std::vector<Metric> table = {
+      {"MSE", "mean((x-r)^2)", "(cd/m^2)^2", true, &ImageMetrics::mse},
+      {"RMSE", "sqrt(MSE)", "cd/m^2", true, &ImageMetrics::rmse},
+      {"relMSE", "mean((x-r)^2 / (r^2 + 0.01 Y^2)), Y the reference's mean luminance", "", true, &ImageMetrics::relmse},
+      {"relMSE_trimmed", "relMSE without the largest 0.1 % of pixels", "", true, &ImageMetrics::relmse_trimmed},
+      {"MAPE", "mean(|x-r| / (|r| + 0.01 Y))", "", true, &ImageMetrics::mape},
+      {"SMAPE", "mean(2|x-r| / (|x| + |r| + 0.01 Y))", "", true, &ImageMetrics::smape},
+      {"PSNR", "-10 log10 MSE of clamped sRGB at the stated exposure", "dB", false, &ImageMetrics::psnr},
+      {"SSIM", "luminance of clamped sRGB at that exposure, 11x11 Gaussian sigma 1.5, K = .01, .03, valid region", "", false,
+       &ImageMetrics::ssim},
+      {"LDR_FLIP", "mean FLIP of the clamped image at that exposure, 67.0206 pixels per degree", "", true,
+       &ImageMetrics::ldr_flip},
+      {"HDR_FLIP", "mean over pixels of the greatest FLIP over the reference's exposures, tone-mapped", "", true,
+       &ImageMetrics::hdr_flip}};
+  return table;
+}
+
+const Metric& find_metric(const std::string& name) {
+  std::string known;
+  for (const Metric& metric : metric_table()) {
+    if (strcasecmp(metric.name.c_str(), name.c_str()) == 0) return metric;
+    known += (known.empty() ? "" : ", ") + metric.name;
   }
-  throw_error(ErrorClass::internal, "no metric is called {}", name);
+  throw_error(ErrorClass::usage, "no metric is called '{}'; there are {}", name, known);
 }
 
 }  // namespace lucarium

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/compare/metrics.h"
 
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -49,6 +52,86 @@ TEST_CASE("the trimmed relMSE forgets one firefly in a thousand pixels") {
   const ImageMetrics m = compute_metrics(1000, 1, x, r);
   CHECK(m.relmse > 900);
   CHECK(m.relmse_trimmed == 0);
+}
+
+TEST_CASE("MSE, RMSE and PSNR are those of OpenImageIO's comparison") {
+  const uint32_t width = 37, height = 29;
+  std::vector<float> reference(width * height * 3), test(reference.size());
+  uint32_t state = 1;
+  const auto random = [&] { return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) / 16777216.f; };
+  for (size_t i = 0; i < reference.size(); ++i) {
+    reference[i] = 3 * random();
+    test[i] = reference[i] * (0.5f + random());
+  }
+  const auto compared = [&](std::vector<float> x, std::vector<float> r) {
+    const OIIO::ImageSpec spec(static_cast<int>(width), static_cast<int>(height), 3, OIIO::TypeDesc::FLOAT);
+    return OIIO::ImageBufAlgo::compare(OIIO::ImageBuf(spec, x.data()), OIIO::ImageBuf(spec, r.data()), 0, 0);
+  };
+  const ImageMetrics m = compute_metrics(width, height, test, reference);
+  const auto linear = compared(test, reference);
+  CHECK(m.rmse == doctest::Approx(linear.rms_error).epsilon(1e-6));
+  CHECK(m.mse == doctest::Approx(linear.rms_error * linear.rms_error).epsilon(1e-6));
+  // Its PSNR is over the greatest value, which is 1 in these images once they are clamped.
+  const auto srgb = [](std::vector<float> image) {
+    for (float& v : image) {
+      v = std::min(v, 1.f);
+      v = v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
+    }
+    return image;
+  };
+  CHECK(m.psnr == doctest::Approx(compared(srgb(test), srgb(reference)).PSNR).epsilon(1e-6));
+}
+
+TEST_CASE("exposure: one stop more is an image of twice the radiance") {
+  const std::vector<float> r = {.1f, .2f, .3f, .02f, .04f, .06f}, x = {.12f, .2f, .25f, .03f, .04f, .01f};
+  std::vector<float> r2 = r, x2 = x;
+  for (float& v : r2) v *= 2;
+  for (float& v : x2) v *= 2;
+  const ImageMetrics brighter = compute_metrics(2, 1, x, r, 1), doubled = compute_metrics(2, 1, x2, r2);
+  CHECK(brighter.psnr == doctest::Approx(doubled.psnr));
+  CHECK(brighter.ldr_flip == doctest::Approx(doubled.ldr_flip));
+  CHECK(brighter.hdr_flip == doctest::Approx(doubled.hdr_flip).epsilon(1e-5));
+}
+
+TEST_CASE("every metric is found by its name in any case; an unknown one is answered with the names") {
+  for (const Metric& metric : metric_table()) {
+    CHECK(find_metric(metric.name).value == metric.value);
+    CHECK(!metric.formula.empty());
+  }
+  CHECK(find_metric("relmse").value == &ImageMetrics::relmse);
+  CHECK_THROWS_WITH_AS(find_metric("rel"), doctest::Contains("relMSE_trimmed"), Error);
+}
+
+TEST_CASE("without FLIP, its values are not numbers and the others the same") {
+  const std::vector<float> r(16 * 16 * 3, .5f), x(16 * 16 * 3, .6f);
+  const ImageMetrics all = compute_metrics(16, 16, x, r), some = MetricReference(16, 16, r, {0, false}).measure(x);
+  CHECK(std::isnan(some.ldr_flip));
+  CHECK(std::isnan(some.hdr_flip));
+  CHECK(some.ssim == all.ssim);
+  CHECK(all.ldr_flip > 0);
+}
+
+TEST_CASE("an image too small for SSIM's window has none") {
+  CHECK(std::isnan(compute_metrics(10, 11, std::vector<float>(330, .5f), std::vector<float>(330, .6f)).ssim));
+}
+
+TEST_CASE("pixels that are not finite change no metric of the others") {
+  // Only the middle pixel is wrong, and it is NaN: the rest is equal.
+  std::vector<float> r(15 * 15 * 3, .5f), x = r;
+  x[3 * 112] = std::numeric_limits<float>::quiet_NaN();
+  const ImageMetrics m = compute_metrics(15, 15, x, r);
+  CHECK(m.nonfinite == 1);
+  CHECK(std::isinf(m.psnr));
+  CHECK(m.ssim == doctest::Approx(1));
+  CHECK(m.ldr_flip == 0);
+  CHECK(m.hdr_flip == 0);
+  CHECK_THROWS_AS(compute_metrics(1, 1, {x[3 * 112], 0, 0}, {1, 1, 1}), Error);
+}
+
+TEST_CASE("a black reference gives finite errors") {
+  const std::vector<float> black(16 * 16 * 3, 0.f), grey(16 * 16 * 3, .5f);
+  const ImageMetrics m = compute_metrics(16, 16, grey, black);
+  for (const Metric& metric : metric_table()) CHECK_MESSAGE(std::isfinite(m.*metric.value), metric.name);
 }
 
 TEST_CASE("NaN pixels are counted and left out; sizes must agree; the reference must be finite") {
