@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "lucarium/compare/student_t.h"
 #include "lucarium/scene/scene.h"
 #include "lucarium/services/bvh.h"
 #include "lucarium/services/path_integrator.h"
-#include "student_t.h"
 #include "test_support.h"
 
 namespace lucarium::test {
