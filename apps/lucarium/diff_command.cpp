@@ -8,6 +8,8 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compare/error_map.h"
 #include "lucarium/compare/metrics.h"
+#include "lucarium/compare/reference_image.h"
+#include "lucarium/compare/statistics.h"
 #include "lucarium/film/image_io.h"
 #include "options.h"
 
@@ -19,70 +21,163 @@ namespace {
 
 struct DiffArguments {
   fs::path test, reference, map;
+  std::string map_kind = "signed";
   double max_relmse = -1;
   float exposure = 0;
-  bool json = false, overwrite = false;
+  bool formulas = false, json = false, overwrite = false;
 };
+
+struct LayerMetrics {
+  std::string layer;
+  ImageMetrics metrics;
+};
+
+void check_map_file(const DiffArguments& arguments) {
+  if (arguments.map.empty()) return;
+  const std::string extension = arguments.map.extension().string();
+  if (extension != ".exr" && extension != ".png") {
+    throw_error(ErrorClass::usage, "--map {}: its name must end in .exr or .png", arguments.map.string());
+  }
+  if (fs::exists(arguments.map) && !arguments.overwrite) {
+    throw_error(ErrorClass::usage, "{} exists; choose another --map or give --overwrite", arguments.map.string());
+  }
+}
+
+/// As .exr the values themselves, in R, G and B; as .png colours.
+void write_map(const DiffArguments& arguments, const Film& test, const std::vector<float>& reference,
+               const MetricReference& prepared) {
+  const bool is_signed = arguments.map_kind == "signed";
+  const std::vector<float> map = is_signed ? signed_relative_error(test.image(), reference)
+                                 : arguments.map_kind == "ldr_flip" ? prepared.ldr_flip_map(test.image())
+                                                                    : prepared.hdr_flip_map(test.image());
+  if (arguments.map.extension() == ".png") {
+    return write_png(arguments.map, test.width(), test.height(), is_signed ? color_signed_error(map) : color_error(map));
+  }
+  Film film(test.width(), test.height());
+  FilmLayer& image = film.layer("image", {"R", "G", "B"}, true);
+  for (size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = map[i / 3];
+  film.metadata["error_map"] = arguments.map_kind;
+  write_exr(arguments.map, film);
+}
+
+/// The image and the radiance layers that both images have.
+std::vector<LayerMetrics> measure_layers(const DiffArguments& arguments, const Film& test, const Film& reference,
+                                         const MetricReference& prepared) {
+  std::vector<LayerMetrics> layers = {{"image", prepared.measure(test.image())}};
+  for (const FilmLayer& layer : test.layers()) {
+    const FilmLayer* other = reference.find(layer.name);
+    if (!layer.additive || layer.name == "image" || !other || other->channels != layer.channels) continue;
+    layers.push_back({layer.name, compute_metrics(test.width(), test.height(), layer.pixels, other->pixels, arguments.exposure)});
+  }
+  return layers;
+}
+
+ordered_json json_number(double value) {
+  return std::isnan(value) ? ordered_json(nullptr) : std::isinf(value) ? ordered_json("infinite") : ordered_json(value);
+}
 
 ordered_json metrics_json(const ImageMetrics& metrics) {
   ordered_json json;
-  for (const Metric& metric : metric_table()) {
-    const double value = metrics.*metric.value;
-    json[metric.name] = std::isinf(value) ? ordered_json("infinite") : std::isnan(value) ? ordered_json(nullptr) : ordered_json(value);
-  }
+  for (const Metric& metric : metric_table()) json[metric.name] = json_number(metrics.*metric.value);
   json["mean_test"] = metrics.mean_test;
   json["mean_reference"] = metrics.mean_reference;
   json["nonfinite_pixels"] = metrics.nonfinite;
   return json;
 }
 
-void print_table(const ordered_json& layers) {
-  for (const auto& [layer, values] : layers.items()) {
-    fmt::print("{}\n", layer);
-    for (const Metric& metric : metric_table()) {
-      const ordered_json& value = values[metric.name];
-      fmt::print("  {:<15} {:<12} {}\n", metric.name,
-                 value.is_number() ? fmt::format("{:.6g}", value.get<double>()) : value.is_null() ? "none" : value.get<std::string>(),
-                 metric.formula);
-    }
-    fmt::print("  {:<15} {:.6g} against {:.6g}\n", "mean", values["mean_test"].get<double>(), values["mean_reference"].get<double>());
-    if (values["nonfinite_pixels"] != 0) fmt::print("  {} non-finite pixels left out\n", values["nonfinite_pixels"].get<uint64_t>());
+/// The reference's own error, where its file tells, and what is left of the measured one without it.
+ordered_json reference_json(const Film& reference, const ImageMetrics& whole) {
+  ReferenceError own;
+  if (!estimate_reference_error(reference, own)) return nullptr;
+  const DebiasedError mse = debiased_error(whole.mse, own.mse), relmse = debiased_error(whole.relmse, own.relmse);
+  return {{"own_mse", own.mse},           {"own_relmse", own.relmse},         {"debiased_mse", mse.value},
+          {"mse_resolved", mse.resolved}, {"debiased_relmse", relmse.value}, {"relmse_resolved", relmse.resolved}};
+}
+
+ordered_json diff_json(const DiffArguments& arguments, const std::vector<LayerMetrics>& layers,
+                       const HdrFlipExposures& exposures, const ordered_json& reference) {
+  ordered_json metrics, values;
+  for (const Metric& metric : metric_table()) {
+    metrics[metric.name] = {{"formula", metric.formula}, {"unit", metric.unit}, {"lower_is_better", metric.lower_is_better}};
+  }
+  for (const LayerMetrics& layer : layers) values[layer.layer] = metrics_json(layer.metrics);
+  return {{"schema", "lucarium-diff-1"},
+          {"exposure_stops", arguments.exposure},
+          {"hdr_flip_exposures", {{"start", exposures.start}, {"stop", exposures.stop}, {"count", exposures.count}}},
+          {"metrics", metrics},
+          {"layers", values},
+          {"reference", reference}};
+}
+
+void print_table(const DiffArguments& arguments, const std::vector<LayerMetrics>& layers) {
+  const auto print_row = [&](const std::string& name, const std::string& unit, auto&& text_of) {
+    fmt::print("{:<15} {:<11}", name, unit);
+    for (const LayerMetrics& layer : layers) fmt::print(" {:>12}", text_of(layer));
+    fmt::print("\n");
+  };
+  const auto number = [](double value) { return std::isnan(value) ? std::string("none") : fmt::format("{:.6g}", value); };
+  print_row("", "", [](const LayerMetrics& layer) { return layer.layer; });
+  for (const Metric& metric : metric_table()) {
+    print_row(metric.name, metric.unit, [&](const LayerMetrics& layer) { return number(layer.metrics.*metric.value); });
+  }
+  print_row("mean of test", "cd/m^2", [&](const LayerMetrics& layer) { return number(layer.metrics.mean_test); });
+  print_row("of reference", "cd/m^2", [&](const LayerMetrics& layer) { return number(layer.metrics.mean_reference); });
+  for (const LayerMetrics& layer : layers) {
+    if (layer.metrics.nonfinite) fmt::print("{}: {} pixels are not finite and left out\n", layer.layer, layer.metrics.nonfinite);
+  }
+  std::string higher;
+  for (const Metric& metric : metric_table()) {
+    if (!metric.lower_is_better) higher += (higher.empty() ? "" : ", ") + metric.name;
+  }
+  fmt::print("Less is better, more of {}. Exposure of PSNR, SSIM, LDR_FLIP: {} stops.{}\n", higher, arguments.exposure,
+             arguments.formulas ? "" : " What they mean: --formulas");
+}
+
+void print_reference(const ordered_json& reference) {
+  if (reference.is_null()) return;
+  for (const auto& [name, key] : {std::pair{"MSE", "mse"}, std::pair{"relMSE", "relmse"}}) {
+    fmt::print("The reference's own {} is {:.3g}; without it, that of the image is {:.6g}{}\n", name,
+               reference[std::string("own_") + key].get<double>(), reference[std::string("debiased_") + key].get<double>(),
+               reference[std::string(key) + "_resolved"].get<bool>() ? "." : ": the reference is too noisy to tell (above a tenth).");
+  }
+}
+
+void print_formulas(const HdrFlipExposures& exposures) {
+  fmt::print("\nx: image under test, r: reference, mean: over pixels and channels.\n");
+  for (const Metric& metric : metric_table()) fmt::print("{:<15} {}\n", metric.name, metric.formula);
+  fmt::print("Exposures of HDR_FLIP: {} from {:.4f} to {:.4f} stops.\n", exposures.count, exposures.start, exposures.stop);
+}
+
+void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
+  if (arguments.max_relmse < 0) return;
+  if (whole.nonfinite > 0) {
+    throw_error(ErrorClass::check_failed, "{} pixels of {} are not finite", whole.nonfinite, arguments.test.string());
+  }
+  if (whole.relmse > arguments.max_relmse) {
+    throw_error(ErrorClass::check_failed, "relMSE {:.3g} is above {:.3g}", whole.relmse, arguments.max_relmse);
   }
 }
 
 int diff(const DiffArguments& arguments) {
-  if (!arguments.map.empty() && fs::exists(arguments.map) && !arguments.overwrite) {
-    throw_error(ErrorClass::usage, "{} exists; choose another --map or give --overwrite", arguments.map.string());
-  }
+  check_map_file(arguments);
   const Film test = read_image(arguments.test), reference = read_image(arguments.reference);
   if (test.width() != reference.width() || test.height() != reference.height()) {
     throw_error(ErrorClass::input, "{} is {}×{}, {} is {}×{}: images of different size cannot be compared",
                 arguments.test.string(), test.width(), test.height(), arguments.reference.string(), reference.width(),
                 reference.height());
   }
-  const ImageMetrics whole = compute_metrics(test.width(), test.height(), test.image(), reference.image(), arguments.exposure);
-  ordered_json layers = {{"image", metrics_json(whole)}};
-  for (const FilmLayer& layer : test.layers()) {
-    const FilmLayer* other = reference.find(layer.name);
-    if (!layer.additive || layer.name == "image" || !other || other->channels != layer.channels) continue;
-    layers[layer.name] = metrics_json(compute_metrics(test.width(), test.height(), layer.pixels, other->pixels, arguments.exposure));
-  }
-  if (!arguments.map.empty()) {
-    write_png(arguments.map, test.width(), test.height(), signed_error_map(test.image(), reference.image()));
-  }
+  const MetricReference prepared(test.width(), test.height(), reference.image(), {arguments.exposure});
+  const std::vector<LayerMetrics> layers = measure_layers(arguments, test, reference, prepared);
+  const ordered_json own = reference_json(reference, layers[0].metrics);
+  if (!arguments.map.empty()) write_map(arguments, test, reference.image(), prepared);
   if (arguments.json) {
-    ordered_json formulas;
-    for (const Metric& metric : metric_table()) formulas[metric.name] = metric.formula;
-    fmt::print("{}\n", ordered_json({{"formulas", formulas}, {"layers", layers}}).dump(2));
+    fmt::print("{}\n", diff_json(arguments, layers, prepared.hdr_exposures(), own).dump(2));
   } else {
-    print_table(layers);
+    print_table(arguments, layers);
+    print_reference(own);
+    if (arguments.formulas) print_formulas(prepared.hdr_exposures());
   }
-  if (arguments.max_relmse >= 0 && whole.nonfinite > 0) {
-    throw_error(ErrorClass::check_failed, "{} pixels of {} are not finite", whole.nonfinite, arguments.test.string());
-  }
-  if (arguments.max_relmse >= 0 && whole.relmse > arguments.max_relmse) {
-    throw_error(ErrorClass::check_failed, "relMSE {:.3g} is above {:.3g}", whole.relmse, arguments.max_relmse);
-  }
+  check_limit(arguments, layers[0].metrics);
   return 0;
 }
 
@@ -93,9 +188,13 @@ void add_diff_command(CLI::App& program, Action& action) {
   CLI::App& command = *program.add_subcommand("diff", "metrics of a test image against a reference image");
   command.add_option("test", arguments->test, "image under test")->required();
   command.add_option("reference", arguments->reference, "reference image")->required();
-  command.add_option("--map", arguments->map, "write the signed relative error as a .png");
+  command.add_option("--map", arguments->map, "write the error of every pixel: values as .exr, colours as .png");
+  command.add_option("--map-of", arguments->map_kind, "signed (relative luminance error), ldr_flip or hdr_flip")
+      ->check(CLI::IsMember({"signed", "ldr_flip", "hdr_flip"}))
+      ->capture_default_str();
   command.add_option("--max-relmse", arguments->max_relmse, "exit code 1 above this")->check(CLI::NonNegativeNumber);
-  command.add_option("--exposure", arguments->exposure, "for PSNR and SSIM [stops]");
+  command.add_option("--exposure", arguments->exposure, "of PSNR, SSIM and LDR_FLIP [stops]");
+  command.add_flag("--formulas", arguments->formulas, "print what every metric means");
   command.add_flag("--json", arguments->json, "print JSON");
   command.add_flag("--overwrite", arguments->overwrite, "replace an existing --map");
   command.callback([arguments, &action] { action = [arguments] { return diff(*arguments); }; });

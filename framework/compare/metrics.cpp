@@ -7,17 +7,13 @@
 #include <strings.h>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/srgb.h"
 #include "lucarium/compare/ssim.h"
 
 namespace lucarium {
 namespace {
 
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-
-double srgb(double linear) {
-  const double x = std::clamp(linear, 0.0, 1.0);
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-}
 
 /// An image as PSNR and SSIM see it. Values that are not finite are 0.
 struct Encoded {
@@ -29,7 +25,7 @@ Encoded encode(const std::vector<float>& rgb, float exposure_stops) {
   Encoded encoded;
   encoded.srgb.resize(rgb.size());
   std::transform(rgb.begin(), rgb.end(), encoded.srgb.begin(),
-                 [scale](float v) { return srgb(std::isfinite(v) ? v * scale : 0); });
+                 [scale](float v) { return std::isfinite(v) ? srgb_from_linear(std::clamp(v * scale, 0.0, 1.0)) : 0; });
   encoded.luminance.resize(rgb.size() / 3);
   for (size_t p = 0; p < encoded.luminance.size(); ++p) {
     const double* c = encoded.srgb.data() + 3 * p;
@@ -105,6 +101,11 @@ struct MetricReference::Prepared {
   SsimReference ssim;
   HdrFlipExposures exposures;
   std::vector<FlipReference> flip;  // LDR, HDR; empty when not asked for
+
+  std::vector<float> flip_map(size_t index, const std::vector<float>& test) const {
+    if (flip.empty()) throw_error(ErrorClass::internal, "this reference was prepared without FLIP");
+    return flip[index].error_map(test);
+  }
 };
 
 MetricReference::MetricReference(uint32_t width, uint32_t height, std::vector<float> reference,
@@ -132,6 +133,10 @@ MetricReference::MetricReference(uint32_t width, uint32_t height, std::vector<fl
 MetricReference::~MetricReference() = default;
 MetricReference::MetricReference(MetricReference&&) noexcept = default;
 MetricReference& MetricReference::operator=(MetricReference&&) noexcept = default;
+
+std::vector<float> MetricReference::ldr_flip_map(const std::vector<float>& test) const { return prepared_->flip_map(0, test); }
+
+std::vector<float> MetricReference::hdr_flip_map(const std::vector<float>& test) const { return prepared_->flip_map(1, test); }
 
 const HdrFlipExposures& MetricReference::hdr_exposures() const { return prepared_->exposures; }
 

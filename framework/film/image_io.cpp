@@ -12,6 +12,7 @@
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/srgb.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -63,9 +64,7 @@ void write_with_oiio(const fs::path& file, const OIIO::ImageSpec& spec, OIIO::Ty
 }
 
 uint8_t srgb_byte(float linear) {
-  const float x = std::clamp(linear, 0.f, 1.f);
-  const float encoded = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.f / 2.4f) - 0.055f;
-  return static_cast<uint8_t>(std::lround(255.f * encoded));
+  return static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(double{linear}, 0.0, 1.0))));
 }
 
 std::vector<uint8_t> tone_map(const std::vector<float>& rgb, float exposure_stops) {
@@ -90,6 +89,14 @@ std::pair<std::string, std::string> split_channel(const std::string& name) {
 
 bool is_additive(const std::string& list, const std::string& layer) {
   return ("," + list + ",").find("," + layer + ",") != std::string::npos;
+}
+
+/// Makes all channels but alpha linear.
+void decode_srgb(const OIIO::ImageSpec& spec, std::vector<float>& pixels) {
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    if (static_cast<int>(i % static_cast<size_t>(spec.nchannels)) == spec.alpha_channel) continue;
+    pixels[i] = static_cast<float>(linear_from_srgb(pixels[i]));
+  }
 }
 
 /// Distributes interleaved channels onto layers. Without named layers the first three channels are the image.
@@ -170,6 +177,7 @@ Film read_image(const fs::path& file) {
   if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data())) {
     throw_error(ErrorClass::input, "{}: damaged image: {}", file.string(), in->geterror());
   }
+  if (spec.get_string_attribute("oiio:ColorSpace") == "sRGB") decode_srgb(spec, pixels);
   Film film(static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height));
   fill_layers(film, spec, pixels);
   for (const OIIO::ParamValue& attribute : spec.extra_attribs) {

@@ -25,7 +25,8 @@ void write_png(const std::filesystem::path& file, uint32_t width, uint32_t heigh
 /// PNG bytes in memory (for reports).
 std::string encode_png(uint32_t width, uint32_t height, const std::vector<float>& rgb, float exposure_stops = 0);
 
-/// Reads EXR (layers and metadata restored), HDR, or any image OpenImageIO reads (one additive layer "image").
+/// Reads EXR (layers and metadata restored), HDR, or any image OpenImageIO reads (one additive layer "image"; values that
+/// the file says are sRGB, as those of PNG and JPEG files, become linear).
 Film read_image(const std::filesystem::path& file);
 
 }  // namespace lucarium

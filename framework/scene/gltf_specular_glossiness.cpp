@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lucarium/base/srgb.h"
 #include "lucarium/scene/texture_sampling.h"
 
 namespace lucarium::gltf {
@@ -44,9 +45,7 @@ glm::vec3 color_or_white(const tinygltf::Value& object, const char* key) {
 }
 
 uint8_t to_byte(float linear) { return static_cast<uint8_t>(std::lround(std::clamp(linear, 0.f, 1.f) * 255.f)); }
-uint8_t to_srgb_byte(float x) {
-  return to_byte(x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.f / 2.4f) - 0.055f);
-}
+uint8_t to_srgb_byte(float linear) { return to_byte(static_cast<float>(srgb_from_linear(linear))); }
 
 /// Appends an image as a texture that is sampled like `model`.
 int add_texture(Scene& scene, Image image, const SceneTexture& model, bool srgb) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lucarium/base/srgb.h"
+
 namespace lucarium {
 
 namespace {
@@ -21,8 +23,7 @@ const std::array<float, 256>& srgb_to_linear_table() {
   static const std::array<float, 256> table = [] {
     std::array<float, 256> values{};
     for (int i = 0; i < 256; ++i) {
-      const double s = i / 255.0;
-      values[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+      values[i] = static_cast<float>(linear_from_srgb(i / 255.0));
     }
     return values;
   }();

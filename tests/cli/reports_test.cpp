@@ -87,12 +87,59 @@ TEST_CASE("diff gives the metrics of two images per layer, and fails above a lim
     CHECK(values["layers"][layer]["relMSE"].get<double>() == doctest::Approx(0.01 / (0.25 * 1.01)));
   }
   CHECK(values["layers"]["image"]["SSIM"].get<double>() < 1);
-  CHECK(values["formulas"].contains("relMSE"));
+  CHECK(values["metrics"]["relMSE"]["lower_is_better"] == true);
+  CHECK(values["metrics"]["PSNR"]["unit"] == "dB");
+  CHECK(values["hdr_flip_exposures"]["count"] == 2);
+  CHECK(values["reference"].is_null());
   CHECK(contains(run_lucarium("diff " + b + " " + a).out, "relMSE"));
+  CHECK(contains(run_lucarium("diff " + b + " " + a + " --formulas").out, "mean((x-r)^2 / (r^2 + 0.01 Y^2))"));
   CHECK(json::parse(run_lucarium("diff " + a + " " + a + " --json").out)["layers"]["image"]["PSNR"] == "infinite");
   CHECK(run_lucarium("diff " + b + " " + a + " --max-relmse 0.04 --json").exit_code == 0);
   const ProgramResult above = run_lucarium("diff " + b + " " + a + " --max-relmse 0.03 --json");
   CHECK(above.exit_code == 1);
   CHECK(contains(above.err, "relMSE 0.0396 is above 0.03"));
   check_refused("diff " + a + " " + wide, 3, "different size");
+}
+
+TEST_CASE("diff writes maps of the error, as values and as colours") {
+  const TemporaryFolder folder;
+  const std::string a = write_grey(folder, "a.exr", 16, 0.5f), b = write_grey(folder, "b.exr", 16, 0.6f);
+  const std::string map = (folder.path() / "map.exr").string(), picture = (folder.path() / "map.png").string();
+  REQUIRE(run_lucarium("diff " + b + " " + a + " --map " + map).exit_code == 0);
+  CHECK(read_image(map).image()[0] == doctest::Approx(0.1 / (0.5 + 0.005)));
+  check_refused("diff " + b + " " + a + " --map " + map, 2, "exists");
+  check_refused("diff " + b + " " + a + " --map map.jpg", 2, ".exr or .png");
+  check_refused("diff " + b + " " + a + " --map " + map + " --map-of flop", 2, "--map-of");
+
+  const ProgramResult result = run_lucarium("diff " + b + " " + a + " --json --overwrite --map-of ldr_flip --map " + map);
+  REQUIRE(result.exit_code == 0);
+  const double flip = json::parse(result.out)["layers"]["image"]["LDR_FLIP"].get<double>();
+  CHECK(flip == doctest::Approx(0.19621).epsilon(1e-4));
+  CHECK(read_image(map).image()[0] == doctest::Approx(flip).epsilon(1e-5));
+
+  REQUIRE(run_lucarium("diff " + b + " " + a + " --map-of hdr_flip --map " + picture).exit_code == 0);
+  CHECK(read_image(picture).width() == 16);
+}
+
+TEST_CASE("diff subtracts the reference's own error, and says when that is too large") {
+  const TemporaryFolder folder;
+  const std::string image = write_grey(folder, "image.exr", 16, 0.6f);
+  // Halves .5 ± .1: own MSE .04/4
+  Film film(16, 12);
+  const std::pair<const char*, float> layers[] = {{"direct", .5f}, {"HalfA", .4f}, {"HalfB", .6f}};
+  for (const auto& [name, value] : layers) {
+    FilmLayer& layer = film.layer(name, {"R", "G", "B"}, std::string(name) == "direct");
+    std::fill(layer.pixels.begin(), layer.pixels.end(), value);
+  }
+  film.metadata = {{"half_a_samples", "4"}, {"half_b_samples", "4"}, {"rounds", "2"}};
+  const std::string reference = (folder.path() / "reference.exr").string();
+  write_exr(reference, film);
+  const ProgramResult result = run_lucarium("diff " + image + " " + reference + " --json");
+  CAPTURE(result.err);
+  REQUIRE(result.exit_code == 0);
+  const json own = json::parse(result.out)["reference"];
+  CHECK(own["own_mse"].get<double>() == doctest::Approx(0.01).epsilon(1e-5));
+  CHECK(own["debiased_mse"].get<double>() == doctest::Approx(0).epsilon(1e-6));
+  CHECK(own["mse_resolved"] == false);
+  CHECK(contains(run_lucarium("diff " + image + " " + reference).out, "too noisy"));
 }
