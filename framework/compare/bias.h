@@ -31,7 +31,7 @@ struct BiasAndVariance {
   double variance = 0;       ///< of one image: what is left of it at k times the samples is 1/k
   double error_of_mean = 0;  ///< of the mean over the seeds, as measured: bias² + variance/S + reference's own
   double bias2 = 0;          ///< error_of_mean − variance/S − reference's own; may be below 0 by chance
-  double bias2_error = 0;    ///< standard error of bias2, by the jackknife over seeds; NaN for fewer than 3
+  double bias2_error = 0;    ///< standard error of bias2, by the jackknife over seeds (cautious: docs/metrics.md); NaN below 3
   /// √(error_of_mean / (variance/S + reference's own)): error of the mean in units of its standard error. About 1
   /// without bias; infinite for an image that is wrong and does not vary; 0 for one that is right and does not.
   double standard_errors = 0;
