@@ -3,30 +3,26 @@
 # they include each other ("lucarium/bsdf.clh", "path_tracing/shade.cl"), and are installed under
 # share/lucarium/kernels by the same names.
 
+# The virtual names as a folder of links: what clang checks against, and a root for LUCARIUM_KERNEL_PATH.
 set(LUCARIUM_KERNEL_TREE ${CMAKE_BINARY_DIR}/kernel_tree)
 set(LUCARIUM_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels.cmake)
-set_property(GLOBAL PROPERTY LUCARIUM_KERNEL_ROOTS ${LUCARIUM_KERNEL_TREE})
+set_property(GLOBAL PROPERTY LUCARIUM_KERNEL_ROOTS ${LUCARIUM_KERNEL_TREE} ${LUCARIUM_INSTALLED_KERNELS})
 find_program(LUCARIUM_CLANG NAMES clang clang-14 clang-15 clang-16)
 
-# lucarium_embed_kernels(TARGET target FUNCTION name PREFIX virtual_prefix BASE dir [FILES file...])
+# lucarium_embed_kernels(TARGET target FUNCTION name ROOTS prefix=dir... [INSTALL])
 #
-# Generates `const lucarium::EmbeddedSources& FUNCTION()` from FILES (paths below BASE; by default every
-# .cl, .clh and .h under BASE that is OpenCL) and adds it to TARGET. May be called several times per target
-# with different PREFIX and BASE; the list is derived from the folders, never kept by hand.
+# Generates `const lucarium::EmbeddedSources& FUNCTION()` from every dir/*.cl, dir/*.clh and dir/shared/*.h, under the
+# virtual names prefix/…, and adds it to TARGET. The list is derived from the folders, never kept by hand. With INSTALL
+# the files are installed too.
 function(lucarium_embed_kernels)
-  cmake_parse_arguments(A "" "TARGET;FUNCTION" "ROOTS" ${ARGN})
-  # ROOTS: pairs "prefix=directory"
+  cmake_parse_arguments(A "INSTALL" "TARGET;FUNCTION" "ROOTS" ${ARGN})
   set(manifest "")
   set(sources "")
   foreach(root IN LISTS A_ROOTS)
     string(REGEX MATCH "^([^=]*)=(.*)$" _ "${root}")
     set(prefix ${CMAKE_MATCH_1})
     set(dir ${CMAKE_MATCH_2})
-    file(GLOB_RECURSE files CONFIGURE_DEPENDS RELATIVE ${dir} ${dir}/*.cl ${dir}/*.clh)
-    if(EXISTS ${dir}/shared)
-      file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${dir} ${dir}/shared/*.h)
-      list(APPEND files ${headers})
-    endif()
+    file(GLOB files CONFIGURE_DEPENDS RELATIVE ${dir} ${dir}/*.cl ${dir}/*.clh ${dir}/shared/*.h)
     foreach(file IN LISTS files)
       set(virtual ${prefix}/${file})
       string(APPEND manifest "${virtual}|${dir}/${file}\n")
@@ -34,7 +30,9 @@ function(lucarium_embed_kernels)
       cmake_path(GET virtual PARENT_PATH parent)
       file(MAKE_DIRECTORY ${LUCARIUM_KERNEL_TREE}/${parent})
       file(CREATE_LINK ${dir}/${file} ${LUCARIUM_KERNEL_TREE}/${virtual} SYMBOLIC)
-      install(FILES ${dir}/${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/lucarium/kernels/${parent})
+      if(A_INSTALL)
+        install(FILES ${dir}/${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/lucarium/kernels/${parent})
+      endif()
       if(LUCARIUM_CHECK_KERNELS AND LUCARIUM_CLANG AND file MATCHES "\\.cl$")
         string(MAKE_C_IDENTIFIER "${virtual}" stem)
         set(stamp ${CMAKE_CURRENT_BINARY_DIR}/kernel_checks/${stem}.ok)

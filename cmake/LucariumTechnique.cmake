@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
 # lucarium_add_technique(NAME SOURCES file...)
 #
-# Builds the plug-in `lucarium_NAME` (a shared library in lib/lucarium/techniques) from C++ SOURCES and every
-# .cl/.clh file beside them, embedded under the virtual prefix NAME/. The plug-in's C++ gets the sources from
-# `const lucarium::EmbeddedSources& NAME_kernels()`.
+# Builds the plug-in `lucarium_NAME` (a shared library in lib/lucarium/techniques of the build folder) from C++ SOURCES
+# and every .cl, .clh and shared/*.h file beside the CMakeLists.txt, embedded under the virtual prefix NAME/. The plug-in's
+# C++ gets the sources from `const lucarium::EmbeddedSources& NAME_kernels()` and may include "NAME/shared/x.h".
+# The same call works inside this repository and, after find_package(Lucarium), outside of it.
 function(lucarium_add_technique NAME)
+  if(NOT NAME MATCHES "^[a-z][a-z0-9_]*$")
+    message(FATAL_ERROR "lucarium_add_technique: '${NAME}' is not a name of a-z, 0-9 and _ that begins with a letter")
+  endif()
   cmake_parse_arguments(A "" "" "SOURCES" ${ARGN})
   add_library(lucarium_${NAME} MODULE ${A_SOURCES})
-  lucarium_embed_kernels(TARGET lucarium_${NAME} FUNCTION ${NAME}_kernels
+  lucarium_embed_kernels(TARGET lucarium_${NAME} FUNCTION ${NAME}_kernels INSTALL
     ROOTS ${NAME}=${CMAKE_CURRENT_SOURCE_DIR})
+  target_include_directories(lucarium_${NAME} PRIVATE ${LUCARIUM_KERNEL_TREE})
   target_link_libraries(lucarium_${NAME} PRIVATE Lucarium::framework)
   if(TARGET lucarium_build_flags)
     target_link_libraries(lucarium_${NAME} PRIVATE $<BUILD_INTERFACE:lucarium_build_flags>)
   endif()
   set_target_properties(lucarium_${NAME} PROPERTIES
-    PREFIX "" OUTPUT_NAME ${NAME}
+    PREFIX "" OUTPUT_NAME ${NAME} CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    INSTALL_RPATH "$ORIGIN/../.."
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/lucarium/techniques)
   install(TARGETS lucarium_${NAME} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lucarium/techniques)
 endfunction()

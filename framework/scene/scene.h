@@ -217,6 +217,7 @@ struct SceneChange {
   bool environment = false;
   double time = 0;
   bool geometry() const { return topology || !moved_instances.empty() || !deformed_instances.empty(); }
+  bool only_camera() const { return camera && !geometry() && materials.empty() && !lights && !environment; }
   bool any() const { return geometry() || camera || !materials.empty() || lights || environment; }
 };
 

@@ -21,6 +21,13 @@ struct PathSet {
   double indirect_clamp = 0;     ///< upper bound of one sample's indirect contribution [cd/m²]; 0: none
 
   bool operator==(const PathSet&) const = default;
+  /// Of a technique whose image is not light (occlusion, depth): nothing to compare with a reference.
+  static PathSet no_light_transport() {
+    PathSet set;
+    set.emission = set.direct = set.indirect = false;
+    return set;
+  }
+  bool light_transport() const { return emission || direct || indirect; }
   /// Canonical text, also the form in which it is recorded and passed to the reference ("max_bounces=2,…").
   std::string to_string() const;
   /// Inverse of to_string(); throws Error{usage} naming the unknown key.

@@ -27,6 +27,12 @@ struct RenderSettings {
   SceneCamera camera;
 };
 
+/// The 32 bits of a seed that kernels get.
+inline uint32_t kernel_seed(uint64_t seed) { return static_cast<uint32_t>(seed ^ (seed >> 32)); }
+
+/// The settings as kernels see them: camera for the image's aspect, size, pixel sampling, seed, bounces.
+Frame make_frame(const RenderSettings& settings);
+
 /// What a technique works with. All references outlive the technique.
 struct TechniqueContext {
   std::shared_ptr<Device> device;

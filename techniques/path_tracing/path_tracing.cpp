@@ -133,10 +133,8 @@ class PathTracing : public Technique {
   }
 
   void update(const SceneChange& change) override {
-    const bool only_camera = change.camera && !change.geometry() && change.materials.empty() && !change.lights &&
-                             !change.environment;
-    if (only_camera)
-      integrator_->set_frame(make_frame());
+    if (change.only_camera())
+      integrator_->set_frame(make_frame(context_->settings));
     else if (change.any())
       make_integrator();
   }
@@ -161,23 +159,12 @@ class PathTracing : public Technique {
   std::map<std::string, double> counters() const override { return integrator_->counters(); }
 
  private:
-  Frame make_frame() const {
-    const RenderSettings& settings = context_->settings;
-    Frame frame{};
-    frame.camera = make_camera(settings.camera, static_cast<float>(settings.width) / static_cast<float>(settings.height));
-    frame.width = settings.width;
-    frame.height = settings.height;
-    frame.pixel_sampling = settings.pixel_sampling;
-    frame.max_bounces = settings.max_bounces;
-    return frame;
-  }
-
   void make_integrator() {
     integrator_.reset();  // its memory first
     PathIntegratorOptions options = parameters_.options;
     options.path_set = path_set(context_->scene, context_->settings);
     integrator_ = std::make_unique<PathIntegrator>(*context_->device, context_->scheduler, context_->scene_buffers,
-                                                   context_->bvh(), make_frame(), options, "path_tracing");
+                                                   context_->bvh(), make_frame(context_->settings), options, "path_tracing");
     integrator_->reset(seed_);
   }
 

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// One ray per pixel over the hemisphere of what the pixel sees, and the sum of those that met nothing.
+#include "lucarium/scene.clh"
+#include "lucarium/shared/gbuffer.h"
+#include "lucarium/sobol.clh"
+#include "lucarium/surface.clh"
+#include "lucarium/warp.clh"
+
+// Apart from all other uses of the same seed.
+#define OCCLUSION_STREAM 0x616f6363u
+
+// rays: of length `reach` [m]; inactive where the pixel sees no surface.
+__kernel void generate_occlusion_rays(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
+                                      const uint count, const uint sample_index, const uint seed, const float reach,
+                                      __global Ray* restrict rays) {
+  const uint i = (uint)get_global_id(0);
+  if (i >= count) return;
+  rays[i].origin = (float4)(0.0f);
+  rays[i].direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
+  const GBufferPoint point = points[i];
+  if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
+
+  // Choose a direction with density cos/pi about the geometric normal.
+  const Sampler sampler = make_sampler(i, OCCLUSION_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
+  const Basis basis = make_basis(point.normal.xyz);
+  const float3 direction = to_world(&basis, sample_cosine_hemisphere(sample_direction_dimensions(&sampler, 0u).direction));
+
+  // Leave the triangle without meeting it again.
+  LUCARIUM_SCENE_BIND(scene);
+  Hit hit;
+  hit.distance = point.position.w;
+  hit.triangle = point.triangle;
+  hit.u = point.u;
+  hit.v = point.v;
+  const Surface surface = make_surface(&scene, hit, -point.view.xyz, 0u);
+  rays[i] = make_ray(&surface, direction, make_ray_seed(hash_uint2(sampler.seed, sample_index)));
+  rays[i].direction.w = reach;
+}
+
+// open: running sum per pixel. A pixel without a surface is open.
+__kernel void add_open_rays(const uint count, __global const uint* restrict occluded, __global float* restrict open) {
+  const uint i = (uint)get_global_id(0);
+  if (i < count && !occluded[i]) open[i] += 1.0f;
+}
