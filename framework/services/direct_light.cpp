@@ -150,6 +150,10 @@ DirectLight::DirectLight(Device& device, KernelScheduler& scheduler, const Scene
 
 DirectLight::~DirectLight() = default;
 
+size_t DirectLight::estimate_bytes(size_t points) {
+  return points * (2 * sizeof(Ray) + 2 * sizeof(float4) + sizeof(uint32_t) + sizeof(Hit));  // the transients, unshared
+}
+
 bool DirectLight::accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,
                                       uint32_t sample_index, uint32_t seed) {
   if (radiance.count() < points.count()) throw Error(ErrorClass::internal, "DirectLight: fewer sums than points");

@@ -30,6 +30,8 @@ class DirectLight {
   /// Compiles what the same call will launch.
   void warm_up(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance);
   void warm_up(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance);
+  /// Device memory of one pair of buffers, without them [bytes].
+  static size_t estimate_bytes(size_t points);
 
  private:
   struct State;

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DBUILD=… -DPROJECT=… [-DTECHNIQUE=…] -DGENERATOR=… -DCOMPILER=… -DBUILD_TYPE=… -P build_outside.cmake
-# Installs BUILD, copies PROJECT, builds and tests the copy, and renders with TECHNIQUE; all in a fresh temporary folder.
+# cmake -DBUILD=… [-DPROJECT=…] [-DTECHNIQUE=…] -DGENERATOR=… -DCOMPILER=… -DBUILD_TYPE=… -P build_outside.cmake
+# Installs BUILD, copies PROJECT (or has the installed program write a new technique), builds and tests the copy, and
+# renders with TECHNIQUE; all in a fresh temporary folder.
 cmake_minimum_required(VERSION 3.25)
 
 execute_process(COMMAND mktemp -d -t lucarium-sdk-XXXXXX OUTPUT_VARIABLE folder OUTPUT_STRIP_TRAILING_WHITESPACE

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium new-technique: what it writes and what it refuses. That the result builds, runs and passes its tests is the
+// subject of sdk/new_technique.
+#include <fstream>
+#include <sstream>
+
+#include "cli_support.h"
+
+using namespace lucarium::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("a new technique is a folder that names itself everywhere and says what to do next") {
+  const TemporaryFolder folder;
+  const fs::path target = folder.path() / "fresh";
+  const ProgramResult result = run_lucarium("new-technique light_soup --output " + target.string());
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.out, "cmake -S " + target.string()));
+  CHECK(contains(result.out, "-t light_soup"));
+  for (const char* name : {"CMakeLists.txt", "README.md", "light_soup.cpp", "test_light_soup.cpp", "add_emission.cl"}) {
+    CAPTURE(name);
+    REQUIRE(fs::exists(target / name));
+    CHECK_FALSE(contains(text_of(target / name), "my_technique"));
+  }
+  CHECK(contains(text_of(target / "light_soup.cpp"), "info.name = \"light_soup\""));
+  CHECK(count_files(target) == 5);
+}
+
+TEST_CASE("bad names, names that are taken and folders that exist are refused, and nothing is written") {
+  const TemporaryFolder folder;
+  const std::string there = " --output " + (folder.path() / "fresh").string();
+  check_refused("new-technique", 2, "name is required");
+  check_refused("new-technique LightSoup" + there, 2, "a-z, 0-9 and _");
+  check_refused("new-technique 2fast" + there, 2, "a letter first");
+  check_refused("new-technique ../escape" + there, 2, "no name for a technique");
+  check_refused("new-technique " + std::string(65, 'a') + there, 2, "at most 64");
+  check_refused("new-technique lucarium" + there, 2, "framework's own");
+  check_refused("new-technique path_tracing" + there, 2, "is there already");
+  check_refused("new-technique fine --output " + folder.path().string(), 2, "exists");
+  check_refused("new-technique fine --output /proc/fine", 3, "/proc/fine");
+  CHECK(count_files(folder.path()) == 0);
+}
