@@ -80,6 +80,24 @@ TEST_CASE("direct light: flux of a spot of 20 and 30 degrees is 0.533211 sr time
   table.check(5e-4);
 }
 
+TEST_CASE("direct light: a spot inside its cone, on its ramp and beyond, E = I f(theta) cos(theta)^3 / h^2") {
+  const auto radians = [](double degrees) { return degrees * M_PI / 180; };
+  Scene scene = floor_scene(0.5f);
+  add_light(scene, LightType::spot, 100, {0, 1, 0}, {0, 0, 0});
+  scene.lights[0].inner_angle = static_cast<float>(radians(20));
+  scene.lights[0].outer_angle = static_cast<float>(radians(30));
+  ClosedForms table;
+  for (const double degrees : {0., 15., 19., 22., 25., 28., 31.}) {
+    const double cosine = std::cos(radians(degrees));
+    const double ramp = (cosine - std::cos(radians(30))) / (std::cos(radians(20)) - std::cos(radians(30)));
+    const double falloff = std::pow(std::clamp(ramp, 0., 1.), 2);
+    table.add(std::to_string(degrees) + " degrees",
+              estimate(scene, patch(static_cast<float>(std::tan(radians(degrees))), 0), direct_only(), effort()),
+              0.5 / M_PI * 100 * falloff * cosine * cosine * cosine);
+  }
+  table.check(5e-4);
+}
+
 TEST_CASE("direct light: a unit-square light at height 1, by every estimator") {
   ClosedForms table;
   const std::tuple<float, float, double> rows[] = {{0.f, 0.f, .752275}, {.5f, .5f, .435210}, {2.f, 0.f, .0437426}};
@@ -112,25 +130,46 @@ TEST_CASE("direct light: a tilted pentagon, by every estimator (Lambert's formul
     if (estimator == PathEstimator::bsdf_only) more.samples_per_replicate *= 4;
     table.add(name, estimate(scene, patch(.2f, .1f), direct_only(estimator), more), exact * 5 * 0.8 / M_PI);
   }
+  // A sliver that stands close to the floor.
+  const std::vector<glm::vec3> sliver = {{.5f, .15f, -1}, {.6f, 1.5f, -.7f}, {.4f, .2f, 1.2f}};
+  Scene scene = floor_scene(0.8f);
+  SceneMaterial light = emitter(5);
+  light.double_sided = true;
+  add_polygon(scene, sliver, add_material(scene, light));
+  table.add("sliver", estimate(scene, patch(-.1f, 0), direct_only(), effort()),
+            polygon_irradiance(sliver, {-.1, 0, 0}, {0, 1, 0}) * 5 * 0.8 / M_PI);
   table.check(full_run() ? 5e-4 : 2e-3);
 }
 
-TEST_CASE("direct light: a sphere of radius 0.5 at distance 2, E = pi L (r/d)^2, tessellation summed exactly") {
-  const std::vector<glm::vec3> sphere = sphere_triangles({0, 2, 0}, 0.5f, 4, false);
-  double exact = 0;
-  for (size_t i = 0; i < sphere.size(); i += 3) {
-    const glm::dvec3 a = sphere[i], b = sphere[i + 1], c = sphere[i + 2];
-    if (glm::dot(glm::cross(b - a, c - a), -a) > 0) exact += polygon_irradiance({sphere[i], sphere[i + 1], sphere[i + 2]}, {0, 0, 0}, {0, 1, 0});
-  }
-  CHECK(exact == doctest::Approx(0.196350).epsilon(0.01));
-  ClosedForms table;
-  for (const auto& [name, estimator] : kEstimators) {
+TEST_CASE("direct light: a sphere, E = pi L (r/d)^2 cos(theta), tessellation summed exactly") {
+  const auto sphere_at = [](double cosine) {
+    const double sine = std::sqrt(1 - cosine * cosine);
+    return sphere_triangles({static_cast<float>(2 * sine), static_cast<float>(2 * cosine), 0}, 0.5f, 4, false);
+  };
+  const auto render = [&](double cosine, PathEstimator estimator) {
     Scene scene = floor_scene(0.5f);
-    add_triangles(scene, sphere, add_material(scene, emitter(10)));
+    add_triangles(scene, sphere_at(cosine), add_material(scene, emitter(10)));
     Effort more = effort();
     more.samples_per_replicate *= 4;
-    table.add(name, estimate(scene, patch(0, 0), direct_only(estimator), more), exact * 10 * 0.5 / M_PI);
-  }
+    return estimate(scene, patch(0, 0), direct_only(estimator), more);
+  };
+  const auto irradiance = [&](double cosine) {
+    const std::vector<glm::vec3> sphere = sphere_at(cosine);
+    double sum = 0;
+    for (size_t i = 0; i < sphere.size(); i += 3) {
+      const glm::dvec3 a = sphere[i], b = sphere[i + 1], c = sphere[i + 2];
+      if (glm::dot(glm::cross(b - a, c - a), -a) > 0)
+        sum += polygon_irradiance({sphere[i], sphere[i + 1], sphere[i + 2]}, {0, 0, 0}, {0, 1, 0});
+    }
+    CHECK(sum == doctest::Approx(0.196350 * cosine).epsilon(0.01));
+    return sum;
+  };
+  ClosedForms table;
+  for (const auto& [name, estimator] : kEstimators)
+    table.add(name, render(1, estimator), irradiance(1) * 10 * 0.5 / M_PI);
+  // The whole sphere is above the horizon.
+  for (const double cosine : {0.8, 0.5, 0.3})
+    table.add("cos " + std::to_string(cosine), render(cosine, PathEstimator::mis), irradiance(cosine) * 10 * 0.5 / M_PI);
   table.check(full_run() ? 5e-4 : 4e-3);
 }
 

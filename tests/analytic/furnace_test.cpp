@@ -76,6 +76,21 @@ TEST_CASE("furnace: a white conductor has the specular albedo E1") {
   table.check(full_run() ? 5e-4 : 1e-3);
 }
 
+TEST_CASE("furnace: a conductor without colour has the specular albedo B") {
+  // F0 = 0: the rows of B alone, which a dielectric shows only beside larger terms.
+  ClosedForms table;
+  for (const AlbedoRow& row : kB)
+    for (int i = 0; i < 6; ++i) {
+      SceneMaterial metal;
+      metal.base_color = glm::vec4(0, 0, 0, 1);
+      metal.roughness = row.roughness;
+      table.add("r = " + std::to_string(row.roughness) + ", cos = " + std::to_string(kCosines[i]),
+                estimate(plane_in_furnace(metal), tilted(kCosines[i]), direct_only(), effort()), row.by_cosine[i],
+                kRoundingOfTables);
+    }
+  table.check(full_run() ? 5e-4 : 4e-3);
+}
+
 TEST_CASE("furnace: E1 at normal incidence and roughness 1 is 1 - ln 2") {
   SceneMaterial metal;
   metal.roughness = 1;
