@@ -76,22 +76,6 @@ SceneOverrides SceneArguments::resolved() const {
 
 Scene SceneArguments::load(const std::string& source) const { return load_scene(source, resolved(), import); }
 
-std::vector<std::string> SceneArguments::words() const {
-  std::vector<std::string> list;
-  // "=" keeps values that begin with a minus sign from being read as options.
-  const auto add = [&list](const char* option, const std::string& value) { list.push_back(fmt::format("{}={}", option, value)); };
-  if (overrides.camera) add("--camera", *overrides.camera);
-  if (overrides.environment) add("--environment", *overrides.environment);
-  for (const std::string& light : overrides.lights) add("--light", light);
-  if (overrides.exposure) add("--exposure", fmt::format("{}", *overrides.exposure));
-  for (const std::string& material : overrides.materials) add("--material", material);
-  if (overrides.at_seconds) add("--at", fmt::format("{}", *overrides.at_seconds));
-  if (overrides.animation) add("--animation", *overrides.animation);
-  if (no_sidecar) list.push_back("--no-sidecar");
-  if (import.max_texture_size != ImportOptions().max_texture_size) add("--texture-size", std::to_string(import.max_texture_size));
-  return list;
-}
-
 void ImageArguments::add_to(CLI::App& command, bool with_seed) {
   command.add_option("--size", size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--max-bounces", max_bounces, "indirect bounces; 0: direct light only, -1: unlimited")

@@ -35,7 +35,6 @@ struct SceneArguments {
   void add_to(CLI::App& command);
   Scene load(const std::string& source) const;
   SceneOverrides resolved() const;
-  std::vector<std::string> words() const;
 };
 
 /// --size, --max-bounces, --pixel-sampling, --seed

@@ -2,9 +2,11 @@
 // lucarium render: one technique, one scene, one or several pictures.
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "curve_recorder.h"
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
@@ -34,7 +36,10 @@ struct RenderArguments {
   OutputArguments output;
   std::vector<fs::path> files;
   uint64_t samples = 0, iterations = 0;
-  double seconds = 0, iterate_seconds = 0;
+  double seconds = 0, compute_seconds = 0;
+  fs::path reference;
+  bool curve = false;
+  double until_relmse = 0;
   std::string frames;
   double frames_per_second = 24;
   bool overwrite = false, half = false;
@@ -104,7 +109,21 @@ void write_profile(const RenderArguments& arguments, RenderSession& session) {
   }
 }
 
-ordered_json summary_json(RenderSession& session, const Film& film, bool partial, double total_seconds,
+/// Where the time went, longest first.
+ordered_json passes_json(RenderSession& session) {
+  session.scheduler().finish();
+  std::vector<PassProfile> passes = session.scheduler().profile().passes;
+  std::stable_sort(passes.begin(), passes.end(),
+                   [](const PassProfile& a, const PassProfile& b) { return a.device_seconds > b.device_seconds; });
+  ordered_json json = ordered_json::array();
+  for (const PassProfile& pass : passes) {
+    if (pass.count == 0) continue;
+    json.push_back({{"schedule", pass.schedule}, {"name", pass.name}, {"device_seconds", pass.device_seconds}, {"count", pass.count}});
+  }
+  return json;
+}
+
+ordered_json summary_json(RenderSession& session, const Film& film, bool partial, double load_seconds, double total_seconds,
                           const std::vector<fs::path>& files) {
   const MemoryAccount& memory = session.scheduler().device().memory();
   const RenderSession::Clocks& clocks = session.clocks();
@@ -119,11 +138,12 @@ ordered_json summary_json(RenderSession& session, const Film& film, bool partial
   json["partial"] = partial;
   json["converged"] = session.last().converged;
   json["seconds"] = total_seconds;
-  json["clocks"] = {{"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
+  json["clocks"] = {{"load_seconds", load_seconds},        {"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
                     {"compile_seconds", clocks.compile}, {"prepare_seconds", clocks.prepare},
                     {"warm_up_seconds", clocks.warm_up}, {"iterate_seconds", clocks.iterate}};
   json["device_memory_bytes"] = memory.by_owner();
   json["peak_device_memory_bytes"] = memory.peak_bytes();
+  json["passes"] = passes_json(session);
   json["counters"] = session.technique().counters();
   json["limitations"] = session.limitations();
   json["warnings"] = session.scene().warnings;
@@ -132,15 +152,26 @@ ordered_json summary_json(RenderSession& session, const Film& film, bool partial
   return json;
 }
 
-/// Renders within the budget; returns whether it was interrupted.
-bool render_within_budget(const RenderArguments& arguments, RenderSession& session,
-                          std::chrono::steady_clock::time_point start) {
-  RenderBudget budget{arguments.iterate_seconds, arguments.iterations, arguments.samples};
+/// The budget of the arguments, at `start` of the program for --time.
+RenderBudget budget_of(const RenderArguments& arguments, RenderSession& session, std::chrono::steady_clock::time_point start) {
+  constexpr double no_time = 1e-9;  // 0 would be no limit
+  RenderBudget budget{0, arguments.iterations, arguments.samples};
+  if (arguments.compute_seconds > 0) {
+    budget.seconds = std::max(no_time, arguments.compute_seconds - counted_seconds(session.clocks()));
+  }
   if (arguments.seconds > 0) {
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    budget.seconds = std::max(1e-9, arguments.seconds - spent);
+    const double left = std::max(no_time, arguments.seconds - spent);
+    budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
   }
   if (budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0) budget.samples = default_samples;
+  return budget;
+}
+
+/// Renders within the budget; returns whether it was interrupted.
+bool render_within_budget(const RenderArguments& arguments, RenderSession& session, CurveRecorder* curve,
+                          std::chrono::steady_clock::time_point start) {
+  const RenderBudget budget = budget_of(arguments, session, start);
   Progress progress("rendering", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
   const double before = session.clocks().iterate;
   return session.run(budget, [&](const IterationResult& now) {
@@ -154,23 +185,29 @@ bool render_within_budget(const RenderArguments& arguments, RenderSession& sessi
     const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
                         std::max(1e-9, seconds);
     progress.update(fraction, fmt::format("{} samples per pixel, {:.2f} Msamples/s", now.samples, rate));
+    const std::optional<double> error = curve ? curve->sample(session) : std::nullopt;
+    return !(error && arguments.until_relmse > 0 && *error <= arguments.until_relmse);
   });
 }
 
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
 bool render_frames(const RenderArguments& arguments, RenderSession& session, const std::vector<std::vector<fs::path>>& outputs,
-                   const std::optional<FrameRange>& frames, std::chrono::steady_clock::time_point start,
-                   ordered_json& summaries) {
+                   const std::optional<FrameRange>& frames, CurveRecorder* curve, double load_seconds,
+                   std::chrono::steady_clock::time_point start, ordered_json& summaries) {
   for (size_t i = 0; i < outputs.size(); ++i) {
     if (i > 0) start = std::chrono::steady_clock::now();
     if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
-    const bool interrupted = render_within_budget(arguments, session, start);
+    const bool interrupted = render_within_budget(arguments, session, curve, start);
     if (interrupted && session.last().samples == 0) return true;
     Film film = session.resolve();
     if (interrupted) film.metadata["partial"] = "yes";
     write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    summaries.push_back(summary_json(session, film, interrupted, seconds, outputs[i]));
+    summaries.push_back(summary_json(session, film, interrupted, i == 0 ? load_seconds : 0, seconds, outputs[i]));
+    if (curve) {
+      curve->finish(session, film.image());
+      summaries.back().update(curve->to_json());
+    }
     if (interrupted) return true;
   }
   return false;
@@ -182,6 +219,28 @@ Scene load(const RenderArguments& arguments) {
   require_light(scene);
   for (const std::string& warning : scene.warnings) log_warning("{}", warning);
   return scene;
+}
+
+/// The curve that --reference asks for, or none.
+std::unique_ptr<CurveRecorder> make_curve(const RenderArguments& arguments, const RenderSettings& settings, float exposure) {
+  if (arguments.reference.empty()) {
+    if (arguments.curve || arguments.until_relmse > 0) {
+      throw_error(ErrorClass::usage, "{} needs --reference FILE", arguments.curve ? "--curve" : "--until-relmse");
+    }
+    return nullptr;
+  }
+  if (!arguments.frames.empty()) throw_error(ErrorClass::usage, "give --frames or --reference, not both");
+  CurveSchedule schedule{false, INFINITY, INFINITY};  // the end alone
+  if (arguments.until_relmse > 0) {
+    schedule = CurveSchedule::open_ended();
+  } else if (arguments.curve && arguments.compute_seconds > 0) {
+    schedule = CurveSchedule::up_to_seconds(arguments.compute_seconds);
+  } else if (arguments.curve && arguments.iterations > 0) {
+    schedule = CurveSchedule::up_to_iterations(arguments.iterations);
+  } else if (arguments.curve) {
+    schedule = CurveSchedule::open_ended();
+  }
+  return std::make_unique<CurveRecorder>(arguments.reference, settings, exposure, schedule);
 }
 
 int render(RenderArguments arguments) {
@@ -201,14 +260,17 @@ int render(RenderArguments arguments) {
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
 
+  const auto load_start = std::chrono::steady_clock::now();
   Scene scene = load(arguments);
+  const double load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - load_start).count();
   settings.camera = scene.cameras.front();
+  const std::unique_ptr<CurveRecorder> curve = make_curve(arguments, settings, scene.exposure);
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
   RenderSession session(device, std::move(scene), type, settings, spec.parameters);
   for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
 
   ordered_json summaries = ordered_json::array();
-  const bool interrupted = render_frames(arguments, session, outputs, frames, start, summaries);
+  const bool interrupted = render_frames(arguments, session, outputs, frames, curve.get(), load_seconds, start, summaries);
   if (summaries.empty()) {
     throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
   }
@@ -232,7 +294,10 @@ void add_render_command(CLI::App& program, Action& action) {
   command.add_option("--spp", arguments->samples, "samples per pixel (default 64 when no other budget is given)")->check(CLI::PositiveNumber);
   command.add_option("--iterations", arguments->iterations, "iterations of the technique")->check(CLI::PositiveNumber);
   command.add_option("--time", arguments->seconds, "seconds, preparation included")->check(CLI::PositiveNumber);
-  command.add_option("--iterate-time", arguments->iterate_seconds, "seconds of iterating alone")->check(CLI::PositiveNumber);
+  command.add_option("--compute-time", arguments->compute_seconds, "seconds of preparing and iterating, without loading and compiling")->check(CLI::PositiveNumber);
+  command.add_option("--reference", arguments->reference, "image to measure the error against; for --json");
+  command.add_flag("--curve", arguments->curve, "with --reference: the error also at times t*2^(i/2)");
+  command.add_option("--until-relmse", arguments->until_relmse, "with --reference: stop when the error is at most this")->check(CLI::PositiveNumber);
   arguments->image.add_to(command, true);
   arguments->overrides.add_to(command);
   command.add_option("--frames", arguments->frames, "FIRST:LAST of the animation; files are numbered");

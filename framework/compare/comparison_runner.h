@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "lucarium/base/child_process.h"
 #include "lucarium/compare/comparison.h"
+#include "lucarium/compare/comparison_plan.h"
 
 namespace lucarium {
 
@@ -14,29 +18,41 @@ class ComparisonRunner {
   ComparisonResult run();
 
  private:
+  // The result folder.
   void check_folder() const;
   void prepare_folder();
-  void plan_scene(size_t index);
-  void get_reference(size_t index);
-  /// Returns false when interrupted.
-  bool render_reference(size_t index, const std::filesystem::path& target);
-  PieceResult run_piece(size_t scene, size_t variant, uint32_t seed);
-  void measure(PieceResult& piece);
   void save();
-  void say(const std::string& line) const;
-  std::vector<std::string> program_command(const char* name, size_t scene, uint64_t seed) const;
-  std::filesystem::path piece_file(const PieceResult& piece, const char* extension) const;
-  bool is_finished(size_t scene, size_t variant, uint32_t seed) const;
+  void write_page();
+
+  // References.
+  void get_references(size_t scene);
+  bool keep_reference(size_t scene, size_t index);
+  bool render_reference(size_t scene, size_t index);
+  ChildResult run_reference(size_t scene, size_t index, const std::filesystem::path& cached);
+  void copy_reference_file(ReferenceResult& reference);
+  void measure_reference(ReferenceResult& reference);
+
+  // Pieces.
   void load_finished_pieces();
   bool load_finished_piece(PieceResult& piece);
+  void run_missing_pieces();
+  PieceResult run_piece(size_t scene, size_t variant, size_t budget, uint32_t seed);
+  void add_piece(PieceResult piece);
+  bool is_wanted(size_t scene, size_t variant) const;
+  bool is_finished(const SummaryKey& key, uint32_t seed) const;
+  const ReferenceResult& reference_of(size_t scene, size_t variant) const;
+  void tell(const PieceResult& piece, size_t number, size_t total) const;
+
+  void update_conclusions();
+  void say(const std::string& line) const;
 
   ComparisonSpec spec_;
   const TechniqueRegistry& registry_;
   ComparisonOptions options_;
   ComparisonResult result_;
-  std::vector<Hash128> scene_hashes_;
-  std::vector<std::string> path_sets_, reference_files_;
-  std::vector<bool> needs_fallback_;
+  std::vector<ScenePlan> plans_;
+  std::vector<SummaryKey> changed_;  ///< summaries that miss the newest pieces
+  std::chrono::steady_clock::time_point page_written_{};
 };
 
 }  // namespace lucarium

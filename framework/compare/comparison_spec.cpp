@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// JSON form of a comparison.
+// Labels, rules and JSON form of what is asked for.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
-#include "lucarium/compare/comparison.h"
+#include "lucarium/compare/comparison_spec.h"
+#include "lucarium/compare/comparison_file.h"
+#include "lucarium/scene/scene_overrides.h"
 
 namespace lucarium {
 
 using nlohmann::ordered_json;
 
-std::string TechniqueVariant::label() const {
+std::string TechniqueVariant::words() const {
   std::string text = technique;
   for (size_t i = 0; i < parameters.size(); ++i) {
     text += fmt::format("{}{}={}", i ? "," : ":", parameters[i].first, parameters[i].second);
@@ -19,83 +21,106 @@ std::string TechniqueVariant::label() const {
   return text;
 }
 
+std::string ComparisonBudget::label() const {
+  if (seconds > 0) return fmt::format("{} s", seconds);
+  if (iterations > 0) return fmt::format("{} iteration{}", iterations, iterations == 1 ? "" : "s");
+  return fmt::format("relMSE {}", relmse);
+}
+
 namespace {
 
+ordered_json overrides_json(const SceneOverrides& overrides) {
+  ordered_json json = ordered_json::object();
+  if (overrides.camera) json["camera"] = *overrides.camera;
+  if (overrides.environment) json["environment"] = *overrides.environment;
+  if (!overrides.lights.empty()) json["lights"] = overrides.lights;
+  if (overrides.exposure) json["exposure"] = *overrides.exposure;
+  if (overrides.at_seconds) json["at_seconds"] = *overrides.at_seconds;
+  if (overrides.animation) json["animation"] = *overrides.animation;
+  if (!overrides.materials.empty()) json["materials"] = overrides.materials;
+  if (!overrides.use_sidecar) json["sidecar"] = false;
+  return json;
+}
+
+ordered_json scene_json(const ComparisonScene& scene) {
+  ordered_json json = overrides_json(scene.overrides);
+  if (scene.import.max_texture_size != ImportOptions().max_texture_size) json["texture_size"] = scene.import.max_texture_size;
+  if (!scene.name.empty()) json["name"] = scene.name;
+  if (json.empty()) return scene.source;
+  json["scene"] = scene.source;
+  return json;
+}
+
 ordered_json variant_json(const TechniqueVariant& variant) {
-  ordered_json parameters = ordered_json::object();
-  for (const auto& [name, value] : variant.parameters) parameters[name] = value;
-  return {{"technique", variant.technique}, {"parameters", parameters}};
+  ordered_json json = {{"technique", variant.technique}, {"parameters", ordered_json::object()}};
+  for (const auto& [name, value] : variant.parameters) json["parameters"][name] = value;
+  if (!variant.name.empty()) json["name"] = variant.name;
+  return json;
 }
 
-TechniqueVariant parse_variant(const ordered_json& json) {
-  TechniqueVariant variant{json.at("technique").get<std::string>(), {}};
-  if (json.contains("parameters")) {
-    for (const auto& [name, value] : json.at("parameters").items()) {
-      variant.parameters.emplace_back(name, value.is_string() ? value.get<std::string>() : value.dump());
-    }
+ordered_json budget_json(const ComparisonBudget& budget) {
+  if (budget.seconds > 0) return {{"seconds", budget.seconds}};
+  if (budget.iterations > 0) return {{"iterations", budget.iterations}};
+  return {{"relmse", budget.relmse}, {"limit_seconds", budget.limit_seconds}};
+}
+
+ordered_json reference_json(const ReferenceRequest& reference) {
+  if (reference.file) return {{"file", reference.file->string()}};
+  ordered_json json = {{"samples", reference.samples}};
+  if (reference.relmse > 0) json["relmse"] = reference.relmse;
+  return json;
+}
+
+template <class List, class Label>
+void check_different(const List& list, const char* what, Label&& label) {
+  std::set<std::string> labels;
+  for (const auto& item : list) {
+    if (!labels.insert(label(item)).second) throw_error(ErrorClass::usage, "the {} {} is given twice", what, label(item));
   }
-  return variant;
-}
-
-const std::vector<std::string>& known_keys() {
-  static const std::vector<std::string> keys = {
-      "scenes",          "variants",         "seconds",  "iterations",        "seeds",    "width",
-      "height",          "max_bounces",      "reference", "reference_samples", "exposure", "pixel_sampling",
-      "scene_arguments", "device_arguments", "fallback_environment"};
-  return keys;
 }
 
 }  // namespace
 
 std::string ComparisonSpec::to_json() const {
   ordered_json json;
-  json["scenes"] = scenes;
-  json["variants"] = ordered_json::array();
-  for (const TechniqueVariant& variant : variants) json["variants"].push_back(variant_json(variant));
-  if (budget.seconds > 0) json["seconds"] = budget.seconds;
-  if (budget.iterations > 0) json["iterations"] = budget.iterations;
+  json["schema"] = comparison_schema;
+  json["scenes"] = ordered_json::array();
+  for (const ComparisonScene& scene : scenes) json["scenes"].push_back(scene_json(scene));
+  json["techniques"] = ordered_json::array();
+  for (const TechniqueVariant& variant : variants) json["techniques"].push_back(variant_json(variant));
+  json["budgets"] = ordered_json::array();
+  for (const ComparisonBudget& budget : budgets) json["budgets"].push_back(budget_json(budget));
   json["seeds"] = seeds;
-  json["width"] = width;
-  json["height"] = height;
+  json["size"] = {width, height};
   json["max_bounces"] = max_bounces;
   json["pixel_sampling"] = pixel_sampling;
-  json["reference_samples"] = reference_samples;
-  if (reference) json["reference"] = reference->string();
-  if (exposure) json["exposure"] = *exposure;
+  json["reference"] = reference_json(reference);
   if (!fallback_environment.empty()) json["fallback_environment"] = fallback_environment;
-  json["scene_arguments"] = scene_arguments;
-  json["device_arguments"] = device_arguments;
-  return json.dump(2);
+  if (!device_arguments.empty()) json["device_arguments"] = device_arguments;
+  return json.dump(2) + "\n";
 }
 
-ComparisonSpec ComparisonSpec::parse(const std::string& text, const std::string& shown_name) {
-  try {
-    const ordered_json json = ordered_json::parse(text);
-    for (const auto& [key, value] : json.items()) {
-      if (std::find(known_keys().begin(), known_keys().end(), key) == known_keys().end()) {
-        throw_error(ErrorClass::usage, "{}: unknown key '{}'{}", shown_name, key, suggest_name(key, known_keys()));
-      }
-    }
-    ComparisonSpec spec;
-    spec.scenes = json.at("scenes").get<std::vector<std::string>>();
-    for (const ordered_json& variant : json.at("variants")) spec.variants.push_back(parse_variant(variant));
-    spec.budget.seconds = json.value("seconds", 0.0);
-    spec.budget.iterations = json.value("iterations", uint64_t{0});
-    spec.seeds = json.value("seeds", spec.seeds);
-    spec.width = json.value("width", spec.width);
-    spec.height = json.value("height", spec.height);
-    spec.max_bounces = json.value("max_bounces", spec.max_bounces);
-    spec.pixel_sampling = json.value("pixel_sampling", spec.pixel_sampling);
-    spec.reference_samples = json.value("reference_samples", spec.reference_samples);
-    if (json.contains("reference")) spec.reference = json.at("reference").get<std::string>();
-    if (json.contains("exposure")) spec.exposure = json.at("exposure").get<float>();
-    spec.fallback_environment = json.value("fallback_environment", std::string());
-    spec.scene_arguments = json.value("scene_arguments", std::vector<std::string>());
-    spec.device_arguments = json.value("device_arguments", std::vector<std::string>());
-    return spec;
-  } catch (const nlohmann::json::exception& error) {
-    throw_error(ErrorClass::usage, "{}: {}", shown_name, error.what());
+void check_comparison(const ComparisonSpec& spec) {
+  if (spec.scenes.empty()) throw_error(ErrorClass::usage, "no scene given; name a file or builtin:cornell");
+  if (spec.variants.empty()) throw_error(ErrorClass::usage, "no technique given; add -t path_tracing");
+  if (spec.budgets.empty()) {
+    throw_error(ErrorClass::usage, "give a budget: --time SECONDS, --iterations N or --equal-error RELMSE");
   }
+  for (const ComparisonBudget& budget : spec.budgets) {
+    if ((budget.seconds > 0) + (budget.iterations > 0) + (budget.relmse > 0) != 1) {
+      throw_error(ErrorClass::usage, "a budget is exactly one of seconds, iterations and relmse");
+    }
+    if (budget.relmse > 0 && budget.limit_seconds <= 0) {
+      throw_error(ErrorClass::usage, "a budget of relMSE {} needs a limit of seconds above 0", budget.relmse);
+    }
+  }
+  if (spec.seeds == 0 || spec.seeds > 1000) throw_error(ErrorClass::usage, "seeds must be from 1 to 1000");
+  if (spec.reference.file && spec.scenes.size() > 1) {
+    throw_error(ErrorClass::usage, "a reference file goes with one scene; {} were given", spec.scenes.size());
+  }
+  check_different(spec.scenes, "scene", [](const ComparisonScene& scene) { return scene.label(); });
+  check_different(spec.variants, "technique", [](const TechniqueVariant& variant) { return variant.label(); });
+  check_different(spec.budgets, "budget", [](const ComparisonBudget& budget) { return budget.label(); });
 }
 
 }  // namespace lucarium

@@ -43,6 +43,7 @@ std::string ReferenceIdentity::hash() const {
 
 void ReferenceIdentity::write_to(std::map<std::string, std::string>& metadata) const {
   for (const auto& [key, value] : entries_) metadata[key] = value;
+  metadata["identity"] = hash();
 }
 
 std::vector<std::string> ReferenceIdentity::differences(const Film& film) const {

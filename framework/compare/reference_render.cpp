@@ -69,10 +69,11 @@ bool extend_reference(RenderSession& session, ReferenceImage& image, const Refer
     budget.samples = next_round(image.samples(half), goal.samples);
     if (goal.seconds > 0) budget.seconds = goal.seconds - seconds;
     const bool interrupted = session.run(budget, [&](const IterationResult& now) {
-      if (!on_progress) return;
+      if (!on_progress) return true;
       const double spent = seconds + session.clocks().iterate - start;
       const uint64_t samples = before + now.samples;
       on_progress({fraction_of(goal, error, image.error_known(), before, samples, spent), samples, spent});
+      return true;
     });
     seconds += session.clocks().iterate - start;
     if (session.last().samples > 0) {

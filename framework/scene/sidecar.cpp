@@ -2,11 +2,8 @@
 // FILE.lucarium.json: turned into the same strings that the command line takes, so that each form is defined once.
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
-#include "lucarium/scene/json_lines.h"
+#include "lucarium/scene/json_file.h"
 #include "lucarium/scene/scene_overrides.h"
 
 namespace lucarium {
@@ -15,14 +12,12 @@ namespace {
 
 using nlohmann::json;
 
-/// Reads one object of the sidecar; complaints name file, line and key.
-class SidecarReader {
+/// Reads the members of one object that say something about a scene; complaints name file, line and key.
+class OverridesReader {
  public:
-  explicit SidecarReader(std::filesystem::path file) : file_(std::move(file)), document_(read_json_with_lines(file_)) {}
+  OverridesReader(const JsonFile& file, std::string prefix) : file_(file), prefix_(std::move(prefix)) {}
 
-  SceneOverrides read() {
-    const json& root = document_.value;
-    check_keys(root, "", {"camera", "environment", "lights", "exposure", "at_seconds", "animation", "materials"});
+  SceneOverrides read(const json& root) {
     SceneOverrides result;
     if (root.contains("camera")) result.camera = camera(root["camera"]);
     if (root.contains("environment")) result.environment = environment(root["environment"]);
@@ -35,10 +30,11 @@ class SidecarReader {
   }
 
  private:
-  [[noreturn]] void fail(const std::string& pointer, const std::string& what) const {
-    throw_error(ErrorClass::input, "{}:{}: {}: {}", file_.string(), document_.line(pointer),
-                pointer.empty() ? "the file" : pointer.substr(1), what);
+  [[noreturn]] void fail(const std::string& pointer, const std::string& what) const { file_.fail(prefix_ + pointer, what); }
+  void check_keys(const json& object, const std::string& pointer, const std::vector<std::string>& allowed) const {
+    file_.check_keys(object, prefix_ + pointer, allowed);
   }
+  double number(const json& value, const std::string& pointer) const { return file_.number(value, prefix_ + pointer); }
 
   /// Runs `check`, turning its complaint into one about this place.
   template <class F>
@@ -48,20 +44,6 @@ class SidecarReader {
     } catch (const Error& error) {
       fail(pointer, error.what());
     }
-  }
-
-  void check_keys(const json& object, const std::string& pointer, const std::vector<std::string>& allowed) const {
-    if (!object.is_object()) fail(pointer, "must be an object");
-    for (const auto& [key, value] : object.items()) {
-      if (std::find(allowed.begin(), allowed.end(), key) == allowed.end()) {
-        fail(pointer + "/" + key, fmt::format("unknown key; allowed are {}", fmt::join(allowed, ", ")));
-      }
-    }
-  }
-
-  double number(const json& value, const std::string& pointer) const {
-    if (!value.is_number()) fail(pointer, "must be a number");
-    return value.get<double>();
   }
 
   std::string name_or_index(const json& value, const std::string& pointer) const {
@@ -112,7 +94,7 @@ class SidecarReader {
     EnvironmentChoice choice;
     checked("/environment", [&] { choice = parse_environment(text); });
     if (choice.file.empty() || choice.file.is_absolute()) return text;
-    return (file_.parent_path() / text).string();
+    return (file_.path().parent_path() / text).string();
   }
 
   std::string light(const json& value, const std::string& pointer) const {
@@ -147,8 +129,16 @@ class SidecarReader {
   }
 
   std::vector<std::string> materials(const json& value) const {
-    if (!value.is_object()) fail("/materials", "must be an object {\"NAME\": {\"key\": value}}");
     std::vector<std::string> result;
+    if (value.is_array()) {
+      for (size_t i = 0; i < value.size(); ++i) {
+        const std::string pointer = "/materials/" + std::to_string(i);
+        result.push_back(file_.text(value[i], prefix_ + pointer));
+        checked(pointer, [&] { parse_material(result.back()); });
+      }
+      return result;
+    }
+    if (!value.is_object()) fail("/materials", "must be an object {\"NAME\": {\"key\": value}}");
     for (const auto& [name, edits] : value.items()) {
       const std::string pointer = "/materials/" + name;
       check_keys(edits, pointer, material_keys());
@@ -167,12 +157,26 @@ class SidecarReader {
     return result;
   }
 
-  std::filesystem::path file_;
-  JsonWithLines document_;
+  const JsonFile& file_;
+  std::string prefix_;
 };
 
 }  // namespace
 
-SceneOverrides read_sidecar(const std::filesystem::path& file) { return SidecarReader(file).read(); }
+const std::vector<std::string>& override_keys() {
+  static const std::vector<std::string> keys = {"camera",     "environment", "lights",   "exposure",
+                                                "at_seconds", "animation",   "materials"};
+  return keys;
+}
+
+SceneOverrides read_overrides(const JsonFile& file, const json& object, const std::string& pointer) {
+  return OverridesReader(file, pointer).read(object);
+}
+
+SceneOverrides read_sidecar(const std::filesystem::path& path) {
+  const JsonFile file(path);
+  file.check_keys(file.root(), "", override_keys());
+  return read_overrides(file, file.root(), "");
+}
 
 }  // namespace lucarium

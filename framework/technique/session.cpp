@@ -38,21 +38,6 @@ auto call_technique(const TechniqueInfo& info, Call&& call) {
   }
 }
 
-void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
-  const Capabilities& can = info.capabilities;
-  if (settings.width == 0 || settings.height == 0 || uint64_t{settings.width} * settings.height > (uint64_t{1} << 28)) {
-    throw_error(ErrorClass::usage, "--size {}x{} is not an image size this program renders", settings.width, settings.height);
-  }
-  if (can.max_bounces >= 0 && (settings.max_bounces < 0 || settings.max_bounces > can.max_bounces)) {
-    throw_error(ErrorClass::technique, "{} computes at most {} bounces; give --max-bounces {} or fewer", info.name,
-                can.max_bounces, can.max_bounces);
-  }
-  if (std::find(can.pixel_sampling.begin(), can.pixel_sampling.end(), settings.pixel_sampling) == can.pixel_sampling.end()) {
-    throw_error(ErrorClass::technique, "{} cannot sample pixels in mode {} (0 jitter, 1 centre, n grid); it knows {}",
-                info.name, settings.pixel_sampling, fmt::join(can.pixel_sampling, ", "));
-  }
-}
-
 /// What a technique may not hand out: layers of the wrong size, NaN, infinity. Negative radiance is told.
 void check_film(const Film& film, const TechniqueInfo& info) {
   bool additive = false;
@@ -73,6 +58,21 @@ void check_film(const Film& film, const TechniqueInfo& info) {
 }
 
 }  // namespace
+
+void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
+  const Capabilities& can = info.capabilities;
+  if (settings.width == 0 || settings.height == 0 || uint64_t{settings.width} * settings.height > (uint64_t{1} << 28)) {
+    throw_error(ErrorClass::usage, "--size {}x{} is not an image size this program renders", settings.width, settings.height);
+  }
+  if (can.max_bounces >= 0 && (settings.max_bounces < 0 || settings.max_bounces > can.max_bounces)) {
+    throw_error(ErrorClass::technique, "{} computes at most {} bounces; give --max-bounces {} or fewer", info.name,
+                can.max_bounces, can.max_bounces);
+  }
+  if (std::find(can.pixel_sampling.begin(), can.pixel_sampling.end(), settings.pixel_sampling) == can.pixel_sampling.end()) {
+    throw_error(ErrorClass::technique, "{} cannot sample pixels in mode {} (0 jitter, 1 centre, n grid); it knows {}",
+                info.name, settings.pixel_sampling, fmt::join(can.pixel_sampling, ", "));
+  }
+}
 
 struct RenderSession::State {
   // In order of construction; the technique goes first at the end, then what it refers to.
@@ -185,7 +185,7 @@ IterationResult RenderSession::iterate() {
   return s.last;
 }
 
-bool RenderSession::run(const RenderBudget& budget, const std::function<void(const IterationResult&)>& on_progress) {
+bool RenderSession::run(const RenderBudget& budget, const std::function<bool(const IterationResult&)>& on_progress) {
   const double spent = state_->clocks.iterate;
   const uint64_t done = state_->iterations;
   while (!state_->last.converged) {
@@ -194,7 +194,7 @@ bool RenderSession::run(const RenderBudget& budget, const std::function<void(con
     if (budget.seconds > 0 && state_->clocks.iterate - spent >= budget.seconds) break;
     if (budget.samples > 0 && state_->last.samples >= budget.samples) break;
     iterate();
-    if (on_progress) on_progress(state_->last);
+    if (on_progress && !on_progress(state_->last)) break;
   }
   return interrupt_requested();
 }

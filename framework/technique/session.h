@@ -17,6 +17,9 @@ struct RenderBudget {
   uint64_t samples = 0;     ///< per pixel
 };
 
+/// Refuses settings that a technique does not declare: image size, bounces, pixel sampling. Throws Error.
+void check_settings(const TechniqueInfo& info, const RenderSettings& settings);
+
 /// One technique on one scene on one device: owns scene buffers, BVH, scheduler and the technique, in the right order,
 /// with clocks. The programs render and compare, and tests, all go through it.
 class RenderSession {
@@ -39,9 +42,9 @@ class RenderSession {
   const std::vector<std::string>& limitations() const;
 
   IterationResult iterate();
-  /// Iterates until the budget is used up, converged or interrupted; `on_progress` after each iteration.
-  /// Returns whether it was interrupted.
-  bool run(const RenderBudget& budget, const std::function<void(const IterationResult&)>& on_progress = {});
+  /// Iterates until the budget is used up, converged or interrupted, or `on_progress`, called after each iteration,
+  /// returns false. Returns whether it was interrupted.
+  bool run(const RenderBudget& budget, const std::function<bool(const IterationResult&)>& on_progress = {});
   uint64_t iterations() const;
   IterationResult last() const;
 

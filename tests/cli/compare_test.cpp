@@ -56,11 +56,11 @@ TEST_CASE("a comparison writes results that parse, a table and a page") {
   REQUIRE(all["pieces"].size() == 4);
   for (const json& piece : all["pieces"]) {
     // Only red differs, by .05: MSE = .0025 / 3.
-    CHECK(piece["rmse"].get<double>() == doctest::Approx(std::sqrt(0.0025 / 3)).epsilon(1e-4));
+    CHECK(piece["metrics"]["RMSE"].get<double>() == doctest::Approx(std::sqrt(0.0025 / 3)).epsilon(1e-4));
     CHECK(piece["samples"] == 5);
     CHECK(fs::exists(results / piece["image"].get<std::string>()));
   }
-  CHECK(contains(text_of(results / "results.csv"), "rmse"));
+  CHECK(contains(text_of(results / "results.csv"), "RMSE"));
   CHECK(contains(text_of(results / "report.html"), "<html"));
   const std::string before = text_of(results / "results.json");
   check_refused(comparison(folder, ""), 2, "--resume");
@@ -72,7 +72,7 @@ TEST_CASE("a comparison writes results that parse, a table and a page") {
 TEST_CASE("a comparison that was killed goes on where it stopped; what was finished stays byte for byte") {
   const TemporaryFolder folder;
   const fs::path results = folder.path() / "results";
-  const std::string first = (results / "pieces" / "scene1-variant1-seed1.json").string();
+  const std::string first = (results / "pieces" / "scene1-variant1-budget1-seed1.json").string();
   const ProgramResult killed =
       run_program(lucarium_program() + " " + comparison(folder, "--quiet") + " & pid=$!; until [ -e " + first +
                   " ]; do kill -0 $pid || exit 99; sleep 0.02; done; kill -KILL $pid; wait $pid");
@@ -91,11 +91,67 @@ TEST_CASE("mistakes of a comparison end it before anything is rendered") {
   const TemporaryFolder folder;
   const std::string out = "-o " + (folder.path() / "results").string() + " ";
   check_refused("compare builtin:cornell --iterations 1 " + out, 2, "-t");
-  check_refused("compare builtin:cornell " + constant_technique() + out, 2, "--time SECONDS or --iterations N");
+  check_refused("compare builtin:cornell " + constant_technique() + out, 2, "--time SECONDS, --iterations N or --equal-error RELMSE");
   check_refused("compare builtin:cornell " + constant_technique() + "-t constant --iterations 1 " + out, 2, "given twice");
   check_refused("compare builtin:cornell " + constant_technique("rde=1") + "--iterations 1 " + out, 2, "did you mean 'red'?");
   check_refused("compare builtin:cornell -t nonesuch --iterations 1 " + out, 5, "nonesuch");
   check_refused("compare /nonexistent.glb " + constant_technique() + "--iterations 1 " + out, 3, "/nonexistent.glb");
   // None of them stands in the way of the corrected command.
   CHECK_FALSE(fs::exists(folder.path() / "results" / "comparison.json"));
+}
+
+TEST_CASE("a timed piece is reproduced by its iterations, and an error budget says when it was reached") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results", again = folder.path() / "again.exr";
+  const std::string common = "--size 24x16 --max-bounces 1 ";
+  REQUIRE(run_lucarium("compare builtin:cornell -t path_tracing " + common + "--time 0.3 --equal-error 0.5 --limit 20 --seeds 1 " +
+                       "--reference-spp 64 --quiet -o " + results.string()).exit_code == 0);
+  const json all = json::parse(text_of(results / "results.json"));
+  REQUIRE(all["pieces"].size() == 2);
+  const json& timed = all["pieces"][0];
+  CHECK(timed["snapshots"].size() >= 2);
+  CHECK(timed["iterate_seconds"].get<double>() + timed["prepare_seconds"].get<double>() >= 0.3);
+  REQUIRE(run_lucarium("render builtin:cornell -t path_tracing " + common + "--seed 1 --quiet --iterations " +
+                       std::to_string(timed["iterations"].get<uint64_t>()) + " -o " + again.string()).exit_code == 0);
+  const ProgramResult difference =
+      run_lucarium("diff " + (results / timed["image"].get<std::string>()).string() + " " + again.string() + " --json");
+  REQUIRE(difference.exit_code == 0);
+  CHECK(contains(difference.out, "\"MSE\": 0.0"));
+  CHECK(all["pieces"][1]["reached_seconds"].get<double>() > 0);
+}
+
+TEST_CASE("variants with different light paths are measured against references of their own; a refused one stands in the table") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results";
+  const ProgramResult run = run_lucarium("compare builtin:cornell -t path_tracing -t path_tracing:direct=off " +
+                                         constant_technique() + "--pixel-sampling 4 --iterations 2 --seeds 1 --reference-spp 32 " +
+                                         "--quiet -o " + results.string());
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  const json scene = json::parse(text_of(results / "results.json"))["scenes"][0];
+  REQUIRE(scene["references"].size() == 2);
+  CHECK(scene["variants"][0]["reference"] == 0);
+  CHECK(scene["variants"][1]["reference"] == 1);
+  CHECK(contains(scene["references"][1]["path_set"].get<std::string>(), "direct=off"));
+  CHECK(contains(scene["variants"][2]["refused"].get<std::string>(), "cannot sample pixels in mode 4"));
+}
+
+TEST_CASE("a plan is printed and nothing is written; gates set the exit code; a file defines a comparison") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results";
+  const ProgramResult plan = run_lucarium(comparison(folder, "--dry-run"));
+  CHECK(plan.exit_code == 0);
+  CHECK(contains(plan.out, "4 runs"));
+  CHECK(contains(plan.out, "of device memory"));
+  CHECK_FALSE(fs::exists(results));
+  CHECK(run_lucarium(comparison(folder, "--quiet --gate 'rmse<0.1'")).exit_code == 0);
+  const ProgramResult missed = run_lucarium(comparison(folder, "--resume --quiet --gate 'rmse<0.01'"));
+  CHECK(missed.exit_code == 1);
+  CHECK(contains(missed.err, "gate rmse<0.01 missed: 0.02887"));
+  const std::string plugins = "--technique-path " + environment("LUCARIUM_TEST_PLUGINS") + "/constant ";
+  CHECK(run_lucarium("compare --comparison " + (results / "comparison.json").string() + " --quiet --baseline " + results.string() +
+                     " -o " + (folder.path() / "second").string() + " " + plugins).exit_code == 0);
+  const json second = json::parse(text_of(folder.path() / "second" / "results.json"));
+  REQUIRE(second["baseline"]["changes"].size() >= 2);
+  CHECK(second["baseline"]["changes"][0]["ratio"].get<double>() == doctest::Approx(1));
 }

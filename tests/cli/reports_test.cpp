@@ -28,7 +28,7 @@ std::string write_grey(const TemporaryFolder& folder, const std::string& name, u
 TEST_CASE("help and version are on standard output and end with 0") {
   const ProgramResult help = run_lucarium("--help");
   CHECK(help.exit_code == 0);
-  for (const char* command : {"render", "compare", "report", "diff", "scene", "techniques", "devices"}) CHECK(contains(help.out, command));
+  for (const char* command : {"render", "reference", "compare", "report", "diff", "scene", "techniques", "devices"}) CHECK(contains(help.out, command));
   CHECK(run_lucarium("render --help").exit_code == 0);
   CHECK(run_lucarium("--version").out == std::string("lucarium ") + LUCARIUM_VERSION + "\n");
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Comparison files, and what is made of results that are already there.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include "lucarium/compare/comparison.h"
 #include "lucarium/compare/error_map.h"
 #include "lucarium/compare/file_lock.h"
-#include "lucarium/film/image_io.h"
 #include "test_support.h"
 
 using namespace lucarium;
@@ -18,101 +18,88 @@ namespace {
 
 ComparisonSpec example_spec() {
   ComparisonSpec spec;
-  spec.scenes = {"builtin:cornell", "a scene with \"quotes\".glb"};
-  spec.variants = {{"path_tracing", {{"estimator", "mis"}, {"replicates", "4"}}}, {"path_tracing", {}}};
-  spec.budget.seconds = 2.5;
+  spec.scenes.resize(2);
+  spec.scenes[0].source = "builtin:cornell";
+  spec.scenes[1].source = "/scenes/a \"b\".glb";
+  spec.scenes[1].name = "mine";
+  spec.scenes[1].overrides.camera = "0,1,2:0,0,0:45";
+  spec.scenes[1].overrides.environment = "1,1,1*2";
+  spec.scenes[1].overrides.lights = {"none", "point:0,1,0:5,5,5"};
+  spec.scenes[1].overrides.exposure = -1.5f;
+  spec.scenes[1].overrides.materials = {"wall*:roughness=0.5"};
+  spec.scenes[1].overrides.use_sidecar = false;
+  spec.scenes[1].import.max_texture_size = 512;
+  spec.variants = {{"path_tracing", {{"estimator", "mis"}, {"replicates", "4"}}, ""}, {"path_tracing", {}, "plain"}};
+  spec.budgets = {{2.5, 0, 0, 0}, {0, 64, 0, 0}, {0, 0, 0.001, 60}};
   spec.width = 8;
   spec.height = 4;
   spec.max_bounces = 3;
-  spec.exposure = -1.5f;
-  spec.scene_arguments = {"--camera", "0"};
+  spec.reference = {std::nullopt, 512, 1e-4};
   return spec;
 }
 
-Film constant_film(float value) {
-  Film film(8, 4);
-  FilmLayer& layer = film.layer("direct", {"R", "G", "B"}, true);
-  layer.pixels.assign(8 * 4 * 3, value);
-  return film;
+/// What reading the text as a comparison file complains about.
+std::string complaint(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "my.json";
+  write_file_atomically(file, text);
+  try {
+    check_comparison(read_comparison(file));
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    const size_t at = what.find("my.json");
+    return at == std::string::npos ? what : what.substr(at);
+  }
+  return "accepted";
 }
 
-ComparisonResult example_result() {
-  ComparisonResult result;
-  result.spec = example_spec();
-  result.device = "test device";
-  result.driver = "1.0";
-  result.version = "0";
-  result.scenes.resize(2);
-  result.scenes[0].name = result.spec.scenes[0];
-  result.scenes[0].limitations = {{}, {"cannot do </script> lights"}};
-  result.scenes[0].reference = {"references/scene1.exr", "path_tracing", "max_bounces=3", false, 1.5, true, 1e-6, 1e-5};
-  result.scenes[1].name = result.spec.scenes[1];
-  result.scenes[1].failure = "no such file";
-  PieceResult good;
-  good.image = "pieces/scene1-variant1-seed1.exr";
-  good.render_summary = R"({"samples":16})";
-  good.samples = 16;
-  good.seconds = 2.25;
-  good.relmse = 0.25;
-  PieceResult dead;
-  dead.variant = 1;
-  dead.failure = "killed by signal 9 (Killed): last words";
-  result.pieces = {good, dead};
-  return result;
+std::string with(const std::string& members) {
+  return "{\"schema\": \"lucarium-comparison-1\",\n\"scenes\": [\"builtin:cornell\"],\n\"techniques\": [\"path_tracing\"],\n" +
+         members + "}";
 }
 
 }  // namespace
 
-TEST_CASE("a comparison survives its JSON") {
+TEST_CASE("a comparison survives its file") {
+  const test::TemporaryFolder folder;
   const ComparisonSpec spec = example_spec();
-  const ComparisonSpec again = ComparisonSpec::parse(spec.to_json(), "test");
+  write_file_atomically(folder.path() / "comparison.json", spec.to_json());
+  const ComparisonSpec again = read_comparison(folder.path() / "comparison.json");
   CHECK(again.to_json() == spec.to_json());
   CHECK(again.variants[0].label() == "path_tracing:estimator=mis,replicates=4");
-  CHECK(again.scenes == spec.scenes);
-  CHECK(*again.exposure == -1.5f);
+  CHECK(again.variants[1].label() == "plain");
+  CHECK(again.scenes[1].overrides.lights == spec.scenes[1].overrides.lights);
+  CHECK(again.scenes[1].overrides.materials == spec.scenes[1].overrides.materials);
+  CHECK(again.budgets[2].limit_seconds == 60);
 }
 
-TEST_CASE("an unknown key of a comparison is named with the nearest known one") {
-  try {
-    ComparisonSpec::parse(R"({"scenes": [], "variants": [], "sedes": 3})", "my.json");
-    FAIL("accepted");
-  } catch (const Error& error) {
-    CHECK(error.error_class() == ErrorClass::usage);
-    CHECK(std::string(error.what()) == "my.json: unknown key 'sedes'; did you mean 'seeds'?");
-  }
-  CHECK_THROWS_AS(ComparisonSpec::parse("{\"scenes\": 3}", "my.json"), Error);
-}
-
-TEST_CASE("results survive their JSON, and the CSV has a line per piece") {
-  const ComparisonResult result = example_result();
-  const ComparisonResult again = ComparisonResult::parse(result.to_json(), "test");
-  CHECK(again.to_json() == result.to_json());
-  CHECK(again.pieces[1].failure == result.pieces[1].failure);
-  const std::string csv = result.to_csv();
-  CHECK(std::count(csv.begin(), csv.end(), '\n') == 3);
-  CHECK(csv.find("\"builtin:cornell\",\"path_tracing:estimator=mis,replicates=4\",1,16,2.25") != std::string::npos);
-  CHECK_THROWS_AS(ComparisonResult::parse("{}", "test"), Error);
-}
-
-TEST_CASE("a report holds pictures and data, and nothing breaks out of its script") {
+TEST_CASE("file names in a comparison file are meant from its folder") {
   const test::TemporaryFolder folder;
-  std::filesystem::create_directories(folder.path() / "pieces");
-  std::filesystem::create_directories(folder.path() / "references");
-  write_exr(folder.path() / "references/scene1.exr", constant_film(1.0f));
-  write_exr(folder.path() / "pieces/scene1-variant1-seed1.exr", constant_film(1.5f));
-  write_report(example_result(), folder.path());
-  const std::string page = read_file(folder.path() / "report.html");
-  CHECK(page.find("@DATA@") == std::string::npos);
-  CHECK(page.find("src=\"http") == std::string::npos);
+  write_file_atomically(folder.path() / "c.json",
+                        R"({"schema": "lucarium-comparison-1", "scenes": [{"scene": "a/b.glb", "environment": "sky.hdr*2"}],
+                            "techniques": ["path_tracing"], "budgets": [{"seconds": 1}], "reference": {"file": "r.exr"}})");
+  const ComparisonSpec spec = read_comparison(folder.path() / "c.json");
+  CHECK(spec.scenes[0].source == (folder.path() / "a/b.glb").string());
+  CHECK(*spec.scenes[0].overrides.environment == (folder.path() / "sky.hdr*2").string());
+  CHECK(*spec.reference.file == folder.path() / "r.exr");
+}
 
-  const std::string open = "<script id=\"data\" type=\"application/json\">";
-  const size_t begin = page.find(open) + open.size();
-  const auto data = nlohmann::json::parse(page.substr(begin, page.find("</script>", begin) - begin));
-  REQUIRE(data["scenes"].size() == 2);
-  CHECK(data["scenes"][0]["pictures"].size() == 3);  // reference, picture, error map
-  CHECK(data["scenes"][0]["rows"][0]["relmse"] == doctest::Approx(0.25));
-  CHECK(data["scenes"][0]["rows"][1]["failure"] == "killed by signal 9 (Killed): last words");
-  CHECK(data["scenes"][1]["text"] == "no such file");
+TEST_CASE("mistakes in a comparison file are named with line and key") {
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}]")) == "accepted");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}],\n\"sedes\": 3")) ==
+        "my.json:5: sedes: unknown key; did you mean 'seeds'?");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1,\n\"iterations\": 2}]")) ==
+        "my.json:4: budgets/0: must have exactly one of \"seconds\", \"iterations\" and \"relmse\"");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 0}]")) == "my.json:4: budgets/0/seconds: must be above 0");
+  CHECK(complaint(with("\"budgets\": [{\"relmse\": 0.1}]")) == "my.json:4: budgets/0: \"relmse\" and \"limit_seconds\" go together");
+  CHECK(complaint(with("\"budgets\": []")) == "my.json:4: budgets: must be an array with at least one element");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}],\n\n\"size\": [640]")) == "my.json:6: size: must be [width, height]");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"seeds\": 0")) == "my.json:4: seeds: must be a whole number from 1 to 1000");
+  CHECK(complaint("{\"scenes\": []}") == "my.json:1: schema: must be \"lucarium-comparison-1\"");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}, {\"seconds\": 1.0}]")) == "the budget 1 s is given twice");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"reference\": {\"file\": \"a.exr\", \"samples\": 64}")) ==
+        "my.json:4: reference: a file is used as it is; leave out the other keys");
+  CHECK(complaint("{").starts_with("my.json:1: this is not valid JSON"));
 }
 
 TEST_CASE("two comparisons cannot use one folder") {

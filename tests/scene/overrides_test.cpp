@@ -204,7 +204,7 @@ TEST_CASE("the sidecar says the same as the command line") {
 TEST_CASE("sidecar errors name file, line and key") {
   CHECK(sidecar_error("{\"exposure\": 1}").empty());
   CHECK(sidecar_error("{\n \"exposure\": 1,\n \"expsure\": 2\n}")
-            .starts_with(":3: expsure: unknown key; allowed are camera"));
+            .starts_with(":3: expsure: unknown key; did you mean 'exposure'?"));
   CHECK(sidecar_error("{\n \"exposure\":\n \"much\"}").starts_with(":2: exposure: must be a number"));
   CHECK(sidecar_error("{\"lights\": [\n \"none\",\n {\"type\": \"lamp\"}]}").starts_with(":3: lights/1/type: must be"));
   CHECK(

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "curve_recorder.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "lucarium/base/error.h"
+#include "lucarium/film/image_io.h"
+
+namespace lucarium::app {
+namespace {
+
+const double half_octave = std::sqrt(2.0);
+
+std::vector<float> read_truth(const std::filesystem::path& file, const RenderSettings& settings) {
+  const Film film = read_image(file);
+  if (film.width() != settings.width || film.height() != settings.height) {
+    throw_error(ErrorClass::input, "{} is {}×{}, the rendering {}×{}; give --size {}x{}", file.string(), film.width(),
+                film.height(), settings.width, settings.height, film.width(), film.height());
+  }
+  return film.image();
+}
+
+nlohmann::ordered_json metrics_json(const ImageMetrics& metrics) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  for (const Metric& metric : metric_table()) {
+    const double value = metrics.*metric.value;
+    if (std::isfinite(value)) json[metric.name] = value;
+  }
+  return json;
+}
+
+}  // namespace
+
+CurveSchedule CurveSchedule::up_to_iterations(uint64_t iterations) {
+  const double last = static_cast<double>(iterations);
+  return {true, std::max(1.0, last / 64), last};
+}
+
+CurveSchedule CurveSchedule::open_ended() { return {false, 0.1, INFINITY}; }
+
+double counted_seconds(const RenderSession::Clocks& clocks) {
+  return clocks.upload + clocks.bvh + clocks.prepare + clocks.iterate;
+}
+
+CurveRecorder::CurveRecorder(const std::filesystem::path& reference, const RenderSettings& settings, float exposure_stops,
+                       const CurveSchedule& schedule)
+    : width_(settings.width),
+      height_(settings.height),
+      exposure_(exposure_stops),
+      truth_(read_truth(reference, settings)),
+      reference_(width_, height_, truth_, {exposure_stops, false}),
+      schedule_(schedule),
+      next_(schedule.first) {}
+
+std::optional<double> CurveRecorder::sample(RenderSession& session) {
+  const double work = schedule_.by_iterations ? static_cast<double>(session.iterations()) : counted_seconds(session.clocks());
+  // Times are those of the schedule, whatever the iterations took: late ones are not made up for.
+  if (work < next_ * (1 - 1e-9)) return std::nullopt;
+  while (next_ <= work * (1 + 1e-9)) next_ *= half_octave;
+  if (schedule_.by_iterations) next_ = std::ceil(next_ * (1 - 1e-9));
+  take(session, session.resolve().image());
+  return snapshots_.back().metrics.relmse;
+}
+
+void CurveRecorder::take(RenderSession& session, const std::vector<float>& image) {
+  snapshots_.push_back({counted_seconds(session.clocks()), session.iterations(), session.last().samples, reference_.measure(image)});
+}
+
+void CurveRecorder::finish(RenderSession& session, const std::vector<float>& image) {
+  if (snapshots_.empty() || snapshots_.back().iterations != session.iterations()) take(session, image);
+  final_ = MetricReference(width_, height_, truth_, {exposure_, true}).measure(image);
+}
+
+nlohmann::ordered_json CurveRecorder::to_json() const {
+  nlohmann::ordered_json json = {{"metrics", metrics_json(final_)}, {"nonfinite_pixels", final_.nonfinite}};
+  json["snapshots"] = nlohmann::ordered_json::array();
+  for (const Snapshot& snapshot : snapshots_) {
+    json["snapshots"].push_back({{"seconds", snapshot.seconds},
+                                 {"iterations", snapshot.iterations},
+                                 {"samples", snapshot.samples},
+                                 {"metrics", metrics_json(snapshot.metrics)}});
+  }
+  return json;
+}
+
+}  // namespace lucarium::app

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Error against a reference while a rendering goes on.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <vector>
+
+#include "lucarium/compare/metrics.h"
+#include "lucarium/technique/session.h"
+
+namespace lucarium::app {
+
+/// When a curve is sampled: at work t·2^(i/2), where work is seconds of preparing and iterating, or iterations.
+struct CurveSchedule {
+  bool by_iterations = false;
+  double first = 0, last = 0;  ///< `last` infinite: without end
+  /// Up to a budget, from 1/64 of it.
+  static CurveSchedule up_to_seconds(double seconds) { return {false, seconds / 64, seconds}; }
+  static CurveSchedule up_to_iterations(uint64_t iterations);
+  static CurveSchedule open_ended();  ///< from 0.1 s
+};
+
+/// Seconds that count for equal time: upload, BVH, preparing and iterating; not loading, not compiling.
+double counted_seconds(const RenderSession::Clocks& clocks);
+
+/// Samples the error of a session's film against a reference; the time this takes is on no clock.
+class CurveRecorder {
+ public:
+  /// Throws Error{input} when the file is no image of the session's size.
+  CurveRecorder(const std::filesystem::path& reference, const RenderSettings& settings, float exposure_stops,
+             const CurveSchedule& schedule);
+
+  /// After an iteration: takes a snapshot if one is due. Returns its relMSE.
+  std::optional<double> sample(RenderSession& session);
+  /// All metrics of the finished image, FLIP among them, and the last snapshot if it is not there yet.
+  void finish(RenderSession& session, const std::vector<float>& image);
+  /// {"metrics": {name: value}, "snapshots": […]} (docs/results.md).
+  nlohmann::ordered_json to_json() const;
+
+ private:
+  struct Snapshot {
+    double seconds;
+    uint64_t iterations, samples;
+    ImageMetrics metrics;
+  };
+  void take(RenderSession& session, const std::vector<float>& image);
+
+  uint32_t width_, height_;
+  float exposure_;
+  std::vector<float> truth_;
+  MetricReference reference_;
+  CurveSchedule schedule_;
+  double next_;
+  std::vector<Snapshot> snapshots_;
+  ImageMetrics final_;
+};
+
+}  // namespace lucarium::app

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lucarium/compare/comparison.h"
+
+namespace lucarium {
+
+/// One scene of a comparison, looked at before anything is rendered.
+struct ScenePlan {
+  SceneResult result;                        ///< all but what the references turn out to be
+  std::vector<std::string> scene_words;      ///< arguments that give another lucarium process the same scene
+  std::vector<std::string> reference_files;  ///< names in the cache, one per reference
+  size_t pieces = 0;                         ///< variants that are not refused
+};
+
+/// Base seed of references: not one of the pieces' seeds 1, 2, …
+inline constexpr uint64_t reference_seed = 0x5eed;
+
+/// Loads the scene, asks every variant which light paths it computes, and groups the variants by that: one reference
+/// each. Variants that cannot do the settings are marked as refused. A scene that cannot be used has a failure; throws
+/// Error for mistakes in the comparison itself (unknown technique or parameter).
+ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& scene, const TechniqueRegistry& registry);
+
+/// Command line of the run of one piece, or of its reference (variant-independent): program, command, scene, settings.
+std::vector<std::string> scene_command(const ComparisonSpec& spec, const ScenePlan& plan, const std::string& source,
+                                       const std::filesystem::path& program, const char* command, uint64_t seed);
+
+}  // namespace lucarium

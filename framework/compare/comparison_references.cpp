@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// The references of a comparison: from a file, from the cache, or rendered into the cache.
+#include <nlohmann/json.hpp>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/compare/comparison_runner.h"
+#include "lucarium/compare/file_lock.h"
+#include "lucarium/compare/reference_image.h"
+#include "lucarium/film/image_io.h"
+
+namespace lucarium {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+void ComparisonRunner::get_references(size_t scene) {
+  SceneResult& entry = result_.scenes[scene];
+  if (spec_.reference.file && entry.references.size() > 1) {
+    throw_error(ErrorClass::usage, "the techniques compute {} different sets of light paths, for which one --reference file cannot be true",
+                entry.references.size());
+  }
+  for (size_t index = 0; index < entry.references.size(); ++index) {
+    ReferenceResult& reference = entry.references[index];
+    reference.image = fmt::format("references/scene{}-set{}.exr", scene + 1, index + 1);
+    try {
+      if (spec_.reference.file) {
+        copy_reference_file(reference);
+      } else if (!render_reference(scene, index)) {
+        return;
+      }
+      measure_reference(reference);
+    } catch (const Error& error) {
+      if (spec_.scenes.size() == 1 && entry.references.size() == 1) throw;
+      reference.failure = error.what();
+      say(fmt::format("{}: no reference: {}", entry.name, reference.failure));
+    }
+  }
+}
+
+void ComparisonRunner::copy_reference_file(ReferenceResult& reference) {
+  const fs::path& file = *spec_.reference.file;
+  const Film film = read_image(file);
+  if (film.width() != spec_.width || film.height() != spec_.height) {
+    throw_error(ErrorClass::input, "{} is {}×{}, the comparison {}×{}; give --size {}x{}", file.string(), film.width(),
+                film.height(), spec_.width, spec_.height, film.width(), film.height());
+  }
+  write_exr(options_.folder / reference.image, film);
+  reference.source = file.filename().string();
+}
+
+void ComparisonRunner::measure_reference(ReferenceResult& reference) {
+  ReferenceError own;
+  reference.error_known = estimate_reference_error(read_image(options_.folder / reference.image), own);
+  reference.mse = own.mse;
+  reference.relmse = own.relmse;
+  const std::string how = spec_.reference.file     ? reference.source
+                          : reference.from_cache ? fmt::format("from the cache, {} samples per pixel", reference.samples)
+                                                 : fmt::format("{} samples per pixel, {:.1f} s", reference.samples, reference.seconds);
+  say(fmt::format("  reference: {}{}", how, reference.error_known ? fmt::format(", its own relMSE {:.2g}", own.relmse) : ""));
+}
+
+/// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
+ChildResult ComparisonRunner::run_reference(size_t scene, size_t index, const fs::path& cached) {
+  std::vector<std::string> command =
+      scene_command(spec_, plans_[scene], spec_.scenes[scene].source, options_.program, "reference", reference_seed);
+  command.insert(command.end(), {"--path-set", result_.scenes[scene].references[index].path_set, "--extend", "--spp",
+                                 std::to_string(spec_.reference.samples), "--output", cached.string()});
+  if (spec_.reference.relmse > 0) command.insert(command.end(), {"--error", fmt::format("{}", spec_.reference.relmse)});
+  return run_child(command, [&](std::string_view line) { say("  " + std::string(line)); });
+}
+
+/// Whether the result folder holds the reference from an earlier start of this comparison. It stays, even when the cache
+/// has grown a better one since: the finished pieces were measured against it.
+bool ComparisonRunner::keep_reference(size_t scene, size_t index) {
+  ReferenceResult& reference = result_.scenes[scene].references[index];
+  const fs::path file = options_.folder / reference.image;
+  if (!options_.resume || !fs::exists(file)) return false;
+  try {
+    const Film film = read_image(file);
+    if (film.metadata.at("identity") + ".exr" != plans_[scene].reference_files[index]) return false;
+    reference.samples = std::stoull(film.metadata.at("samples"));
+    reference.seconds = std::stod(film.metadata.at("seconds"));
+  } catch (const std::exception&) {
+    return false;  // damaged, or no reference: rendered again
+  }
+  reference.source = "path_tracing";
+  reference.from_cache = true;
+  return true;
+}
+
+/// Returns false when interrupted.
+bool ComparisonRunner::render_reference(size_t scene, size_t index) {
+  if (keep_reference(scene, index)) return true;
+  ReferenceResult& reference = result_.scenes[scene].references[index];
+  const fs::path cached = options_.cache_dir / "references" / plans_[scene].reference_files[index];
+  std::error_code ignored;
+  fs::create_directories(cached.parent_path(), ignored);
+  say(fmt::format("{}: reference {} of {}", result_.scenes[scene].name, index + 1, result_.scenes[scene].references.size()));
+  const FileLock lock(cached.string() + ".lock", [&] { say("  waiting for another run that renders the same"); });
+  const bool was_cached = fs::exists(cached);
+  ChildResult child = run_reference(scene, index, cached);
+  if (was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
+    say("  what is in the cache is not usable, rendering it again");
+    fs::remove(cached, ignored);
+    child = run_reference(scene, index, cached);
+  }
+  if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) {
+    set_interrupt_requested(true);
+    return false;
+  }
+  if (child.exit_code != 0) {
+    throw_error(ErrorClass::technique, "rendering it ended with {}: {}", describe_end(child),
+                child.last_words.empty() ? "no message" : child.last_words.back());
+  }
+  const json summary = json::parse(child.out);
+  reference.source = "path_tracing";
+  reference.samples = summary.at("samples");
+  reference.seconds = summary.at("seconds");
+  reference.from_cache = summary.at("rounds_rendered") == 0;
+  write_file_atomically(options_.folder / reference.image, [&](const fs::path& part) { fs::copy_file(cached, part); });
+  return true;
+}
+
+}  // namespace lucarium
