@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vertex of every active path: what it emits, one light sample, and the BSDF sample along which the path goes on.
 #include "lucarium/medium.clh"
+#include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/light_strategies.clh"
 #include "lucarium/services/path_state.clh"
@@ -165,6 +166,7 @@ __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, Pat
   const uint i = get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
+  prefetch_surfaces(&scene, hits, i, active[0]);
   const Hit hit = hits[i];
   const float3 direction = rays[i].direction.xyz;
   Walk walk;

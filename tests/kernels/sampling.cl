@@ -91,3 +91,13 @@ kernel void sine_table(const uint count, const float scale, global float4* value
   const float sine = sincos_turns(x, &cosine);
   values[i] = (float4)(x, sine, cosine, 0.0f);
 }
+
+// A point (x, y) of a circle and z, its atan2_turns.
+kernel void angle_table(const uint count, global float4* values) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  float x;
+  const float y = sincos_turns(((float)i + 0.5f) / (float)count, &x);
+  const float radius = exp2((float)(i % 41u) - 20.0f);
+  values[i] = (float4)(radius * x, radius * y, atan2_turns(radius * y, radius * x), 0.0f);
+}

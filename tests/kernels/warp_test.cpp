@@ -130,6 +130,18 @@ TEST_CASE("sincos_turns is as exact as single precision allows") {
   }
 }
 
+TEST_CASE("atan2_turns is as exact as single precision allows, at any radius") {
+  const uint n = 1 << 16;
+  const auto buffer = test::test_buffer<float4>(n);
+  test::run_kernel(program(), "angle_table", n, 64, [&](PassBuilder& pass) { pass.arg("count", n).arg("values", buffer); });
+  double worst = 0;
+  for (const float4& v : buffer.download()) {
+    const double exact = std::atan2(double(v.y), double(v.x)) / (2 * pi);
+    worst = std::max(worst, std::abs(exact - v.z) / std::abs(exact));
+  }
+  CHECK(worst < 4e-7);
+}
+
 TEST_CASE("the chi-squared helper gives the textbook's values") {
   CHECK(test::chi2_p_value(3.841458820694124, 1) == doctest::Approx(0.05).epsilon(1e-9));
   CHECK(test::chi2_p_value(18.307038053275146, 10) == doctest::Approx(0.05).epsilon(1e-9));
