@@ -3,8 +3,11 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/scene/export_gltf.h"
 #include "lucarium/scene/scene_report.h"
 #include "options.h"
+#include "output_files.h"
 
 namespace lucarium::app {
 namespace {
@@ -13,11 +16,25 @@ struct SceneCommandArguments {
   std::string scene;
   SceneArguments overrides;
   OutputArguments output;
+  std::filesystem::path export_file;
+  bool overwrite = false;
 };
+
+void export_scene(const SceneCommandArguments& arguments, const Scene& scene) {
+  if (arguments.export_file.extension() != ".glb") {
+    throw_error(ErrorClass::usage, "{}: the name must end in .glb", arguments.export_file.string());
+  }
+  for (const std::filesystem::path& file : exported_files(scene, arguments.export_file)) {
+    check_output(file, arguments.overwrite);
+  }
+  export_gltf(scene, arguments.export_file);
+}
 
 int scene(const SceneCommandArguments& arguments) {
   arguments.output.apply();
-  const SceneReport report = make_scene_report(arguments.overrides.load(arguments.scene));
+  const Scene loaded = arguments.overrides.load(arguments.scene);
+  const SceneReport report = make_scene_report(loaded);
+  if (!arguments.export_file.empty()) export_scene(arguments, loaded);
   fmt::print("{}", arguments.output.json ? report.json() + "\n" : report.text());
   return 0;
 }
@@ -29,6 +46,8 @@ void add_scene_command(CLI::App& program, Action& action) {
   CLI::App& command = *program.add_subcommand("scene", "report what is in a scene");
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   arguments->overrides.add_to(command);
+  command.add_option("--export", arguments->export_file, "write the scene as it is understood to FILE.glb");
+  command.add_flag("--overwrite", arguments->overwrite, "replace existing files");
   arguments->output.add_to(command);
   command.callback([arguments, &action] { action = [arguments] { return scene(*arguments); }; });
 }

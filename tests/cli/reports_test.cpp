@@ -33,6 +33,19 @@ TEST_CASE("help and version are on standard output and end with 0") {
   CHECK(run_lucarium("--version").out == std::string("lucarium ") + LUCARIUM_VERSION + "\n");
 }
 
+TEST_CASE("scene --export writes what render then takes for the same scene") {
+  const TemporaryFolder folder;
+  const std::string glb = (folder.path() / "a.glb").string();
+  CHECK(run_lucarium("scene builtin:cornell --environment 0.5 --export " + glb).exit_code == 0);
+  CHECK(count_files(folder.path()) == 2);
+  const ProgramResult result = run_lucarium("scene " + glb + " --json");
+  CHECK(result.exit_code == 0);
+  CHECK(json::parse(result.out)["triangles"] == json::parse(run_lucarium("scene builtin:cornell --json").out)["triangles"]);
+  check_refused("scene builtin:cornell --export " + glb, 2, "--overwrite");
+  CHECK(run_lucarium("scene builtin:cornell --overwrite --export " + glb).exit_code == 0);
+  check_refused("scene builtin:cornell --export " + (folder.path() / "a.obj").string(), 2, ".glb");
+}
+
 TEST_CASE("devices lists what there is, also as JSON") {
   CHECK(run_lucarium("devices").exit_code == 0);
   const json list = json::parse(run_lucarium("devices --json").out);
