@@ -76,6 +76,18 @@ class Scene:
     yfov: float = 0.0  # [rad]
     environment: Environment | None = None
 
+    def flatten(self):
+        """Gives every triangle its own vertices and the normal of its plane."""
+        for mesh in self.meshes:
+            corners = mesh.triangles.ravel()
+            mesh.positions = mesh.positions[corners]
+            mesh.uv = mesh.uv[corners] if mesh.uv is not None else None
+            mesh.triangles = np.arange(len(corners)).reshape(-1, 3)
+            a, b, c = mesh.positions[0::3], mesh.positions[1::3], mesh.positions[2::3]
+            normals = np.cross(b - a, c - a)
+            normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+            mesh.normals = np.repeat(normals, 3, axis=0)
+
 
 def split_container(data):
     """JSON and binary chunk of a .glb (glTF 2.0, section 4.4)."""

@@ -36,7 +36,7 @@ def sphere(centre, radius, rows=48, columns=96, flat=False):
     unit = np.stack([np.sin(theta) * np.cos(phi), np.cos(theta), -np.sin(theta) * np.sin(phi)], -1).reshape(-1, 3)
     a = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
     below = a + columns + 1
-    triangles = np.concatenate([np.stack([a, below, below + 1], 1)[columns * 0 :], np.stack([a, below + 1, a + 1], 1)])
+    triangles = np.concatenate([np.stack([a, below, below + 1], 1), np.stack([a, below + 1, a + 1], 1)])
     corners = unit[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     kept = np.linalg.norm(normal, axis=1) > 1e-7  # the poles' triangles without area go
@@ -134,13 +134,13 @@ def textured_light():
     return writer
 
 
-def spheres(material_of):
+def spheres(material_of, flat=False):
     """Three spheres on a floor under one lamp; `material_of(writer, i)` gives their materials."""
     writer = Writer()
     floor_and_walls(writer)
     lamp(writer, (-0.6, 2.9, -0.6), (1.2, 0, 0), (0, 0, 1.2), 12.0)
     for i in range(3):
-        writer.add(f"sphere {i}", sphere((-1.1 + 1.1 * i, 0.5, 0.1 * i), 0.45), material_of(writer, i))
+        writer.add(f"sphere {i}", sphere((-1.1 + 1.1 * i, 0.5, 0.1 * i), 0.45, flat=flat), material_of(writer, i))
     return writer
 
 
@@ -151,8 +151,8 @@ def rough_metals():
 
 
 def white_metals():
-    """The same, white: F is 1 at every angle."""
-    return spheres(lambda w, i: w.material(f"metal {i}", (1, 1, 1), 1.0, (0.25, 0.5, 0.8)[i]))
+    """The same, white, so that F is 1 at every angle, and faceted, so that normals cannot disagree."""
+    return spheres(lambda w, i: w.material(f"metal {i}", (1, 1, 1), 1.0, (0.25, 0.5, 0.8)[i]), flat=True)
 
 
 def rough_dielectrics():
@@ -171,7 +171,7 @@ def glass():
 
 
 def corner():
-    """Floor, walls and a box of a sphere, without light."""
+    """Floor, walls and a sphere, without light."""
     writer = Writer()
     floor_and_walls(writer)
     writer.add("sphere", sphere((0.3, 0.6, 0.2), 0.6, flat=True), writer.material("sphere", (0.8, 0.7, 0.3)))
@@ -184,17 +184,3 @@ MAKERS = {f.__name__: f for f in (textured_light, rough_metals, white_metals, ro
 def make(name, folder):
     """Writes a scene into the folder; returns its file."""
     return MAKERS[name]().write(folder / f"{name}.gltf")
-
-
-def small_environment(file, source):
-    """A picture of the surroundings, averaged to 64 x 32 texels."""
-    import lucarium
-
-    rgb = lucarium.read_exr(source) if str(source).endswith(".exr") else read_hdr(source)
-    h, w = rgb.shape[:2]
-    lucarium.write_exr(file, rgb.reshape(32, h // 32, 64, w // 64, 3).mean(axis=(1, 3)))
-
-
-def read_hdr(file):
-    """Radiance RGBE with new run lengths, as float (h, w, 3)."""
-    raise NotImplementedError(file)

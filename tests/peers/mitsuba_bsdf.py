@@ -50,7 +50,7 @@ class LucariumBsdf(mi.BSDF):
 
     def __init__(self, props):
         mi.BSDF.__init__(self, props)
-        self.base_color = props["base_color"]
+        self.base_color = props.get_texture("base_color")
         self.metallic, self.alpha = props["metallic"], props["roughness"] ** 2
         self.two_sided = props["two_sided"]
         ior = props["ior"]

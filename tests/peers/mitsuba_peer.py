@@ -4,7 +4,6 @@
 import ctypes.util
 import glob
 import importlib.util
-import io
 import os
 from pathlib import Path
 
@@ -75,13 +74,17 @@ class Exporter:
     def __init__(self, mi, scene, folder, own_bsdf=True):
         self.mi, self.scene, self.folder, self.own_bsdf = mi, scene, Path(folder), own_bsdf
 
+    def image(self, index):
+        """An image of the scene, which passes through a file."""
+        file = self.folder / f"image{index}.png"
+        file.write_bytes(self.scene.images[index])
+        return self.mi.Bitmap(str(file))
+
     def texture(self, use, factor):
         """A constant, or a picture; a factor other than white is applied to the linear pixels."""
         if use is None:
             return {"type": "rgb", "value": [float(f) for f in factor]}
-        bitmap = self.mi.Bitmap(io.BytesIO(self.scene.images[use.image]))
-        # Written out, since Mitsuba would drop the channel of alpha with its own conversion.
-        bitmap = bitmap.convert(self.mi.Bitmap.PixelFormat.RGB, self.mi.Struct.Type.Float32, srgb_gamma=False)
+        bitmap = self.image(use.image).convert(self.mi.Bitmap.PixelFormat.RGB, self.mi.Struct.Type.Float32, srgb_gamma=False)
         pixels = np.array(bitmap) * np.asarray(factor, np.float32)
         return {"type": "bitmap", "bitmap": self.mi.Bitmap(pixels.astype(np.float32)), "raw": True,
                 "format": "variant", "filter_type": "bilinear", "wrap_mode": "clamp" if use.clamp else "repeat"}
@@ -89,7 +92,7 @@ class Exporter:
     def opacity(self, material):
         """MASK: the alpha of the base colour against the cutoff, texel by texel."""
         use = material.base_texture
-        alpha = np.array(self.mi.Bitmap(io.BytesIO(self.scene.images[use.image])))[..., 3:4] / 255.0
+        alpha = np.array(self.image(use.image))[..., 3:4] / 255.0
         mask = (alpha * material.base_color[3] >= material.alpha_cutoff).astype(np.float32)
         return {"type": "bitmap", "bitmap": self.mi.Bitmap(mask), "raw": True, "filter_type": "nearest",
                 "wrap_mode": "clamp" if use.clamp else "repeat"}

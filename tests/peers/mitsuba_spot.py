@@ -13,7 +13,7 @@ class GltfSpot(mi.Emitter):
 
     def __init__(self, props):
         mi.Emitter.__init__(self, props)
-        self.m_flags = mi.UInt32(+mi.EmitterFlags.DeltaPosition)
+        self.m_flags = +mi.EmitterFlags.DeltaPosition
         self.position, self.direction = mi.Point3f(props["position"]), mi.Vector3f(props["direction"])
         self.intensity = mi.Color3f(props["intensity"])
         outer = np.cos(props["outer"])

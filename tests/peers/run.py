@@ -14,8 +14,10 @@ from pathlib import Path
 try:
     import numpy as np
 
+    import gltf
     import image_test
     import lucarium
+    import scenes
     from scenes import CASES
 except ImportError as error:
     print(f"skipped: the Python package {error.name} is not installed (pip install -r tests/peers/requirements.txt)")
@@ -35,25 +37,19 @@ def render_peer(peer, case, scene, folder, replicates, variant):
 
 def compare(peer, name, case, arguments):
     """Result of one scene as a dictionary; throws lucarium.Missing."""
-    import gltf
-
     folder = Path(arguments.out) / peer / name
     folder.mkdir(parents=True, exist_ok=True)
-    source = case.source
-    if case.make:
-        import made_scenes
-
-        source = made_scenes.make(case.make, folder)
-    if not source.startswith("builtin:") and not Path(source).exists():
-        raise lucarium.Missing(f"there is no {source}")
     scene_file = folder / "scene.glb"
-    lucarium.export(source, case.options, scene_file)
+    scenes.export(case, scene_file)
+    scene = gltf.read(scene_file)
+    if case.flat:
+        scene.flatten()
     kernels = lucarium.separable_kernels(folder / "kernels") if case.separable else None
     start = time.time()
-    theirs = render_peer(peer, case, gltf.read(scene_file), folder, arguments.replicates, arguments.variant)
+    theirs = render_peer(peer, case, scene, folder, arguments.replicates, arguments.variant)
     between = time.time()
     ours, _ = lucarium.render(scene_file, case.size, case.bounces, case.samples, arguments.replicates, folder / "ours.exr",
-                              kernels)
+                              kernels, ["geometric_normals=on"] if case.flat else [])
     result = image_test.compare(ours, theirs)
     result["seconds"] = {"ours": time.time() - between, "theirs": between - start}
     result["samples_per_pixel"] = case.samples * arguments.replicates

@@ -2,28 +2,79 @@
 """The scenes that are compared: what the program is told, and how both sides render it."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
-from lucarium import SHARED
+import lucarium
+import made_scenes
 
 LAMBERT = "ior=1,metallic=0,roughness=1,transmission=0"
 
 
+VIEW = ("--camera", "0.5,1.6,4.2:0,0.9,-0.4:38")  # of the made scenes
+
+
 @dataclass
 class Case:
-    """`separable`: with GGX masking as other renderers have it, and their own BSDFs; `peers`: who can render it."""
+    """`source`: builtin:NAME, a file under the shared scenes, or made:NAME of made_scenes.py; `separable`: with GGX
+    masking as other renderers have it, and their own BSDFs; `flat`: geometric normals on both sides."""
 
     source: str
     options: tuple = ()
-    bounces: int = 4
+    bounces: int = 4  # -1: unlimited
     samples: int = 16  # per pixel and replicate
     size: tuple = (128, 96)
+    environment: str | None = None  # a picture under the shared scenes, averaged to 64 x 32 texels, turned by 40 degrees
     separable: bool = False
+    flat: bool = False
     peers: tuple = ("mitsuba", "cycles")
-    make: str | None = None  # function of made_scenes.py that writes the source
 
+
+BUNNY = dict(source="models/bunny_stanford.glb", environment="env/venice_sunset_1k.hdr", bounces=3,
+             options=("--material", f"*:base_color=0.7,{LAMBERT}", "--camera", "0.05,0.16,0.42:-0.017,0.105,0:26"))
 
 CASES = {
-    "cornell": Case("builtin:cornell"),
-    "cornell-direct": Case("builtin:cornell", bounces=0),
-    "room": Case("builtin:room", bounces=3),
+    "cornell": Case("builtin:cornell", samples=48),
+    "cornell-direct": Case("builtin:cornell", bounces=0, samples=32),
+    "room": Case("builtin:room", bounces=3, samples=32),
+    "classroom": Case("scenes/classroom_luxcore.glb", ("--material", f"*:{LAMBERT}"), samples=32),
+    "textured-light": Case("made:textured_light", VIEW, bounces=2, samples=32),
+    "bunny-smooth": Case(**BUNNY, peers=("mitsuba",)),
+    "bunny": Case(**BUNNY, flat=True),
+    "spot": Case("made:corner", (*VIEW, "--light", "spot:1,2.6,1.5:-0.3,-1,-0.6:30,20,10:32:18"), bounces=2),
+    "sun": Case("made:corner", (*VIEW, "--light", "directional:-0.4,-1,-0.7:10,9,8"), bounces=2),
+    "metals": Case("made:rough_metals", VIEW, samples=32, peers=("mitsuba",)),
+    "plastics": Case("made:rough_dielectrics", VIEW, samples=32, peers=("mitsuba",)),
+    "metals-separable": Case("made:white_metals", VIEW, samples=32, separable=True),
+    "glass": Case("made:glass", VIEW, bounces=-1, samples=64),
 }
+
+
+def small_environment(source, file):
+    """That picture averaged to 64 x 32 texels, as an EXR file."""
+    scene = file.with_suffix(".glb")
+    lucarium.export("builtin:furnace", ("--environment", source), scene)
+    rgb = lucarium.read_exr(f"{scene}.environment.exr")
+    h, w = rgb.shape[0] // 32, rgb.shape[1] // 64
+    lucarium.write_exr(file, rgb.reshape(32, h, 64, w, 3).mean(axis=(1, 3)))
+
+
+def shared_file(name):
+    """A file of the shared scenes; throws lucarium.Missing."""
+    file = lucarium.SHARED / "scenes" / name
+    if not file.exists():
+        raise lucarium.Missing(f"there is no {file}")
+    return str(file)
+
+
+def export(case, file):
+    """Writes the case's scene to FILE.glb and its sidecar; throws lucarium.Missing."""
+    options = list(case.options)
+    if case.environment:
+        picture = Path(file).with_name("small_environment.exr")
+        small_environment(shared_file(case.environment), picture)
+        options += ["--environment", f"{picture}@40"]
+    if case.source.startswith("made:"):
+        source = made_scenes.make(case.source[5:], Path(file).parent)
+    else:
+        source = case.source if case.source.startswith("builtin:") else shared_file(case.source)
+    lucarium.export(source, options, file)
