@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Renders an exported scene with Blender's Cycles (Debian 12: blender 3.4.1 and python3-numpy)."""
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+import image_test
+from lucarium import Missing, read_exr
+
+SCRIPT = Path(__file__).with_name("cycles_render.py")
+
+
+def run(scene_file, size, bounces, samples, seeds, folder, threads=None):
+    """Renders one image per seed into the folder; returns lists: wall and CPU seconds of each."""
+    if shutil.which("blender") is None:
+        raise Missing("Blender is not installed (apt-get install --no-install-recommends blender python3-numpy)")
+    job = {"scene": str(scene_file), "size": list(size), "bounces": bounces, "samples": samples, "seeds": list(seeds),
+           "output": str(folder), "threads": threads or os.cpu_count()}
+    file, report = Path(folder) / "job.json", Path(folder) / "cycles.json"
+    file.write_text(json.dumps(job))
+    report.unlink(missing_ok=True)
+    command = ["blender", "-b", "--factory-startup", "-noaudio", "--python-exit-code", "1", "-P", str(SCRIPT), "--", str(file)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0 or not report.exists():
+        raise RuntimeError(f"blender failed:\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}")
+    times = json.loads(report.read_text())
+    return times["seconds"], times["cpu_seconds"]
+
+
+def render(scene_file, case, replicates, folder):
+    """The image test's Render of a case."""
+    seeds = range(1, replicates + 1)
+    run(scene_file, case.size, case.bounces, case.samples, seeds, folder)
+    return image_test.Render.of_replicates(np.stack([read_exr(Path(folder) / f"cycles{s}.exr") for s in seeds]))
