@@ -7,6 +7,7 @@
 #include <new>
 
 #include "commands.h"
+#include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
@@ -75,6 +76,7 @@ int run(int argc, char** argv) {
     return static_cast<int>(ErrorClass::usage);
   }
   install_interrupt_handler();
+  end_with_parent();
   return action();
 }
 

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,6 +12,8 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 
 #include "lucarium/base/error.h"
@@ -21,6 +24,24 @@ namespace lucarium {
 namespace {
 
 constexpr size_t kept_lines = 20;
+const char* const parent_variable = "LUCARIUM_PARENT_PROCESS";
+
+/// This process' environment with its number as the parent's.
+std::vector<std::string> child_environment() {
+  std::vector<std::string> variables = {fmt::format("{}={}", parent_variable, ::getpid())};
+  for (char** variable = environ; *variable; ++variable) {
+    if (!std::string_view(*variable).starts_with(std::string(parent_variable) + "=")) variables.emplace_back(*variable);
+  }
+  return variables;
+}
+
+/// Pointers into the strings, with a null at the end, as exec wants them.
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
 
 struct Pipe {
   int read_end = -1, write_end = -1;
@@ -64,17 +85,16 @@ class LineSplitter {
   std::string partial_;
 };
 
-pid_t spawn(const std::vector<std::string>& arguments, const Pipe& out, const Pipe& err) {
+pid_t spawn(std::vector<std::string> arguments, const Pipe& out, const Pipe& err) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, out.write_end, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err.write_end, STDERR_FILENO);
-  std::vector<char*> argv;
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
+  std::vector<std::string> variables = child_environment();
   pid_t child = -1;
-  const int failure = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  const int failure = posix_spawnp(&child, arguments[0].c_str(), &actions, nullptr, pointers_to(arguments).data(),
+                                   pointers_to(variables).data());
   posix_spawn_file_actions_destroy(&actions);
   if (failure) throw_error(ErrorClass::internal, "cannot start {}: {}", arguments[0], std::strerror(failure));
   return child;
@@ -128,6 +148,14 @@ ChildResult run_child(const std::vector<std::string>& arguments,
   result.peak_memory_bytes = static_cast<size_t>(usage.ru_maxrss) * 1024;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+void end_with_parent() {
+  const char* parent = std::getenv(parent_variable);
+  if (!parent) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // It may have ended before the request; then another process has adopted this one.
+  if (std::to_string(::getppid()) != parent) ::raise(SIGTERM);
 }
 
 std::string describe_end(const ChildResult& result) {

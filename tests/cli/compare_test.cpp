@@ -80,6 +80,8 @@ TEST_CASE("a comparison that was killed goes on where it stopped; what was finis
   const auto before = finished_pieces(results);
   CHECK(before.size() >= 2);
   CHECK(before.size() < 8);
+  // Nobody goes on rendering: the run in progress ends with the comparison.
+  CHECK(run_program("sleep 0.5; pgrep -f '" + (results / "[p]ieces").string() + "/scene'").out == "");  // [p]: not itself
   REQUIRE(run_lucarium(comparison(folder, "--resume --quiet")).exit_code == 0);
   const auto after = finished_pieces(results);
   CHECK(after.size() == 8);
