@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/compare/error_map.h"
+#include "lucarium/compare/image_test.h"
 #include "lucarium/compare/metrics.h"
 #include "lucarium/compare/reference_image.h"
 #include "lucarium/compare/statistics.h"
@@ -24,7 +25,7 @@ struct DiffArguments {
   std::string map_kind = "signed";
   double max_relmse = -1;
   float exposure = 0;
-  bool formulas = false, json = false, overwrite = false;
+  bool formulas = false, json = false, overwrite = false, statistical = false;
 };
 
 struct LayerMetrics {
@@ -158,9 +159,22 @@ void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
   }
 }
 
+/// Two independent renders with replicates: the same up to noise?
+int test_statistically(const DiffArguments& arguments, const Film& test, const Film& reference) {
+  const ImageTest outcome = test_images(ImageEstimate::from_film(test, arguments.test.string()),
+                                        ImageEstimate::from_film(reference, arguments.reference.string()));
+  fmt::print("{}", to_text(outcome));
+  if (!outcome.passed) {
+    throw_error(ErrorClass::check_failed, "{} and {} differ by more than their noise", arguments.test.string(),
+                arguments.reference.string());
+  }
+  return 0;
+}
+
 int diff(const DiffArguments& arguments) {
   check_map_file(arguments);
   const Film test = read_image(arguments.test), reference = read_image(arguments.reference);
+  if (arguments.statistical) return test_statistically(arguments, test, reference);
   if (test.width() != reference.width() || test.height() != reference.height()) {
     throw_error(ErrorClass::input, "{} is {}×{}, {} is {}×{}: images of different size cannot be compared",
                 arguments.test.string(), test.width(), test.height(), arguments.reference.string(), reference.width(),
@@ -194,6 +208,11 @@ void add_diff_command(CLI::App& program, Action& action) {
       ->capture_default_str();
   command.add_option("--max-relmse", arguments->max_relmse, "exit code 1 above this")->check(CLI::NonNegativeNumber);
   command.add_option("--exposure", arguments->exposure, "of PSNR, SSIM and LDR_FLIP [stops]");
+  command
+      .add_flag("--statistical", arguments->statistical,
+                "instead of metrics: whether two renders of path_tracing with other seeds and replicates=16 or more are the "
+                "same up to noise; exit code 1 when not")
+      ->excludes("--map");
   command.add_flag("--formulas", arguments->formulas, "print what every metric means");
   command.add_flag("--json", arguments->json, "print JSON");
   command.add_flag("--overwrite", arguments->overwrite, "replace an existing --map");

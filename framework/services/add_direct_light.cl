@@ -19,10 +19,10 @@ __kernel void add_direct_radiance(LUCARIUM_SCENE_PARAMETERS uint count, __global
       const Surface surface = make_surface(&scene, hit, direction, 0u);
       const float3 emission = emitted_radiance(&scene, &surface);
       if (!is_black(emission))
-        light += weight.xyz * emission * power_heuristic(weight.w, pdf_light_surface(&scene, &surface, hit.distance));
+        light += weight.xyz * emission * mis_weight(weight.w, pdf_light_surface(&scene, &surface, hit.distance));
     } else if (scene.scene_info->environment_light != LUCARIUM_NONE) {
       light += weight.xyz * environment_radiance(&scene, direction) *
-               power_heuristic(weight.w, pdf_light_environment(&scene, direction));
+               mis_weight(weight.w, pdf_light_environment(&scene, direction));
     }
   }
   radiance[i] += (float4)(light, 1.0f);

@@ -59,6 +59,7 @@ void PathIntegrator::resolve(Film& film) const {
     for (const auto& image : images) squares += (image[i] - mean) * (image[i] - mean);
     variance.pixels[i] = static_cast<float>(squares / (count - 1) / count);
   }
+  film.metadata["variance_dof"] = std::to_string(images.size() - 1);  // degrees of freedom
 }
 
 }  // namespace lucarium

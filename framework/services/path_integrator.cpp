@@ -60,12 +60,14 @@ PathIntegrator::State::State(Device& device_, KernelScheduler& scheduler_, const
                                           make_light_mixture(lights, options.light_choice, sampled));
   }
   settings = make_settings();
+  std::map<std::string, std::string> defines;
+  if (options.estimator == PathEstimator::mis_balance) defines["LUCARIUM_BALANCE_HEURISTIC"] = "";
   program = Program(device, SourceLibrary(),
                     {"services/path_integrator",
                      {"lucarium/services/generate_camera_paths.cl", "lucarium/services/shade_surface.cl",
                       "lucarium/services/add_unoccluded_light.cl", "lucarium/services/advance_paths.cl",
                       "lucarium/services/accumulate_samples.cl"},
-                     {}});
+                     defines});
   allocate();
   record_generate();
   record_bounce();

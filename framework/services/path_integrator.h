@@ -15,8 +15,8 @@ namespace lucarium {
 
 enum class PathSampler { sobol, random };
 /// How light from emissive triangles and the environment is found: light samples and BSDF hits joined by the power
-/// heuristic, or one of them alone. Punctual lights are always sampled.
-enum class PathEstimator { mis, nee_only, bsdf_only };
+/// heuristic (`mis`) or the balance heuristic, or one of them alone. Punctual lights are always sampled.
+enum class PathEstimator { mis, mis_balance, nee_only, bsdf_only };
 
 struct PathIntegratorOptions {
   PathSet path_set;

@@ -29,7 +29,7 @@ float hit_weight(PathSettings settings, const Walk* walk, float light_pdf) {
   if (!path_layer_wanted(settings, walk->state.scatterings)) return 0.0f;
   if (walk->state.flags & PATH_AFTER_DELTA) return 1.0f;
   if (!(settings.flags & LUCARIUM_PATH_HIT_LIGHTS)) return 0.0f;
-  return settings.flags & LUCARIUM_PATH_SAMPLE_LIGHTS ? power_heuristic(walk->pdf, light_pdf) : 1.0f;
+  return settings.flags & LUCARIUM_PATH_SAMPLE_LIGHTS ? mis_weight(walk->pdf, light_pdf) : 1.0f;
 }
 
 void add_environment(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, float3 direction,

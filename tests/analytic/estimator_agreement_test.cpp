@@ -23,6 +23,7 @@ std::vector<Variant> variants(int max_bounces) {
     all.push_back({name, base});
     change(all.back().options);
   };
+  add("balance heuristic", [](PathIntegratorOptions& o) { o.estimator = PathEstimator::mis_balance; });
   add("nee", [](PathIntegratorOptions& o) { o.estimator = PathEstimator::nee_only; });
   add("bsdf", [](PathIntegratorOptions& o) { o.estimator = PathEstimator::bsdf_only; });
   add("roulette from 1", [](PathIntegratorOptions& o) { o.roulette_start = 1; });

@@ -87,6 +87,31 @@ TEST_CASE("scene reports a scene, also as JSON") {
   CHECK(json::parse(result.out).is_object());
 }
 
+TEST_CASE("diff --statistical tells noise from difference") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path().string();
+  const auto render = [&](const std::string& name, const std::string& seed, const std::string& replicates) {
+    const ProgramResult result = run_lucarium("render builtin:cornell -t path_tracing -p samples_per_iteration=16 -p replicates=" +
+                                              replicates + " --size 16x16 --max-bounces 1 --iterations 2 --seed " + seed + " -o " + path + "/" + name);
+    INFO(result.err);
+    REQUIRE(result.exit_code == 0);
+  };
+  render("a.exr", "1", "16");
+  render("b.exr", "2", "16");
+  const ProgramResult same = run_lucarium("diff --statistical " + path + "/a.exr " + path + "/b.exr");
+  CHECK(same.exit_code == 0);
+  CHECK(contains(same.out, "the same up to noise"));
+
+  Film brighter = read_image(path + "/b.exr");
+  for (float& value : brighter.layer("direct", {"R", "G", "B"}, true).pixels) value *= 1.5f;
+  write_exr(path + "/c.exr", brighter);
+  const ProgramResult different = run_lucarium("diff --statistical " + path + "/a.exr " + path + "/c.exr");
+  CHECK(different.exit_code == 1);
+  CHECK(contains(different.out, "DIFFERENT"));
+  render("single.exr", "1", "1");
+  check_refused("diff --statistical " + path + "/a.exr " + path + "/single.exr", 3, "replicates=16");
+}
+
 TEST_CASE("diff gives the metrics of two images per layer, and fails above a limit") {
   const TemporaryFolder folder;
   const std::string a = write_grey(folder, "a.exr", 16, 0.5f), b = write_grey(folder, "b.exr", 16, 0.6f);

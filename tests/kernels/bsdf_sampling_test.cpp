@@ -13,8 +13,8 @@ using namespace lucarium::test;
 
 namespace {
 
-const std::vector<NamedMaterial>& materials() {
-  static const std::vector<NamedMaterial> list = {
+std::vector<NamedMaterial> make_materials() {
+  std::vector<NamedMaterial> list = {
       {"Lambert", dielectric(0.8f, 0.5f, 1.f)},
       {"metal .05", metal(0.9f, 0.05f)},
       {"metal .2", metal(0.9f, 0.2f)},
@@ -32,6 +32,19 @@ const std::vector<NamedMaterial>& materials() {
       {"bumped dielectric .3", dielectric(0.5f, 0.3f), glm::vec3(0.3f, -0.2f, 1)},
       {"bumped volume .3", glass(0.5f, 0.3f, 1.f, true), glm::vec3(0.3f, -0.2f, 1)},
   };
+  if (full_run()) {
+    for (const float r : {0.1f, 0.3f, 0.7f}) list.push_back({"metal " + std::to_string(r), metal(0.9f, r)});
+    for (const float r : {0.1f, 0.2f, 0.5f, 0.7f}) {
+      list.push_back({"dielectric " + std::to_string(r), dielectric(0.5f, r)});
+      list.push_back({"thin " + std::to_string(r), glass(0.9f, r, 0.7f, false)});
+      list.push_back({"volume " + std::to_string(r), glass(0.9f, r, 0.7f, true)});
+    }
+  }
+  return list;
+}
+
+const std::vector<NamedMaterial>& materials() {
+  static const std::vector<NamedMaterial> list = make_materials();
   return list;
 }
 
