@@ -96,12 +96,24 @@ void write_outputs(const std::vector<fs::path>& files, const Film& film, float e
   }
 }
 
+/// What the technique counts (rays, paths, …) and pixel samples, per second of iterating.
+std::string rates(RenderSession& session) {
+  const double seconds = session.clocks().iterate;
+  const RenderSettings& settings = session.settings();
+  const double samples = static_cast<double>(session.last().samples) * settings.width * settings.height;
+  std::string text = fmt::format("{:.3f} Msamples/s", samples / 1e6 / seconds);
+  for (const auto& [name, value] : session.technique().counters()) {
+    if (value > 0) text += fmt::format(", {} {:.3f} M/s", name, value / 1e6 / seconds);
+  }
+  return text + "\n";
+}
+
 void write_profile(const RenderArguments& arguments, RenderSession& session) {
   if (arguments.profile.empty()) return;
   session.scheduler().finish();
   const Profile& profile = session.scheduler().profile();
   if (arguments.profile == "-") {
-    fmt::print(stderr, "{}", profile.table());
+    fmt::print(stderr, "{}{}", profile.table(), rates(session));
   } else if (arguments.profile.ends_with(".trace.json")) {
     write_file_atomically(arguments.profile, profile.chrome_trace());
   } else {

@@ -29,7 +29,7 @@ struct Profile {
   double wall_seconds = 0;        ///< host wall time inside run()
   uint64_t runs = 0;
 
-  std::string table() const;         ///< for people, sorted by device time
+  std::string table() const;         ///< for people, sorted by device time, with each pass' share of it
   std::string json() const;          ///< seconds and bytes in the key names
   std::string chrome_trace() const;  ///< chrome://tracing, Perfetto
 };
