@@ -79,6 +79,7 @@ nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_befor
   if (image.error_known()) {
     json["own_mse"] = image.error().mse;
     json["own_relmse"] = image.error().relmse;
+    json["halves_agree"] = image.test_halves().passed;
   }
   json["goal_reached"] = goal_reached;
   json["file"] = file.string();
@@ -133,6 +134,11 @@ int reference(ReferenceArguments arguments) {
   const bool done = extend(arguments, session, identity, image);
   if (image.samples() == 0) {
     throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
+  }
+  const ImageTest halves = image.test_halves();
+  if (!halves.passed) {
+    log_warning("the halves of {} differ by more than noise; small samples of rare bright paths (fireflies) do that, or an error:\n{}",
+                arguments.file.string(), to_text(halves));
   }
   if (arguments.output.json) {
     fmt::print("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));

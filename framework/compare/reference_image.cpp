@@ -26,6 +26,17 @@ void merge_variance(std::vector<float>& variance, double n, const std::vector<fl
   }
 }
 
+const char* const squares_key = "round_samples_squared";
+const char* const round_dof_key = "round_variance_dof";
+
+double read_number(const Film& film, const char* key) {
+  const auto entry = film.metadata.find(key);
+  double value = 0;
+  if (entry == film.metadata.end()) return 0;
+  std::from_chars(entry->second.data(), entry->second.data() + entry->second.size(), value);
+  return value;
+}
+
 uint64_t read_count(const Film& film, const char* key, const std::string& shown_name) {
   const auto entry = film.metadata.find(key);
   uint64_t value = 0;
@@ -70,6 +81,8 @@ ReferenceImage::ReferenceImage(uint32_t width, uint32_t height) : film_(width, h
 
 ReferenceImage::ReferenceImage(Film film, const std::string& shown_name) : film_(std::move(film)) {
   rounds_ = read_count(film_, "rounds", shown_name);
+  squares_ = read_number(film_, squares_key);
+  round_dof_ = read_number(film_, round_dof_key);
   for (size_t half = 0; half < halves; ++half) {
     samples_[half] = read_count(film_, half_keys[half], shown_name);
     if (samples_[half] > 0 && !film_.find(half_layers[half])) {
@@ -99,6 +112,8 @@ void ReferenceImage::add(const Film& round, uint64_t samples, size_t half) {
   FilmLayer& sum = film_.layer(half_layers[half]);
   merge(sum.pixels, static_cast<double>(samples_[half]), round.image(), more);
   samples_[half] += samples;
+  squares_ += more * more;
+  round_dof_ = read_number(round, "variance_dof");
   ++rounds_;
 }
 
@@ -107,9 +122,39 @@ ReferenceError ReferenceImage::error() const {
   return error_of_halves(film_, static_cast<double>(samples_[0]), static_cast<double>(samples_[1]));
 }
 
+double ReferenceImage::variance_dof() const {
+  // Welch and Satterthwaite, with the same variance per sample in all rounds.
+  const double total = static_cast<double>(samples());
+  return squares_ > 0 ? round_dof_ * total * total / squares_ : 0;
+}
+
+ImageTest ReferenceImage::test_halves() const {
+  const FilmLayer* variance = film_.find(variance_layer);
+  ImageTest passed;
+  passed.passed = true;
+  if (!variance || !error_known() || variance_dof() <= 0) return passed;
+  std::array<ImageEstimate, halves> estimates;
+  for (size_t half = 0; half < halves; ++half) {
+    const std::vector<float>& image = film_.find(half_layers[half])->pixels;
+    const double scale = static_cast<double>(samples()) / static_cast<double>(samples_[half]);
+    ImageEstimate& estimate = estimates[half];
+    estimate.width = film_.width();
+    estimate.height = film_.height();
+    estimate.mean.assign(image.begin(), image.end());
+    estimate.variance.assign(variance->pixels.begin(), variance->pixels.end());
+    for (double& value : estimate.variance) value *= scale;
+    // Both variances come from all rounds: Welch adds the degrees of freedom of the two.
+    estimate.dof = variance_dof() / 2;
+  }
+  return test_images(estimates[0], estimates[1]);
+}
+
 const Film& ReferenceImage::film() {
   film_.metadata["samples"] = std::to_string(samples());
   film_.metadata["rounds"] = std::to_string(rounds_);
+  film_.metadata[squares_key] = fmt::format("{}", squares_);
+  film_.metadata[round_dof_key] = fmt::format("{}", round_dof_);
+  film_.metadata["variance_dof"] = fmt::format("{}", variance_dof());
   for (size_t half = 0; half < halves; ++half) film_.metadata[half_keys[half]] = std::to_string(samples_[half]);
   if (error_known()) {
     const ReferenceError own = error();

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "lucarium/compare/image_test.h"
 #include "lucarium/film/film.h"
 
 namespace lucarium {
@@ -39,16 +40,23 @@ class ReferenceImage {
   /// Whether both halves hold samples, so that error() means something.
   bool error_known() const { return samples_[0] > 0 && samples_[1] > 0; }
   ReferenceError error() const;
+  /// Whether the halves are the same up to noise (image_test.h); the noise of each is taken from the layer "Variance".
+  /// Passes without tests when there is no such layer, or one half only.
+  ImageTest test_halves() const;
 
-  /// The image, its layers and halves; metadata `samples`, `half_a_samples`, `half_b_samples`, `rounds`, `own_mse` and
-  /// `own_relmse` are up to date, others are the caller's.
+  /// The image, its layers and halves; metadata `samples`, `half_a_samples`, `half_b_samples`, `rounds`, `variance_dof`,
+  /// `round_samples_squared`, `own_mse` and `own_relmse` are up to date, others are the caller's.
   const Film& film();
   std::map<std::string, std::string>& metadata() { return film_.metadata; }
 
  private:
   Film film_;
   std::array<uint64_t, halves> samples_{};
+  double variance_dof() const;
+
   uint64_t rounds_ = 0;
+  double squares_ = 0;    ///< sum over rounds of their samples squared
+  double round_dof_ = 0;  ///< degrees of freedom of one round's variance
 };
 
 /// Own error of any reference film: by its halves, else by the layer "Variance" of independent replicates; false when it

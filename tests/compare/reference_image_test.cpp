@@ -26,6 +26,7 @@ Film make_round(uint64_t samples, std::mt19937& random) {
   for (float& value : film.layer("direct", {"R", "G", "B"}, true).pixels) value = truth / 2 + noise(random);
   for (float& value : film.layer("indirect", {"R", "G", "B"}, true).pixels) value = truth / 2;
   for (float& value : film.layer("Variance").pixels) value = static_cast<float>(sample_variance / static_cast<double>(samples));
+  film.metadata["variance_dof"] = "15";
   return film;
 }
 
@@ -106,4 +107,22 @@ TEST_CASE("an image that is no reference is refused; one with a variance layer h
   CHECK_FALSE(estimate_reference_error(bare, error));
   ReferenceImage image(width, height);
   CHECK_THROWS_AS(image.add(Film(3, 3), 1, 0), Error);
+}
+
+TEST_CASE("the halves agree unless one of them is wrong") {
+  for (const bool wrong : {false, true}) {
+    std::mt19937 random(12);
+    ReferenceImage image(width, height);
+    for (const size_t half : {0, 1}) {
+      Film round = make_round(64, random);
+      if (wrong && half == 1) {
+        for (FilmLayer layer : round.layers()) {
+          if (layer.additive) for (float& value : round.layer(layer.name, layer.channels, true).pixels) value *= 1.01f;
+        }
+      }
+      image.add(round, 64, half);
+    }
+    CHECK(image.test_halves().passed == !wrong);
+    CHECK(image.film().metadata.at("variance_dof") == "30");
+  }
 }
