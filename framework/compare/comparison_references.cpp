@@ -14,6 +14,26 @@ namespace lucarium {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+namespace {
+
+/// Complains when the header of an image says that it shows other light paths or another scene. An image from elsewhere
+/// says nothing and is taken at its user's word.
+void check_reference(const Film& film, const fs::path& file, const ReferenceResult& wanted, const SceneResult& scene) {
+  const auto path_set = film.metadata.find("path_set"), hash = film.metadata.find("scene_hash");
+  if (hash != film.metadata.end() && hash->second != scene.hash) {
+    throw_error(ErrorClass::usage, "{} shows another scene than {}, or another state of it", file.string(), scene.name);
+  }
+  if (path_set == film.metadata.end() || path_set->second == wanted.path_set) return;
+  std::string text;
+  for (const std::string& line : PathSet::parse(path_set->second).differences(PathSet::parse(wanted.path_set))) {
+    text += (text.empty() ? "" : "; ") + line;
+  }
+  throw_error(ErrorClass::usage, "{} shows other light paths than the technique computes ({}); leave out --reference to have the right one rendered",
+              file.string(), text);
+}
+
+}  // namespace
+
 void ComparisonRunner::get_references(size_t scene) {
   SceneResult& entry = result_.scenes[scene];
   if (spec_.reference.file && entry.references.size() > 1) {
@@ -25,7 +45,7 @@ void ComparisonRunner::get_references(size_t scene) {
     reference.image = fmt::format("references/scene{}-set{}.exr", scene + 1, index + 1);
     try {
       if (spec_.reference.file) {
-        copy_reference_file(reference);
+        copy_reference_file(scene, reference);
       } else if (!render_reference(scene, index)) {
         return;
       }
@@ -38,13 +58,14 @@ void ComparisonRunner::get_references(size_t scene) {
   }
 }
 
-void ComparisonRunner::copy_reference_file(ReferenceResult& reference) {
+void ComparisonRunner::copy_reference_file(size_t scene, ReferenceResult& reference) {
   const fs::path& file = *spec_.reference.file;
   const Film film = read_image(file);
   if (film.width() != spec_.width || film.height() != spec_.height) {
     throw_error(ErrorClass::input, "{} is {}×{}, the comparison {}×{}; give --size {}x{}", file.string(), film.width(),
                 film.height(), spec_.width, spec_.height, film.width(), film.height());
   }
+  check_reference(film, file, reference, result_.scenes[scene]);
   write_exr(options_.folder / reference.image, film);
   reference.source = file.filename().string();
 }
