@@ -20,6 +20,7 @@ void add_diff_command(CLI::App& program, Action& action);
 void add_scene_command(CLI::App& program, Action& action);
 void add_techniques_command(CLI::App& program, Action& action);
 void add_devices_command(CLI::App& program, Action& action);
+void add_check_command(CLI::App& program, Action& action);
 void add_new_technique_command(CLI::App& program, Action& action);
 
 }  // namespace lucarium::app

@@ -66,6 +66,7 @@ int run(int argc, char** argv) {
   app::add_scene_command(program, action);
   app::add_techniques_command(program, action);
   app::add_devices_command(program, action);
+  app::add_check_command(program, action);
   app::add_new_technique_command(program, action);
   try {
     program.parse(argc, argv);

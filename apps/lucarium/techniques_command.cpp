@@ -21,6 +21,10 @@ struct TechniquesArguments {
   bool json = false, markdown = false;
 };
 
+std::string bias_text(const Capabilities& can) {
+  return can.bias > 0 ? fmt::format("admits a bias of {:.3g} %", 100 * can.bias) : std::string("no bias admitted");
+}
+
 std::string bounces_text(const Capabilities& can) {
   return can.max_bounces < 0 ? std::string("unlimited") : fmt::format("at most {}", can.max_bounces);
 }
@@ -32,9 +36,10 @@ void print_text(const TechniqueType& type) {
   if (!info.citation.empty()) fmt::print("  paper       {}\n", info.citation);
   fmt::print("  file        {}\n  lights      {}\n  materials   {}\n  changes     {}\n  bounces     {}\n", type.file().string(),
              fmt::join(can.lights, ", "), fmt::join(can.materials, ", "), fmt::join(can.changes, ", "), bounces_text(can));
-  fmt::print("  {}, {}, {}\n  layers      {}\n  parameters\n", can.progressive ? "progressive" : "one-shot",
+  fmt::print("  {}, {}, {}, {}\n  layers      {}\n  parameters\n", can.progressive ? "progressive" : "one-shot",
              can.view_independent ? "view-independent data" : "view-dependent",
-             can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", fmt::join(info.layers, ", "));
+             can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", bias_text(can),
+             fmt::join(info.layers, ", "));
   const std::unique_ptr<Technique> technique = type.create();
   for (const ParameterTable::Entry& entry : technique->parameters().entries()) {
     const ParameterInfo& p = entry.info;
@@ -59,6 +64,7 @@ ordered_json to_json(const TechniqueType& type) {
                          {"progressive", can.progressive},
                          {"view_independent", can.view_independent},
                          {"sample_streams", can.sample_streams},
+                         {"bias", can.bias},
                          {"pixel_sampling", can.pixel_sampling}}},
                        {"parameters", ordered_json::array()}};
   const std::unique_ptr<Technique> technique = type.create();
@@ -80,10 +86,10 @@ std::string markdown(const TechniqueType& type) {
   const Capabilities& can = info.capabilities;
   std::string page = fmt::format("\n## {}\n\n{}.\n\n", info.name, info.summary);
   if (!info.citation.empty()) page += fmt::format("{}.\n\n", info.citation);
-  page += fmt::format("- lights: {}\n- materials: {}\n- scene changes: {}\n- bounces: {}\n- {}; {}\n- layers: {}\n\n",
+  page += fmt::format("- lights: {}\n- materials: {}\n- scene changes: {}\n- bounces: {}\n- {}; {}; {}\n- layers: {}\n\n",
                       fmt::join(can.lights, ", "), fmt::join(can.materials, ", "), fmt::join(can.changes, ", "),
                       bounces_text(can), can.progressive ? "progressive" : "one-shot",
-                      can.view_independent ? "data do not depend on the view" : "data depend on the view",
+                      can.view_independent ? "data do not depend on the view" : "data depend on the view", bias_text(can),
                       fmt::join(info.layers, ", "));
   page += "| parameter | type | default | range | unit | meaning |\n|---|---|---|---|---|---|\n";
   const std::unique_ptr<Technique> technique = type.create();

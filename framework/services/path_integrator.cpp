@@ -126,8 +126,7 @@ void PathIntegrator::State::allocate() {
     for (auto& replicate : target.replicates) make(replicate, "replicate sums", size_t{plan.pixels} * 2);
   };
   make_sums(sums);
-  // With one batch and one replicate an iteration ends in a single pass, which is done or not done.
-  if (!plan.single_batch() || options.replicates > 1) make_sums(backup);
+  if (!plan.single_batch()) make_sums(backup);  // a single batch changes the sums all at once, or not at all
 }
 
 size_t PathIntegrator::estimate_bytes(uint32_t width, uint32_t height, const PathIntegratorOptions& options) {
@@ -136,8 +135,7 @@ size_t PathIntegrator::estimate_bytes(uint32_t width, uint32_t height, const Pat
                           sizeof(Ray) + 6 * sizeof(uint32_t);
   const size_t per_pixel = (LUCARIUM_PATH_LAYERS + (options.replicates > 1 ? options.replicates : 0)) * 2 * sizeof(float4) +
                            sizeof(uint32_t);
-  const bool backed_up = !plan.single_batch() || options.replicates > 1;
-  return plan.paths() * per_path + plan.pixels * per_pixel * (backed_up ? 2 : 1);
+  return plan.paths() * per_path + plan.pixels * per_pixel * (plan.single_batch() ? 1 : 2);
 }
 
 bool PathIntegrator::State::run_batch(const PathBatch& batch) {
@@ -151,7 +149,8 @@ bool PathIntegrator::State::run_batch(const PathBatch& batch) {
     closest_rays += active;
     if (scheduler.run(bounce) == RunResult::cancelled) return false;
   }
-  return scheduler.run(finish) == RunResult::done;
+  scheduler.run_to_end(finish);  // cancelled between its passes it would leave sums that do not belong together
+  return true;
 }
 
 bool PathIntegrator::State::run_batches() {

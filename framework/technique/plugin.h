@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 1u
+#define LUCARIUM_ABI_VERSION 2u
 
 namespace lucarium {
 

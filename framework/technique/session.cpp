@@ -208,10 +208,7 @@ void RenderSession::restart(uint64_t seed) {
 }
 
 void RenderSession::set_time(double seconds) {
-  State& s = *state_;
-  const SceneChange change = evaluate(s.scene, seconds, s.scene.animation);
-  if (change.camera) s.settings.camera = s.scene.cameras.front();
-  if (change.any() || s.iterations > 0) call_technique(s.type.info(), [&] { s.apply(change); });
+  change_scene([seconds](Scene& scene) { return evaluate(scene, seconds, scene.animation); });
 }
 
 void RenderSession::set_camera(const SceneCamera& camera) {
@@ -221,6 +218,13 @@ void RenderSession::set_camera(const SceneCamera& camera) {
   change.camera = true;
   change.time = s.scene.time;
   call_technique(s.type.info(), [&] { s.apply(change); });
+}
+
+void RenderSession::change_scene(const std::function<SceneChange(Scene&)>& edit) {
+  State& s = *state_;
+  const SceneChange change = edit(s.scene);
+  if (change.camera) s.settings.camera = s.scene.cameras.front();
+  if (change.any() || s.iterations > 0) call_technique(s.type.info(), [&] { s.apply(change); });
 }
 
 Film RenderSession::resolve() {

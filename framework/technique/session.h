@@ -54,6 +54,8 @@ class RenderSession {
   /// iterations then count from there.
   void set_time(double seconds);
   void set_camera(const SceneCamera& camera);
+  /// The same for any change: `edit` alters the scene and says what it altered.
+  void change_scene(const std::function<SceneChange(Scene&)>& edit);
 
   /// Film with layers and metadata (technique, parameters, scene hash, samples, seconds, seed, device, driver, version).
   /// Throws Error{technique} for NaN or infinite values, naming the first; negative ones are a warning.

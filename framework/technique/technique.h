@@ -53,6 +53,8 @@ struct Capabilities {
   bool progressive = true;             ///< iterations converge; false: one iteration is the result
   bool view_independent = false;       ///< a camera change keeps its data
   bool sample_streams = false;         ///< independent replicates may be merged by sample count
+  double bias = 0;                     ///< systematic error it admits to, root mean square over 8×8 pixel blocks relative to
+                                       ///< the image's; 0: none. `lucarium check` holds it to that.
   std::vector<uint32_t> pixel_sampling = {0, 1};  ///< modes supported
 };
 

@@ -29,11 +29,11 @@ const char* const owner = "my_technique";  // pays for the memory in the account
 // ---- options: name, default, range, unit and meaning, each said once
 
 struct Options {
-  int samples_per_iteration = 1;
+  bool emission = true;
 
   template <class V>
   void describe(V& v) {
-    v.number("samples_per_iteration", samples_per_iteration, 1, 1024, "samples/pixel", "samples per pixel of one iteration");
+    v.flag("emission", emission, "compute the layer emission: lamps and sky as the eye sees them");
   }
 };
 
@@ -59,6 +59,7 @@ class Renderer : public Technique {
 
   PathSet path_set(const Scene&, const RenderSettings&) const override {
     PathSet set;
+    set.emission = options_.emission;
     set.indirect = false;
     set.max_bounces = 0;
     return set;
@@ -91,9 +92,7 @@ class Renderer : public Technique {
   }
 
   IterationResult iterate() override {
-    for (int i = 0; i < options_.samples_per_iteration; ++i) {
-      if (!add_sample()) break;
-    }
+    if (add_sample()) ++samples_;
     IterationResult result;
     result.samples = samples_;
     result.progress = -1;  // how much there is to do is unknown
@@ -103,7 +102,7 @@ class Renderer : public Technique {
 
   void resolve(Film& film) override {
     context_->scheduler.finish();
-    write_layer(film, "emission", emission_.download());
+    if (options_.emission) write_layer(film, "emission", emission_.download());
     write_layer(film, "direct", direct_.download());
   }
 
@@ -125,7 +124,6 @@ class Renderer : public Technique {
     if (!gbuffer_->render(index)) return false;
     if (!direct_light_->accumulate_radiance(gbuffer_->points(), direct_, index, kernel_seed(seed_))) return false;
     context_->scheduler.run_to_end(schedule_);  // both sums hold the same samples, also after Ctrl-C
-    ++samples_;
     return true;
   }
 

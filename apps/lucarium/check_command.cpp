@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium check TECHNIQUE: the conformance kit as a table or JSON; exit code 1 when a check failed.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/check/conformance.h"
+#include "lucarium/version.h"
+#include "options.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr int exit_failed = 1;
+
+struct CheckArguments {
+  std::string technique;
+  std::vector<std::string> parameters, only;
+  std::vector<fs::path> folders;
+  DeviceArguments device;
+  OutputArguments output;
+};
+
+size_t count(const std::vector<CheckResult>& results, Verdict verdict) {
+  return static_cast<size_t>(std::count_if(results.begin(), results.end(), [&](const CheckResult& r) { return r.verdict == verdict; }));
+}
+
+void print_row(const CheckResult& result) {
+  fmt::print("{:<12} {:<31} {}\n", verdict_name(result.verdict), result.name, result.measured);
+  if (result.verdict == Verdict::failed) fmt::print("{:<12} {:<31} required: {}\n", "", "", result.required);
+  std::fflush(stdout);
+}
+
+ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueArguments::Spec& spec, const TechniqueType& type,
+                     const Device& device) {
+  ordered_json json = {{"schema", "lucarium-check-1"},
+                       {"technique", spec.name},
+                       {"technique_version", type.info().version},
+                       {"parameters", ordered_json::object()},
+                       {"bias", type.info().capabilities.bias},
+                       {"device", device.info().name},
+                       {"driver", device.info().driver_version},
+                       {"version", LUCARIUM_VERSION}};
+  for (const auto& [name, value] : spec.parameters) json["parameters"][name] = value;
+  for (const Verdict verdict : {Verdict::passed, Verdict::failed, Verdict::skipped, Verdict::not_claimed}) {
+    std::string key = verdict_name(verdict);
+    std::replace(key.begin(), key.end(), ' ', '_');
+    json[key] = count(results, verdict);
+  }
+  json["checks"] = ordered_json::array();
+  for (const CheckResult& result : results) {
+    json["checks"].push_back({{"name", result.name},         {"verdict", verdict_name(result.verdict)},
+                              {"measured", result.measured}, {"required", result.required},
+                              {"seconds", result.seconds}});
+  }
+  return json;
+}
+
+int check(const CheckArguments& arguments) {
+  arguments.output.apply();
+  TechniqueArguments::Spec spec = TechniqueArguments::parse(arguments.technique);
+  for (const std::string& text : arguments.parameters) {
+    const TechniqueArguments::Spec more = TechniqueArguments::parse(spec.name + ":" + text);
+    spec.parameters.insert(spec.parameters.end(), more.parameters.begin(), more.parameters.end());
+  }
+  const TechniqueRegistry registry(arguments.folders);
+  const TechniqueType& type = registry.find(spec.name);
+  check_parameters(type, spec);
+  const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
+
+  ConformanceOptions options;
+  options.parameters = spec.parameters;
+  options.only = arguments.only;
+  options.program = fs::read_symlink("/proc/self/exe");
+  for (const fs::path& folder : arguments.folders) options.arguments.insert(options.arguments.end(), {"--technique-path", folder.string()});
+  options.device_arguments = arguments.device.words();
+  const bool table = !arguments.output.json && !arguments.output.quiet;
+  if (table) {
+    fmt::print("{} {} on {}\n", type.info().name, type.info().version, device->info().name);
+    options.on_result = print_row;
+  }
+  const std::vector<CheckResult> results = check_technique(device, registry, type, options);
+  const size_t failed = count(results, Verdict::failed);
+  if (arguments.output.json) fmt::print("{}\n", to_json(results, spec, type, *device).dump(2));
+  if (table) {
+    fmt::print("{}: {} passed, {} failed, {} skipped, {} not claimed\n", type.info().name, count(results, Verdict::passed), failed,
+               count(results, Verdict::skipped), count(results, Verdict::not_claimed));
+  }
+  if (interrupt_requested()) throw_error(ErrorClass::interrupted, "interrupted after {} checks", results.size());
+  return failed > 0 ? exit_failed : 0;
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& program, Action& action) {
+  auto arguments = std::make_shared<CheckArguments>();
+  CLI::App& command = *program.add_subcommand("check", "test whether a technique keeps its promises (docs/conformance.md)");
+  command.add_option("technique", arguments->technique, "NAME[:key=value,…]")->required();
+  command.add_option("-p,--parameter", arguments->parameters, "key=value, set in every check")
+      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--only", arguments->only, "run the checks whose names begin with this; may be given several times")
+      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--technique-path", arguments->folders, "folder of plug-ins, searched first")
+      ->take_all()->expected(1)->allow_extra_args(false);
+  arguments->device.add_to(command);
+  arguments->output.add_to(command);
+  command.callback([arguments, &action] { action = [arguments] { return check(*arguments); }; });
+}
+
+}  // namespace lucarium::app

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes of the conformance kit. Those with a closed form have it written above them.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lucarium/scene/scene.h"
+
+namespace lucarium::check {
+
+inline constexpr float albedo = 0.5f;  ///< of every diffuse surface of the closed forms
+
+/// A wide Lambertian floor under one light, seen from straight above within a millimetre, so that every pixel shows the
+/// radiance of one point: albedo · E / π.
+struct LitFloor {
+  Scene scene;
+  double irradiance = 0;  ///< E at that point [lx]
+};
+/// `light`: point, spot, directional, emissive or environment.
+LitFloor make_lit_floor(const std::string& light);
+
+/// The inside of a closed box whose walls all shine with radiance 1 and reflect `albedo`: n scatterings add albedo^n.
+Scene make_shining_box();
+
+/// A mirror floor under a white sky, or two boxes of the named material on a diffuse floor under lamps of the named
+/// kinds; for comparisons with the reference. `material` is one of Capabilities::materials.
+Scene make_material_scene(const std::string& material, const std::string& light);
+
+/// Boxes on a floor for scene changes: instance 0 the floor, 1 a box that may move, 2 one that may deform. Lit by the
+/// named kind of light.
+Scene make_changing_scene(const std::string& light);
+
+}  // namespace lucarium::check
