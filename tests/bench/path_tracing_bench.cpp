@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "lucarium/scene/load_scene.h"
 #include "lucarium/technique/session.h"
 
 namespace {

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium_ray_bench: rays per second of the hierarchy beside Embree's, on the same triangles and the same rays, in
+// turns within one run. Ratios are medians over the rounds of processor time against processor time, thread against
+// thread; docs/performance.md explains the table.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "embree_rays.h"
+#include "lucarium/base/error.h"
+#include "ray_subject.h"
+#include "rounds.h"
+#include "traced_batch.h"
+
+namespace {
+
+using namespace lucarium;
+using namespace lucarium::bench;
+
+struct Options {
+  std::vector<std::string> scenes = {"builtin:atrium"};
+  int rounds = 7;
+  uint32_t width = 1024, height = 576;
+  bool shuffled = false;
+  std::vector<std::string> kinds = {"primary", "diffuse", "shadow"};
+  std::vector<std::string> only;  // contestants; empty: all
+};
+
+bool listed(const std::vector<std::string>& list, const std::string& name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+/// Rays on which two sides differ: one hits and the other misses, or distances differ by more than 1e-4 of themselves.
+size_t count_differences(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+  size_t different = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const bool hit_a = a[i].triangle != LUCARIUM_NO_HIT, hit_b = b[i].triangle != LUCARIUM_NO_HIT;
+    different += hit_a != hit_b || (hit_a && !(std::fabs(a[i].distance - b[i].distance) <= 1e-4f * b[i].distance));
+  }
+  return different;
+}
+
+size_t count_differences(const std::vector<uint32_t>& a, const std::vector<uint32_t>& b) {
+  size_t different = 0;
+  for (size_t i = 0; i < a.size(); ++i) different += a[i] != b[i];
+  return different;
+}
+
+void print_rows(const std::string& scene, RayKind kind, size_t rays, const std::vector<Contestant>& contestants,
+                const std::vector<size_t>& differences) {
+  const auto find = [&](const std::string& name) -> const Contestant* {
+    for (const Contestant& c : contestants)
+      if (c.name == name) return &c;
+    return nullptr;
+  };
+  const Contestant* single = find("Embree");
+  const Contestant* packet = find("Embree packets of 16");
+  for (size_t i = 0; i < contestants.size(); ++i) {
+    const Contestant& c = contestants[i];
+    const double millions = 1e-6 * static_cast<double>(rays);
+    const auto ratio = [&](const Contestant* to) { return to ? fmt::format("{:.2f}", median_ratio(to->cpu, c.cpu)) : "-"; };
+    fmt::print("| {} | {} | {} | {:.2f} | {:.2f} | {} | {} | {} |\n", scene, to_string(kind), c.name,
+               millions / median(c.cpu), millions / median(c.wall), ratio(single), ratio(packet), differences[i]);
+  }
+  std::fflush(stdout);
+}
+
+/// The hierarchies under test over one scene.
+struct Field {
+  struct Entry {
+    std::string name;
+    std::unique_ptr<Bvh> bvh;
+  };
+  std::vector<Entry> entries;
+  EmbreeScene embree;
+
+  Field(Device& device, const RaySubject& subject) : embree(subject.vertices, subject.triangles, 1) {
+    for (const auto& [name, traversal] :
+         {std::pair{"wide", BvhTraversal::wide}, std::pair{"portable", BvhTraversal::wide_portable}})
+      entries.push_back({name, std::make_unique<Bvh>(device, subject.vertices, subject.triangles, traversal)});
+  }
+};
+
+void measure(Device& device, KernelScheduler& scheduler, const Field& field, const std::string& scene, RayKind kind,
+             const std::vector<Ray>& rays, const Options& options) {
+  const bool any = kind == RayKind::shadow;
+  std::vector<Hit> hits(rays.size()), hits16(rays.size());
+  std::vector<uint32_t> occluded(rays.size()), occluded16(rays.size());
+  std::vector<std::unique_ptr<TracedBatch>> batches;
+  std::vector<Contestant> contestants;
+  for (const Field::Entry& entry : field.entries) {
+    TracedBatch* batch =
+        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, *entry.bvh, rays, any)).get();
+    contestants.push_back({.name = entry.name, .run = [batch] { batch->run(); }});
+  }
+  if (device.info().compute_units > 1) {
+    TracedBatch* batch = batches.front().get();
+    contestants.push_back({.name = "wide, 2 threads", .run = [batch] { batch->run(); }, .cpus = 2});
+  }
+  const size_t ours = contestants.size();
+  if (EmbreeScene::available()) {
+    contestants.push_back({.name = "Embree", .run = [&] {
+                             any ? field.embree.any(rays, occluded) : field.embree.closest(rays, hits);
+                           }});
+    contestants.push_back({.name = "Embree packets of 16", .run = [&] {
+                             any ? field.embree.any16(rays, occluded16) : field.embree.closest16(rays, hits16);
+                           }});
+  }
+  std::erase_if(contestants, [&](const Contestant& c) { return !options.only.empty() && !listed(options.only, c.name); });
+  run_rounds(contestants, options.rounds);
+  std::vector<size_t> differences(contestants.size(), 0);
+  if (EmbreeScene::available()) {
+    for (size_t i = 0; i < ours; ++i) {
+      const TracedBatch& batch = *batches[i < batches.size() ? i : 0];
+      differences[i] = any ? count_differences(batch.occluded(), occluded) : count_differences(batch.hits(), hits);
+    }
+    differences.back() = any ? count_differences(occluded16, occluded) : count_differences(hits16, hits);
+  }
+  print_rows(scene, kind, rays.size(), contestants, differences);
+}
+
+void run(const Options& options) {
+  DeviceOptions two;
+  two.threads = 2;
+  const std::shared_ptr<Device> device = Device::open(two);
+  KernelScheduler scheduler(device);
+  fmt::print("{}; {} rounds; Mrays/s per thread by processor time and by elapsed time\n\n", device->info().name,
+             options.rounds);
+  for (const std::string& scene : options.scenes) {
+    const RaySubject subject(*device, scheduler, scene, options.width, options.height, options.shuffled);
+    const Field field(*device, subject);
+    const std::string name = std::filesystem::path(scene.substr(0, scene.find('@'))).stem().string();
+    const BvhStatistics& built = field.entries.front().bvh->statistics();
+    fmt::print("{}: {} triangles, {} primary and {} other rays, {:.1f} bytes each, SAH cost {:.2f}, built in {:.3f} s (Embree, 1 thread: {:.3f} s)\n\n",
+               name, built.triangles, subject.primary.size(), subject.diffuse.size(), static_cast<double>(built.bytes) / built.triangles, built.sah_cost,
+               built.build_seconds, field.embree.build_seconds());
+    fmt::print("| scene | rays | kernel | Mrays/s cpu | Mrays/s wall | x Embree | x packets | differ |\n");
+    fmt::print("|---|---|---|---:|---:|---:|---:|---:|\n");
+    for (const RayKind kind : {RayKind::primary, RayKind::diffuse, RayKind::shadow})
+      if (listed(options.kinds, to_string(kind)))
+        measure(*device, scheduler, field, name, kind, subject.rays(kind), options);
+    fmt::print("\n");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app("Rays per second beside Embree's");
+  app.add_option("scenes", options.scenes, "scene files or built-in scenes, each optionally with @CAMERA");
+  app.add_option("--rounds", options.rounds, "measurements of each contestant")->check(CLI::Range(1, 1000));
+  app.add_option("--width", options.width, "pixels")->check(CLI::Range(16, 8192));
+  app.add_option("--height", options.height, "pixels")->check(CLI::Range(16, 8192));
+  app.add_option("--rays", options.kinds, "primary, diffuse, shadow");
+  app.add_option("--only", options.only, "contestants by name");
+  app.add_flag("--shuffled", options.shuffled, "diffuse and shadow rays in random order");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    run(options);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "traced_batch.h"
+
+namespace lucarium::bench {
+
+TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Bvh& bvh, const std::vector<Ray>& rays,
+                         bool any)
+    : scheduler_(scheduler), rays_(device, "bench", "rays", rays), hits_(device, "bench", "hits", any ? 1 : rays.size()),
+      occluded_(device, "bench", "occluded", any ? rays.size() : 1),
+      counter_(device, "bench", "counter", std::vector<uint32_t>{static_cast<uint32_t>(rays.size())}) {
+  const auto count = static_cast<uint32_t>(rays.size());
+  ScheduleRecorder recorder = scheduler.record("rays", "bench");
+  if (any)
+    bvh.record_any(recorder, "any hit", rays_, occluded_, counter_, 0, count);
+  else
+    bvh.record_closest(recorder, "closest hit", rays_, hits_, counter_, 0, count);
+  schedule_ = recorder.compile();
+  run();
+}
+
+void TracedBatch::run() {
+  scheduler_.run(schedule_);
+  scheduler_.finish();
+}
+
+}  // namespace lucarium::bench

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <vector>
+
+#include "lucarium/compute/scheduler.h"
+#include "lucarium/services/bvh.h"
+
+namespace lucarium::bench {
+
+/// One pass of a hierarchy over a fixed batch of rays.
+class TracedBatch {
+ public:
+  /// `any`: occlusion instead of closest hits. Runs once, so that drivers have compiled what they compile late.
+  TracedBatch(Device& device, KernelScheduler& scheduler, const Bvh& bvh, const std::vector<Ray>& rays, bool any);
+
+  void run();
+  std::vector<Hit> hits() const { return hits_.download(); }
+  std::vector<uint32_t> occluded() const { return occluded_.download(); }
+
+ private:
+  KernelScheduler& scheduler_;
+  TypedBuffer<Ray> rays_;
+  TypedBuffer<Hit> hits_;
+  TypedBuffer<uint32_t> occluded_, counter_;
+  Schedule schedule_;
+};
+
+}  // namespace lucarium::bench
