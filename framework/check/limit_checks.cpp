@@ -73,6 +73,7 @@ Outcome check_iterations(CheckContext& context) {
     counts = counts && (now.samples >= samples || now.progress >= 0);
     samples = now.samples;
     start = Clock::now();
+    return true;
   });
   const bool done = session.last().converged || session.iterations() == asked;
   return verdict_of(done && counts && samples > 0, fmt::format("{} of {} iterations, {} samples; the longest took {:.1f} ms",
