@@ -8,13 +8,13 @@
 #include <thread>
 
 #include "lucarium/base/error.h"
-#include "lucarium/services/bvh_wide.h"
+#include "lucarium/services/bvh_forest.h"
+#include "lucarium/services/bvh_parts.h"
 
 namespace lucarium {
 
 namespace {
 
-constexpr double rebuild_ratio = 1.5;     // of the SAH cost after refits to the cost as built
 constexpr uint32_t minimum_stack = 128;   // so that most scenes share one compiled program
 constexpr size_t slice_rays = 1u << 16;   // between two looks at the cancel flag
 
@@ -40,24 +40,23 @@ BvhTraversal choose_traversal(BvhTraversal asked, const DeviceInfo& device) {
   return device.type == DeviceType::cpu ? BvhTraversal::wide : BvhTraversal::scalar;
 }
 
-/// Buffers are never empty, so the count comes from the scene.
-std::vector<Triangle> scene_triangles(const SceneBuffers& buffers) {
-  return buffers.scene_triangles.download(0, buffers.info().triangle_count);
-}
-
 }  // namespace
 
 struct Bvh::State {
   State(Device& on, const SceneBuffers* of, BvhTraversal asked)
-      : device(&on), traversal(choose_traversal(asked, on.info())), shape(shape_of(traversal)), scene(of) {}
+      : device(&on),
+        traversal(choose_traversal(asked, on.info())),
+        shape(shape_of(traversal)),
+        scene(of),
+        forest(shape.width, shape.leaf_size, std::max(1u, std::thread::hardware_concurrency())) {}
 
   Device* device;
   BvhTraversal traversal;
   TraversalShape shape;
   const SceneBuffers* scene;  // for MASK and BLEND materials; null: everything is opaque
-  WideBvh tree;
-  std::vector<uint32_t> ignored;  // triangles that nothing could hit when the tree was built
-  double built_cost = 0;
+  BvhForest forest;
+  BvhParts parts;          // which instance lies in which part of the forest
+  WorldGeometry geometry;
   Program program;
   uint32_t program_stack = 0;
   bool program_alpha = false;
@@ -65,8 +64,9 @@ struct Bvh::State {
   BvhStatistics statistics;
   uint64_t generation = 0;
 
-  void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
-  bool refit(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
+  void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles, std::vector<BvhForest::Part> ranges);
+  void build_scene(const SceneBuffers& buffers);
+  void follow(const SceneBuffers& buffers, const SceneChange& change);
   void upload();
   void compile();
   void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const BufferRef& rays,
@@ -74,59 +74,66 @@ struct Bvh::State {
               uint32_t capacity) const;
 };
 
-void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
+                       std::vector<BvhForest::Part> ranges) {
   const auto start = std::chrono::steady_clock::now();
-  std::vector<BoundedTriangle> bounded;
-  bounded.reserve(triangles.size());
-  ignored.clear();
-  for (uint32_t i = 0; i < triangles.size(); ++i) {
-    BoundedTriangle triangle;
-    triangle.triangle = i;
-    if (bound_triangle(vertices, triangles[i], triangle.box))
-      bounded.push_back(triangle);
-    else
-      ignored.push_back(i);
-  }
-  statistics.triangles = static_cast<uint32_t>(bounded.size());
-  statistics.ignored_triangles = static_cast<uint32_t>(ignored.size());
-  const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
-  tree = WideBvh(build_binary_bvh(std::move(bounded), threads), shape.width, shape.leaf_size, threads);
-  tree.fit(vertices, triangles);
-  built_cost = tree.sah_cost();
+  forest.build(vertices, triangles, std::move(ranges));
   statistics.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Returns false when a rebuild is due instead.
-bool Bvh::State::refit(std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
-  Box unused;
-  for (const uint32_t triangle : ignored)
-    if (triangle >= triangles.size() || bound_triangle(vertices, triangles[triangle], unused)) return false;
-  tree.fit(vertices, triangles);
-  return tree.sah_cost() <= rebuild_ratio * built_cost;
+/// Builds the hierarchies of the scene's parts.
+void Bvh::State::build_scene(const SceneBuffers& buffers) {
+  geometry.read_all(buffers);
+  build(geometry.vertices, geometry.triangles, parts.ranges(buffers));
+  if (forest.parts().size() == 1) geometry = {};  // nothing is known to move: read again should something
+}
+
+void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) {
+  geometry.read_instances(buffers, change);
+  std::vector<size_t> moved = parts.touched(change);
+  for (const size_t part : moved) {
+    if (forest.refit(part, geometry.vertices, geometry.triangles)) continue;
+    if (part == BvhParts::resting) {
+      // What moves among things at rest would spoil them again: it leaves them for good.
+      parts.separate(change);
+      build(geometry.vertices, geometry.triangles, parts.ranges(buffers));
+      return;
+    }
+    forest.rebuild(part, geometry.vertices, geometry.triangles);
+  }
+  forest.join(moved);
 }
 
 void Bvh::State::upload() {
-  const auto put = [&](TypedBuffer<uint32_t>& buffer, const char* name, const std::vector<uint32_t>& words) {
-    if (!buffer || buffer.count() < words.size()) {
-      buffer = {};  // release first: the old and the new one need not fit together
-      buffer = TypedBuffer<uint32_t>(*device, "bvh", name, words.size(), "use a scene with fewer triangles");
-      ++generation;
+  const auto put = [&](TypedBuffer<uint32_t>& buffer, const char* name, const std::vector<uint32_t>& words,
+                       std::span<const std::pair<size_t, size_t>> changed) {
+    if (buffer && buffer.count() >= words.size()) {
+      for (const auto& [first, end] : changed) buffer.write(&words[first], 4 * (end - first), 4 * first);
+      return;
     }
+    buffer = {};  // release first: the old and the new one need not fit together
+    buffer = TypedBuffer<uint32_t>(*device, "bvh", name, std::max<size_t>(1, words.size()), "use a scene with fewer triangles");
+    ++generation;
     buffer.upload(words);
   };
-  const size_t bytes = 4 * (tree.node_words().size() + tree.block_words().size());
+  const size_t bytes = 4 * (forest.node_words().size() + forest.block_words().size());
   const size_t held = (nodes ? nodes.bytes() : 0) + (blocks ? blocks.bytes() : 0);
   if (bytes > held) device->memory().require("bvh", "hierarchy", bytes - held, "use a scene with fewer triangles");
-  put(nodes, "nodes", tree.node_words());
-  put(blocks, "leaf blocks", tree.block_words());
-  statistics.nodes = tree.node_count();
-  statistics.leaf_blocks = tree.block_count();
+  put(nodes, "nodes", forest.node_words(), forest.changed_nodes());
+  put(blocks, "leaf blocks", forest.block_words(), forest.changed_blocks());
+  statistics.triangles = forest.triangle_count();
+  statistics.ignored_triangles = forest.ignored_count();
+  statistics.nodes = forest.node_count();
+  statistics.leaf_blocks = forest.block_count();
   statistics.bytes = nodes.bytes() + blocks.bytes();
-  statistics.sah_cost = tree.sah_cost();
+  statistics.sah_cost = forest.sah_cost();
+  statistics.parts = static_cast<uint32_t>(forest.parts().size());
+  statistics.part_builds = forest.builds();
+  statistics.part_refits = forest.refits();
 }
 
 void Bvh::State::compile() {
-  const uint32_t stack = std::max({minimum_stack, std::bit_ceil(tree.stack_size()), program_stack});
+  const uint32_t stack = std::max({minimum_stack, std::bit_ceil(forest.stack_size()), program_stack});
   const bool alpha = scene && (scene->info().flags & LUCARIUM_SCENE_HAS_ALPHA);
   if (program && stack == program_stack && alpha == program_alpha) return;
   ProgramSpec spec{.name = "services/bvh", .files = {"lucarium/services/bvh_intersect.cl"}};
@@ -156,9 +163,11 @@ void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name
   if (program_alpha) scene->bind(pass, program, kernel);
 }
 
-Bvh::Bvh(Device& device, const Scene&, const SceneBuffers& buffers, BvhTraversal traversal)
+Bvh::Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers, BvhTraversal traversal)
     : state_(std::make_unique<State>(device, &buffers, traversal)) {
-  update(buffers.scene_vertices.download(), scene_triangles(buffers), true);
+  SceneChange everything;
+  everything.topology = true;
+  update(scene, buffers, everything);
 }
 
 Bvh::Bvh(Device& device, std::span<const Vertex> vertices, std::span<const Triangle> triangles, BvhTraversal traversal)
@@ -168,18 +177,28 @@ Bvh::Bvh(Device& device, std::span<const Vertex> vertices, std::span<const Trian
 
 Bvh::~Bvh() = default;
 
-void Bvh::update(const Scene&, const SceneBuffers& buffers, const SceneChange& change) {
-  state_->scene = &buffers;
-  if (change.geometry())
-    update(buffers.scene_vertices.download(), scene_triangles(buffers), change.topology);
-  else
-    state_->compile();
+void Bvh::update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change) {
+  State& s = *state_;
+  s.scene = &buffers;
+  if (change.topology) {
+    s.parts = BvhParts(scene);
+    s.build_scene(buffers);
+  } else if (change.geometry()) {
+    s.follow(buffers, change);
+  }
+  if (change.geometry()) s.upload();
+  s.compile();
 }
 
 void Bvh::update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology) {
-  if (topology || !state_->refit(vertices, triangles)) state_->build(vertices, triangles);
-  state_->upload();
-  state_->compile();
+  State& s = *state_;
+  const size_t all[] = {0};
+  if (topology || !s.forest.refit(0, vertices, triangles))
+    s.build(vertices, triangles, {{{0, static_cast<uint32_t>(triangles.size())}}});
+  else
+    s.forest.join(all);
+  s.upload();
+  s.compile();
 }
 
 uint64_t Bvh::generation() const { return state_->generation; }

@@ -13,6 +13,9 @@ struct BvhStatistics {
   uint32_t nodes = 0, leaf_blocks = 0;
   double build_seconds = 0;
   size_t bytes = 0;
+  uint32_t parts = 0;        ///< hierarchies that move by themselves, the resting one included
+  uint64_t part_builds = 0;  ///< built since the beginning; a motion of a part alone is none
+  uint64_t part_refits = 0;
   double sah_cost = 0;  ///< expected node + leaf block tests of a random line that crosses the root box
 };
 
@@ -38,8 +41,10 @@ class Bvh : public Intersector {
       BvhTraversal traversal = BvhTraversal::automatic);
   ~Bvh() override;
 
-  /// Refits for moved or deformed vertices, rebuilds when topology changed or quality fell (SAH cost above 1.5× built).
-  /// To be called after buffers.update(). Recorded schedules stay valid unless generation() changes.
+  /// Follows a change; to be called after buffers.update(). Instances that an animation, skin or morph can move have
+  /// hierarchies of their own below a small one: when they move only these are refitted, or built anew when their quality
+  /// fell (SAH cost above 1.5× built). Instances that move without such announcement are refitted with the rest, and get
+  /// hierarchies of their own when that is not good enough. Changed topology rebuilds everything. Recorded schedules stay valid unless generation() changes.
   void update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change);
   /// The same for any triangles; without `topology` only vertices have moved and triangles are those of the build.
   void update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <future>
 #include <span>
@@ -23,6 +25,13 @@ struct Box {
   float half_area() const {
     const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
     return x < 0 ? 0.f : x * y + y * z + z * x;
+  }
+  /// Largest absolute coordinate; 0 when empty.
+  float extent() const {
+    float largest = 0;
+    for (int axis = 0; axis < 3 && lower[axis] <= upper[axis]; ++axis)
+      largest = std::max({largest, std::fabs(lower[axis]), std::fabs(upper[axis])});
+    return largest;
   }
 };
 

@@ -12,7 +12,6 @@ namespace lucarium {
 namespace {
 
 constexpr int max_width = 16;
-constexpr uint32_t no_child = 0xffffffffu;
 constexpr uint32_t parallel_grain = 8192;
 
 }  // namespace
@@ -223,7 +222,8 @@ Box WideBvh::fit_block(uint32_t block, std::span<const Vertex> vertices, std::sp
   return bounds;
 }
 
-void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+template <class LeafBox>
+void WideBvh::fit_boxes(LeafBox&& leaf_box) {
   std::vector<Box> boxes(node_count_);
   double cost = 0;
   // Children follow their parents, so that backwards every child is ready before its parent needs it.
@@ -232,20 +232,26 @@ void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> tr
       const uint32_t reference = node(index)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot];
       Box box;
       if (reference != no_child)
-        box = reference & LUCARIUM_BVH_LEAF ? fit_block(reference & ~LUCARIUM_BVH_LEAF, vertices, triangles)
-                                            : boxes[reference];
+        box = reference & LUCARIUM_BVH_LEAF ? leaf_box(reference & ~LUCARIUM_BVH_LEAF) : boxes[reference];
       set_child_box(index, slot, box);
       boxes[index].add(box);
       cost += static_cast<double>(box.half_area());
     }
   }
-  const double root_area = static_cast<double>(boxes[0].half_area());
+  bounds_ = boxes[0];
+  const double root_area = static_cast<double>(bounds_.half_area());
   sah_cost_ = root_area > 0 ? 1 + cost / root_area : 1;
-  float extent = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    if (boxes[0].lower[axis] <= boxes[0].upper[axis])
-      extent = std::max({extent, std::fabs(boxes[0].lower[axis]), std::fabs(boxes[0].upper[axis])});
-  nodes_[LUCARIUM_BVH_HEADER_EXTENT] = std::bit_cast<uint32_t>(extent);
+  nodes_[LUCARIUM_BVH_HEADER_EXTENT] = std::bit_cast<uint32_t>(bounds_.extent());
+}
+
+void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+  fit_boxes([&](uint32_t block) { return fit_block(block, vertices, triangles); });
+}
+
+void WideBvh::fit_items(std::span<const Box> boxes) {
+  fit_boxes([&](uint32_t block) {
+    return boxes[blocks_[block * LUCARIUM_BVH_BLOCK_WORDS(leaf_size_) + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_)]];
+  });
 }
 
 size_t WideBvh::estimate_bytes(uint64_t triangles, int width, int leaf_size) {

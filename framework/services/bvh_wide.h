@@ -13,6 +13,8 @@ namespace lucarium {
 /// made once by collapse(); fit() fills in boxes and vertices and may be repeated when vertices have moved.
 class WideBvh {
  public:
+  static constexpr uint32_t no_child = 0xffffffffu;  ///< reference of an empty slot
+
   WideBvh() = default;
   /// `width` children per node, up to `leaf_size` triangles per leaf block. An empty hierarchy gets a root without
   /// children.
@@ -20,6 +22,8 @@ class WideBvh {
 
   /// Recomputes all boxes, leaf vertices and the cost.
   void fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
+  /// The same where the leaves hold, one each, items with these boxes instead of triangles.
+  void fit_items(std::span<const Box> boxes);
 
   int width() const { return width_; }
   int leaf_size() const { return leaf_size_; }
@@ -29,6 +33,7 @@ class WideBvh {
   uint32_t stack_size() const { return stack_size_; }
   /// Expected number of nodes and leaf blocks that a random line visits which crosses the root's box.
   double sah_cost() const { return sah_cost_; }
+  const Box& bounds() const { return bounds_; }
 
   const std::vector<uint32_t>& node_words() const { return nodes_; }
   const std::vector<uint32_t>& block_words() const { return blocks_; }
@@ -39,12 +44,16 @@ class WideBvh {
  private:
   class Collapse;
   uint32_t* node(uint32_t index) { return &nodes_[LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(width_)]; }
+  /// Fills in all boxes, those of leaf blocks from leaf_box(block).
+  template <class LeafBox>
+  void fit_boxes(LeafBox&& leaf_box);
   Box fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   void set_child_box(uint32_t node_index, int slot, const Box& box);
 
   int width_ = 0, leaf_size_ = 0;
   uint32_t node_count_ = 0, block_count_ = 0, stack_size_ = 0;
   double sah_cost_ = 0;
+  Box bounds_;
   std::vector<uint32_t> nodes_, blocks_;
 };
 
