@@ -5,6 +5,7 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
 endif()
 
 set(LUCARIUM_SANITIZE "" CACHE STRING "Comma-separated sanitizers, for instance address,undefined")
+option(LUCARIUM_MUTATION_TESTS "Add the mutation tests (ctest -L mutation; docs/validation.md)" OFF)
 option(LUCARIUM_CLANG_TIDY "Run clang-tidy on every source" OFF)
 option(LUCARIUM_FUZZ "Build the libFuzzer targets (needs clang++)" OFF)
 option(LUCARIUM_WERROR "Treat warnings as errors" OFF)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DMUTANTS=mutants.json -DKIND=checks|mutants -DINDEX=n -DSOURCE=… -DTESTS=folder of the executables -DWORK=… -P …
+# checks: the test passes on the kernels as they are. mutants: the same test fails, by an assertion, on the changed one.
+file(READ ${MUTANTS} json)
+set(kernels "")
+if(KIND STREQUAL "mutants")
+  foreach(key file find replace caught_by)
+    string(JSON ${key} GET "${json}" mutants ${INDEX} ${key})
+  endforeach()
+
+  # The kernel's source: its virtual name without "lucarium/" lies under kernels or framework.
+  string(REGEX REPLACE "^lucarium/" "" path "${file}")
+  set(source ${SOURCE}/kernels/${path})
+  if(NOT EXISTS ${source})
+    set(source ${SOURCE}/framework/${path})
+  endif()
+  file(READ ${source} text)
+  string(FIND "${text}" "${find}" first)
+  string(FIND "${text}" "${find}" last REVERSE)
+  if(first EQUAL -1 OR NOT first EQUAL last)
+    message(FATAL_ERROR "${source} does not hold this text exactly once; bring mutants.json up to date:\n${find}")
+  endif()
+  string(REPLACE "${find}" "${replace}" text "${text}")
+  set(kernels ${WORK}/mutant_${INDEX})
+  file(REMOVE_RECURSE ${kernels})
+  file(WRITE ${kernels}/${file} "${text}")
+
+  string(JSON count LENGTH "${json}" checks)
+  math(EXPR last "${count} - 1")
+  foreach(i RANGE ${last})
+    string(JSON name GET "${json}" checks ${i} name)
+    if(name STREQUAL caught_by)
+      set(INDEX ${i})
+    endif()
+  endforeach()
+endif()
+
+string(JSON executable GET "${json}" checks ${INDEX} executable)
+string(JSON cases GET "${json}" checks ${INDEX} cases)
+execute_process(
+  COMMAND ${CMAKE_COMMAND} -E env LUCARIUM_KERNEL_PATH=${kernels} LUCARIUM_CACHE_DIR=${WORK}/cache
+    ${TESTS}/${executable} "--test-case=${cases}"
+  OUTPUT_VARIABLE out ERROR_VARIABLE out RESULT_VARIABLE result)
+message("${out}")
+if(kernels)
+  file(REMOVE_RECURSE ${kernels})
+endif()
+
+if(NOT out MATCHES "test cases: +[1-9]")
+  message(FATAL_ERROR "no test case matches ${cases}")
+endif()
+if(KIND STREQUAL "checks")
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${executable} \"${cases}\" fails without any change")
+  endif()
+elseif(result EQUAL 0)
+  message(FATAL_ERROR "not caught: ${executable} \"${cases}\" passes")
+elseif(NOT out MATCHES "is NOT correct" OR out MATCHES "THREW exception|CRASHED")
+  message(FATAL_ERROR "${executable} \"${cases}\" fails, but not by an assertion")
+endif()
