@@ -11,6 +11,14 @@ find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_library(XXHASH_LIBRARY xxhash REQUIRED)
+find_package(ZLIB REQUIRED)
+# Plots in reports; a JavaScript file that is copied into every page.
+find_file(LUCARIUM_CHART_JS chart.min.js PATHS /usr/share/javascript/chart.js /usr/local/share/javascript/chart.js
+  NO_DEFAULT_PATH)
+if(NOT LUCARIUM_CHART_JS)
+  message(FATAL_ERROR "Chart.js 3 not found: install the package libjs-chart.js, "
+    "or give its file with -DLUCARIUM_CHART_JS=/path/to/chart.min.js")
+endif()
 
 # Debian's OpenImageIO target names an OpenCV folder that exists only with OpenCV's own -dev package, and CMake refuses
 # include folders that do not exist. Nothing here includes imagebufalgo_opencv.h, so drop what is not there.
