@@ -12,11 +12,14 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/compute/kernel_path.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/technique/session.h"
+#include "lucarium/technique/technique_folders.h"
 #include "lucarium/version.h"
 #include "options.h"
 #include "output_files.h"
+#include "watch.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -42,7 +45,7 @@ struct RenderArguments {
   double until_relmse = 0;
   std::string frames;
   double frames_per_second = 24;
-  bool overwrite = false, half = false;
+  bool overwrite = false, half = false, watch = false;
   std::string profile;
 };
 
@@ -255,6 +258,11 @@ std::unique_ptr<CurveRecorder> make_curve(const RenderArguments& arguments, cons
   return std::make_unique<CurveRecorder>(arguments.reference, settings, exposure, schedule);
 }
 
+WatchedInputs watched_inputs(const RenderArguments& arguments) {
+  return {scene_files(arguments.scene, arguments.overrides.overrides.environment.value_or("")),
+          technique_folders(arguments.technique.folders), kernel_path_roots()};
+}
+
 int render(RenderArguments arguments) {
   const auto start = std::chrono::steady_clock::now();
   arguments.output.apply();
@@ -266,6 +274,7 @@ int render(RenderArguments arguments) {
   const std::optional<FrameRange> frames = parse_frames(arguments.frames);
   if (frames && arguments.overrides.overrides.at_seconds) throw_error(ErrorClass::usage, "give --at or --frames, not both");
   const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments, frames);
+  if (arguments.watch) return render_and_watch(watched_inputs(arguments));
   RenderSettings settings = arguments.image.settings();
   const TechniqueRegistry registry(arguments.technique.folders);
   const TechniqueArguments::Spec& spec = arguments.technique.specs.front();
@@ -316,6 +325,7 @@ void add_render_command(CLI::App& program, Action& action) {
   command.add_option("--fps", arguments->frames_per_second, "frames per second of --frames")->check(CLI::PositiveNumber)->capture_default_str();
   command.add_flag("--half", arguments->half, "16-bit floats in EXR");
   command.add_flag("--overwrite", arguments->overwrite, "replace existing files");
+  command.add_flag("--watch", arguments->watch, "render again whenever scene, plug-in or a kernel in LUCARIUM_KERNEL_PATH changes");
   command.add_flag("--profile{-}", arguments->profile, "time per pass: a table, or --profile=FILE.json, FILE.trace.json (Perfetto)");
   arguments->device.add_to(command);
   arguments->output.add_to(command);

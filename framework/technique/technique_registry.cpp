@@ -9,6 +9,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_folders.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -25,28 +26,6 @@ std::vector<fs::path> own_folders() {
     folders.push_back(fs::weakly_canonical(info.dli_fname, failure).parent_path());
   }
   return folders;
-}
-
-std::vector<fs::path> search_folders(const std::vector<fs::path>& extra) {
-  std::vector<fs::path> folders = extra;
-  if (const char* list = std::getenv("LUCARIUM_TECHNIQUE_PATH")) {
-    const std::string text(list);
-    for (size_t begin = 0; begin < text.size();) {
-      const size_t end = std::min(text.find(':', begin), text.size());
-      if (end > begin) folders.emplace_back(text.substr(begin, end - begin));
-      begin = end + 1;
-    }
-  }
-  for (const fs::path& own : own_folders()) {
-    for (const char* relative : {"../lib/lucarium/techniques", "lucarium/techniques"}) {
-      folders.push_back((own / relative).lexically_normal());
-    }
-  }
-  std::vector<fs::path> unique;
-  for (fs::path& folder : folders) {
-    if (std::find(unique.begin(), unique.end(), folder) == unique.end()) unique.push_back(std::move(folder));
-  }
-  return unique;
 }
 
 /// Empty when the plug-in was made by the same toolchain for the same interface; else why not.
@@ -67,10 +46,6 @@ std::string header_mismatch(const PluginHeader& theirs) {
   }
   return "";
 }
-
-}  // namespace
-
-namespace {
 
 /// Calls into a plug-in; whatever it throws leaves as lucarium::Error that begins with `who`.
 template <class Call>
@@ -114,7 +89,29 @@ std::unique_ptr<Technique> TechniqueType::create() const {
   });
 }
 
-TechniqueRegistry::TechniqueRegistry(const std::vector<fs::path>& extra_folders) : searched_(search_folders(extra_folders)) {
+std::vector<fs::path> technique_folders(const std::vector<fs::path>& extra) {
+  std::vector<fs::path> folders = extra;
+  if (const char* list = std::getenv("LUCARIUM_TECHNIQUE_PATH")) {
+    const std::string text(list);
+    for (size_t begin = 0; begin < text.size();) {
+      const size_t end = std::min(text.find(':', begin), text.size());
+      if (end > begin) folders.emplace_back(text.substr(begin, end - begin));
+      begin = end + 1;
+    }
+  }
+  for (const fs::path& own : own_folders()) {
+    for (const char* relative : {"../lib/lucarium/techniques", "lucarium/techniques"}) {
+      folders.push_back((own / relative).lexically_normal());
+    }
+  }
+  std::vector<fs::path> unique;
+  for (fs::path& folder : folders) {
+    if (std::find(unique.begin(), unique.end(), folder) == unique.end()) unique.push_back(std::move(folder));
+  }
+  return unique;
+}
+
+TechniqueRegistry::TechniqueRegistry(const std::vector<fs::path>& extra_folders) : searched_(technique_folders(extra_folders)) {
   for (const fs::path& folder : extra_folders) {
     std::error_code failure;
     if (!fs::is_directory(folder, failure)) failures_.push_back({folder, "there is no such folder"});

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "watch.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/child_process.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::chrono::milliseconds poll_interval{200};
+
+struct Stamp {
+  fs::file_time_type time;
+  uintmax_t bytes = 0;
+  bool operator==(const Stamp&) const = default;
+};
+using Snapshot = std::map<fs::path, Stamp>;
+
+void add_file(Snapshot& snapshot, const fs::path& file) {
+  std::error_code failure;
+  const Stamp stamp{fs::last_write_time(file, failure), fs::file_size(file, failure)};
+  if (!failure) snapshot[file] = stamp;
+}
+
+Snapshot take_snapshot(const WatchedInputs& inputs) {
+  Snapshot snapshot;
+  std::error_code failure;
+  for (const fs::path& file : inputs.files) add_file(snapshot, file);
+  for (const fs::path& folder : inputs.plugins) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure)) {
+      if (entry.path().extension() == ".so") add_file(snapshot, entry.path());
+    }
+  }
+  for (const fs::path& folder : inputs.kernels) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, failure)) {
+      if (entry.is_regular_file(failure)) add_file(snapshot, entry.path());
+    }
+  }
+  return snapshot;
+}
+
+/// The first file that is new, gone or different.
+fs::path changed_file(const Snapshot& before, const Snapshot& now) {
+  for (const auto& [file, stamp] : now) {
+    const auto known = before.find(file);
+    if (known == before.end() || !(known->second == stamp)) return file;
+  }
+  for (const auto& [file, stamp] : before) {
+    if (!now.contains(file)) return file;
+  }
+  return {};
+}
+
+/// Waits until something differs from `before` and then stays as it is for a moment (builds write in several steps).
+/// Returns what changed; empty when interrupted.
+fs::path wait_for_change(const WatchedInputs& inputs, const Snapshot& before) {
+  Snapshot last = take_snapshot(inputs);
+  while (!interrupt_requested()) {
+    const fs::path file = changed_file(before, last);
+    std::this_thread::sleep_for(poll_interval);
+    Snapshot now = take_snapshot(inputs);
+    if (!file.empty() && now == last) return file;
+    last = std::move(now);
+  }
+  return {};
+}
+
+std::vector<std::string> render_words() {
+  std::ifstream command_line("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(command_line, word, '\0');) words.push_back(word);
+  if (words.empty()) throw_error(ErrorClass::internal, "cannot read /proc/self/cmdline");
+  std::erase(words, "--watch");
+  words.front() = fs::read_symlink("/proc/self/exe").string();
+  words.emplace_back("--overwrite");
+  return words;
+}
+
+}  // namespace
+
+std::vector<fs::path> scene_files(const std::string& scene, const std::string& environment) {
+  std::vector<fs::path> files;
+  if (!environment.empty()) files.emplace_back(environment.substr(0, environment.find_first_of("*@")));
+  if (scene.starts_with("builtin:")) return files;
+  files.insert(files.end(), {scene, scene + ".lucarium.json"});
+  if (!scene.ends_with(".gltf")) return files;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(read_file(scene));
+    for (const char* list : {"buffers", "images"}) {
+      for (const nlohmann::json& item : json.value(list, nlohmann::json::array())) {
+        const std::string uri = item.value("uri", "");
+        if (!uri.empty() && !uri.starts_with("data:")) files.push_back(fs::path(scene).parent_path() / uri);
+      }
+    }
+  } catch (const std::exception&) {
+    // The render says what is wrong with the file.
+  }
+  return files;
+}
+
+int render_and_watch(const WatchedInputs& inputs) {
+  const std::vector<std::string> words = render_words();
+  while (true) {
+    const Snapshot before = take_snapshot(inputs);
+    const ChildResult result = run_child(words, [](std::string_view line) { fmt::print(stderr, "{}\n", line); });
+    fmt::print("{}", result.out);
+    std::fflush(stdout);
+    if (interrupt_requested()) return 0;
+    if (result.exit_code == 0) {
+      fmt::print(stderr, "rendered in {:.1f} s; watching {} files, Ctrl-C ends\n", result.seconds, before.size());
+    } else {
+      fmt::print(stderr, "not rendered ({}): the last image is kept; watching {} files, Ctrl-C ends\n", describe_end(result), before.size());
+    }
+    const fs::path file = wait_for_change(inputs, before);
+    if (file.empty()) return 0;
+    fmt::print(stderr, "{} changed\n", file.string());
+  }
+}
+
+}  // namespace lucarium::app
