@@ -283,6 +283,50 @@ TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far fr
   CHECK(far == 0);
 }
 
+TEST_CASE("ray origins keep off the edges of their triangle as far as off the triangle") {
+  // Far from the origin, where that is far; corners of 30 degrees and more.
+  const glm::vec3 corners[2][3] = {{{1000, 300, -200}, {1001, 300, -200.2f}, {1000.3f, 301, -199.9f}},
+                                   {{-80, 4000, 7}, {-78, 4000.5f, 7}, {-78.1f, 4003, 7.3f}}};
+  Scene scene;
+  scene.source = "test";
+  scene.materials.emplace_back();
+  Mesh mesh;
+  for (uint32_t i = 0; i < 2; ++i) {
+    mesh.positions.insert(mesh.positions.end(), corners[i], corners[i] + 3);
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  mesh.normals.assign(6, glm::vec3(0, 0, 1));
+  scene.meshes.push_back(mesh);
+  SceneInstance instance;
+  instance.mesh = 0, instance.material = 0;
+  scene.instances.push_back(instance);
+  const SceneBuffers buffers(kernel_device(), scene);
+  std::vector<Hit> hits;
+  const float weights[][2] = {{0, 0}, {1, 0}, {0, 1}, {0, .4f}, {.7f, 0}, {.5f, .5f}, {.2f, 1e-4f}, {.3f, .3f}, {.5f, .2f}};
+  for (const uint triangle : {0u, 1u})
+    for (const auto& w : weights) hits.push_back(hit_at(triangle, w[0], w[1]));
+  const auto surfaces = make_surfaces(buffers, hits, glm::normalize(glm::vec3(0.3f, -0.5f, 0.7f)));
+  for (size_t i = 0; i < hits.size(); ++i) {
+    CAPTURE(i);
+    const auto& p = corners[hits[i].triangle];
+    const glm::dvec3 origin(surfaces[i].origin_on.xyz()), hit = glm::dvec3(p[0]) + double(hits[i].u) * glm::dvec3(p[1] - p[0]) +
+                                                                double(hits[i].v) * glm::dvec3(p[2] - p[0]);
+    const glm::dvec3 normal = glm::normalize(glm::cross(glm::dvec3(p[1] - p[0]), glm::dvec3(p[2] - p[0])));
+    const double height = std::abs(glm::dot(origin - hit, normal));
+    const double moved = glm::length(origin - hit - glm::dot(origin - hit, normal) * normal);
+    double nearest = 1e9;
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec3 along = glm::normalize(glm::dvec3(p[(k + 1) % 3] - p[k]));
+      nearest = std::min(nearest, glm::dot(glm::cross(normal, along), origin - glm::dvec3(p[k])));
+    }
+    REQUIRE(height > 1e-3);
+    // Two edges push at once in a corner, by less than the height each where it is sharp.
+    CHECK(nearest > (i % 9 < 3 ? 0.1 : 0.9) * height);
+    CHECK(moved < 2.1 * height);
+    if (i % 9 >= 7) CHECK(moved < 1e-3);
+  }
+}
+
 TEST_CASE("primary rays pass through their film points; pixel sampling modes") {
   SceneCamera camera;
   camera.yfov = 1.0f;
