@@ -23,7 +23,8 @@ struct BvhStatistics {
 /// device (but for needle-thin triangles, whose computed distance may lie in front of the boxes that hold them).
 enum class BvhTraversal {
   automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
-  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item; with AVX-512 many rays interleaved
+  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item: coherent runs of 16 as packets,
+                  ///< others one after the other or, with AVX-512, many interleaved
   wide_portable,  ///< the same without compiler built-ins, one ray after the other
   scalar,         ///< 4-wide nodes, 4-triangle leaves, one ray per work-item
 };

@@ -14,6 +14,11 @@
 #else
 #include "lucarium/services/bvh_single.clh"
 #endif
+#if BVH_WIDTH == 16
+#include "lucarium/services/bvh_packet.clh"
+#else
+#define bvh_trace_closest_mixed bvh_trace_closest_chunk
+#endif
 
 #ifdef BVH_ALPHA
 #define BVH_SCENE_PARAMETERS LUCARIUM_SCENE_PARAMETERS
@@ -31,7 +36,7 @@ __kernel void bvh_closest(BVH_SCENE_PARAMETERS __global const Ray* rays, __globa
   BVH_CONTEXT(context);
   const uint count = min(counter[counter_index], capacity);
   const uint first = ((uint)get_global_id(0) + slice_base) * BVH_CHUNK;
-  bvh_trace_closest_chunk(&context, rays, hits, first, min(first + BVH_CHUNK, count));
+  bvh_trace_closest_mixed(&context, rays, hits, first, min(first + BVH_CHUNK, count));
 }
 
 __kernel void bvh_any(BVH_SCENE_PARAMETERS __global const Ray* rays, __global uint* occluded,

@@ -125,6 +125,32 @@ TEST_CASE("all traversals give the same bits, with counts below the capacity and
   }
 }
 
+TEST_CASE("runs of coherent rays, traced as packets, give the same bits as single rays") {
+  Tracer tracer;
+  const Soup soup = random_soup(5000, 13);
+  // A camera's rays, row by row; every fifth row is in disorder, so that packets and single rays take turns.
+  const uint32_t width = 200, height = 100;
+  std::vector<Ray> rays;
+  Random random(14);
+  for (uint32_t i = 0; i < width * height; ++i) {
+    const float x = static_cast<float>(i % width) / 100 - 1, y = static_cast<float>(i / width) / 100 - 0.5f;
+    const bool disorder = i / width % 5 == 0;
+    const glm::vec3 direction = disorder ? random.direction() : glm::normalize(glm::vec3(x, y, -1.2f));
+    rays.push_back(make_ray({0.01f * random.uniform(), 0, i / width % 2 ? 14.f : 5.f}, direction,
+                            i % 11 == 0 ? random.uniform(0, 20) : INFINITY));
+    if (i % 97 == 0) rays.back().direction.w = -1;
+  }
+  const Results single = tracer.trace(tracer.make(soup, BvhTraversal::scalar), rays);
+  size_t hit = 0;
+  for (const Hit& found : single.hits) hit += found.triangle != LUCARIUM_NO_HIT;
+  CHECK(hit > rays.size() / 10);
+  for (const BvhTraversal traversal : {BvhTraversal::wide, BvhTraversal::wide_portable}) {
+    const Results packets = tracer.trace(tracer.make(soup, traversal), rays);
+    CHECK(std::memcmp(packets.hits.data(), single.hits.data(), rays.size() * sizeof(Hit)) == 0);
+    CHECK(packets.occluded == single.occluded);
+  }
+}
+
 TEST_CASE("no ray escapes a closed mesh") {
   Tracer tracer;
   const int batches = full_run() ? 25 : 1;  // 10⁸ rays in all: two meshes, two traversals
@@ -142,6 +168,11 @@ TEST_CASE("no ray escapes a closed mesh") {
         const glm::vec3 origin = offset + random.in_cube(0.15f);
         const glm::vec3 target = i % 8 == 0 ? a : glm::mix(a, b, random.uniform());
         rays.push_back(make_ray(origin, i % 2 ? random.direction() : glm::normalize(target - origin)));
+        // Runs of coherent rays: 16 through the neighbourhood of one point.
+        if (i / 16 % 4 == 0 && i % 16 != 0) {
+          const Ray& lead = rays[i - i % 16];
+          rays.back() = make_ray(lead.origin.xyz(), glm::normalize(lead.direction.xyz() + random.in_cube(0.02f)));
+        }
       }
       for (const Bvh& bvh : bvhs) {
         const Results results = tracer.trace(bvh, rays);
