@@ -139,18 +139,18 @@ void add_compare_command(CLI::App& program, Action& action) {
   arguments->technique.add_to(command);
   command.add_option("-o,--output", arguments->options.folder, "folder of the results");
   const auto add_budget = [&command](const char* name, auto& values, const char* text) {
-    command.add_option(name, values, text)->check(CLI::PositiveNumber)->take_all()->expected(1)->allow_extra_args(false);
+    command.add_option(name, values, text)->check(positive_number())->take_all()->expected(1)->allow_extra_args(false);
   };
   add_budget("--time", arguments->seconds, "equal time: seconds of preparing and iterating; may be given several times");
   add_budget("--iterations", arguments->iterations, "equal iterations; may be given several times");
   add_budget("--equal-error", arguments->equal_error, "equal error: time to this relMSE; may be given several times");
-  command.add_option("--limit", arguments->limit_seconds, "seconds after which --equal-error gives up")->check(CLI::PositiveNumber)->capture_default_str();
+  command.add_option("--limit", arguments->limit_seconds, "seconds after which --equal-error gives up")->check(positive_number())->capture_default_str();
   command.add_option("--seeds", arguments->spec.seeds, "independent runs of each variant")->check(CLI::Range(1, 1000))->capture_default_str();
   command.add_option("--reference", arguments->reference, "image to compare with, instead of a rendered reference");
   command.add_option("--reference-spp", arguments->spec.reference.samples, "samples per pixel of rendered references, at most")
       ->check(CLI::Range(32, 1 << 24))->capture_default_str();
   command.add_option("--reference-error", arguments->spec.reference.relmse, "stop a reference when its own relMSE is at most this")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   command.add_option("--fallback-environment", arguments->spec.fallback_environment, "r,g,b of the sky of scenes without any light");
   command.add_option("--gate", arguments->gates, "METRIC<VALUE, METRIC>VALUE or LABEL:METRIC<VALUE: exit code 1 when it is missed")
       ->take_all()->expected(1)->allow_extra_args(false);

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
@@ -25,6 +26,16 @@ std::pair<std::string, std::string> parse_assignment(const std::string& text) {
 }
 
 }  // namespace
+
+CLI::Validator positive_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
+        return good ? std::string() : fmt::format("'{}' is not a number above 0", text);
+      },
+      "above 0");
+}
 
 void DeviceArguments::add_to(CLI::App& command) {
   command.add_option("--device", options.selector, "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");

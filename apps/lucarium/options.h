@@ -12,6 +12,7 @@
 
 namespace CLI {
 class App;
+class Validator;
 }
 
 namespace lucarium::app {
@@ -69,6 +70,9 @@ struct OutputArguments {
   void add_to(CLI::App& command, bool with_json = true);
   void apply() const;  ///< sets the log level
 };
+
+/// A finite number above 0; says so in one line.
+CLI::Validator positive_number();
 
 /// "1920x1080" → {1920, 1080}.
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text);

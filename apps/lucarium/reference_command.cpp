@@ -159,9 +159,9 @@ void add_reference_command(CLI::App& program, Action& action) {
   CLI::App& command = *program.add_subcommand("reference", "render a reference image to a wanted error, or extend one");
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   command.add_option("-o,--output", arguments->file, ".exr")->required();
-  command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")->check(CLI::PositiveNumber);
-  command.add_option("--spp", arguments->goal.samples, "samples per pixel (default 4096 when no other goal is given)")->check(CLI::PositiveNumber);
-  command.add_option("--time", arguments->goal.seconds, "seconds of iterating")->check(CLI::PositiveNumber);
+  command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")->check(positive_number());
+  command.add_option("--spp", arguments->goal.samples, "samples per pixel (default 4096 when no other goal is given)")->check(positive_number());
+  command.add_option("--time", arguments->goal.seconds, "seconds of iterating")->check(positive_number());
   command.add_option("--path-set", arguments->path_set, "light paths as key=value,… (docs/references.md); default: all");
   arguments->technique.add_to(command);
   arguments->image.add_to(command, true);

@@ -150,6 +150,9 @@ ordered_json summary_json(RenderSession& session, const Film& film, bool partial
   json["samples"] = session.last().samples;
   json["iterations"] = session.iterations();
   json["seed"] = session.settings().seed;
+  json["max_bounces"] = session.settings().max_bounces;
+  json["pixel_sampling"] = session.settings().pixel_sampling;
+  json["scene_time_seconds"] = session.scene().time;
   json["partial"] = partial;
   json["converged"] = session.last().converged;
   json["seconds"] = total_seconds;
@@ -312,17 +315,17 @@ void add_render_command(CLI::App& program, Action& action) {
   arguments->technique.add_to(command);
   command.add_option("-o,--output", arguments->files, ".exr (layers, metadata) or .png (picture); may be given twice")
       ->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--spp", arguments->samples, "samples per pixel (default 64 when no other budget is given)")->check(CLI::PositiveNumber);
-  command.add_option("--iterations", arguments->iterations, "iterations of the technique")->check(CLI::PositiveNumber);
-  command.add_option("--time", arguments->seconds, "seconds, preparation included")->check(CLI::PositiveNumber);
-  command.add_option("--compute-time", arguments->compute_seconds, "seconds of preparing and iterating, without loading and compiling")->check(CLI::PositiveNumber);
+  command.add_option("--spp", arguments->samples, "samples per pixel (default 64 when no other budget is given)")->check(positive_number());
+  command.add_option("--iterations", arguments->iterations, "iterations of the technique")->check(positive_number());
+  command.add_option("--time", arguments->seconds, "seconds, preparation included")->check(positive_number());
+  command.add_option("--compute-time", arguments->compute_seconds, "seconds of preparing and iterating, without loading and compiling")->check(positive_number());
   command.add_option("--reference", arguments->reference, "image to measure the error against; for --json");
   command.add_flag("--curve", arguments->curve, "with --reference: the error also at times t*2^(i/2)");
-  command.add_option("--until-relmse", arguments->until_relmse, "with --reference: stop when the error is at most this")->check(CLI::PositiveNumber);
+  command.add_option("--until-relmse", arguments->until_relmse, "with --reference: stop when the error is at most this")->check(positive_number());
   arguments->image.add_to(command, true);
   arguments->overrides.add_to(command);
   command.add_option("--frames", arguments->frames, "FIRST:LAST of the animation; files are numbered");
-  command.add_option("--fps", arguments->frames_per_second, "frames per second of --frames")->check(CLI::PositiveNumber)->capture_default_str();
+  command.add_option("--fps", arguments->frames_per_second, "frames per second of --frames")->check(positive_number())->capture_default_str();
   command.add_flag("--half", arguments->half, "16-bit floats in EXR");
   command.add_flag("--overwrite", arguments->overwrite, "replace existing files");
   command.add_flag("--watch", arguments->watch, "render again whenever scene, plug-in or a kernel in LUCARIUM_KERNEL_PATH changes");

@@ -14,9 +14,11 @@ TEST_CASE("usage: exit code 2, and the nearest valid name") {
   check_refused("render builtin:cornell --sppp 3" + out, 2, "unknown option --sppp; did you mean '--spp'?");
   check_refused("render", 2, "scene is required");
   check_refused("render builtin:cornell", 2, "--output");
-  check_refused("render builtin:cornell --spp 0" + out, 2, "--spp");
-  check_refused("render builtin:cornell --spp many" + out, 2, "--spp");
-  check_refused("render builtin:cornell --time -1" + out, 2, "--time");
+  check_refused("render builtin:cornell --spp 0" + out, 2, "--spp: '0' is not a number above 0");
+  check_refused("render builtin:cornell --spp many" + out, 2, "--spp: 'many' is not a number above 0");
+  check_refused("render builtin:cornell --time -1" + out, 2, "--time: '-1' is not a number above 0");
+  check_refused("render builtin:cornell --time nan" + out, 2, "--time: 'nan' is not a number above 0");
+  check_refused("render builtin:cornell --time inf" + out, 2, "--time: 'inf' is not a number above 0");
   check_refused("render builtin:cornell --size 64" + out, 2, "WIDTHxHEIGHT");
   check_refused("render builtin:cornell --size 0x64" + out, 2, "from 1 to 32768");
   check_refused("render builtin:cornell --max-bounces -2" + out, 2, "--max-bounces");

@@ -17,6 +17,7 @@ TEST_CASE("an EXR with layers and metadata, a picture, and a summary that parses
   CHECK(result.err.empty());
   const json summary = json::parse(result.out);
   CHECK(summary["schema"] == "lucarium-render-1");
+  for (const char* key : {"max_bounces", "pixel_sampling", "scene_time_seconds"}) CHECK(summary[key].is_number());
   CHECK(summary["technique"] == "constant");
   CHECK(summary["samples"] == 3);
   CHECK(summary["seed"] == 9);
