@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# tools/build.sh [PRESET]: installs missing packages, configures and builds build/PRESET (default: release).
+# tools/build.sh [PRESET [TARGET ...]]: installs missing packages, configures and builds build/PRESET (default: release),
+# all of it or the given targets.
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 preset=${1:-release}
+shift $(($# > 0))
 "$root/tools/install_packages.sh"
 cd "$root"
 mkdir -p build
@@ -14,4 +16,4 @@ if ! cmake --preset "$preset" -Wno-dev >"$log" 2>&1; then
   exit 1
 fi
 echo "Building build/$preset"
-cmake --build --preset "$preset"
+cmake --build --preset "$preset" ${1:+--target "$@"}
