@@ -32,6 +32,24 @@ void flush_to_disk(const fs::path& path) {
   ::close(file);
 }
 
+/// "; no space is left there" when that is why. Libraries do not tell.
+std::string space_left(const fs::path& target) {
+  constexpr uintmax_t little = 1 << 16;
+  std::error_code failure;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  const fs::space_info space = fs::space(folder, failure);
+  return !failure && space.available < little ? "; no space is left on that device" : "";
+}
+
+/// The message with the file's own name instead of the temporary one's.
+Error name_target(const Error& error, const fs::path& temporary, const fs::path& target, const std::string& space) {
+  std::string text = error.what();
+  for (size_t at; (at = text.find(temporary.string())) != std::string::npos;) {
+    text.replace(at, temporary.string().size(), target.string());
+  }
+  return Error(error.error_class(), text + space).with_details(error.details());
+}
+
 }  // namespace
 
 void write_file_atomically(const fs::path& target, const std::function<void(const fs::path&)>& write) {
@@ -41,9 +59,15 @@ void write_file_atomically(const fs::path& target, const std::function<void(cons
     flush_to_disk(temporary);
     fs::rename(temporary, target);
   } catch (const fs::filesystem_error& error) {
+    const std::string space = space_left(target);
     std::error_code ignored;
     fs::remove(temporary, ignored);
-    throw_error(ErrorClass::input, "cannot write {}: {}", target.string(), error.code().message());
+    throw_error(ErrorClass::input, "cannot write {}: {}{}", target.string(), error.code().message(), space);
+  } catch (const Error& error) {
+    const std::string space = space_left(target);
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw name_target(error, temporary, target, space);
   } catch (...) {
     std::error_code ignored;
     fs::remove(temporary, ignored);

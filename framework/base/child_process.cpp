@@ -17,6 +17,7 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
 
 extern char** environ;
 
@@ -24,6 +25,7 @@ namespace lucarium {
 namespace {
 
 constexpr size_t kept_lines = 20;
+constexpr int look_up_milliseconds = 200;  // between two looks at the interrupt flag
 const char* const parent_variable = "LUCARIUM_PARENT_PROCESS";
 
 /// This process' environment with its number as the parent's.
@@ -119,11 +121,16 @@ ChildResult run_child(const std::vector<std::string>& arguments,
   };
   std::array<pollfd, 2> streams = {{{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}}};
   std::array<char, 65536> bytes;
+  bool passed_on = false;
   while (streams[0].fd >= 0 || streams[1].fd >= 0) {
-    if (::poll(streams.data(), streams.size(), -1) < 0) {
-      if (errno == EINTR) continue;
-      break;
+    const int ready = ::poll(streams.data(), streams.size(), look_up_milliseconds);
+    if (interrupt_requested() && !passed_on) {
+      // A terminal interrupts both, others only this process. SIGTERM, since a second SIGINT would end the child at once.
+      ::kill(child, SIGTERM);
+      passed_on = true;
     }
+    if (ready < 0 && errno != EINTR) break;
+    if (ready <= 0) continue;
     for (pollfd& stream : streams) {
       if (stream.fd < 0 || !(stream.revents & (POLLIN | POLLHUP | POLLERR))) continue;
       const ssize_t count = ::read(stream.fd, bytes.data(), bytes.size());

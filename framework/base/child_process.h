@@ -18,7 +18,7 @@ struct ChildResult {
 };
 
 /// Runs a program to its end with standard input closed. Lines of its standard error are handed to `on_error_line` as
-/// they come. Throws Error{internal} when it cannot be started.
+/// they come. An interrupt of this process is passed on to it once. Throws Error{internal} when it cannot be started.
 ChildResult run_child(const std::vector<std::string>& arguments,
                       const std::function<void(std::string_view)>& on_error_line = {});
 

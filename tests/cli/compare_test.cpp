@@ -150,6 +150,18 @@ TEST_CASE("variants with different light paths are measured against references o
   CHECK(contains(scene["variants"][2]["refused"].get<std::string>(), "cannot sample pixels in mode 4"));
 }
 
+TEST_CASE("an interrupt of the comparison alone ends its run too, and keeps what is finished") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results";
+  const ProgramResult run = run_program(lucarium_program() + " compare builtin:cornell -t path_tracing --size 64x48 --time 60 --seeds 1 " +
+                                        "--reference-spp 32 --quiet -o " + results.string() + " & pid=$!; until [ -e " +
+                                        (results / "references/scene1-set1.exr").string() +
+                                        " ]; do kill -0 $pid || exit 99; sleep 0.05; done; sleep 0.5; kill -INT $pid; wait $pid", 50);
+  CHECK(run.exit_code == 6);
+  CHECK(json::parse(text_of(results / "results.json"))["interrupted"] == true);
+  CHECK(count_processes((results / "pieces").string()) == 0);
+}
+
 TEST_CASE("a reference file that shows other light paths, or another scene, is refused") {
   const TemporaryFolder folder;
   const std::string reference = (folder.path() / "r.exr").string(), out = " --seeds 1 --iterations 1 -o " + (folder.path() / "x").string();
