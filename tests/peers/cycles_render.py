@@ -4,7 +4,7 @@ Cycles once per seed.
 
   blender -b --factory-startup -P cycles_render.py -- JOB.json
 
-JOB.json: scene, size, bounces, samples, seeds, output (folder), threads.
+JOB.json: scene, size, bounces, samples, seeds, output (folder), threads, linear_textures.
 """
 
 import json
@@ -20,6 +20,7 @@ import numpy as np
 
 import gltf
 
+JOB = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
 # glTF has y up, Blender z.
 TO_BLENDER = mathutils.Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 
@@ -55,13 +56,31 @@ class Nodes:
         return self.node("ShaderNodeVectorMath", {0: a, 1: b}, operation="DOT_PRODUCT").outputs["Value"]
 
 
+def linear_image(source):
+    """The picture as linear floats: Cycles interpolates bytes before it decodes sRGB, glTF demands the reverse."""
+    name = f"linear {source.name}"
+    if name in bpy.data.images:
+        return bpy.data.images[name]
+    source.colorspace_settings.name = "Non-Color"
+    pixels = np.empty(len(source.pixels), np.float32)
+    source.pixels.foreach_get(pixels)
+    rgb = pixels.reshape(-1, 4)[:, :3]
+    rgb[:] = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    image = bpy.data.images.new(name, *source.size, alpha=True, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(pixels)
+    image.update()
+    return image
+
+
 def image_node(nodes, scene, use, folder):
     """A picture, bilinear; its alpha is left out of the colour."""
     file = folder / f"image{use.image}.png"
-    if not file.exists():
-        file.write_bytes(scene.images[use.image])
+    file.write_bytes(scene.images[use.image])
     image = bpy.data.images.load(str(file), check_existing=True)
     image.alpha_mode = "CHANNEL_PACKED"
+    if JOB["linear_textures"]:
+        image = linear_image(image)
     return nodes.node("ShaderNodeTexImage", image=image, interpolation="Linear",
                       extension="EXTEND" if use.clamp else "REPEAT")
 
@@ -212,35 +231,34 @@ def make_camera(scene):
     bpy.context.scene.camera = holder
 
 
-def settings(job):
+def settings():
     """Everything that would bias the image, or differ from a box filter, is off."""
     scene = bpy.context.scene
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
-    render.resolution_x, render.resolution_y, render.resolution_percentage = *job["size"], 100
-    render.threads_mode, render.threads = "FIXED", job["threads"]
+    render.resolution_x, render.resolution_y, render.resolution_percentage = *JOB["size"], 100
+    render.threads_mode, render.threads = "FIXED", JOB["threads"]
     render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
     render.image_settings.color_mode = "RGB"
     render.use_persistent_data = True
-    cycles.device, cycles.samples = "CPU", job["samples"]
+    cycles.device, cycles.samples = "CPU", JOB["samples"]
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0
     cycles.light_sampling_threshold = 0
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
-    cycles.sampling_pattern = "SOBOL"
-    bounces = job["bounces"] if job["bounces"] >= 0 else 1024
-    for name in ("max", "diffuse", "glossy", "transmission", "transparent_max", "volume"):
-        setattr(cycles, f"{name}_bounces" if name != "transparent_max" else name + "_bounces", max(bounces, 0))
+    cycles.sampling_pattern = "PROGRESSIVE_MULTI_JITTER"
+    bounces = JOB["bounces"] if JOB["bounces"] >= 0 else 1024
+    for name in ("max", "diffuse", "glossy", "transmission", "volume"):
+        setattr(cycles, f"{name}_bounces", bounces)
     cycles.transparent_max_bounces = 1024
     cycles.caustics_reflective = cycles.caustics_refractive = True
 
 
 def main():
-    job = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text())
-    output = Path(job["output"])
+    output = Path(JOB["output"])
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
-    scene = gltf.read(job["scene"])
+    scene = gltf.read(JOB["scene"])
     materials = [make_material(scene, i, output) for i in range(len(scene.materials))]
     for mesh in scene.meshes:
         make_mesh(mesh, materials[mesh.material])
@@ -248,9 +266,9 @@ def main():
         make_light(index, light)
     make_world(scene.environment)
     make_camera(scene)
-    settings(job)
+    settings()
     seconds, cpu_seconds = [], []
-    for seed in job["seeds"]:
+    for seed in JOB["seeds"]:
         bpy.context.scene.cycles.seed = seed
         bpy.context.scene.render.filepath = str(output / f"cycles{seed}.exr")
         start, start_cpu = time.time(), time.process_time()

@@ -160,14 +160,25 @@ def rough_dielectrics():
     return spheres(lambda w, i: w.material(f"plastic {i}", (0.7, 0.3, 0.2), 0.0, (0.3, 0.5, 1.0)[i], 1.5))
 
 
-def glass():
-    """A glass sphere before a textured lamp."""
-    writer = textured_light()
+def add_glass_sphere(writer):
+    """Ideal glass of index 1.5, faceted."""
     extensions = {"KHR_materials_transmission": {"transmissionFactor": 1.0},
                   "KHR_materials_volume": {"thicknessFactor": 1.0}}
     material = writer.material("glass", (1, 1, 1), 0.0, 0.0, 1.5, extensions=extensions)
     writer.add("sphere", sphere((0.2, 0.6, 0.3), 0.6, flat=True), material)
     return writer
+
+
+def glass():
+    """A glass sphere before a textured lamp."""
+    return add_glass_sphere(textured_light())
+
+
+def glass_corner():
+    """A glass sphere, without light."""
+    writer = Writer()
+    floor_and_walls(writer)
+    return add_glass_sphere(writer)
 
 
 def corner():
@@ -178,7 +189,7 @@ def corner():
     return writer
 
 
-MAKERS = {f.__name__: f for f in (textured_light, rough_metals, white_metals, rough_dielectrics, glass, corner)}
+MAKERS = {f.__name__: f for f in (textured_light, rough_metals, white_metals, rough_dielectrics, glass, glass_corner, corner)}
 
 
 def make(name, folder):

@@ -29,23 +29,27 @@ class Case:
     peers: tuple = ("mitsuba", "cycles")
 
 
-BUNNY = dict(source="models/bunny_stanford.glb", environment="env/venice_sunset_1k.hdr", bounces=3,
-             options=("--material", f"*:base_color=0.7,{LAMBERT}", "--camera", "0.05,0.16,0.42:-0.017,0.105,0:26"))
+BUNNY = dict(source="models/bunny_stanford.glb", environment="env/venice_sunset_1k.hdr", bounces=3)
+BUNNY_MATERIAL = ("--material", f"*:base_color=0.7,{LAMBERT}")
 
+# Edges of lamps in view show the bias of Cycles' sample points best (cycles_peer.py): its views look away from them.
 CASES = {
-    "cornell": Case("builtin:cornell", samples=48),
-    "cornell-direct": Case("builtin:cornell", bounces=0, samples=32),
+    "cornell": Case("builtin:cornell", samples=48, peers=("mitsuba",)),
+    "cornell-direct": Case("builtin:cornell", bounces=0, samples=32, peers=("mitsuba",)),
+    "cornell-inside": Case("builtin:cornell", ("--camera", "0,0.22,0.3:0,0.18,-0.3:36"), samples=48),
     "room": Case("builtin:room", bounces=3, samples=32),
-    "classroom": Case("scenes/classroom_luxcore.glb", ("--material", f"*:{LAMBERT}"), samples=32),
-    "textured-light": Case("made:textured_light", VIEW, bounces=2, samples=32),
-    "bunny-smooth": Case(**BUNNY, peers=("mitsuba",)),
-    "bunny": Case(**BUNNY, flat=True),
+    "classroom": Case("scenes/classroom_luxcore.glb", ("--material", f"*:{LAMBERT}"), samples=64, flat=True),
+    "textured-light": Case("made:textured_light", VIEW, bounces=2, samples=32, peers=("mitsuba",)),
+    "textured-light-down": Case("made:textured_light", ("--camera", "0.2,1.5,1.5:-0.2,0,0.2:40"), bounces=2, samples=32),
+    "bunny-smooth": Case(**BUNNY, options=(*BUNNY_MATERIAL, "--camera", "0.05,0.16,0.42:-0.017,0.105,0:26"), peers=("mitsuba",)),
+    "bunny": Case(**BUNNY, options=(*BUNNY_MATERIAL, "--camera", "0.05,0.16,0.42:-0.02,0.085,0:9"), flat=True),
     "spot": Case("made:corner", (*VIEW, "--light", "spot:1,2.6,1.5:-0.3,-1,-0.6:30,20,10:32:18"), bounces=2),
     "sun": Case("made:corner", (*VIEW, "--light", "directional:-0.4,-1,-0.7:10,9,8"), bounces=2),
     "metals": Case("made:rough_metals", VIEW, samples=32, peers=("mitsuba",)),
     "plastics": Case("made:rough_dielectrics", VIEW, samples=32, peers=("mitsuba",)),
     "metals-separable": Case("made:white_metals", VIEW, samples=32, separable=True),
-    "glass": Case("made:glass", VIEW, bounces=-1, samples=64),
+    "glass": Case("made:glass", VIEW, bounces=-1, samples=64, peers=("mitsuba",)),
+    "glass-sky": Case("made:glass_corner", VIEW, bounces=-1, samples=32, environment="env/venice_sunset_1k.hdr"),
 }
 
 
