@@ -202,3 +202,22 @@ def read(file):
     scene = Reader(file).scene()
     scene.environment = read_environment(Path(f"{file}.lucarium.json"))
     return scene
+
+
+def move_emitters(file, offset):
+    """Shifts all meshes that emit by a world-space vector [m], in FILE.glb itself."""
+    data, reader = bytearray(Path(file).read_bytes()), Reader(file)
+    binary_start = len(data) - len(reader.binary)
+    for node in reader.json["nodes"]:
+        if "mesh" not in node:
+            continue
+        primitive = reader.json["meshes"][node["mesh"]]["primitives"][0]
+        if max(reader.json["materials"][primitive["material"]]["emissiveFactor"]) == 0:
+            continue
+        matrix = np.array(node.get("matrix", np.eye(4).ravel())).reshape(4, 4).T
+        accessor = primitive["attributes"]["POSITION"]
+        moved = (reader.array(accessor) + np.linalg.solve(matrix[:3, :3], offset)).astype("<f4").tobytes()
+        view = reader.json["bufferViews"][reader.json["accessors"][accessor]["bufferView"]]
+        start = binary_start + view["byteOffset"]
+        data[start : start + len(moved)] = moved
+    Path(file).write_bytes(data)

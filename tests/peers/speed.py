@@ -54,7 +54,7 @@ class Ours:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         output = self.folder / "ours.exr"
         summary = json.loads(lucarium.run(
-            "render", self.file, "--size", f"{self.size[0]}x{self.size[1]}", "--max-bounces", BOUNCES, "--spp", samples,
+            "render", self.file, "-t", "path_tracing", "--size", f"{self.size[0]}x{self.size[1]}", "--max-bounces", BOUNCES, "--spp", samples,
             "--seed", seed, "-p", f"samples_per_iteration={samples}", "-o", output, "--overwrite", "--quiet", "--json"))
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
