@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
 #include "lucarium/compare/flip.h"
 #include "lucarium/compare/packed_image.h"
 #include "lucarium/film/image_io.h"
@@ -30,6 +31,16 @@ void add_source(std::vector<ReportSource>& sources, ReportSource source) {
   source.height = static_cast<uint32_t>(input->spec().height);
   source.layer_channels = static_cast<uint32_t>(std::max(input->spec().nchannels - 3, 0));
   sources.push_back(std::move(source));
+}
+
+/// A damaged image is left out of the page; the rest is worth showing.
+std::optional<Film> read_or_warn(const fs::path& file) {
+  try {
+    return read_image(file);
+  } catch (const Error& error) {
+    log_warning("report: left out: {}", error.what());
+    return std::nullopt;
+  }
 }
 
 /// Index of the reference that a variant is compared with.
@@ -140,11 +151,12 @@ class FlipMaps {
     reference_.reset();
     for (const ReportSource& other : sources_) {
       if (other.kind != ReportSource::Kind::reference || other.scene != scene_ || other.reference != index_) continue;
-      const Film film = read_image(other.file);
-      std::vector<float> image = film.image();
+      const std::optional<Film> film = read_or_warn(other.file);
+      if (!film) return;
+      std::vector<float> image = film->image();
       if (!std::all_of(image.begin(), image.end(), [](float v) { return std::isfinite(v); })) return;
-      width_ = film.width();
-      height_ = film.height();
+      width_ = film->width();
+      height_ = film->height();
       reference_.emplace(width_, height_, std::move(image), std::vector<FlipView>{{source.exposure_stops, false}});
     }
   }
@@ -214,7 +226,9 @@ void pack_report_images(const std::vector<ReportSource>& sources, const ReportPl
   ImagePacker packer(plan, samples_of(sources, plan), sink);
   FlipMaps flip(sources);
   for (const ReportSource& source : sources) {
-    const Film film = read_image(source.file);
+    const std::optional<Film> read = read_or_warn(source.file);
+    if (!read) continue;
+    const Film& film = *read;
     const bool mean = source.kind == ReportSource::Kind::mean;
     packer.pack(describe(source), film.width(), film.height(), 3, film.image(), mean ? plan.mean_divisor : plan.image_divisor);
     if (mean) continue;

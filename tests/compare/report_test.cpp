@@ -125,6 +125,17 @@ TEST_CASE("linked images lie beside the page, and go when it carries them again"
   CHECK(!std::filesystem::exists(folder.path() / "report_images"));
 }
 
+TEST_CASE("a damaged or missing image is left out, and the page is made all the same") {
+  const test::TemporaryFolder folder;
+  test::write_report_example(folder.path());
+  const std::filesystem::path damaged = folder.path() / "pieces/scene1-variant1-budget1-seed1.exr";
+  std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) / 2);
+  std::filesystem::remove(folder.path() / "references/scene2-set1.exr");
+  write_report(folder.path());
+  // As above without a piece of one scene, the reference of the other, and its three FLIP maps.
+  CHECK(count_of(read_file(folder.path() / "report.html"), "<script type=\"text/plain\" id=\"image-") == 5 * 4 + 1 + 5);
+}
+
 TEST_CASE("results of another schema, or none, are an error that names the file") {
   const test::TemporaryFolder folder;
   CHECK_THROWS_WITH_AS(write_report(folder.path()), doctest::Contains("results.json"), Error);

@@ -30,7 +30,11 @@ function drawCharts() {
   }
 }
 
-const isDecade = value => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9;
+// Whether the value is one of `digits` times a power of ten.
+function isStep(value, digits) {
+  const mantissa = Number(value / 10 ** Math.floor(Math.log10(value) + 1e-9)).toPrecision(6);
+  return digits.some(digit => Number(mantissa) === digit);
+}
 
 // Logarithmic axis with a label at 1, 2 and 5 of every decade, or at decades alone when there are many.
 function logAxis(title, range) {
@@ -40,7 +44,7 @@ function logAxis(title, range) {
     min: range && range[0],
     max: range && range[1],
     title: { display: true, text: title },
-    ticks: { callback: value => (isDecade(value) || (few && /^[25]/.test(Number(value).toExponential())) ? number(value) : '') },
+    ticks: { callback: value => (isStep(value, few ? [1, 2, 5] : [1]) ? number(value) : '') },
   };
 }
 

@@ -6,7 +6,7 @@ function number(value, digits = 3) {
   if (!Number.isFinite(value)) return value > 0 ? '∞' : '−∞';
   if (value === 0) return '0';
   const magnitude = Math.abs(value);
-  const text = magnitude >= 1e5 || magnitude < 1e-3 ? value.toExponential(digits - 1).replace('e+', 'e') : String(Number(value.toPrecision(digits)));
+  const text = magnitude >= 1e5 || magnitude < 1e-3 ? Number(value.toPrecision(digits)).toExponential().replace('e+', 'e') : String(Number(value.toPrecision(digits)));
   return text.replace(/-/g, '−');
 }
 

@@ -11,7 +11,7 @@ function referenceNotes(scene) {
     const who = references.length > 1 ? `Reference ${i + 1}` : 'Reference';
     if (r.failure) return h('li', { class: 'flagged' }, `${who}: ${r.failure}`);
     const own = r.own_relmse > 0 ? `own relMSE ${number(r.own_relmse)}` : 'own error unknown';
-    const facts = [r.source, r.samples ? `${number(r.samples)} samples` : '', r.from_cache ? 'from the cache' : r.seconds ? seconds(r.seconds) : '', own].filter(Boolean).join(', ');
+    const facts = [r.source, r.samples ? `${r.samples} samples` : '', r.from_cache ? 'from the cache' : r.seconds ? seconds(r.seconds) : '', own].filter(Boolean).join(', ');
     return h('li', {}, `${who}: ${facts}`, r.path_set ? h('details', {}, h('summary', {}, 'light paths'), describePaths(r.path_set)) : null);
   }));
 }
