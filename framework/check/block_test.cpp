@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "lucarium/check/check_context.h"
-#include "lucarium/compare/student_t.h"
 
 namespace lucarium::check {
 namespace {
@@ -41,60 +40,46 @@ std::vector<double> block_means(const std::vector<std::vector<float>>& images, u
   return means;
 }
 
-/// Two-sided p of a difference of means beyond `allowance` (Welch).
-double welch_p(const Moments& a, const Moments& b, double n_a, double n_b, double allowance, double& t) {
-  const double excess = std::max(0.0, std::abs(a.mean - b.mean) - allowance);
-  const double variance = a.variance_of_mean + b.variance_of_mean;
-  t = 0;
-  if (excess == 0) return 1;
-  if (variance == 0) {
-    t = INFINITY;
-    return 0;
-  }
-  t = excess / std::sqrt(variance);
-  const double dof = variance * variance / (a.variance_of_mean * a.variance_of_mean / (n_a - 1) +
-                                            b.variance_of_mean * b.variance_of_mean / (n_b - 1));
-  return student_t_tail(t, dof);
-}
-
 }  // namespace
 
-BlockTest compare_blocks(const std::vector<std::vector<float>>& a, const std::vector<std::vector<float>>& b, uint32_t width,
-                         uint32_t height) {
+BlockTest compare_blocks(std::vector<std::vector<float>> a, std::vector<std::vector<float>> b, uint32_t width, uint32_t height) {
   BlockTest result;
-  double smallest_p = 1, squares = 0, noise = 0, scale = 0;
+  double squares = 0, noise = 0, scale = 0;
   for (uint32_t y = 0; y < height; y += block) {
     for (uint32_t x = 0; x < width; x += block) {
       for (uint32_t channel = 0; channel < 3; ++channel) {
         const Moments m = moments(block_means(a, width, height, x, y, channel));
         const Moments n = moments(block_means(b, width, height, x, y, channel));
-        double t = 0;
-        smallest_p = std::min(smallest_p, welch_p(m, n, static_cast<double>(a.size()), static_cast<double>(b.size()),
-                                                  rounding * std::abs(n.mean), t));
-        result.largest_t = std::max(result.largest_t, t);
         squares += (m.mean - n.mean) * (m.mean - n.mean);
         noise += m.variance_of_mean + n.variance_of_mean;
         scale += n.mean * n.mean;
-        ++result.tests;
       }
     }
   }
-  result.p = 1 - std::pow(1 - smallest_p, static_cast<double>(result.tests));
   if (scale > 0) {
     result.rms = std::sqrt(std::max(0.0, squares - noise) / scale);
     result.noise = std::sqrt(noise / scale);
   } else {
     result.rms = squares > 0 ? INFINITY : 0;
   }
+  constexpr double channels = 3;
+  const ImageTest test = test_images(ImageEstimate::from_replicates(width, height, std::move(a)),
+                                     ImageEstimate::from_replicates(width, height, std::move(b)),
+                                     {.level = level, .image_level = level / channels, .block = block, .tolerance = rounding});
+  for (const ImageTestLevel& one : test.levels) {
+    if (one.name == "blocks") result.blocks = one;
+    if (one.name == "image") result.image = one;
+  }
   return result;
 }
 
-bool BlockTest::passes(double bias) const { return bias > 0 ? rms <= bias : p >= level; }
+bool BlockTest::passes(double bias) const { return bias > 0 ? rms <= bias : blocks.failures + image.failures == 0; }
 
 std::string BlockTest::describe(double bias) const {
   const std::string size = fmt::format("difference {:.2g} % beyond noise of {:.2g} %", 100 * rms, 100 * noise);
   if (bias > 0) return size;
-  return fmt::format("p = {:.2g} over {} blocks, worst |t| = {:.1f}; {}", p, tests, largest_t, size);
+  return fmt::format("worst |t| = {:.1f} of {} blocks, {:.1f} of the image; {}", std::abs(blocks.worst_t), blocks.tests + blocks.constant,
+                     std::abs(image.worst_t), size);
 }
 
 }  // namespace lucarium::check

@@ -22,7 +22,7 @@ void add_radiometric_checks(std::vector<Check>& list, const CheckContext& contex
   const std::string bias = context.can().bias > 0 ? fmt::format(" or the admitted {:.3g} %", 100 * context.can().bias) : "";
   const std::string exact = fmt::format("within t({}) standard errors{}", level, bias);
   const std::string agrees = context.can().bias > 0 ? fmt::format("difference of at most {:.3g} % beyond noise", 100 * context.can().bias)
-                                                    : fmt::format("p of at least {}", level);
+                                                    : fmt::format("no block and not the whole different at the level {}", level);
   list.push_back({"furnace", exact, check_furnace});
   list.push_back({"shining_box", exact, check_shining_box});
   const std::vector<std::string> lights = {"point", "spot", "directional", "emissive", "environment"};
