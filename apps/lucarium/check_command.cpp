@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
@@ -81,9 +82,12 @@ int check(const CheckArguments& arguments) {
   for (const fs::path& folder : arguments.folders) options.arguments.insert(options.arguments.end(), {"--technique-path", folder.string()});
   options.device_arguments = arguments.device.words();
   const bool table = !arguments.output.json && !arguments.output.quiet;
+  bool first = true;
   if (table) {
-    fmt::print("{} {} on {}\n", type.info().name, type.info().version, device->info().name);
-    options.on_result = print_row;
+    options.on_result = [&](const CheckResult& result) {
+      if (std::exchange(first, false)) fmt::print("{} {} on {}\n", type.info().name, type.info().version, device->info().name);
+      print_row(result);
+    };
   }
   const std::vector<CheckResult> results = check_technique(device, registry, type, options);
   const size_t failed = count(results, Verdict::failed);
