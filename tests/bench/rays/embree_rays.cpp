@@ -74,10 +74,12 @@ int fill_packet(RTCRay16& packet, int* valid, std::span<const Ray> rays, size_t 
 
 }  // namespace
 
-EmbreeScene::EmbreeScene(std::span<const Vertex> vertices, std::span<const Triangle> triangles, unsigned threads)
+EmbreeScene::EmbreeScene(std::span<const Vertex> vertices, std::span<const Triangle> triangles, unsigned threads,
+                         bool robust)
     : state_(std::make_unique<State>()) {
   state_->device = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
   state_->scene = rtcNewScene(state_->device);
+  if (robust) rtcSetSceneFlags(state_->scene, RTC_SCENE_FLAG_ROBUST);
   RTCGeometry geometry = make_geometry(state_->device, vertices, triangles);
   const auto start = std::chrono::steady_clock::now();
   rtcCommitGeometry(geometry);
@@ -150,7 +152,7 @@ void EmbreeScene::any16(std::span<const Ray> rays, std::span<uint32_t> occluded)
 #else
 
 struct EmbreeScene::State {};
-EmbreeScene::EmbreeScene(std::span<const Vertex>, std::span<const Triangle>, unsigned) {}
+EmbreeScene::EmbreeScene(std::span<const Vertex>, std::span<const Triangle>, unsigned, bool) {}
 EmbreeScene::~EmbreeScene() = default;
 bool EmbreeScene::available() { return false; }
 double EmbreeScene::build_seconds() const { return 0; }

@@ -51,7 +51,7 @@ size_t count_differences(const std::vector<uint32_t>& a, const std::vector<uint3
 }
 
 void print_rows(const std::string& scene, RayKind kind, size_t rays, const std::vector<Contestant>& contestants,
-                const std::vector<size_t>& differences) {
+                const std::vector<std::string>& differences) {
   const auto find = [&](const std::string& name) -> const Contestant* {
     for (const Contestant& c : contestants)
       if (c.name == name) return &c;
@@ -76,9 +76,10 @@ struct Field {
     std::unique_ptr<Bvh> bvh;
   };
   std::vector<Entry> entries;
-  EmbreeScene embree;
+  EmbreeScene embree, robust;  // robust: says which hits are right
 
-  Field(Device& device, const RaySubject& subject) : embree(subject.vertices, subject.triangles, 1) {
+  Field(Device& device, const RaySubject& subject) 
+      : embree(subject.vertices, subject.triangles, 1, false), robust(subject.vertices, subject.triangles, 1, true) {
     for (const auto& [name, traversal] :
          {std::pair{"wide", BvhTraversal::wide}, std::pair{"portable", BvhTraversal::wide_portable}})
       entries.push_back({name, std::make_unique<Bvh>(device, subject.vertices, subject.triangles, traversal)});
@@ -101,7 +102,6 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
     TracedBatch* batch = batches.front().get();
     contestants.push_back({.name = "wide, 2 threads", .run = [batch] { batch->run(); }, .cpus = 2});
   }
-  const size_t ours = contestants.size();
   if (EmbreeScene::available()) {
     contestants.push_back({.name = "Embree", .run = [&] {
                              any ? field.embree.any(rays, occluded) : field.embree.closest(rays, hits);
@@ -112,13 +112,25 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
   }
   std::erase_if(contestants, [&](const Contestant& c) { return !options.only.empty() && !listed(options.only, c.name); });
   run_rounds(contestants, options.rounds);
-  std::vector<size_t> differences(contestants.size(), 0);
+  std::vector<std::string> differences(contestants.size(), "-");
   if (EmbreeScene::available()) {
-    for (size_t i = 0; i < ours; ++i) {
-      const TracedBatch& batch = *batches[i < batches.size() ? i : 0];
-      differences[i] = any ? count_differences(batch.occluded(), occluded) : count_differences(batch.hits(), hits);
+    std::vector<Hit> right(rays.size());
+    std::vector<uint32_t> right_any(rays.size());
+    any ? field.robust.any(rays, right_any) : field.robust.closest(rays, right);
+    const auto against = [&](const std::vector<Hit>& closest, const std::vector<uint32_t>& occlusion) {
+      return std::to_string(any ? count_differences(occlusion, right_any) : count_differences(closest, right));
+    };
+    for (size_t i = 0; i < contestants.size(); ++i) {
+      const std::string& name = contestants[i].name;
+      if (name == "Embree") {
+        differences[i] = against(hits, occluded);
+      } else if (name == "Embree packets of 16") {
+        differences[i] = against(hits16, occluded16);
+      } else {
+        const TracedBatch& batch = *batches[name == "portable" ? 1 : 0];
+        differences[i] = any ? against({}, batch.occluded()) : against(batch.hits(), {});
+      }
     }
-    differences.back() = any ? count_differences(occluded16, occluded) : count_differences(hits16, hits);
   }
   print_rows(scene, kind, rays.size(), contestants, differences);
 }
@@ -135,10 +147,12 @@ void run(const Options& options) {
     const Field field(*device, subject);
     const std::string name = std::filesystem::path(scene.substr(0, scene.find('@'))).stem().string();
     const BvhStatistics& built = field.entries.front().bvh->statistics();
-    fmt::print("{}: {} triangles, {} primary and {} other rays, {:.1f} bytes each, SAH cost {:.2f}, built in {:.3f} s (Embree, 1 thread: {:.3f} s)\n\n",
-               name, built.triangles, subject.primary.size(), subject.diffuse.size(), static_cast<double>(built.bytes) / built.triangles, built.sah_cost,
-               built.build_seconds, field.embree.build_seconds());
-    fmt::print("| scene | rays | kernel | Mrays/s cpu | Mrays/s wall | x Embree | x packets | differ |\n");
+    fmt::print("{}: {} triangles, {} primary and {} other rays, ", name, built.triangles, subject.primary.size(),
+               subject.diffuse.size());
+    fmt::print("{:.1f} bytes per triangle, SAH cost {:.2f}, built in {:.3f} s (Embree, 1 thread: {:.3f} s)\n\n",
+               static_cast<double>(built.bytes) / built.triangles, built.sah_cost, built.build_seconds,
+               field.embree.build_seconds());
+    fmt::print("| scene | rays | kernel | Mrays/s cpu | Mrays/s wall | x Embree | x packets | wrong |\n");
     fmt::print("|---|---|---|---:|---:|---:|---:|---:|\n");
     for (const RayKind kind : {RayKind::primary, RayKind::diffuse, RayKind::shadow})
       if (listed(options.kinds, to_string(kind)))
