@@ -219,6 +219,8 @@ ReportPlan plan_report_images(const std::vector<ReportSource>& sources, double b
     plan = {image, mean, layer, byte_limit};
     if (samples_of(sources, plan) * 0.5 <= byte_limit) break;
   }
+  const auto is_mean = [](const ReportSource& source) { return source.kind == ReportSource::Kind::mean; };
+  if (std::none_of(sources.begin(), sources.end(), is_mean)) plan.mean_divisor = 1;
   return plan;
 }
 

@@ -49,7 +49,8 @@ function gateTable() {
   if (!gates.length) return null;
   const rows = gates.map(gate => ({ class: gate.passed ? '' : 'failed', cells: [gate.gate, sceneName(gate.scene), variantLabel(gate.variant), budgetLabel(gate.budget),
     { value: gate.value, show: number(gate.value) }, { value: gate.passed ? 1 : 0, show: gate.passed ? '✔ passed' : '✘ missed' }] }));
-  return sortableTable('Gates', ['gate', 'scene', 'technique', 'budget', 'value', 'verdict'].map(name => ({ name })), rows);
+  const missed = gates.filter(gate => !gate.passed).length;
+  return h('details', { open: gates.length <= 8 }, h('summary', {}, `${missed} of ${gates.length} gates missed`), sortableTable('Gates', ['gate', 'scene', 'technique', 'budget', 'value', 'verdict'].map(name => ({ name })), rows));
 }
 
 function baselineTable() {
