@@ -222,6 +222,9 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session, con
     write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     summaries.push_back(summary_json(session, film, interrupted, i == 0 ? load_seconds : 0, seconds, outputs[i]));
+    if (!arguments.output.quiet && !arguments.output.json) {
+      fmt::print("{}: {} samples per pixel, {:.1f} s\n", outputs[i].front().string(), session.last().samples, seconds);
+    }
     if (curve) {
       curve->finish(session, film.image());
       summaries.back().update(curve->to_json());

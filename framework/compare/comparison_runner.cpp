@@ -24,7 +24,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double page_interval = 60;  // seconds between two reports while it runs: pictures take time to encode
+// Between two reports while it runs: pictures take time to encode, which shall be a tenth of the whole at most.
+constexpr double least_page_interval = 60;  // [s]
+constexpr double page_interval_costs = 10;
 
 }  // namespace
 
@@ -67,8 +69,7 @@ ComparisonResult ComparisonRunner::run() {
     if (result_.scenes[scene].failure.empty()) get_references(scene);
   }
   load_finished_pieces();
-  run_missing_pieces();
-  result_.interrupted = interrupt_requested();
+  result_.interrupted = !run_missing_pieces();
   save();
   write_page();
   return result_;
@@ -80,7 +81,8 @@ void ComparisonRunner::check_folder() const {
   const fs::path file = options_.folder / "comparison.json";
   if (!fs::exists(file)) return;
   if (!options_.resume) {
-    if (options_.overwrite) return;
+    // Without results it was stopped by a mistake before the first run: nothing is lost.
+    if (options_.overwrite || !fs::exists(options_.folder / "results.json")) return;
     throw_error(ErrorClass::usage, "{} already holds results; continue them with --resume or replace them with --overwrite",
                 options_.folder.string());
   }
@@ -115,8 +117,15 @@ void ComparisonRunner::save() {
 }
 
 void ComparisonRunner::write_page() {
+  const auto start = std::chrono::steady_clock::now();
   write_report(options_.folder, options_.report);
   page_written_ = std::chrono::steady_clock::now();
+  page_seconds_ = std::chrono::duration<double>(page_written_ - start).count();
+}
+
+bool ComparisonRunner::page_is_due() const {
+  const double age = std::chrono::duration<double>(std::chrono::steady_clock::now() - page_written_).count();
+  return age > std::max(least_page_interval, page_interval_costs * page_seconds_);
 }
 
 void ComparisonRunner::update_conclusions() {
@@ -152,7 +161,8 @@ bool ComparisonRunner::is_finished(const SummaryKey& key, uint32_t seed) const {
   });
 }
 
-void ComparisonRunner::run_missing_pieces() {
+/// Returns false when interrupted before all is done.
+bool ComparisonRunner::run_missing_pieces() {
   size_t total = 0, number = 0;
   for (const ScenePlan& plan : plans_) total += plan.pieces * spec_.budgets.size() * spec_.seeds;
   for (size_t scene = 0; scene < spec_.scenes.size(); ++scene) {
@@ -160,20 +170,21 @@ void ComparisonRunner::run_missing_pieces() {
       // Interleaved: all variants of a seed before the next seed, so that a slow spell of the machine hits all alike.
       for (uint32_t seed = 1; seed <= spec_.seeds; ++seed) {
         for (size_t variant = 0; variant < spec_.variants.size(); ++variant) {
-          if (interrupt_requested()) return;
           if (!is_wanted(scene, variant)) continue;
           ++number;
           if (is_finished({scene, variant, budget}, seed)) continue;
+          if (interrupt_requested()) return false;
           PieceResult piece = run_piece(scene, variant, budget, seed);
-          if (interrupt_requested() && !piece.failure.empty()) return;  // its partial result does not count
+          if (interrupt_requested() && !piece.failure.empty()) return false;  // its partial result does not count
           tell(piece, number, total);
           add_piece(std::move(piece));
           save();
-          if (std::chrono::steady_clock::now() - page_written_ > std::chrono::duration<double>(page_interval)) write_page();
+          if (page_is_due()) write_page();
         }
       }
     }
   }
+  return true;
 }
 
 void ComparisonRunner::tell(const PieceResult& piece, size_t number, size_t total) const {

@@ -23,6 +23,7 @@ class ComparisonRunner {
   void prepare_folder();
   void save();
   void write_page();
+  bool page_is_due() const;
 
   // References.
   void get_references(size_t scene);
@@ -35,7 +36,7 @@ class ComparisonRunner {
   // Pieces.
   void load_finished_pieces();
   bool load_finished_piece(PieceResult& piece);
-  void run_missing_pieces();
+  bool run_missing_pieces();
   PieceResult run_piece(size_t scene, size_t variant, size_t budget, uint32_t seed);
   void add_piece(PieceResult piece);
   bool is_wanted(size_t scene, size_t variant) const;
@@ -53,6 +54,7 @@ class ComparisonRunner {
   std::vector<ScenePlan> plans_;
   std::vector<SummaryKey> changed_;  ///< summaries that miss the newest pieces
   std::chrono::steady_clock::time_point page_written_{};
+  double page_seconds_ = 0;  ///< what the last page took
 };
 
 }  // namespace lucarium
