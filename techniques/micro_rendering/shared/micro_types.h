@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the kernels of micro_rendering share with each other and with C++. Ritschel et al. 2009, section 3.1.
+//
+// A tree has n = 2^depth leaves in heap order: root 1, children of i are 2i and 2i + 1, leaves n … 2n - 1; level l is
+// [2^l, 2^(l+1)). Node i of a tree is nodes[tree.first_node + i], its radiance radiance[tree.first_node + i]; leaf j is
+// node n + j, and number tree.first_node / 2 + j in buffers over all leaves. Entry 0 of a tree is unused.
+//
+// node (uint4, 16 B), in the tree's grid coordinates (below):
+//   x   centre x (16 bits), centre y << 16
+//   y   centre z (16 bits), half the radius as a half << 16
+//   z   octahedral normal 2 x 10 bits, cone half angle << 20 (8 bits, of pi / 255), flags << 28
+//   w   albedo R, G << 8, B << 16, of 255
+// Radius and cone angle are rounded up by what centre and normal lost.
+//
+// radiance (half4, 8 B): x y z radiance towards the front [units of radiance_unit[0] cd/m²], mean over the leaves by area;
+//   w: largest difference of any leaf's radiance (largest channel) below the node, for error-driven cuts.
+//
+// Grid coordinates: world coordinates moved, turned and scaled alike in all directions, so that the cube about the
+// tree's points becomes [0, 65535]^3. Angles are those of the world, so that a gather that maps its position and frame
+// into the grid needs no further scaling: a centre is its three integers.
+#ifndef MICRO_RENDERING_SHARED_MICRO_TYPES_H
+#define MICRO_RENDERING_SHARED_MICRO_TYPES_H
+#include "lucarium/shared/dialect.h"
+
+#define MICRO_GRID 65535.0f       // steps of the grid along each side of its cube
+#define MICRO_NORMAL_STEPS 1022u  // of an octahedral coordinate; even, so that the axes are exact
+#define MICRO_CONE_STEPS 255u     // of pi
+
+#define MICRO_NODE_CULLABLE 1u  // seen from behind there is nothing (a twin shows its front), or black is not wanted there
+#define MICRO_NODE_TWIN 2u      // one side of a double-sided triangle
+
+// One hierarchy: what rests, or one moving instance.
+LUCARIUM_STRUCT_BEGIN(MicroTree)
+  float4 grid_row0, grid_row1, grid_row2;     // grid_from_world, 3 x 4, a similarity
+  float4 world_row0, world_row1, world_row2;  // its inverse, world_from_grid
+  float4 origin_step;  // xyz: tree space's point at grid (0, 0, 0); w: tree-space length of one grid step
+  uint first_node;     // in nodes and radiance
+  uint depth;          // levels below the root
+  float leaf_area;     // mean surface area that a leaf stands for [grid steps²]
+  float world_step;    // length of one grid step [m]
+LUCARIUM_STRUCT_END(MicroTree, 128)
+
+// A point at which light is gathered. Directions are octahedral, 2 x 16 bits (micro_node.clh).
+LUCARIUM_STRUCT_BEGIN(MicroGather)
+  float4 position;  // xyz [m], world space; w: bits of its slot in the results (pixel; node of a level)
+  uint normal;      // shading normal: axis of the frame
+  uint geometric;   // geometric normal on the same side; nothing arrives from below it
+  uint view;        // unit, towards the viewer (specular lobe only)
+  uint lobes;       // B_d (8 bits), B_s << 8: micro-buffer edges of the diffuse and the specular lobe, 0: none;
+                    // GGX alpha as a half << 16
+LUCARIUM_STRUCT_END(MicroGather, 32)
+
+// Results of a gather, at its slot:
+//   irradiance  float4: xyz E, light arriving times cosine [lx]; w: share of the hemisphere (by mass) that stayed empty
+//   specular    2 float4: xyz of S and S_w [cd/m²]; w: 0. What leaves by the specular lobe is F0 (S - S_w) + F90 S_w,
+//               since Schlick's F = F0 + (F90 - F0) w: S sums L G2 / G1 over the lobe's micro-buffer, S_w that times w.
+//   statistics  MicroStatistics
+LUCARIUM_STRUCT_BEGIN(MicroStatistics)
+  uint visits;      // nodes tested
+  uint splats;      // nodes projected
+  uint listed;      // leaves kept for ray casting
+  uint disc_tests;  // ray-disc tests
+  uint holes;       // micro-pixels that stayed empty, before they were filled
+  uint flushes;     // lists that were full
+  uint levels;      // sum of the levels of the nodes of the cut
+  uint pad;
+LUCARIUM_STRUCT_END(MicroStatistics, 32)
+
+// What changes from one gather pass to the next, or needs no program of its own.
+LUCARIUM_STRUCT_BEGIN(MicroSettings)
+  float kappa;         // threshold on a node's solid angle, in micro-pixels
+  float splat_radius;  // c_s: radius of a splat in those of the disc of the node's area
+  uint seed;           // of the jitter and of the frames; another one for every iteration
+  uint inspect;        // slot whose micro-buffer is wanted, LUCARIUM_NONE: none
+LUCARIUM_STRUCT_END(MicroSettings, 16)
+
+#endif
