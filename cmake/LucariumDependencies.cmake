@@ -12,6 +12,7 @@ find_package(spdlog REQUIRED)
 find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_library(XXHASH_LIBRARY xxhash REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(muparser REQUIRED)
 # Plots in reports; a JavaScript file that is copied into every page.
 find_file(LUCARIUM_CHART_JS chart.min.js PATHS /usr/share/javascript/chart.js /usr/local/share/javascript/chart.js
   NO_DEFAULT_PATH)

@@ -15,6 +15,7 @@ using Action = std::function<int()>;
 void add_render_command(CLI::App& program, Action& action);
 void add_reference_command(CLI::App& program, Action& action);
 void add_compare_command(CLI::App& program, Action& action);
+void add_reproduce_command(CLI::App& program, Action& action);
 void add_report_command(CLI::App& program, Action& action);
 void add_diff_command(CLI::App& program, Action& action);
 void add_scene_command(CLI::App& program, Action& action);

@@ -61,6 +61,7 @@ int run(int argc, char** argv) {
   app::add_render_command(program, action);
   app::add_reference_command(program, action);
   app::add_compare_command(program, action);
+  app::add_reproduce_command(program, action);
   app::add_report_command(program, action);
   app::add_diff_command(program, action);
   app::add_scene_command(program, action);

@@ -2,10 +2,12 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lucarium/compare/comparison_result.h"
+#include "lucarium/compare/experiment.h"
 #include "lucarium/compare/report_page.h"
 #include "lucarium/technique/plugin.h"
 
@@ -16,6 +18,7 @@ struct ComparisonOptions {
   bool resume = false;            ///< continue what is there
   bool overwrite = false;         ///< replace what is there
   std::vector<Gate> gates;
+  std::optional<Experiment> experiment;  ///< what is to be read off the results
   std::filesystem::path baseline; ///< folder of an earlier run
   ReportOptions report;
   std::filesystem::path program;  ///< the lucarium executable that renders the pieces

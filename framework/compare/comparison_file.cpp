@@ -4,7 +4,6 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/comparison_spec.h"
-#include "lucarium/scene/json_file.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -16,15 +15,13 @@ constexpr uint32_t largest_size = 32768;  // pixels a side
 
 class ComparisonReader {
  public:
-  explicit ComparisonReader(const fs::path& path) : file_(path) {}
+  ComparisonReader(const JsonFile& file, const json& object, std::string pointer)
+      : file_(file), object_(object), pointer_(std::move(pointer)) {}
 
-  ComparisonSpec read() {
-    const json& root = file_.root();
-    file_.check_keys(root, "", {"schema", "scenes", "techniques", "budgets", "seeds", "size", "max_bounces", "pixel_sampling",
-                                "reference", "fallback_environment", "device_arguments"});
-    if (!root.contains("schema") || root["schema"] != comparison_schema) {
-      file_.fail("/schema", fmt::format("must be \"{}\"", comparison_schema));
-    }
+  ComparisonSpec read() const {
+    const json& root = object_;
+    file_.check_keys(root, pointer_, {"scenes", "techniques", "budgets", "seeds", "size", "max_bounces", "pixel_sampling",
+                                      "reference", "fallback_environment", "device_arguments"});
     ComparisonSpec spec;
     each("scenes", [&](const json& value, const std::string& at) { spec.scenes.push_back(scene(value, at)); });
     each("techniques", [&](const json& value, const std::string& at) { spec.variants.push_back(technique(value, at)); });
@@ -35,7 +32,7 @@ class ComparisonReader {
     if (root.contains("pixel_sampling")) spec.pixel_sampling = static_cast<uint32_t>(bounded("pixel_sampling", 0, 16));
     if (root.contains("reference")) spec.reference = reference(root["reference"]);
     if (root.contains("fallback_environment")) {
-      spec.fallback_environment = file_.text(root["fallback_environment"], "/fallback_environment");
+      spec.fallback_environment = file_.text(root["fallback_environment"], place("fallback_environment"));
     }
     if (root.contains("device_arguments")) {
       each("device_arguments", [&](const json& value, const std::string& at) {
@@ -46,20 +43,21 @@ class ComparisonReader {
   }
 
  private:
+  std::string place(const std::string& key) const { return pointer_ + "/" + key; }
+
   /// Calls visit(element, pointer) for the elements of the array `key`, which must hold one at least.
   template <class Visit>
-  void each(const std::string& key, Visit&& visit) {
-    const json& root = file_.root();
-    if (!root.contains(key) || !root[key].is_array() || root[key].empty()) {
-      file_.fail("/" + key, "must be an array with at least one element");
+  void each(const std::string& key, Visit&& visit) const {
+    if (!object_.contains(key) || !object_[key].is_array() || object_[key].empty()) {
+      file_.fail(place(key), "must be an array with at least one element");
     }
-    for (size_t i = 0; i < root[key].size(); ++i) visit(root[key][i], fmt::format("/{}/{}", key, i));
+    for (size_t i = 0; i < object_[key].size(); ++i) visit(object_[key][i], fmt::format("{}/{}", place(key), i));
   }
 
   int64_t bounded(const std::string& key, int64_t low, int64_t high) const {
-    const json& value = file_.root()[key];
+    const json& value = object_[key];
     if (!value.is_number_integer() || value.get<int64_t>() < low || value.get<int64_t>() > high) {
-      file_.fail("/" + key, fmt::format("must be a whole number from {} to {}", low, high));
+      file_.fail(place(key), fmt::format("must be a whole number from {} to {}", low, high));
     }
     return value.get<int64_t>();
   }
@@ -151,33 +149,46 @@ class ComparisonReader {
   }
 
   void read_size(const json& value, ComparisonSpec& spec) const {
-    if (!value.is_array() || value.size() != 2) file_.fail("/size", "must be [width, height]");
-    const uint64_t width = file_.count(value[0], "/size/0"), height = file_.count(value[1], "/size/1");
+    if (!value.is_array() || value.size() != 2) file_.fail(place("size"), "must be [width, height]");
+    const uint64_t width = file_.count(value[0], place("size/0")), height = file_.count(value[1], place("size/1"));
     if (width < 1 || height < 1 || width > largest_size || height > largest_size) {
-      file_.fail("/size", fmt::format("must be from 1 to {} pixels a side", largest_size));
+      file_.fail(place("size"), fmt::format("must be from 1 to {} pixels a side", largest_size));
     }
     spec.width = static_cast<uint32_t>(width);
     spec.height = static_cast<uint32_t>(height);
   }
 
   ReferenceRequest reference(const json& value) const {
-    file_.check_keys(value, "/reference", {"file", "samples", "relmse"});
+    const std::string at = place("reference");
+    file_.check_keys(value, at, {"file", "samples", "relmse"});
     ReferenceRequest result;
     if (value.contains("file")) {
-      if (value.size() > 1) file_.fail("/reference", "a file is used as it is; leave out the other keys");
-      result.file = file_.path().parent_path() / file_.text(value["file"], "/reference/file");
+      if (value.size() > 1) file_.fail(at, "a file is used as it is; leave out the other keys");
+      result.file = file_.path().parent_path() / file_.text(value["file"], at + "/file");
     }
-    if (value.contains("samples")) result.samples = file_.count(value["samples"], "/reference/samples");
-    if (result.samples < 32) file_.fail("/reference/samples", "must be at least 32");
-    if (value.contains("relmse")) result.relmse = positive(value, "relmse", "/reference");
+    if (value.contains("samples")) result.samples = file_.count(value["samples"], at + "/samples");
+    if (result.samples < 32) file_.fail(at + "/samples", "must be at least 32");
+    if (value.contains("relmse")) result.relmse = positive(value, "relmse", at);
     return result;
   }
 
-  JsonFile file_;
+  const JsonFile& file_;
+  const json& object_;
+  std::string pointer_;
 };
 
 }  // namespace
 
-ComparisonSpec read_comparison(const fs::path& file) { return ComparisonReader(file).read(); }
+ComparisonSpec read_comparison(const JsonFile& file, const json& object, const std::string& pointer) {
+  return ComparisonReader(file, object, pointer).read();
+}
+
+ComparisonSpec read_comparison(const fs::path& path) {
+  const JsonFile file(path);
+  check_schema(file, comparison_schema);
+  json object = file.root();
+  object.erase("schema");
+  return read_comparison(file, object, "");
+}
 
 }  // namespace lucarium

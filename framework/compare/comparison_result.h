@@ -10,6 +10,7 @@
 #include "lucarium/compare/bias.h"
 #include "lucarium/compare/comparison_spec.h"
 #include "lucarium/compare/gate.h"
+#include "lucarium/compare/reproduction.h"
 #include "lucarium/compare/statistics.h"
 
 namespace lucarium {
@@ -143,6 +144,7 @@ struct ComparisonResult {
   std::map<SummaryKey, Summary> summaries;
   std::vector<GateResult> gates;
   std::optional<BaselineComparison> baseline;
+  std::optional<Reproduction> reproduction;
   std::string device, driver, version, started;
   Machine machine;
   bool interrupted = false;

@@ -142,6 +142,7 @@ void ComparisonRunner::update_conclusions() {
   changed_.clear();
   result_.gates = apply_gates(options_.gates, result_);
   if (!options_.baseline.empty()) result_.baseline = compare_with_baseline(result_, options_.baseline);
+  if (options_.experiment) result_.reproduction = reproduce(*options_.experiment, result_);
 }
 
 // ---- pieces

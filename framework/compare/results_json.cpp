@@ -172,6 +172,24 @@ ordered_json baseline_json(const BaselineComparison& baseline) {
   return json;
 }
 
+ordered_json reproduction_json(const Reproduction& reproduction) {
+  ordered_json json = {{"id", reproduction.id},       {"title", reproduction.title},
+                       {"place", reproduction.place}, {"claim", reproduction.claim},
+                       {"quick", reproduction.quick}, {"differences", reproduction.differences}};
+  json["values"] = ordered_json::array();
+  for (const Reproduction::Value& value : reproduction.values) {
+    ordered_json entry = {{"label", value.label}, {"unit", value.unit}};
+    put(entry, "ours", value.ours);
+    if (value.paper) entry["paper"] = *value.paper;
+    json["values"].push_back(std::move(entry));
+  }
+  json["trends"] = ordered_json::array();
+  for (const Reproduction::Trend& trend : reproduction.trends) {
+    json["trends"].push_back({{"claim", trend.claim}, {"expression", trend.expression}, {"verdict", trend.verdict}});
+  }
+  return json;
+}
+
 void add_conclusions(ordered_json& json, const ComparisonResult& result) {
   json["summaries"] = ordered_json::array();
   for (const auto& [key, summary] : result.summaries) json["summaries"].push_back(summary_json(key, summary));
@@ -187,6 +205,7 @@ void add_conclusions(ordered_json& json, const ComparisonResult& result) {
     json["gates"].push_back(std::move(entry));
   }
   if (result.baseline) json["baseline"] = baseline_json(*result.baseline);
+  if (result.reproduction) json["reproduction"] = reproduction_json(*result.reproduction);
 }
 
 }  // namespace

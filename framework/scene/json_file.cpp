@@ -38,4 +38,11 @@ const std::string& JsonFile::text(const json& value, const std::string& pointer)
   return value.get_ref<const std::string&>();
 }
 
+void check_schema(const JsonFile& file, const std::string& schema) {
+  const json& root = file.root();
+  if (!root.is_object() || !root.contains("schema") || root["schema"] != schema) {
+    file.fail("/schema", fmt::format("must be \"{}\"", schema));
+  }
+}
+
 }  // namespace lucarium

@@ -30,6 +30,9 @@ class JsonFile {
   JsonWithLines document_;
 };
 
+/// The file says that it is of that form: its member "schema".
+void check_schema(const JsonFile& file, const std::string& schema);
+
 /// Keys of the object that read_overrides() reads (docs/scenes.md).
 const std::vector<std::string>& override_keys();
 /// What the members of an object at `pointer` say about a scene; relative file names are resolved against the file's

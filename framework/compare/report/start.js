@@ -44,7 +44,7 @@ function header() {
 function show() {
   const open = scene => { state.scene = scene; writeAddress(); show(); document.getElementById('scene').scrollIntoView(); };
   document.getElementById('top').replaceChildren(...header());
-  const parts = [overviewSection(state.budget, open)];
+  const parts = [reproductionSection(), overviewSection(state.budget, open)].filter(Boolean);
   if (scenes.length) parts.push(sceneSection(state.scene, state.budget));
   document.getElementById('main').replaceChildren(...parts, provenanceSection());
   drawCharts();

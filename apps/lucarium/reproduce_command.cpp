@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium reproduce: experiments of papers, each a comparison with what is to be read off it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/nearest_name.h"
+#include "lucarium/compare/comparison.h"
+#include "lucarium/compare/dry_run.h"
+#include "lucarium/compute/program_cache.h"
+#include "lucarium/technique/technique_folders.h"
+#include "options.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ReproduceArguments {
+  std::string wanted;  ///< PAPER or PAPER/EXPERIMENT
+  std::vector<fs::path> folders;
+  bool list = false, full = false, dry_run = false;
+  DeviceArguments device;
+  OutputArguments output;
+  ComparisonOptions options;
+};
+
+const Paper& find_paper(const std::vector<Paper>& papers, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Paper& paper : papers) {
+    if (paper.name == name) return paper;
+    names.push_back(paper.name);
+  }
+  throw_error(ErrorClass::usage, "no paper is called '{}'{}; `lucarium reproduce --list` names them", name, suggest_name(name, names));
+}
+
+void print_list(const std::vector<Paper>& papers) {
+  if (papers.empty()) fmt::print("no technique brings experiments\n");
+  for (const Paper& paper : papers) {
+    fmt::print("{}  ({})\n  {}\n", paper.name, paper.technique, paper.citation);
+    size_t width = 0;
+    for (const std::string& name : paper.experiments) width = std::max(width, paper.name.size() + 1 + name.size());
+    for (const std::string& name : paper.experiments) {
+      const Experiment experiment = read_experiment(paper, name, false);
+      fmt::print("    {:{}}  {} ({})\n", experiment.id(), width, experiment.title, experiment.place);
+    }
+  }
+}
+
+std::vector<Experiment> wanted_experiments(const ReproduceArguments& arguments, const std::vector<Paper>& papers) {
+  if (arguments.wanted.empty()) throw_error(ErrorClass::usage, "which paper? `lucarium reproduce --list` names them");
+  const size_t slash = arguments.wanted.find('/');
+  const Paper& paper = find_paper(papers, arguments.wanted.substr(0, slash));
+  std::vector<std::string> names = paper.experiments;
+  if (slash != std::string::npos) names = {arguments.wanted.substr(slash + 1)};
+  std::vector<Experiment> experiments;
+  for (const std::string& name : names) experiments.push_back(read_experiment(paper, name, !arguments.full));
+  const std::vector<std::string> device = arguments.device.words();
+  for (Experiment& experiment : experiments) {
+    std::vector<std::string>& words = experiment.comparison.device_arguments;
+    words.insert(words.end(), device.begin(), device.end());
+    for (const fs::path& folder : arguments.folders) words.insert(words.end(), {"--technique-path", fs::absolute(folder).string()});
+  }
+  return experiments;
+}
+
+bool is_complete(const ComparisonResult& result) {
+  const auto failed = [](const auto& entry) { return !entry.failure.empty(); };
+  return std::none_of(result.pieces.begin(), result.pieces.end(), failed) &&
+         std::none_of(result.scenes.begin(), result.scenes.end(), failed);
+}
+
+/// An interrupted run is continued where it stopped; what is complete is only read again.
+ComparisonResult run_experiment(const Experiment& experiment, const TechniqueRegistry& registry, ComparisonOptions options) {
+  options.folder = options.folder / experiment.name;
+  options.experiment = experiment;
+  options.resume = options.resume && fs::exists(options.folder / "comparison.json");
+  return run_comparison(experiment.comparison, registry, options);
+}
+
+int reproduce_wanted(ReproduceArguments arguments) {
+  arguments.output.apply();
+  const std::vector<Paper> papers = find_papers(technique_folders(arguments.folders));
+  if (arguments.list) {
+    print_list(papers);
+    return 0;
+  }
+  const std::vector<Experiment> experiments = wanted_experiments(arguments, papers);
+  const TechniqueRegistry registry(arguments.folders);
+  ComparisonOptions& options = arguments.options;
+  options.program = fs::read_symlink("/proc/self/exe");
+  options.cache_dir = resolve_cache_dir(arguments.device.resolved());
+  if (!arguments.output.quiet) options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  if (arguments.dry_run) {
+    for (const Experiment& experiment : experiments) {
+      fmt::print("{}: {}\n{}\n", experiment.id(), experiment.title, describe_plan(experiment.comparison, registry, options));
+    }
+    return 0;
+  }
+  if (options.folder.empty()) throw_error(ErrorClass::usage, "where to? add --output FOLDER");
+  bool complete = true;
+  for (const Experiment& experiment : experiments) {
+    if (options.progress) options.progress(fmt::format("{}: {}", experiment.id(), experiment.title));
+    const ComparisonResult result = run_experiment(experiment, registry, options);
+    if (result.interrupted) {
+      log_warning("interrupted: finished pieces are kept; continue with --resume");
+      return static_cast<int>(ErrorClass::interrupted);
+    }
+    complete &= is_complete(result);
+    if (result.reproduction) fmt::print("{}  report: {}\n\n", result.reproduction->table(), (options.folder / experiment.name / "report.html").string());
+  }
+  return complete ? 0 : static_cast<int>(ErrorClass::check_failed);
+}
+
+}  // namespace
+
+void add_reproduce_command(CLI::App& program, Action& action) {
+  auto arguments = std::make_shared<ReproduceArguments>();
+  CLI::App& command = *program.add_subcommand("reproduce", "repeat a paper's tables and figures as comparisons");
+  command.add_option("experiment", arguments->wanted, "PAPER for all of its experiments, or PAPER/EXPERIMENT");
+  command.add_flag("--list", arguments->list, "print the papers and experiments that there are");
+  command.add_flag("--full", arguments->full, "the full setting, not the quick one that ends within minutes");
+  command.add_option("-o,--output", arguments->options.folder, "folder of the results, with a folder for each experiment");
+  command.add_flag("--dry-run", arguments->dry_run, "print the plan and render nothing but one iteration each");
+  command.add_flag("--resume", arguments->options.resume, "continue what was interrupted in the same folder");
+  command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder");
+  command.add_option("--technique-path", arguments->folders, "further folder with plug-ins")->take_all()->expected(1)->allow_extra_args(false);
+  arguments->device.add_to(command);
+  arguments->output.add_to(command, false);
+  command.callback([arguments, &action] { action = [arguments] { return reproduce_wanted(*arguments); }; });
+}
+
+}  // namespace lucarium::app
