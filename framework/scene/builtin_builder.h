@@ -75,5 +75,8 @@ Scene make_cornell(const std::string& variant);  ///< "", "mirror" or "glossy"
 Scene make_furnace();
 Scene make_room();
 Scene make_atrium();
+Scene make_lamps(int count);
+Scene make_picture_lamp();
+Scene make_spheres();
 
 }  // namespace lucarium

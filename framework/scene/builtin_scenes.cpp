@@ -23,6 +23,11 @@ const std::vector<BuiltinScene>& builtin_scenes() {
       {"furnace", make_furnace},
       {"room", make_room},
       {"atrium", make_atrium},
+      {"lamps-1", [] { return make_lamps(1); }},
+      {"lamps-10", [] { return make_lamps(10); }},
+      {"lamps-100", [] { return make_lamps(100); }},
+      {"picture-lamp", make_picture_lamp},
+      {"spheres", make_spheres},
   };
   return scenes;
 }

@@ -148,3 +148,19 @@ TEST_CASE("the atrium has about 300 000 triangles, sun, sky and lanterns") {
     CHECK(signed_volume(scene, [&](const Mesh& m) { return m.name == name; }) > 0);
   }
 }
+
+TEST_CASE("lamps share out the same emitting area") {
+  const auto emitting_area = [](const std::string& name) {
+    const Scene scene = make_builtin_scene(name);
+    double area = 0;
+    for (const SceneInstance& instance : scene.instances) {
+      if (!scene.materials[instance.material].emits()) continue;
+      for (const glm::uvec3& t : scene.meshes[instance.mesh].triangles) area += triangle_area(scene.meshes[instance.mesh], t);
+    }
+    return area;
+  };
+  const double one = emitting_area("lamps-1");
+  CHECK(one > 0);
+  CHECK(emitting_area("lamps-10") == doctest::Approx(one).epsilon(1e-5));
+  CHECK(emitting_area("lamps-100") == doctest::Approx(one).epsilon(1e-5));
+}
