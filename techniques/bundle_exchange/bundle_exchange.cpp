@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// bundle_exchange: radiance exchange along global ray-bundles
+// -----------------------------------------------------------
+//
+// Idea. Take one direction ω for the whole scene. All rays along ω form a bundle; drawn orthographically, with every
+// fragment kept and sorted by depth, a pixel of the film is such a ray, and consecutive fragments see each other along
+// it. They exchange radiance, each giving the other what it reflects. After many directions every texel of an atlas over
+// all surfaces has received light from its whole hemisphere (Hermes, Henrich, Grosch, Mueller: Global Illumination using
+// Parallel Global Ray-Bundles, VMV 2010).
+//
+//   E_t = π Σ w L / Σ w        over all rays that met texel t, w = W A_p, W = 1 / (q(ω) + q(-ω))
+//
+// q is the density of directions, A_p the area of a film pixel. The cosine is implicit: a texel is met by as many rays
+// as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
+//
+// All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
+// kept (sender_weights.h): S forgets quickly, so that light that was missing at the beginning fades as
+// exp(-2 (1 - ρ) √N), and is what is sent; D is nearly a plain mean, and is what is displayed. A balance of the power
+// sent and held scales S meanwhile. With max_bounces there is a mean per bounce, each fed by the one before.
+//
+// Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee).
+//
+// Parts: direction_sequence (ω, W), bundle_transfer (a direction's exchange), sender_weights and slot_means (S, D,
+// balance, error), slot_light and camera_light (light samples, image).
+
+#include <algorithm>
+
+#include "bundle_transfer.h"
+#include "camera_light.h"
+#include "lucarium/services/bvh.h"
+#include "lucarium/technique/plugin.h"
+#include "slot_light.h"
+
+const lucarium::EmbeddedSources& bundle_exchange_kernels();
+
+namespace lucarium {
+namespace {
+
+using namespace bundle;
+
+const char* const kOwner = "bundle_exchange";
+
+TechniqueInfo bundle_exchange_info() {
+  TechniqueInfo info;
+  info.name = kOwner;
+  info.version = "1.0";
+  info.summary = "radiance exchange along global parallel ray-bundles into a surface atlas";
+  info.citation =
+      "J. Hermes, N. Henrich, T. Grosch, S. Mueller, Global Illumination using Parallel Global Ray-Bundles, Vision, "
+      "Modeling, and Visualization 2010";
+  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
+  info.capabilities.materials = {"diffuse"};
+  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.max_bounces = -1;
+  info.capabilities.view_independent = true;
+  info.layers = {"emission", "direct", "indirect"};
+  return info;
+}
+
+class BundleExchange : public Technique {
+ public:
+  ParameterTable& parameters() override { return table_; }
+
+  PathSet path_set(const Scene&, const RenderSettings& settings) const override {
+    PathSet set;
+    set.max_bounces = settings.max_bounces;
+    set.light_delta = false;
+    set.secondary_lambert_only = true;
+    return set;
+  }
+
+  std::vector<std::string> limitations(const Scene& scene, const RenderSettings&) const override {
+    std::vector<std::string> result;
+    const auto any = [&](auto&& test) { return std::any_of(scene.materials.begin(), scene.materials.end(), test); };
+    if (any([](const SceneMaterial& m) { return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance); }))
+      result.push_back("light inside attenuating volumes is not followed");
+    return result;
+  }
+
+  size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
+    const size_t slots = static_cast<size_t>(parameters_.texels) * 5 / 4;
+    return SurfaceAtlas::estimate_bytes(scene, atlas_options()) + SlotMeans::estimate_bytes(slots, channels(settings)) +
+           SlotLight::estimate_bytes(slots) + CameraLight::estimate_bytes(settings.width, settings.height);
+  }
+
+  void prepare(const TechniqueContext& context) override {
+    context_ = std::make_unique<TechniqueContext>(context);
+    seed_ = context.settings.seed;
+    build();
+  }
+
+  void update(const SceneChange& change) override {
+    if (!change.any()) return;
+    if (change.only_camera()) {
+      step_ = {};
+      parts_->camera.set_frame(make_frame(context_->settings));
+      return;
+    }
+    build();
+  }
+
+  IterationResult iterate() override {
+    run_steps();
+    return state();
+  }
+
+  void resolve(Film& film) override { parts_->camera.resolve(film); }
+
+  void reset(uint64_t seed) override {
+    seed_ = seed;
+    directions_ = 0;
+    step_ = {};
+    sequence_ = DirectionSequence(parameters_, seed_, environment());
+    parts_->slot_light.reset(kernel_seed(seed_));
+    parts_->means.reset();
+    parts_->camera.reset(kernel_seed(seed_));
+  }
+
+  void warm_up() override {
+    parts_->slot_light.warm_up();
+    parts_->means.warm_up();
+    parts_->transfer.warm_up();
+    parts_->camera.warm_up();
+  }
+
+  std::map<std::string, double> counters() const override {
+    std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
+    if (parts_) {
+      result["slots"] = parts_->atlas.info().texel_count;
+      if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
+    }
+    return result;
+  }
+
+ private:
+  /// Everything that is made for one scene, in the order of dependence.
+  struct Parts {
+    Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options, const Channels& channels);
+    SurfaceAtlas atlas;
+    Program program;
+    SlotLight slot_light;
+    SlotMeans means;
+    BundleTransfer transfer;
+    CameraLight camera;
+  };
+
+  SurfaceAtlasOptions atlas_options() const {
+    SurfaceAtlasOptions options;
+    options.texel_count = static_cast<uint64_t>(parameters_.texels);
+    return options;
+  }
+
+  /// Unlimited bounces feed one channel back to itself; finite ones have a channel each.
+  Channels channels(const RenderSettings& settings) const {
+    Channels result;
+    result.self_fed = settings.max_bounces < 0;
+    result.count = result.self_fed ? 1 : std::max(1u, static_cast<uint32_t>(settings.max_bounces));
+    return result;
+  }
+
+  const Environment* environment() const {
+    return context_->scene.environment ? &*context_->scene.environment : nullptr;
+  }
+
+  void build() {
+    parts_.reset();  // its memory first
+    parts_ = std::make_unique<Parts>(*context_, parameters_, atlas_options(), channels(context_->settings));
+    reset(seed_);
+  }
+
+  bool exchange_done() const {
+    return directions_ >= static_cast<uint64_t>(parameters_.directions) || context_->settings.max_bounces == 0 ||
+           (parameters_.stop_error > 0 && parts_->means.relative_error() < parameters_.stop_error);
+  }
+
+  /// Directions of the next iteration: few at first, when much is learnt from each, and none across a boundary.
+  uint32_t next_batch() const {
+    if (exchange_done()) return 0;
+    uint64_t count = std::min<uint64_t>(parameters_.batch, 1 + directions_ / 32);
+    count = std::min<uint64_t>(count, parameters_.directions - directions_);
+    if (parameters_.interleave == Interleave::pingpong)
+      count = std::min<uint64_t>(count, parameters_.block - directions_ % parameters_.block);
+    return static_cast<uint32_t>(count);
+  }
+
+  /// An iteration: light samples for some slots, batches of about kPixels film pixels, a camera sample, which alone
+  /// changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
+  bool run_steps() {
+    Parts& parts = *parts_;
+    if (!step_.begun) step_ = {true, false, directions_per_iteration()};
+    const bool limited = context_->settings.max_bounces == 0;
+    if (!step_.lit && !limited && !parts.slot_light.exhausted()) {
+      if (!parts.slot_light.sample()) return false;
+      parts.slot_light.commit();
+    }
+    step_.lit = true;
+    while (step_.directions > 0 && parts.slot_light.complete()) {
+      const uint32_t count = std::min(next_batch(), step_.directions);
+      if (count == 0) break;
+      if (!run_batch(count)) return false;
+      step_.directions -= count;
+    }
+    if (!parts.camera.sample()) return false;
+    parts.camera.commit();
+    step_ = {};
+    return true;
+  }
+
+  bool run_batch(uint32_t count) {
+    if (!parts_->means.make_senders()) return false;
+    for (uint32_t i = 0; i < count; ++i)
+      if (!parts_->transfer.exchange(sequence_.at(directions_ + i))) return false;
+    parts_->means.commit(directions_, count);
+    directions_ += count;
+    return true;
+  }
+
+  uint32_t directions_per_iteration() const {
+    const double count = kPixels / parts_->transfer.film_pixels();
+    return static_cast<uint32_t>(std::clamp(count, static_cast<double>(parameters_.batch), 64.0));
+  }
+
+  IterationResult state() const {
+    IterationResult result;
+    const bool lit = parts_->slot_light.complete() || context_->settings.max_bounces == 0;
+    result.samples = parts_->camera.samples();
+    result.phase = lit ? "exchange" : "light";
+    result.progress = lit ? static_cast<double>(directions_) / parameters_.directions : 0.0;
+    if (exchange_done()) result.progress = 1;
+    result.converged = lit && exchange_done() && result.samples >= kCameraSamples;
+    return result;
+  }
+
+  /// Where an iteration is.
+  struct Step {
+    bool begun = false, lit = false;
+    uint32_t directions = 0;  ///< left to do
+  };
+
+  static constexpr double kPixels = 4e6;  ///< film pixels of an iteration, about 100 ms
+  static constexpr uint64_t kCameraSamples = 64;  ///< least number for an image to count as converged
+  Parameters parameters_;
+  ParameterTable table_ = make_parameter_table(parameters_);
+  std::unique_ptr<TechniqueContext> context_;
+  uint64_t seed_ = 1, directions_ = 0;
+  Step step_;
+  DirectionSequence sequence_{parameters_, 1, nullptr};
+  std::unique_ptr<Parts> parts_;
+};
+
+Program make_program(Device& device, const Channels& channels) {
+  SourceLibrary library;
+  library.add(bundle_exchange_kernels());
+  return Program(device, library,
+                 {"bundle_exchange/means",
+                  {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_light.cl",
+                   "bundle_exchange/camera_light.cl"},
+                  channels.defines()});
+}
+
+BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options,
+                             const Channels& channels)
+    : atlas(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner),
+      program(make_program(*c.device, channels)),
+      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas),
+      means(*c.device, c.scheduler, program, atlas, slot_light.light_samples(), channels, p),
+      transfer(*c.device, c.scheduler, c.scene_buffers, atlas, means.records(), channels, p.pixel_size),
+      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means.shown(), make_frame(c.settings)) {}
+
+std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<BundleExchange>(); }
+
+}  // namespace
+}  // namespace lucarium
+
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::bundle_exchange_info, lucarium::create_bundle_exchange)

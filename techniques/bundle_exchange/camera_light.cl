@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light towards the eye: what the G-buffer's points emit and reflect, summed over iterations.
+#include "lucarium/bsdf.clh"
+#include "lucarium/scene.clh"
+#include "lucarium/shared/gbuffer.h"
+#include "lucarium/surface_atlas.clh"
+
+// The BSDF of a G-buffer point as the eye sees it.
+Bsdf bsdf_at_point(const Scene* scene, const GBufferPoint* point) {
+  Hit hit;
+  hit.distance = point->position.w;
+  hit.triangle = point->triangle;
+  hit.u = point->u;
+  hit.v = point->v;
+  const Surface surface = make_surface(scene, hit, -point->view.xyz, 0u);
+  return make_bsdf(scene, &surface, 0u);
+}
+
+// One sample per pixel. Means of what the atlas knows change from iteration to iteration, so that the sample counts
+// `atlas_weight` of the mean (later ones count more), while emission and light samples are plain sums (w: samples).
+// shown: irradiance over pi of slots, w 1, or 0 where it is not known.
+__kernel void add_camera_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
+                               __global const AtlasTriangle* restrict atlas_triangles,
+                               __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
+                               __global const GBufferPoint* restrict points, uint count, float atlas_weight,
+                               __global const float4* restrict shown, __global const float4* restrict direct_sample,
+                               __global float4* restrict emission, __global float4* restrict direct,
+                               __global float4* restrict indirect) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const GBufferPoint point = points[i];
+  emission[i] += (float4)(point.emission.xyz, 1.0f);
+  direct[i] += direct_sample[i];
+  float3 reflected = (float3)(0.0f);
+  if (point.state == LUCARIUM_GBUFFER_SURFACE) {
+    const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
+                                       point.u, point.v, point.normal.w == 0.0f);
+    const Bsdf bsdf = bsdf_at_point(&scene, &point);
+    if (held.w > 0.0f) reflected = point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
+  }
+  indirect[i] = mix(indirect[i], (float4)(reflected, 1.0f), atlas_weight);
+}

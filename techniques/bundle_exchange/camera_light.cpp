@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "camera_light.h"
+
+namespace lucarium::bundle {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+const char* const kLowerSize = "lower --size";
+
+}  // namespace
+
+CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+                         const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
+                         const Frame& frame)
+    : scheduler_(&scheduler),
+      frame_(frame),
+      pixels_(frame.width * frame.height),
+      direct_sample_(device, "bundle_exchange", "sample of direct light", pixels_, kLowerSize),
+      emission_(device, "bundle_exchange", "emission", pixels_, kLowerSize),
+      direct_(device, "bundle_exchange", "direct", pixels_, kLowerSize),
+      indirect_(device, "bundle_exchange", "indirect", pixels_, kLowerSize),
+      gbuffer_(device, scheduler, scene, intersector, frame, "bundle_exchange"),
+      direct_light_(device, scheduler, scene, intersector, "bundle_exchange") {
+  record(program, scene, atlas, shown);
+}
+
+size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height) {
+  const size_t pixels = size_t{width} * height;
+  return 4 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
+}
+
+void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
+                         const TypedBuffer<float4>& shown) {
+  ScheduleRecorder clear = scheduler_->record("begin camera sample", "bundle_exchange");
+  clear.fill_zero("clear sample", direct_sample_);
+  clear_ = clear.compile();
+  ScheduleRecorder recorder = scheduler_->record("add camera sample", "bundle_exchange");
+  atlas_weight_ = recorder.variable("atlas_weight", 1.f);
+  PassBuilder add = recorder.pass("add camera sample", program, "add_camera_light");
+  scene.bind(add, program, "add_camera_light");
+  atlas.bind(add, program, "add_camera_light");
+  add.global(pixels_)
+      .local(kLocalSize)
+      .arg("points", gbuffer_.points())
+      .arg("count", pixels_)
+      .arg("atlas_weight", atlas_weight_)
+      .arg("shown", shown)
+      .arg("direct_sample", direct_sample_)
+      .arg("emission", emission_)
+      .arg("direct", direct_)
+      .arg("indirect", indirect_);
+  add_ = recorder.compile();
+}
+
+bool CameraLight::sample() {
+  if (scheduler_->run(clear_) == RunResult::cancelled) return false;
+  return gbuffer_.render(samples_) &&
+         direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed);
+}
+
+void CameraLight::commit() {
+  // Sample i counts i²: of a mean over all, ever later ones. The atlas they saw was better, and a late image forgets
+  // what an early atlas did not know. i² / Σ i² = 6 i / ((i + 1) (2 i + 1)).
+  const double i = ++samples_;
+  add_.set(atlas_weight_, static_cast<float>(6 * i / ((i + 1) * (2 * i + 1))));
+  scheduler_->run_to_end(add_);
+}
+
+void CameraLight::reset(uint32_t seed) {
+  frame_.seed = seed;
+  set_frame(frame_);
+}
+
+void CameraLight::set_frame(const Frame& frame) {
+  const uint32_t seed = frame_.seed;
+  frame_ = frame;
+  frame_.seed = seed;
+  gbuffer_.set_frame(frame_);
+  for (Buffer* buffer : {static_cast<Buffer*>(&emission_), static_cast<Buffer*>(&direct_), static_cast<Buffer*>(&indirect_)})
+    buffer->fill_zero();
+  samples_ = 0;
+}
+
+void CameraLight::warm_up() {
+  scheduler_->warm_up(clear_);
+  gbuffer_.warm_up();
+  direct_light_.warm_up(gbuffer_.points(), direct_sample_);
+  scheduler_->warm_up(add_);
+}
+
+void CameraLight::resolve(Film& film) const {
+  scheduler_->finish();
+  const auto write = [&](const char* name, const TypedBuffer<float4>& sums) {
+    const std::vector<float4> values = sums.download();
+    FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);
+    layer.pixels.assign(3 * values.size(), 0.f);
+    for (size_t p = 0; p < values.size(); ++p) {
+      const float scale = values[p].w > 0 ? 1 / values[p].w : 0.f;
+      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * p + c] = (&values[p].x)[c] * scale;
+    }
+  };
+  write("emission", emission_);
+  write("direct", direct_);
+  write("indirect", indirect_);
+}
+
+}  // namespace lucarium::bundle

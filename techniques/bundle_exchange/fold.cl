@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adds a batch to what slots hold for good, tells how sure that is, and makes of it what is displayed.
+#include "bundle_exchange/exchange_layout.clh"
+#include "lucarium/math.clh"
+#include "lucarium/shared/surface_atlas.h"
+
+// S = sender_scale S + sender_weight batch, D += display_weight batch (the channel of emission: D += batch).
+// visible: xy += sums of w, of rays that met a slot and of all. statistics: sums over batches of X^2, X N, N^2 with
+// X = luminance of v sum w L, N = v sum w, from which the variance of D's ratio follows.
+__kernel void fold_batch(uint slots, float sender_scale, float sender_weight, float display_weight,
+                         __global const float4* restrict records, __global float4* restrict senders,
+                         __global float4* restrict display, __global float2* restrict visible,
+                         __global float4* restrict statistics) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const global float4* record = records + (size_t)slot * BUNDLE_RECORD;
+  const float weight = record[1].w, seen = record[0].w;
+  float3 total = (float3)(0.0f);
+#ifdef BUNDLE_EMISSION
+  display[slot] += (float4)(record[1].xyz, weight);
+#endif
+  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
+    const float4 batch = (float4)(record[2u * channel + 1u].xyz, weight);
+    const size_t sender = (size_t)(channel - BUNDLE_FIRST) * slots + slot;
+    senders[sender] = sender_scale * senders[sender] + sender_weight * batch;
+    display[(size_t)channel * slots + slot] += display_weight * batch;
+    total += batch.xyz;
+  }
+  visible[slot] += (float2)(seen, weight);
+  const float x = display_weight * luminance(total), n = display_weight * weight;
+  statistics[slot] += (float4)(x * x, x * n, n * n, 0.0f);
+}
+
+// Standard error of a slot's displayed irradiance and the irradiance itself, both over pi, luminance, times its area:
+// what the relative error of the whole is made of. The variance of the ratio R = sum X / sum N is, to first order,
+// sum (X - R N)^2 / (sum N)^2.
+__kernel void measure_errors(uint slots, __global const float4* restrict albedo, __global const float4* restrict display,
+                             __global const float4* restrict statistics, __global float* restrict errors,
+                             __global float* restrict values) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  float3 total = (float3)(0.0f);
+  float weight = 0.0f;
+  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
+    const float4 sums = display[(size_t)channel * slots + slot];
+    total += sums.xyz;
+    weight = sums.w;
+  }
+  const float ratio = weight > 0.0f ? luminance(total) / weight : 0.0f;
+  const float4 s = statistics[slot];
+  const float variance = fmax(s.x - ratio * (2.0f * s.y - ratio * s.z), 0.0f);
+  errors[slot] = weight > 0.0f ? albedo[slot].w * sqrt(variance) / weight : 0.0f;
+  values[slot] = albedo[slot].w * ratio;
+}
+
+// Indirect irradiance over pi of every slot, all bounces; w: 1, or 0 where no ray has come yet.
+__kernel void make_display(uint slots, float share, __global const float4* restrict settled,
+                           __global const float4* restrict display, __global float4* restrict shown) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  float3 total = settled[slot].xyz;
+  float weight = settled[slot].w;
+  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
+    const float4 sums = display[(size_t)channel * slots + slot];
+    total += share * slot_mean(sums);
+    weight = fmax(weight, sums.w);
+  }
+  shown[slot] = (float4)(total, weight > 0.0f ? 1.0f : 0.0f);
+}
+
+// End of a bounce that was computed alone: what it brought is kept, and is what the next one sends.
+__kernel void settle_bounce(uint slots, __global float4* restrict display, __global float4* restrict senders,
+                            __global float4* restrict settled) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const size_t own = (size_t)BUNDLE_FIRST * slots + slot;
+  const float4 bounce = display[own];
+  settled[slot] = (float4)(settled[slot].xyz + slot_mean(bounce), fmax(settled[slot].w, bounce.w));
+  senders[slot] = bounce;
+  display[own] = (float4)(0.0f);
+}
+
+__kernel void join_sums(__global const float* restrict error, __global const float* restrict value,
+                        __global float* restrict sums) {
+  sums[0] = error[0];
+  sums[1] = value[0];
+}
+
+// Diffuse albedo and emission of slots; w: area [m^2].
+__kernel void take_materials(uint slots, __global const AtlasTexel* restrict atlas_texels,
+                             __global const AtlasMaterial* restrict atlas_materials, __global float4* restrict albedo,
+                             __global float4* restrict emission) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const float area = atlas_texels[slot].area;
+  albedo[slot] = (float4)(atlas_materials[slot].diffuse.xyz, area);
+  emission[slot] = (float4)(atlas_materials[slot].emission.xyz, area);
+}

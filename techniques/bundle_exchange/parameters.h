@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/technique/parameters.h"
+
+namespace lucarium::bundle {
+
+enum class Sequence { iid, blocks, halton, hammersley };
+enum class Interleave { sd, running, fixed, pingpong };
+enum class DirectMode { nee, exchange };
+enum class FinalGather { off, glossy, all };
+enum class GlossyNorm { self, mean };
+enum class Transfer { ray, texel };
+
+/// Every parameter of the technique, once: default, range, unit and meaning.
+struct Parameters {
+  int directions = 2000;
+  int batch = 4;
+  Sequence sequence = Sequence::blocks;
+  Interleave interleave = Interleave::sd;
+  int block = 2048;
+  float env_guiding = 0;
+  int texels = 1 << 17;
+  float pixel_size = 0.5f;
+  DirectMode direct_mode = DirectMode::nee;
+  int direct_first = 8;
+  float gain_exp = 0.5f;
+  float avg_exp = 0.5f;
+  bool balance = true;
+  float stop_error = 0.01f;
+
+  template <class V>
+  void describe(V& v) {
+    v.number("directions", directions, 1, 1000000, "directions", "directions of exchange, then it has converged");
+    v.number("batch", batch, 1, 64, "directions", "directions that share one set of senders; begins at 1 and grows");
+    v.choice("sequence", sequence,
+             {{"iid", Sequence::iid},
+              {"blocks", Sequence::blocks},
+              {"halton", Sequence::halton},
+              {"hammersley", Sequence::hammersley}},
+             "directions: independent, Owen-scrambled Sobol points in permuted blocks, Halton, or Hammersley points");
+    v.choice("interleave", interleave,
+             {{"sd", Interleave::sd},
+              {"running", Interleave::running},
+              {"fixed", Interleave::fixed},
+              {"pingpong", Interleave::pingpong}},
+             "how bounces share directions: forgetting senders beside a slow mean (sd), a running mean, equal shares of "
+             "the total (fixed, loses energy), or one bounce after the other, each `block` directions (pingpong)");
+    v.number("block", block, 128, 16384, "directions", "directions of a stratified block, and of a bounce of pingpong");
+    v.number("env_guiding", env_guiding, 0.f, 0.9f, "", "share of directions drawn by the environment's luminance");
+    v.number("texels", texels, 64, 1 << 24, "texels", "wanted size of the surface atlas");
+    v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a film pixel of a bundle");
+    v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
+             "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
+    v.number("direct_first", direct_first, 0, 100000, "directions",
+             "directions that carry emitted light only, before the others (direct_mode=exchange)");
+    v.number("gain_exp", gain_exp, 0.3f, 1.f, "", "step of senders: batch k counts k^-gain_exp of the mean");
+    v.number("avg_exp", avg_exp, 0.f, 2.f, "", "weight of direction i in what is displayed: i^avg_exp");
+    v.flag("balance", balance, "scale senders so that they send the power that receivers hold (unlimited bounces)");
+    v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance; 0: never");
+  }
+};
+
+}  // namespace lucarium::bundle

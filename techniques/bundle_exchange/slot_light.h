@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/services/direct_light.h"
+#include "lucarium/services/surface_atlas.h"
+
+namespace lucarium::bundle {
+
+/// Direct irradiance of every slot by light samples: `direct_mode=nee`. A run of slots gets one more sample per
+/// iteration, so that iterations stay short.
+class SlotLight {
+ public:
+  SlotLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+            const Intersector& intersector, const SurfaceAtlas& atlas);
+
+  /// Samples the next run of slots; false when cancelled. commit() then adds it; without it nothing has changed.
+  bool sample();
+  void commit();
+  void reset(uint32_t seed);
+  void warm_up();
+  /// Whether every slot has a sample.
+  bool complete() const { return position_ >= slots_; }
+  /// Whether there is more to be gained: slots get kSamples samples.
+  bool exhausted() const { return position_ >= slots_ * uint64_t{kSamples}; }
+  double progress() const { return static_cast<double>(position_) / static_cast<double>(slots_); }
+
+  /// Per slot: xyz sum of irradiance [lx], w samples.
+  const TypedBuffer<float4>& light_samples() const { return light_samples_; }
+  static size_t estimate_bytes(size_t slots);
+
+ private:
+  static constexpr uint32_t kSamples = 16;
+  void record(const Program& program, const SurfaceAtlas& atlas);
+  KernelScheduler* scheduler_;
+  uint32_t slots_, chunk_;
+  TypedBuffer<SurfacePoint> points_;
+  TypedBuffer<float4> samples_, light_samples_;
+  DirectLight direct_light_;
+  Schedule gather_, scatter_;
+  Variable<uint32_t> gather_first_, gather_count_, scatter_first_, scatter_count_;
+  uint64_t position_ = 0;  ///< slots sampled so far, all rounds
+  uint32_t pending_ = 0;   ///< slots of the run that waits for commit()
+  uint32_t seed_ = 1;
+};
+
+}  // namespace lucarium::bundle

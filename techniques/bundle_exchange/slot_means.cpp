@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slot_means.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+namespace lucarium::bundle {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+constexpr uint32_t kBalanceChunk = 1024;  // BALANCE_CHUNK of senders.cl
+constexpr uint64_t kWarmBatches = 16;     // what senders of a changed scene count for
+constexpr uint64_t kErrorBatches = 16;    // between two measurements of the error
+constexpr double kUnknown = std::numeric_limits<double>::infinity();
+const char* const kOwner = "bundle_exchange";
+const char* const kFewerTexels = "lower texels";
+
+}  // namespace
+
+std::map<std::string, std::string> Channels::defines() const {
+  std::map<std::string, std::string> result{{"BUNDLE_CHANNELS", std::to_string(count) + "u"}};
+  if (emission) result["BUNDLE_EMISSION"] = "";
+  if (self_fed) result["BUNDLE_SELF_FED"] = "";
+  return result;
+}
+
+SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
+                     const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters)
+    : scheduler_(&scheduler),
+      primitives_(device),
+      channels_(channels),
+      parameters_(parameters),
+      slots_(atlas.info().texel_count),
+      chunks_((slots_ + kBalanceChunk - 1) / kBalanceChunk),
+      light_samples_(light_samples),
+      albedo_(device, kOwner, "albedo of slots", slots_, kFewerTexels),
+      emission_(device, kOwner, "emission of slots", slots_, kFewerTexels),
+      records_(device, kOwner, "exchange records", size_t{slots_} * 2 * channels.count, kFewerTexels),
+      senders_(device, kOwner, "sender means", size_t{slots_} * channels.reflected(), kFewerTexels),
+      display_(device, kOwner, "display means", size_t{slots_} * channels.count, kFewerTexels),
+      settled_(device, kOwner, "settled bounces", slots_, kFewerTexels),
+      statistics_(device, kOwner, "batch statistics", slots_, kFewerTexels),
+      shown_(device, kOwner, "displayed slots", slots_, kFewerTexels),
+      chunk_sums_(device, kOwner, "balance of chunks", 2 * size_t{chunks_}),
+      scale_(device, kOwner, "sender scale", std::vector<float4>{{1, 1, 1, 0}}),
+      visible_(device, kOwner, "visible shares", slots_, kFewerTexels),
+      errors_(device, kOwner, "errors of slots", slots_, kFewerTexels),
+      values_(device, kOwner, "values of slots", slots_, kFewerTexels),
+      sums_(device, kOwner, "sums of errors and values", 2) {
+  record_materials(program, atlas);
+  record_senders(program);
+  record_fold(program);
+  record_errors(program);
+  reset();
+}
+
+size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels) {
+  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5;
+  return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
+}
+
+void SlotMeans::record_materials(const Program& program, const SurfaceAtlas& atlas) {
+  ScheduleRecorder recorder = scheduler_->record("slot materials", kOwner);
+  PassBuilder pass = recorder.pass("take materials", program, "take_materials");
+  atlas.bind(pass, program, "take_materials");
+  pass.global(slots_).local(kLocalSize).arg("slots", slots_).arg("albedo", albedo_).arg("emission", emission_);
+  materials_ = recorder.compile();
+}
+
+void SlotMeans::record_senders(const Program& program) {
+  ScheduleRecorder recorder = scheduler_->record("senders", kOwner);
+  direct_share_ = recorder.variable("direct share", 1.f);
+  feedback_share_ = recorder.variable("feedback share", 1.f);
+  if (channels_.self_fed && parameters_.balance && parameters_.interleave == Interleave::sd) {
+    recorder.pass("balance of chunks", program, "balance_chunks")
+        .global(chunks_)
+        .local(1)
+        .arg("slots", slots_)
+        .arg("albedo", albedo_)
+        .arg("light_samples", light_samples_)
+        .arg("senders", senders_)
+        .arg("display", display_)
+        .arg("visible", visible_)
+        .arg("chunks", chunk_sums_);
+    recorder.pass("balance", program, "balance_scale")
+        .global(1)
+        .local(1)
+        .arg("count", chunks_)
+        .arg("chunks", chunk_sums_)
+        .arg("scale", scale_);
+  }
+  recorder.pass("make senders", program, "make_senders")
+      .global(slots_)
+      .local(kLocalSize)
+      .arg("slots", slots_)
+      .arg("albedo", albedo_)
+      .arg("emission", emission_)
+      .arg("light_samples", light_samples_)
+      .arg("senders", senders_)
+      .arg("display", display_)
+      .arg("scale", scale_)
+      .arg("direct_share", direct_share_)
+      .arg("feedback_share", feedback_share_)
+      .arg("records", records_);
+  make_senders_ = recorder.compile();
+}
+
+void SlotMeans::record_fold(const Program& program) {
+  ScheduleRecorder recorder = scheduler_->record("fold batch", kOwner);
+  sender_scale_ = recorder.variable("sender scale", 1.f);
+  sender_weight_ = recorder.variable("sender weight", 1.f);
+  display_weight_ = recorder.variable("display weight", 1.f);
+  show_share_ = recorder.variable("share shown", 1.f);
+  recorder.pass("fold batch", program, "fold_batch")
+      .global(slots_)
+      .local(kLocalSize)
+      .arg("slots", slots_)
+      .arg("sender_scale", sender_scale_)
+      .arg("sender_weight", sender_weight_)
+      .arg("display_weight", display_weight_)
+      .arg("records", records_)
+      .arg("senders", senders_)
+      .arg("display", display_)
+      .arg("visible", visible_)
+      .arg("statistics", statistics_);
+  recorder.pass("make display", program, "make_display")
+      .global(slots_)
+      .local(kLocalSize)
+      .arg("slots", slots_)
+      .arg("share", show_share_)
+      .arg("settled", settled_)
+      .arg("display", display_)
+      .arg("shown", shown_)
+      .discards("shown");
+  fold_ = recorder.compile();
+  ScheduleRecorder settle = scheduler_->record("settle bounce", kOwner);
+  settle.pass("settle bounce", program, "settle_bounce")
+      .global(slots_)
+      .local(kLocalSize)
+      .arg("slots", slots_)
+      .arg("display", display_)
+      .arg("senders", senders_)
+      .arg("settled", settled_);
+  settle_ = settle.compile();
+}
+
+void SlotMeans::record_errors(const Program& program) {
+  ScheduleRecorder recorder = scheduler_->record("measure error", kOwner);
+  const BufferRef error = recorder.transient<float>("error", 1), value = recorder.transient<float>("value", 1);
+  recorder.pass("errors of slots", program, "measure_errors")
+      .global(slots_)
+      .local(kLocalSize)
+      .arg("slots", slots_)
+      .arg("albedo", albedo_)
+      .arg("display", display_)
+      .arg("statistics", statistics_)
+      .arg("errors", errors_)
+      .arg("values", values_);
+  primitives_.record_reduce(recorder, "sum of errors", Primitives::Reduction::sum_float, errors_, error, slots_);
+  primitives_.record_reduce(recorder, "sum of values", Primitives::Reduction::sum_float, values_, value, slots_);
+  recorder.pass("join sums", program, "join_sums").global(1).local(1).arg("error", error).arg("value", value).arg("sums", sums_);
+  recorder.read_back("error", sums_, [this](std::span<const std::byte> bytes) {
+    float sums[2];
+    std::memcpy(sums, bytes.data(), sizeof sums);
+    relative_error_ = sums[1] > 0 ? sums[0] / sums[1] : 0.0;
+  });
+  measure_ = recorder.compile();
+}
+
+void SlotMeans::set_shares() {
+  const bool later_bounce = parameters_.interleave == Interleave::pingpong && directions_ >= uint64_t(parameters_.block);
+  const bool first_bounce = parameters_.interleave == Interleave::pingpong && !later_bounce;
+  double feedback = first_bounce ? 0 : 1;
+  if (parameters_.interleave == Interleave::fixed) feedback = static_cast<double>(directions_) / parameters_.directions;
+  make_senders_.set(direct_share_, later_bounce ? 0.f : 1.f);
+  make_senders_.set(feedback_share_, static_cast<float>(feedback));
+}
+
+bool SlotMeans::make_senders() {
+  set_shares();
+  return scheduler_->run(make_senders_) == RunResult::done;
+}
+
+void SlotMeans::commit(uint64_t first, uint32_t count) {
+  SenderWeights::Step step = weights_.next(first, count);
+  directions_ = first + count;
+  if (parameters_.interleave == Interleave::pingpong) step.sender_weight = 0;
+  const bool direct_only = channels_.emission && directions_ <= uint64_t(parameters_.direct_first);
+  if (direct_only) step = {1, 0, 0};
+  fold_.set(sender_scale_, static_cast<float>(step.sender_scale));
+  fold_.set(sender_weight_, static_cast<float>(step.sender_weight));
+  fold_.set(display_weight_, static_cast<float>(step.display_weight));
+  fold_.set(show_share_, parameters_.interleave == Interleave::fixed
+                             ? static_cast<float>(static_cast<double>(directions_) / parameters_.directions)
+                             : 1.f);
+  scheduler_->run_to_end(fold_);
+  if (direct_only) return;
+  weights_.advance();
+  if (parameters_.interleave == Interleave::pingpong && directions_ % uint64_t(parameters_.block) == 0)
+    scheduler_->run_to_end(settle_);
+  if (weights_.batches() % kErrorBatches == 0) scheduler_->run_to_end(measure_);
+}
+
+void SlotMeans::clear(bool keep_senders) {
+  for (Buffer* buffer : std::initializer_list<Buffer*>{&display_, &settled_, &statistics_, &shown_, &visible_})
+    buffer->fill_zero();
+  if (!keep_senders) senders_.fill_zero();
+  scale_.upload({{1, 1, 1, 0}});
+  directions_ = 0;
+  relative_error_ = kUnknown;
+  scheduler_->run_to_end(materials_);
+  scheduler_->finish();
+}
+
+void SlotMeans::reset() {
+  weights_ = SenderWeights(parameters_);
+  clear(false);
+}
+
+void SlotMeans::restart() {
+  weights_.restart_at(kWarmBatches);
+  clear(true);
+}
+
+void SlotMeans::warm_up() {
+  for (Schedule* schedule : {&materials_, &make_senders_, &fold_, &settle_, &measure_}) scheduler_->warm_up(*schedule);
+}
+
+float4 SlotMeans::scale() const {
+  scheduler_->finish();
+  return scale_.download().front();
+}
+
+}  // namespace lucarium::bundle

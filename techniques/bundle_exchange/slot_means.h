@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <string>
+
+#include "lucarium/services/primitives.h"
+#include "lucarium/services/surface_atlas.h"
+#include "sender_weights.h"
+
+namespace lucarium::bundle {
+
+/// What travels along the rays at once (exchange_layout.clh).
+struct Channels {
+  bool emission = false;  ///< channel 0 carries emitted light
+  bool self_fed = true;   ///< one channel of reflected light, all bounces; else one per bounce
+  uint32_t count = 1;     ///< all channels
+  uint32_t reflected() const { return count - (emission ? 1 : 0); }
+  /// Preprocessor definitions for the kernels.
+  std::map<std::string, std::string> defines() const;
+};
+
+/// What every slot has received so far, and what it sends: the two growing means S and D, the balance between them, their
+/// error, and what is displayed.
+class SlotMeans {
+ public:
+  SlotMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
+            const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters);
+
+  /// Prepares the records of the next batch; false when cancelled.
+  bool make_senders();
+  /// Adds the records of a batch of `count` directions, of which `first` came before, and renews what is displayed.
+  void commit(uint64_t first, uint32_t count);
+  void reset();
+  /// Keeps senders as a warm start after a change of the scene; all else as reset().
+  void restart();
+  void warm_up();
+
+  const TypedBuffer<float4>& records() const { return records_; }  ///< per slot 2 · channels float4
+  const TypedBuffer<float4>& shown() const { return shown_; }      ///< per slot irradiance / π of indirect light
+  /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches.
+  double relative_error() const { return relative_error_; }
+  uint64_t batches() const { return weights_.batches(); }
+  /// Of the last balance: s per channel.
+  float4 scale() const;
+  static size_t estimate_bytes(size_t slots, const Channels& channels);
+
+ private:
+  void record_materials(const Program& program, const SurfaceAtlas& atlas);
+  void record_senders(const Program& program);
+  void record_fold(const Program& program);
+  void record_errors(const Program& program);
+  void end_bounce();
+  void set_shares();
+  void clear(bool keep_senders);
+  KernelScheduler* scheduler_;
+  Primitives primitives_;
+  Channels channels_;
+  Parameters parameters_;
+  uint32_t slots_, chunks_;
+  TypedBuffer<float4> light_samples_;
+  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, chunk_sums_, scale_;
+  TypedBuffer<float2> visible_;
+  TypedBuffer<float> errors_, values_, sums_;
+  Schedule materials_, make_senders_, fold_, settle_, measure_;
+  Variable<float> direct_share_, feedback_share_, sender_scale_, sender_weight_, display_weight_, show_share_;
+  SenderWeights weights_;
+  uint64_t directions_ = 0;
+  double relative_error_ = 1e30;
+};
+
+}  // namespace lucarium::bundle
