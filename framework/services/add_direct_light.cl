@@ -3,7 +3,8 @@
 #include "lucarium/scene.clh"
 #include "lucarium/services/light_strategies.clh"
 
-__kernel void add_direct_radiance(LUCARIUM_SCENE_PARAMETERS uint count, __global const float4* restrict shadow_light,
+__kernel void add_direct_radiance(LUCARIUM_SCENE_PARAMETERS uint count, uint kinds,
+                                  __global const float4* restrict shadow_light,
                                   __global const uint* restrict occluded, __global const Ray* restrict bsdf_rays,
                                   __global const float4* restrict bsdf_weights, __global const Hit* restrict hits,
                                   __global float4* restrict radiance) {
@@ -18,9 +19,9 @@ __kernel void add_direct_radiance(LUCARIUM_SCENE_PARAMETERS uint count, __global
     if (hit.triangle != LUCARIUM_NO_HIT) {
       const Surface surface = make_surface(&scene, hit, direction, 0u);
       const float3 emission = emitted_radiance(&scene, &surface);
-      if (!is_black(emission))
+      if ((kinds >> LUCARIUM_LIGHT_TRIANGLE) & 1u && !is_black(emission))
         light += weight.xyz * emission * mis_weight(weight.w, pdf_light_surface(&scene, &surface, hit.distance));
-    } else if (scene.scene_info->environment_light != LUCARIUM_NONE) {
+    } else if ((kinds >> LUCARIUM_LIGHT_ENVIRONMENT) & 1u && scene.scene_info->environment_light != LUCARIUM_NONE) {
       light += weight.xyz * environment_radiance(&scene, direction) *
                mis_weight(weight.w, pdf_light_environment(&scene, direction));
     }

@@ -23,12 +23,13 @@ struct Recorded {
 
 struct DirectLight::State {
   State(Device& device_, KernelScheduler& scheduler_, const SceneBuffers& scene_, const Intersector& intersector_,
-        const std::string& owner_)
+        const std::string& owner_, uint32_t kinds_)
       : device(device_),
         scheduler(scheduler_),
         scene(scene_),
         intersector(intersector_),
         owner(owner_),
+        kinds(kinds_),
         program(device, SourceLibrary(),
                 {"services/direct_light",
                  {"lucarium/services/sample_direct_light.cl", "lucarium/services/add_direct_light.cl"},
@@ -48,6 +49,7 @@ struct DirectLight::State {
   const SceneBuffers& scene;
   const Intersector& intersector;
   std::string owner;
+  uint32_t kinds;
   Program program;
   std::map<std::pair<cl_mem, cl_mem>, Recorded> radiance, irradiance;
 };
@@ -83,6 +85,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
       .arg("count", count)
       .arg("sample_index", recorded.sample_index)
       .arg("seed", recorded.seed)
+      .arg("kinds", kinds)
       .arg("shadow_rays", shadow_rays)
       .arg("shadow_light", shadow_light)
       .arg("bsdf_rays", bsdf_rays)
@@ -94,6 +97,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   add.global(count)
       .local(kLocalSize)
       .arg("count", count)
+      .arg("kinds", kinds)
       .arg("shadow_light", shadow_light)
       .arg("occluded", occluded)
       .arg("bsdf_rays", bsdf_rays)
@@ -124,6 +128,7 @@ Recorded& DirectLight::State::irradiance_schedule(const TypedBuffer<SurfacePoint
       .arg("count", count)
       .arg("sample_index", recorded.sample_index)
       .arg("seed", recorded.seed)
+      .arg("kinds", kinds)
       .arg("shadow_rays", shadow_rays)
       .arg("shadow_light", shadow_light);
   intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, point_count, 0, count);
@@ -145,8 +150,8 @@ bool DirectLight::State::run(Recorded& recorded, uint32_t sample_index, uint32_t
 }
 
 DirectLight::DirectLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
-                         const Intersector& intersector, const std::string& owner)
-    : state_(std::make_unique<State>(device, scheduler, scene, intersector, owner)) {}
+                         const Intersector& intersector, const std::string& owner, uint32_t kinds)
+    : state_(std::make_unique<State>(device, scheduler, scene, intersector, owner, kinds)) {}
 
 DirectLight::~DirectLight() = default;
 

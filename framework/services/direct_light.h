@@ -15,8 +15,12 @@ namespace lucarium {
 /// Unlike the path tracer's, its shadow and BSDF rays are not attenuated inside volumes.
 class DirectLight {
  public:
+  static constexpr uint32_t kAllLights = 31;
+  static constexpr uint32_t kPunctualLights = 7;  ///< point, spot and directional ones
+
+  /// `kinds`: which lights count, bits 1 << LUCARIUM_LIGHT_*.
   DirectLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-              const std::string& owner);
+              const std::string& owner, uint32_t kinds = kAllLights);
   ~DirectLight();
 
   /// Adds one sample per pixel to `radiance` (float4 per pixel, xyz sum, w sample count) for the points of the G-buffer.

@@ -18,7 +18,7 @@ Ray inactive_ray(void) {
 // shadow_light: xyz what the pixel gets if shadow ray i is free; w unused.
 // bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
 __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
-                                     uint sample_index, uint seed, __global Ray* restrict shadow_rays,
+                                     uint sample_index, uint seed, uint kinds, __global Ray* restrict shadow_rays,
                                      __global float4* restrict shadow_light, __global Ray* restrict bsdf_rays,
                                      __global float4* restrict bsdf_weights) {
   const uint i = get_global_id(0);
@@ -43,12 +43,13 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
   float3 light;
   Ray ray;
-  if (sample_light_at(&scene, &surface, &bsdf, u, true, make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light,
-                      &ray)) {
+  if (sample_light_at(&scene, &surface, &bsdf, u, true, kinds, make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)),
+                      &light, &ray)) {
     shadow_rays[i] = ray;
     shadow_light[i] = (float4)(point.throughput.xyz * light, 0.0f);
   }
 
+  if (!(kinds & (1u << LUCARIUM_LIGHT_TRIANGLE | 1u << LUCARIUM_LIGHT_ENVIRONMENT))) return;  // nothing to be hit
   // Ideal lobes belong to the G-buffer's path: what they are sampled for here is left out.
   const DirectionSample v = sample_direction_dimensions(&sampler, 0u);
   const BsdfSample sample = sample_bsdf(&bsdf, u.lobe, v.direction);
@@ -59,7 +60,7 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
 
 // The same for irradiance at surface points [lx]; light samples only.
 __kernel void sample_direct_irradiance(LUCARIUM_SCENE_PARAMETERS __global const SurfacePoint* restrict points, uint count,
-                                       uint sample_index, uint seed, __global Ray* restrict shadow_rays,
+                                       uint sample_index, uint seed, uint kinds, __global Ray* restrict shadow_rays,
                                        __global float4* restrict shadow_light) {
   const uint i = get_global_id(0);
   if (i >= count) return;
@@ -69,7 +70,7 @@ __kernel void sample_direct_irradiance(LUCARIUM_SCENE_PARAMETERS __global const 
   const SurfacePoint point = points[i];
   const Sampler sampler = make_sampler(i, DIRECT_LIGHT_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-  const LightSample sample = sample_light(&scene, point.position.xyz, u.choice, u.point, LUCARIUM_ALL_LIGHTS, 1u);
+  const LightSample sample = sample_light(&scene, point.position.xyz, u.choice, u.point, kinds, 1u);
   const float cosine = dot(point.normal.xyz, sample.direction);
   if (!(sample.pdf > 0.0f) || is_black(sample.radiance) || cosine <= 0.0f) return;
   Hit hit;

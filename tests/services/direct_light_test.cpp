@@ -17,11 +17,11 @@ struct LayerMeans {
   std::vector<double> emission, direct;
 };
 
-LayerMeans by_services(const Scene& scene, uint32_t seeds, uint32_t samples) {
+LayerMeans by_services(const Scene& scene, uint32_t seeds, uint32_t samples, uint32_t kinds = DirectLight::kAllLights) {
   PathIntegratorOptions unused;
   TestRender context(scene, scene.cameras.at(0), unused, kSide);
   GBuffer gbuffer(*test_device(), context.scheduler, context.buffers, context.bvh, context.frame, "test");
-  DirectLight direct(*test_device(), context.scheduler, context.buffers, context.bvh, "test");
+  DirectLight direct(*test_device(), context.scheduler, context.buffers, context.bvh, "test", kinds);
   TypedBuffer<float4> sums(*test_device(), "test", "sums", kSide * kSide);
   LayerMeans means;
   for (uint32_t seed = 1; seed <= seeds; ++seed) {
@@ -47,8 +47,7 @@ LayerMeans by_services(const Scene& scene, uint32_t seeds, uint32_t samples) {
   return means;
 }
 
-LayerMeans by_paths(const Scene& scene, uint32_t replicates, uint32_t samples) {
-  PathIntegratorOptions options;
+LayerMeans by_paths(const Scene& scene, uint32_t replicates, uint32_t samples, PathIntegratorOptions options = {}) {
   options.path_set.max_bounces = 0;
   LayerMeans means;
   options.path_set.direct = false;
@@ -94,6 +93,16 @@ TEST_CASE("direct light: at the G-buffer's pixels it is the path tracer's direct
     check_same_mean(scene.source + " emission", services.emission, paths.emission);
     check_same_mean(scene.source + " direct", services.direct, paths.direct);
   }
+}
+
+TEST_CASE("direct light: of some kinds of lights only") {
+  const Scene scene = mixed_scene();
+  PathIntegratorOptions punctual, others;
+  punctual.path_set.emissive_triangles = punctual.path_set.environment = false;
+  others.path_set.point_lights = others.path_set.spot_lights = others.path_set.directional_lights = false;
+  check_same_mean("punctual", by_services(scene, 8, 16, DirectLight::kPunctualLights).direct, by_paths(scene, 8, 16, punctual).direct);
+  check_same_mean("others", by_services(scene, 8, 16, DirectLight::kAllLights & ~DirectLight::kPunctualLights).direct,
+                  by_paths(scene, 8, 16, others).direct);
 }
 
 TEST_CASE("direct light: irradiance at surface points, against closed forms") {
