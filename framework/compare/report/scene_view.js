@@ -38,7 +38,7 @@ function sceneSection(index, budget) {
     pictureSection(index, budget),
     h('h3', {}, 'Numbers'), resultTable(index, budget),
     h('h3', {}, 'Error over time'), variantToggles(drawCharts), curveChart(index, budget), timeTable(index, budget),
-    h('h3', {}, 'Differences'), pairTable(index, budget) || h('p', { class: 'hint' }, 'No pairs with common seeds.'),
+    variants.length > 1 ? [h('h3', {}, 'Differences'), pairTable(index, budget) || h('p', { class: 'hint' }, 'No pairs with common seeds.')] : null,
     h('h3', {}, 'Cost'), h('div', { class: 'beside' }, passChart(index, budget), memoryChart(index, budget)),
     h('details', {}, h('summary', {}, 'All metrics'), metricTable(index, budget)));
 }
