@@ -31,18 +31,23 @@ const CLI::App& chosen_command(const CLI::App& program) {
   return commands.empty() ? program : *commands.front();
 }
 
+/// Complaint about a first argument that names no command, which --help behind it would hide; else empty.
+std::string unknown_command(const CLI::App& program, const std::vector<std::string>& arguments) {
+  if (&chosen_command(program) != &program || arguments.empty() || arguments.front().starts_with("-")) return "";
+  std::vector<std::string> commands;
+  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(sub->get_name());
+  return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
+}
+
 /// What is wrong with the arguments: a command or option that does not exist, with the nearest that does, before
 /// anything that CLI11 finds missing.
 std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake, const std::vector<std::string>& arguments) {
   const CLI::App& command = chosen_command(program);
-  std::vector<std::string> options, commands;
+  std::vector<std::string> options;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   }
-  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(sub->get_name());
-  if (&command == &program && !arguments.empty() && !arguments.front().starts_with("-")) {
-    return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
-  }
+  if (const std::string unknown = unknown_command(program, arguments); !unknown.empty()) return unknown;
   for (const std::string& argument : arguments) {
     const std::string name = argument.substr(0, argument.find('='));
     if (name.starts_with("--") && name != "--" && std::find(options.begin(), options.end(), name) == options.end()) {
@@ -72,6 +77,10 @@ int run(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& help) {
+    if (const std::string unknown = unknown_command(program, {argv + 1, argv + argc}); !unknown.empty()) {
+      print_error(unknown, "");
+      return static_cast<int>(ErrorClass::usage);
+    }
     return program.exit(help);
   } catch (const CLI::ParseError& mistake) {
     print_error(describe_mistake(program, mistake, {argv + 1, argv + argc}), "");

@@ -41,13 +41,14 @@ void DeviceArguments::add_to(CLI::App& command) {
   command.add_option("--device", options.selector, "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
   command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")->check(CLI::Range(0, 4096));
   command.add_option("--cache-dir", options.cache_dir, "folder of compiled kernels and references");
-  command.add_flag("--no-cache{false}", options.use_cache, "compile every kernel anew");
+  command.add_flag("--no-cache", no_cache, "compile every kernel anew");
   command.add_option("--memory-limit", memory_limit, "most device memory to use, as 500M or 2G");
   command.add_option("--allocation-limit", allocation_limit, "most device memory of one buffer");
 }
 
 DeviceOptions DeviceArguments::resolved() const {
   DeviceOptions result = options;
+  result.use_cache = !no_cache;
   if (!memory_limit.empty()) result.memory_limit_bytes = parse_bytes(memory_limit, "--memory-limit");
   if (!allocation_limit.empty()) result.allocation_limit_bytes = parse_bytes(allocation_limit, "--allocation-limit");
   return result;
@@ -58,7 +59,7 @@ std::vector<std::string> DeviceArguments::words() const {
   if (!options.selector.empty()) list.insert(list.end(), {"--device", options.selector});
   if (options.threads > 0) list.insert(list.end(), {"--threads", std::to_string(options.threads)});
   if (!options.cache_dir.empty()) list.insert(list.end(), {"--cache-dir", options.cache_dir.string()});
-  if (!options.use_cache) list.push_back("--no-cache");
+  if (no_cache) list.push_back("--no-cache");
   if (!memory_limit.empty()) list.insert(list.end(), {"--memory-limit", memory_limit});
   if (!allocation_limit.empty()) list.insert(list.end(), {"--allocation-limit", allocation_limit});
   return list;

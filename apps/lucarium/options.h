@@ -20,6 +20,7 @@ namespace lucarium::app {
 /// --device, --threads, --cache-dir, --no-cache, --memory-limit
 struct DeviceArguments {
   DeviceOptions options;
+  bool no_cache = false;
   std::string memory_limit, allocation_limit;
   void add_to(CLI::App& command);
   /// With the texts parsed; throws Error{usage}.

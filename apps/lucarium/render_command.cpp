@@ -290,6 +290,7 @@ int render(RenderArguments arguments) {
   const auto load_start = std::chrono::steady_clock::now();
   Scene scene = load(arguments);
   const double load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - load_start).count();
+  if (frames && scene.animations.empty()) log_warning("{} has no animation: all frames show the same", arguments.scene);
   settings.camera = scene.cameras.front();
   const std::unique_ptr<CurveRecorder> curve = make_curve(arguments, settings, scene.exposure);
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());

@@ -88,6 +88,18 @@ std::vector<std::string> render_words() {
   return words;
 }
 
+/// The environment map that the sidecar names.
+void add_sidecar_environment(const std::string& scene, std::vector<fs::path>& files) {
+  try {
+    const nlohmann::json json = nlohmann::json::parse(read_file(scene + ".lucarium.json"), nullptr, true, true);
+    const std::string environment = json.value("environment", "");
+    if (environment.empty()) return;
+    files.push_back(fs::path(scene).parent_path() / environment.substr(0, environment.find_first_of("*@")));
+  } catch (const std::exception&) {
+    // There is none, or the render says what is wrong with it.
+  }
+}
+
 }  // namespace
 
 std::vector<fs::path> scene_files(const std::string& scene, const std::string& environment) {
@@ -95,6 +107,7 @@ std::vector<fs::path> scene_files(const std::string& scene, const std::string& e
   if (!environment.empty()) files.emplace_back(environment.substr(0, environment.find_first_of("*@")));
   if (scene.starts_with("builtin:")) return files;
   files.insert(files.end(), {scene, scene + ".lucarium.json"});
+  if (environment.empty()) add_sidecar_environment(scene, files);
   if (!scene.ends_with(".gltf")) return files;
   try {
     const nlohmann::json json = nlohmann::json::parse(read_file(scene));

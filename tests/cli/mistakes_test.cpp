@@ -6,6 +6,10 @@
 
 using namespace lucarium::test;
 
+TEST_CASE("a command that does not exist is a mistake even with --help") {
+  check_refused("rendr --help", 2, "unknown command 'rendr'; did you mean 'render'?");
+}
+
 TEST_CASE("usage: exit code 2, and the nearest valid name") {
   const TemporaryFolder folder;
   const std::string out = " -o " + (folder.path() / "a.exr").string() + " ";
