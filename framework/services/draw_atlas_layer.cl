@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which texel a pixel shows, for looking at the atlas.
+#include "lucarium/random.clh"
+#include "lucarium/shared/gbuffer.h"
+#include "lucarium/surface_atlas.clh"
+
+// A colour per slot, none of them dark; black where there is none.
+float4 slot_color(uint slot) {
+  if (slot == LUCARIUM_NONE) return (float4)(0.0f);
+  const uint hash = hash_uint2(slot, 0x61746c73u);
+  return (float4)(0.15f + (float)(hash & 255u) / 300.0f, 0.15f + (float)((hash >> 8) & 255u) / 300.0f,
+                  0.15f + (float)((hash >> 16) & 255u) / 300.0f, 1.0f);
+}
+
+__kernel void draw_atlas_layer(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
+                               __global const uint* restrict atlas_table, __global const GBufferPoint* restrict points,
+                               uint count, __global float4* restrict colors) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  colors[i] = (float4)(0.0f);
+  const GBufferPoint point = points[i];
+  if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
+  const uint texel = atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v);
+  colors[i] = slot_color(atlas_side(atlas_info, texel, point.normal.w == 0.0f));
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Triangles cut along the cells of a chart: internal to the surface atlas.
+#pragma once
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace lucarium {
+
+/// What of a triangle lies in one cell.
+struct ClippedCell {
+  int x, y;
+  float fraction;  ///< of the triangle's area; 0 for cells that only the dilated cell touches
+  float b1, b2;    ///< barycentrics of the piece's centroid
+};
+
+/// How far around a cell a look-up may land in it by rounding [cells]: float uv are off by an ulp of the triangle's
+/// extent for each of four operations.
+double cell_dilation(const glm::dvec2 uv[3]);
+
+/// Appends every cell that touches the triangle when grown by cell_dilation() on all sides, with the exact part of the triangle in
+/// the cell itself; fractions sum to 1. Triangles without area in uv are cut along their longest edge.
+void clip_to_cells(const glm::dvec2 uv[3], std::vector<ClippedCell>& out);
+
+/// Whether a segment touches the cell grown by `dilation`.
+bool segment_touches_cell(const glm::dvec2& a, const glm::dvec2& b, int x, int y, double dilation);
+
+}  // namespace lucarium

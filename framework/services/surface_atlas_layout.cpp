@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/surface_atlas_layout.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/surface_atlas_chart.h"
+#include "lucarium/services/surface_atlas_grow.h"
+#include "lucarium/services/surface_atlas_table.h"
+
+namespace lucarium {
+
+namespace {
+
+constexpr size_t parts = 64;  // independent of the number of threads, and so is the result
+
+void check(const AtlasLayoutOptions& options) {
+  if (options.texel_edge < 0 || !std::isfinite(options.texel_edge) ||
+      (options.texel_edge == 0 && options.texel_count == 0)) {
+    throw_error(ErrorClass::usage, "surface atlas: neither {} texels nor a texel edge of {} m can be had",
+                options.texel_count, options.texel_edge);
+  }
+  if (!(options.merge_threshold >= 0 && options.merge_threshold <= 1)) {
+    throw_error(ErrorClass::usage, "surface atlas: the merge threshold {} is outside 0 to 1", options.merge_threshold);
+  }
+}
+
+/// Area of all reflecting sides [m²].
+double side_area(const AtlasMesh& mesh) {
+  double sum = 0;
+  for (uint32_t t = 0; t < mesh.triangle_count(); ++t) sum += mesh.area[t] * (mesh.two_sided(t) ? 2 : 1);
+  return sum;
+}
+
+/// Asks whether to stop and tells how far it is.
+class Watch {
+ public:
+  explicit Watch(const AtlasLayoutOptions& options) : options_(options) {}
+  void at(double fraction, const char* stage) const {
+    if (options_.cancelled && options_.cancelled()) {
+      throw Error(ErrorClass::interrupted, "surface atlas: cancelled while it was built");
+    }
+    if (options_.progress) options_.progress(fraction, stage);
+  }
+
+ private:
+  const AtlasLayoutOptions& options_;
+};
+
+/// Runs job(0 … count-1) on some threads, each with a worker of its own. This thread takes part and alone calls `tick`, which may
+/// throw; the first exception ends the work and is thrown again.
+template <class MakeWorker>
+void run_jobs(size_t count, unsigned threads, const MakeWorker& make_worker, const std::function<void(size_t)>& tick) {
+  std::atomic<size_t> next{0};
+  std::atomic<bool> stop{false};
+  std::exception_ptr failure;
+  std::mutex failure_lock;
+  const auto work = [&](bool reports) {
+    try {
+      auto job = make_worker();
+      for (size_t i = next++; i < count && !stop; i = next++) {
+        if (reports) tick(i);
+        job(i);
+      }
+    } catch (...) {
+      const std::lock_guard lock(failure_lock);
+      if (!failure) failure = std::current_exception();
+      stop = true;
+    }
+  };
+  std::vector<std::thread> others;
+  for (unsigned i = 1; i < threads; ++i) others.emplace_back(work, false);
+  work(true);
+  for (std::thread& thread : others) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+std::vector<AtlasPart> place_charts(const AtlasMesh& mesh, const ChartSets& sets, const ChartSettings& settings,
+                                    unsigned threads, const Watch& watch) {
+  // Runs of sets with about as many triangles each.
+  std::vector<size_t> first_set{0};
+  const size_t share = sets.triangles.size() / parts + 1;
+  for (size_t c = 0; c < sets.count(); ++c)
+    if (sets.first[c + 1] - sets.first[first_set.back()] >= share) first_set.push_back(c + 1);
+  if (first_set.back() != sets.count()) first_set.push_back(sets.count());
+  std::vector<AtlasPart> result(first_set.size() - 1);
+  const auto make_worker = [&] {
+    return [&, placer = ChartPlacer(mesh, settings)](size_t job) mutable {
+      std::vector<uint32_t> triangles;
+      for (size_t c = first_set[job]; c < first_set[job + 1]; ++c) {
+        triangles.assign(sets.triangles.begin() + sets.first[c], sets.triangles.begin() + sets.first[c + 1]);
+        placer.place(triangles, sets.one_texel[c], result[job]);
+      }
+    };
+  };
+  run_jobs(result.size(), threads, make_worker,
+           [&](size_t job) { watch.at(0.4 + 0.5 * double(job) / double(result.size()), "placing charts"); });
+  return result;
+}
+
+}  // namespace
+
+AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOptions& options) {
+  check(options);
+  const Watch watch(options);
+  watch.at(0, "welding");
+  const AtlasMesh mesh(geometry);
+  ChartSettings settings;
+  settings.edge = options.texel_edge;
+  if (settings.edge == 0) settings.edge = std::sqrt(side_area(mesh) / double(options.texel_count));
+  if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
+  settings.merge_threshold = options.merge_threshold;
+  const ChartSets sets = grow_charts(mesh, settings.edge, geometry.has_texcoord1,
+                                     [&](double done) { watch.at(0.1 + 0.3 * done, "growing charts"); });
+  const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  const std::vector<AtlasPart> placed = place_charts(mesh, sets, settings, threads, watch);
+  watch.at(0.9, "joining charts");
+  return join_parts(mesh, placed, settings.edge);
+}
+
+uint32_t atlas_cell(const AtlasTriangle& t, float b1, float b2) {
+  const auto along = [&](float a, float b, float c) {
+    const float x = a + b1 * (b - a) + b2 * (c - a);
+    return std::min(std::max(x, std::min(a, std::min(b, c))), std::max(a, std::max(b, c)));
+  };
+  return t.base + static_cast<uint32_t>(along(t.v0, t.v1, t.v2)) * t.pitch +
+         static_cast<uint32_t>(along(t.u0, t.u1, t.u2));
+}
+
+}  // namespace lucarium

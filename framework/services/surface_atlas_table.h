@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts joined to an atlas: internal to the surface atlas.
+#pragma once
+#include <span>
+
+#include "lucarium/services/surface_atlas_chart.h"
+
+namespace lucarium {
+
+/// Numbers texels (double-sided ones first) and cells over all parts, in order, and writes the look-up records.
+AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, double edge);
+
+}  // namespace lucarium
