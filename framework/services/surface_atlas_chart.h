@@ -84,7 +84,12 @@ class ChartPlacer {
   uint32_t connect_pieces(const std::vector<uint32_t>& alive);
   void index_cells();
   // surface_atlas_texels.cpp
-  void merge_texels();
+  void measure_cells();
+  uint32_t neighbor_cell(uint32_t c, int dx, int dy) const;
+  bool cells_share_triangle(uint32_t a, uint32_t b, bool with_area) const;
+  void merge_small_cells();
+  uint32_t home_of_touched(uint32_t c);
+  void assign_touched_cells();
   void number_texels(AtlasPart& part);
   void link_cells(AtlasPart& part) const;
 
@@ -98,7 +103,9 @@ class ChartPlacer {
   std::vector<ChartPiece> pieces_;     ///< by cell, then by triangle
   std::vector<uint32_t> covered_;      ///< cells that have pieces, ascending
   std::vector<uint32_t> first_piece_;  ///< of each covered cell, and the end
-  std::vector<uint32_t> texel_of_;     ///< per covered cell
+  std::vector<uint32_t> index_;        ///< per cell: its place in covered_ or LUCARIUM_NONE
+  std::vector<double> cell_area_;      ///< per covered cell; of a representative: of all that joined it
+  std::vector<uint32_t> texel_of_;     ///< per covered cell: union-find, then the number of its texel
   std::vector<uint32_t> place_;        ///< per triangle of the mesh: index in the set at hand; LUCARIUM_NONE between uses
   // Scratch:
   std::vector<uint32_t> parent_, alive_;

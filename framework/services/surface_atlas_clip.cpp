@@ -122,6 +122,22 @@ bool segment_touches_cell(const dvec2& a, const dvec2& b, int x, int y, double d
   return segment_in_box(a, b, dvec2(x, y) - dilation, dvec2(x + 1, y + 1) + dilation, from, to);
 }
 
+dvec2 point_beside_cell(const dvec2 uv[3], int x, int y) {
+  const double dilation = cell_dilation(uv);
+  Polygon polygon, inside, rest;
+  for (int i = 0; i < 3; ++i) polygon.add(uv[i]);
+  cut(polygon, 0, x - dilation, rest, inside);
+  cut(inside, 0, x + 1 + dilation, polygon, rest);
+  cut(polygon, 1, y - dilation, rest, inside);
+  cut(inside, 1, y + 1 + dilation, polygon, rest);
+  const dvec2 center = (uv[0] + uv[1] + uv[2]) / 3.;
+  if (polygon.count == 0) return center;
+  dvec2 touching(0);
+  for (int i = 0; i < polygon.count; ++i) touching += polygon.corner[i] / double(polygon.count);
+  const double distance = glm::length(center - touching);
+  return distance > 0 ? touching + std::min(1., 3 * dilation / distance) * (center - touching) : center;
+}
+
 void clip_to_cells(const dvec2 uv[3], std::vector<ClippedCell>& out) {
   const double dilation = cell_dilation(uv);
   const dvec2 low = glm::min(uv[0], glm::min(uv[1], uv[2])), high = glm::max(uv[0], glm::max(uv[1], uv[2]));

@@ -21,6 +21,9 @@ double cell_dilation(const glm::dvec2 uv[3]);
 /// the cell itself; fractions sum to 1. Triangles without area in uv are cut along their longest edge.
 void clip_to_cells(const glm::dvec2 uv[3], std::vector<ClippedCell>& out);
 
+/// For a cell that only its dilated form touches: a point of the triangle's interior beside the place where it does.
+glm::dvec2 point_beside_cell(const glm::dvec2 uv[3], int x, int y);
+
 /// Whether a segment touches the cell grown by `dilation`.
 bool segment_touches_cell(const glm::dvec2& a, const glm::dvec2& b, int x, int y, double dilation);
 

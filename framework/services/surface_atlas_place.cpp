@@ -59,7 +59,9 @@ void ChartPlacer::place_grid(AtlasPart& part) {
   part.triangles.insert(part.triangles.end(), chart_.begin(), chart_.end());
   part.cells.resize(part.cells.size() + size_t{width_} * height_, LUCARIUM_NONE);
   part.links.resize(part.cells.size(), 0);
-  merge_texels();
+  measure_cells();
+  merge_small_cells();
+  assign_touched_cells();
   number_texels(part);
   link_cells(part);
 }

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "lucarium/services/surface_atlas_chart.h"
+#include "lucarium/services/surface_atlas_clip.h"
 
 namespace lucarium {
 
@@ -27,80 +28,103 @@ bool share_triangle(const ChartPiece* a, const ChartPiece* a_end, const ChartPie
 
 }  // namespace
 
-// Joins cells of little area to a neighbour that some triangle reaches from them, so that the pieces of the joint texel
-// still touch. Cells without area follow a neighbour in any case. Leaves representatives in texel_of_.
-void ChartPlacer::merge_texels() {
+void ChartPlacer::measure_cells() {
   const uint32_t count = static_cast<uint32_t>(covered_.size());
-  std::vector<double> area(count, 0);
-  for (uint32_t c = 0; c < count; ++c) {
-    for (uint32_t i = first_piece_[c]; i < first_piece_[c + 1]; ++i)
-      area[c] += double(pieces_[i].fraction) * mesh_.area[chart_[pieces_[i].local].triangle];
-  }
+  cell_area_.assign(count, 0);
+  index_.assign(size_t{width_} * height_, LUCARIUM_NONE);
   texel_of_.resize(count);
   std::iota(texel_of_.begin(), texel_of_.end(), 0u);
-  std::vector<uint32_t> index(size_t{width_} * height_, LUCARIUM_NONE);
-  for (uint32_t c = 0; c < count; ++c) index[covered_[c]] = c;
-  const auto neighbor = [&](uint32_t c, int dx, int dy) {
-    const int x = int(covered_[c] % width_) + dx, y = int(covered_[c] / width_) + dy;
-    return x < 0 || y < 0 || x >= int(width_) || y >= int(height_) ? LUCARIUM_NONE : index[y * width_ + x];
-  };
-  const auto touch = [&](uint32_t a, uint32_t b, bool with_area) {
-    const ChartPiece* p = pieces_.data();
-    return share_triangle(p + first_piece_[a], p + first_piece_[a + 1], p + first_piece_[b], p + first_piece_[b + 1],
-                          with_area);
-  };
-  const auto absorb = [&](uint32_t root, uint32_t into) {
-    texel_of_[root] = into;
-    area[into] += area[root];
-  };
+  for (uint32_t c = 0; c < count; ++c) {
+    index_[covered_[c]] = c;
+    for (uint32_t i = first_piece_[c]; i < first_piece_[c + 1]; ++i)
+      cell_area_[c] += double(pieces_[i].fraction) * mesh_.area[chart_[pieces_[i].local].triangle];
+  }
+}
 
-  // Smallest first; each joins the largest neighbour that does not become too large.
-  const double threshold = settings_.merge_threshold * settings_.edge * settings_.edge;
-  const double largest = most_merged * settings_.edge * settings_.edge;
+// Covered cell beside covered cell c, or LUCARIUM_NONE.
+uint32_t ChartPlacer::neighbor_cell(uint32_t c, int dx, int dy) const {
+  const int x = int(covered_[c] % width_) + dx, y = int(covered_[c] / width_) + dy;
+  return x < 0 || y < 0 || x >= int(width_) || y >= int(height_) ? LUCARIUM_NONE : index_[size_t(y) * width_ + x];
+}
+
+bool ChartPlacer::cells_share_triangle(uint32_t a, uint32_t b, bool with_area) const {
+  const ChartPiece* p = pieces_.data();
+  return share_triangle(p + first_piece_[a], p + first_piece_[a + 1], p + first_piece_[b], p + first_piece_[b + 1],
+                        with_area);
+}
+
+// Joins cells of little area, smallest first, to the largest neighbour behind a side that some triangle crosses, so that the
+// pieces of the joint texel still touch.
+void ChartPlacer::merge_small_cells() {
+  const double s2 = settings_.edge * settings_.edge, threshold = settings_.merge_threshold * s2;
   std::vector<uint32_t> order;
-  for (uint32_t c = 0; c < count; ++c)
-    if (area[c] > 0 && area[c] < threshold) order.push_back(c);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return area[a] < area[b]; });
-  constexpr int around[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
+  for (uint32_t c = 0; c < covered_.size(); ++c)
+    if (cell_area_[c] > 0 && cell_area_[c] < threshold) order.push_back(c);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return cell_area_[a] < cell_area_[b]; });
+  constexpr int sides[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   for (const uint32_t c : order) {
     const uint32_t root = find_root(texel_of_, c);
-    if (area[root] >= threshold) continue;
+    if (cell_area_[root] >= threshold) continue;
     uint32_t best = LUCARIUM_NONE;
-    for (int k = 0; k < 4; ++k) {
-      const uint32_t n = neighbor(c, around[k][0], around[k][1]);
-      if (n == LUCARIUM_NONE || !touch(c, n, true)) continue;
+    for (const auto& [dx, dy] : sides) {
+      const uint32_t n = neighbor_cell(c, dx, dy);
+      if (n == LUCARIUM_NONE || !cells_share_triangle(c, n, true)) continue;
       const uint32_t other = find_root(texel_of_, n);
-      if (other == root || area[other] + area[root] > largest) continue;
-      if (best == LUCARIUM_NONE || area[other] > area[best]) best = other;
+      if (other == root || cell_area_[other] + cell_area_[root] > most_merged * s2) continue;
+      if (best == LUCARIUM_NONE || cell_area_[other] > cell_area_[best]) best = other;
     }
-    if (best != LUCARIUM_NONE) absorb(root, best);
+    if (best == LUCARIUM_NONE) continue;
+    texel_of_[root] = best;
+    cell_area_[best] += cell_area_[root];
   }
+}
 
-  // Cells that are only touched, spreading from those with area.
-  std::vector<uint32_t> empty;
-  for (uint32_t c = 0; c < count; ++c)
-    if (area[c] == 0 && texel_of_[c] == c) empty.push_back(c);
-  for (bool changed = true; changed && !empty.empty();) {
+// Where a look-up that rounding brought into a cell without area belongs: the cell beside it, or LUCARIUM_NONE.
+uint32_t ChartPlacer::home_of_touched(uint32_t c) {
+  const int x = static_cast<int>(covered_[c] % width_), y = static_cast<int>(covered_[c] / width_);
+  for (uint32_t i = first_piece_[c]; i < first_piece_[c + 1]; ++i) {
+    const glm::dvec2 beside = glm::floor(point_beside_cell(chart_[pieces_[i].local].uv, x, y));
+    const int dx = int(beside.x) - x, dy = int(beside.y) - y;
+    if (std::abs(dx) > 1 || std::abs(dy) > 1) continue;
+    const uint32_t n = neighbor_cell(c, dx, dy);
+    if (n != LUCARIUM_NONE && cell_area_[find_root(texel_of_, n)] > 0) return n;
+  }
+  return LUCARIUM_NONE;
+}
+
+// Cells without area join the texel beside them. Where only triangles without area go on, they follow each other; what is left has no
+// area anywhere near and stays alone.
+void ChartPlacer::assign_touched_cells() {
+  std::vector<uint32_t> open, still;
+  for (uint32_t c = 0; c < covered_.size(); ++c) {
+    if (cell_area_[c] > 0) continue;
+    const uint32_t home = home_of_touched(c);
+    if (home == LUCARIUM_NONE) {
+      open.push_back(c);
+    } else {
+      texel_of_[c] = find_root(texel_of_, home);
+    }
+  }
+  for (bool changed = true; changed && !open.empty(); open.swap(still)) {
     changed = false;
-    std::vector<uint32_t> still;
-    for (const uint32_t c : empty) {
-      uint32_t best = LUCARIUM_NONE;
-      for (const auto& [dx, dy] : around) {
-        const uint32_t n = neighbor(c, dx, dy);
-        if (n == LUCARIUM_NONE || !touch(c, n, false)) continue;
+    still.clear();
+    for (const uint32_t c : open) {
+      uint32_t found = LUCARIUM_NONE;
+      for (int k = 0; k < 9 && found == LUCARIUM_NONE; ++k) {
+        const uint32_t n = neighbor_cell(c, k % 3 - 1, k / 3 - 1);
+        if (n == LUCARIUM_NONE || n == c || !cells_share_triangle(c, n, false)) continue;
         const uint32_t other = find_root(texel_of_, n);
-        if (area[other] > 0 && (best == LUCARIUM_NONE || area[other] > area[best])) best = other;
+        if (cell_area_[other] > 0) found = other;
       }
-      if (best == LUCARIUM_NONE) {
+      changed = changed || found != LUCARIUM_NONE;
+      if (found == LUCARIUM_NONE) {
         still.push_back(c);
       } else {
-        texel_of_[c] = best;
-        changed = true;
+        texel_of_[c] = found;
       }
     }
-    empty = std::move(still);
   }
-  for (uint32_t c = 0; c < count; ++c) texel_of_[c] = find_root(texel_of_, c);
+  for (uint32_t c = 0; c < covered_.size(); ++c) texel_of_[c] = find_root(texel_of_, c);
 }
 
 // Appends texels with their pieces and fills the chart's cells.
@@ -155,21 +179,13 @@ void ChartPlacer::number_texels(AtlasPart& part) {
 void ChartPlacer::link_cells(AtlasPart& part) const {
   const PlacedChart& chart = part.charts.back();
   uint8_t* links = part.links.data() + chart.first_cell;
-  std::vector<uint32_t> index(size_t{width_} * height_, LUCARIUM_NONE);
-  for (uint32_t c = 0; c < covered_.size(); ++c) index[covered_[c]] = c;
   const auto set = [&](uint32_t from, int dx, int dy) {
     links[from] |= LUCARIUM_ATLAS_LINK(dx, dy);
-    links[from + dy * int(width_) + dx] |= LUCARIUM_ATLAS_LINK(-dx, -dy);
+    links[int(from) + dy * int(width_) + dx] |= LUCARIUM_ATLAS_LINK(-dx, -dy);
   };
   const auto try_link = [&](uint32_t c, int dx, int dy) {
-    const uint32_t cell = covered_[c];
-    const int x = int(cell % width_) + dx, y = int(cell / width_) + dy;
-    if (x < 0 || y < 0 || x >= int(width_) || y >= int(height_)) return;
-    const uint32_t n = index[y * width_ + x];
-    if (n == LUCARIUM_NONE) return;
-    const ChartPiece* p = pieces_.data();
-    if (share_triangle(p + first_piece_[c], p + first_piece_[c + 1], p + first_piece_[n], p + first_piece_[n + 1], false))
-      set(cell, dx, dy);
+    const uint32_t n = neighbor_cell(c, dx, dy);
+    if (n != LUCARIUM_NONE && cells_share_triangle(c, n, false)) set(covered_[c], dx, dy);
   };
   for (uint32_t c = 0; c < covered_.size(); ++c) {
     try_link(c, 1, 0);
