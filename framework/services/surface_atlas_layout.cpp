@@ -120,7 +120,9 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
   const std::vector<AtlasPart> placed = place_charts(mesh, sets, settings, threads, watch);
   watch.at(0.9, "joining charts");
-  return join_parts(mesh, placed, settings.edge);
+  AtlasLayout layout = join_parts(mesh, placed, settings.edge);
+  link_seams(mesh, placed, layout);
+  return layout;
 }
 
 uint32_t atlas_cell(const AtlasTriangle& t, float b1, float b2) {

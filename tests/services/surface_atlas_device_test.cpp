@@ -118,3 +118,78 @@ TEST_CASE("slots lie on their triangles and know what the surface does") {
   }
   CHECK(area == doctest::Approx(side_area(g)).epsilon(1e-6));
 }
+
+namespace {
+
+/// Smooth over the scene: two waves of a fifth of its extent.
+double wave(const glm::dvec3& p, double extent) {
+  const double k = 2 * 3.14159265358979 / (0.2 * extent);
+  return std::sin(k * (p.x + 0.4 * p.y + 0.3 * p.z)) + std::cos(k * (0.3 * p.x - 0.2 * p.y + p.z));
+}
+
+struct InterpolationError {
+  double interpolated, nearest;  ///< RMS over the wave's standard deviation
+};
+
+InterpolationError interpolation_error(AtlasContext& context) {
+  const SurfaceAtlas& atlas = *context.atlas;
+  Device& device = *atlas_device();
+  const AtlasGeometry g = read_atlas_geometry(context.scene, context.buffers, false);
+  const Bounds bounds = context.scene.bounds();
+  const double extent = glm::length(glm::dvec3(bounds.max - bounds.min));
+  std::vector<float4> values;
+  for (const SurfacePoint& point : atlas.surface_points().download())
+    values.emplace_back(float(wave(glm::dvec3(point.position.xyz()), extent)), 0.f, 0.f, 1.f);
+  // Points uniform over the surface.
+  std::mt19937 random(5);
+  std::vector<double> areas;
+  for (uint32_t t = 0; t < g.triangles.size(); ++t) areas.push_back(area_of(g, t));
+  std::discrete_distribution<uint32_t> pick(areas.begin(), areas.end());
+  std::uniform_real_distribution<float> unit(0.f, 1.f);
+  Points p;
+  for (int i = 0; i < 40000; ++i) {
+    p.triangles.push_back(pick(random));
+    const float u = unit(random), v = unit(random);
+    p.points.emplace_back(u + v > 1 ? 1 - u : u, u + v > 1 ? 1 - v : v);
+  }
+  const uint32_t count = static_cast<uint32_t>(p.points.size());
+  const TypedBuffer<uint32_t> triangles(device, "test", "triangles", p.triangles);
+  const TypedBuffer<float2> points(device, "test", "points", p.points);
+  const TypedBuffer<float4> slots(device, "test", "values", values), results(device, "test", "results", count);
+  const Program program = lookup_program();
+  ScheduleRecorder recorder = context.scheduler.record("interpolate", "test");
+  PassBuilder pass = recorder.pass("interpolate", program, "interpolate_atlas");
+  atlas.bind(pass, program, "interpolate_atlas");
+  pass.global(count).local(64).arg("triangles", triangles).arg("points", points).arg("count", count);
+  pass.arg("values", slots).arg("front", 1u).arg("results", results);
+  Schedule schedule = recorder.compile();
+  context.scheduler.run(schedule);
+  context.scheduler.finish();
+  const auto found = results.download();
+  const auto records = atlas.triangles().download();
+  const auto table = atlas.table().download();
+  double sum = 0, sum2 = 0, error2 = 0, nearest2 = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double exact = wave(point_on(g, p.triangles[i], p.points[i].x, p.points[i].y), extent);
+    const uint32_t texel = table[atlas_cell(records[p.triangles[i]], p.points[i].x, p.points[i].y)];
+    CHECK(found[i].w == doctest::Approx(1));
+    sum += exact, sum2 += exact * exact;
+    error2 += (double(found[i].x) - exact) * (double(found[i].x) - exact);
+    nearest2 += (double(values[texel].x) - exact) * (double(values[texel].x) - exact);
+  }
+  const double variance = sum2 / count - sum / count * (sum / count);
+  return {std::sqrt(error2 / count / variance), std::sqrt(nearest2 / count / variance)};
+}
+
+}  // namespace
+
+TEST_CASE("interpolation follows a smooth function") {
+  for (const char* name : {"cornell", "furnace", "room"}) {
+    CAPTURE(name);
+    AtlasContext context(make_builtin_scene(name), 20000);
+    const InterpolationError error = interpolation_error(context);
+    MESSAGE(std::string(name) << ": " << error.interpolated << ", nearest " << error.nearest);
+    CHECK(error.interpolated < 0.04);
+    CHECK(error.interpolated < 0.5 * error.nearest);
+  }
+}
