@@ -71,4 +71,21 @@ double looped_time(double seconds, double duration) {
   return time < 0 ? time + duration : time;
 }
 
+std::vector<bool> animated_nodes(const Scene& scene) {
+  std::vector<bool> moving(scene.nodes.size());
+  std::vector<int> stack;
+  for (const Animation& animation : scene.animations) {
+    for (const AnimationChannel& channel : animation.channels) stack.push_back(channel.node);
+  }
+  while (!stack.empty()) {
+    const int node = stack.back();
+    stack.pop_back();
+    if (node == none || moving[static_cast<size_t>(node)]) continue;
+    moving[static_cast<size_t>(node)] = true;
+    const std::vector<int>& children = scene.nodes[static_cast<size_t>(node)].children;
+    stack.insert(stack.end(), children.begin(), children.end());
+  }
+  return moving;
+}
+
 }  // namespace lucarium

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "lucarium/scene/animation.h"
+
 namespace lucarium {
 namespace {
 
@@ -11,24 +13,6 @@ template <class Visit>
 void for_each_touched(const SceneChange& change, Visit&& visit) {
   for (const int instance : change.moved_instances) visit(static_cast<size_t>(instance));
   for (const int instance : change.deformed_instances) visit(static_cast<size_t>(instance));
-}
-
-/// Nodes that an animation moves, with everything below them.
-std::vector<bool> find_moving_nodes(const Scene& scene) {
-  std::vector<bool> moving(scene.nodes.size());
-  std::vector<int> stack;
-  for (const Animation& animation : scene.animations) {
-    for (const AnimationChannel& channel : animation.channels) stack.push_back(channel.node);
-  }
-  while (!stack.empty()) {
-    const int node = stack.back();
-    stack.pop_back();
-    if (node == none || moving[static_cast<size_t>(node)]) continue;
-    moving[static_cast<size_t>(node)] = true;
-    const std::vector<int>& children = scene.nodes[static_cast<size_t>(node)].children;
-    stack.insert(stack.end(), children.begin(), children.end());
-  }
-  return moving;
 }
 
 }  // namespace
@@ -54,7 +38,7 @@ void WorldGeometry::read_instances(const SceneBuffers& buffers, const SceneChang
 }
 
 BvhParts::BvhParts(const Scene& scene) : part_of_(scene.instances.size(), resting) {
-  const std::vector<bool> moving = find_moving_nodes(scene);
+  const std::vector<bool> moving = animated_nodes(scene);
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const SceneInstance& instance = scene.instances[i];
     const bool moves = instance.pose || (instance.node != none && moving[static_cast<size_t>(instance.node)]);

@@ -167,7 +167,7 @@ bool place(const SurfaceSide& side, glm::vec2 weights, float random, PointTest t
   point.source = side.source;
   const glm::vec3 n = glm::cross(side.v1 - side.v0, side.v2 - side.v0);
   const float length = glm::length(n);
-  point.normal = length > 0 ? n / length : glm::vec3(0, 0, 1);
+  point.normal = length > 0 ? (side.back ? -n : n) / length : glm::vec3(0, 0, 1);
   point.area = 0.5f * length;
   return true;
 }

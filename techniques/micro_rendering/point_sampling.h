@@ -13,6 +13,7 @@ struct SurfaceSide {
   glm::vec3 v0, v1, v2;  ///< counter-clockwise seen from this side
   uint32_t source = 0;   ///< the caller's name for it
   float coverage = 1;    ///< how much of its area is there [1]
+  bool back = false;     ///< corners are given counter-clockwise for the other side
 };
 
 struct SampledPoint {

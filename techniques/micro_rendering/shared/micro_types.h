@@ -40,6 +40,23 @@ LUCARIUM_STRUCT_BEGIN(MicroTree)
   float world_step;    // length of one grid step [m]
 LUCARIUM_STRUCT_END(MicroTree, 128)
 
+// Where a leaf lies on its triangle. Leaves do not move on it.
+LUCARIUM_STRUCT_BEGIN(MicroLeaf)
+  uint triangle;  // world triangle; MICRO_LEAF_BACK: on its back
+  uint weights;   // barycentric weights of the second and third vertex, 16 bits each, of 65535
+  float area;     // of the triangle when the leaf was placed [tree space²]
+LUCARIUM_STRUCT_END(MicroLeaf, 12)
+
+#define MICRO_LEAF_BACK 0x80000000u
+
+// How a tree's leaves are derived from the scene.
+LUCARIUM_STRUCT_BEGIN(MicroLeafRules)
+  uint tree;           // number of the tree
+  uint object_space;   // 1: tree space is the object space of the instance, 0: the world
+  float disc_radius;   // of a leaf on a triangle whose area has not changed [tree space]
+  uint all_cullable;   // 1: nothing is black from behind
+LUCARIUM_STRUCT_END(MicroLeafRules, 16)
+
 // A point at which light is gathered. Directions are octahedral, 2 x 16 bits (micro_node.clh).
 LUCARIUM_STRUCT_BEGIN(MicroGather)
   float4 position;  // xyz [m], world space; w: bits of its slot in the results (pixel; node of a level)
@@ -49,6 +66,15 @@ LUCARIUM_STRUCT_BEGIN(MicroGather)
   uint lobes;       // B_d (8 bits), B_s << 8: micro-buffer edges of the diffuse and the specular lobe, 0: none;
                     // GGX alpha as a half << 16
 LUCARIUM_STRUCT_END(MicroGather, 32)
+
+// Every stride-th pixel of every stride-th row: pixels that are gathered at together.
+LUCARIUM_STRUCT_BEGIN(MicroSubImage)
+  uint offset_x, offset_y;  // its first pixel
+  uint stride;
+  uint width, height;       // pixels of the sub-image
+  uint image_width;         // pixels per row of the image
+  uint pad0, pad1;
+LUCARIUM_STRUCT_END(MicroSubImage, 32)
 
 // Results of a gather, at its slot:
 //   irradiance  float4: xyz E, light arriving times cosine [lx]; w: share of the hemisphere (by mass) that stayed empty

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Leaves from the scene's triangles, and inner nodes from their children: spheres that contain spheres, cones that
+// contain cones. O(n), so that the hierarchy follows every deformation.
+#include "micro_rendering/micro_node.clh"
+#include "micro_rendering/micro_surface.clh"
+
+// Albedo of the diffuse lobe per leaf, as 4 halfs; needs materials and texture coordinates only.
+__kernel void mr_leaf_albedo(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint first_leaf,
+                             const uint count, __global half* restrict leaf_albedo) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const Surface surface = leaf_surface(&scene, leaves[first_leaf + i]);
+  vstore_half4((float4)(leaf_diffuse(&scene, &surface), 0.0f), first_leaf + i, leaf_albedo);
+}
+
+float3 mesh_position(__global const Vertex* mesh_vertices, __global const Instance* instance, uint vertex) {
+  return mesh_vertices[instance->mesh_vertex + (vertex - instance->world_vertex)].position.xyz;
+}
+
+// Leaf nodes of one tree.
+__kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices, __global const Vertex* restrict mesh_vertices,
+                             __global const Triangle* restrict scene_triangles,
+                             __global const Instance* restrict scene_instances,
+                             __global const Material* restrict scene_materials, __global const MicroLeaf* restrict leaves,
+                             __global const half* restrict leaf_albedo, __global const MicroTree* restrict trees,
+                             const MicroLeafRules rules, const uint count, __global uint4* restrict nodes) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  __global const MicroTree* tree = trees + rules.tree;
+  const uint index = tree->first_node / 2u + i;
+  const MicroLeaf leaf = leaves[index];
+  const Triangle triangle = scene_triangles[leaf_triangle(leaf)];
+  __global const Instance* instance = scene_instances + triangle.instance;
+  float3 a, b, c;
+  if (rules.object_space) {
+    a = mesh_position(mesh_vertices, instance, triangle.v0);
+    b = mesh_position(mesh_vertices, instance, triangle.v1);
+    c = mesh_position(mesh_vertices, instance, triangle.v2);
+  } else {
+    a = scene_vertices[triangle.v0].position.xyz;
+    b = scene_vertices[triangle.v1].position.xyz;
+    c = scene_vertices[triangle.v2].position.xyz;
+  }
+  const float2 weights = leaf_weights(leaf);
+  const float3 normal = cross(b - a, c - a);
+  const float area = 0.5f * length(normal);
+  const bool back = leaf.triangle & MICRO_LEAF_BACK;
+  const uint flags = scene_materials[instance->material].flags;
+  const bool two_sided = flags & (LUCARIUM_MATERIAL_DOUBLE_SIDED | LUCARIUM_MATERIAL_TRANSMISSIVE);
+
+  MicroNode node;
+  const float inverse_step = 1.0f / tree->origin_step.w;
+  node.center = (a + weights.x * (b - a) + weights.y * (c - a) - tree->origin_step.xyz) * inverse_step;
+  node.radius = rules.disc_radius * (leaf.area > 0.0f ? sqrt(area / leaf.area) : 1.0f) * inverse_step;
+  node.normal = safe_normalize(back ? -normal : normal, (float3)(0.0f, 0.0f, 1.0f));
+  node.cone = 0.0f;
+  node.albedo = vload_half4(index, leaf_albedo).xyz;
+  node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (two_sided || rules.all_cullable ? MICRO_NODE_CULLABLE : 0u);
+  nodes[tree->first_node + (1u << tree->depth) + i] = pack_node(node);
+}
+
+// The smallest sphere about both.
+void merge_spheres(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
+  const float3 between = b->center - a->center;
+  const float d = length(between);
+  sum->center = a->center;
+  sum->radius = a->radius;
+  if (d + b->radius <= a->radius) return;
+  sum->center = b->center;
+  sum->radius = b->radius;
+  if (d + a->radius <= b->radius) return;
+  sum->radius = 0.5f * (d + a->radius + b->radius);
+  sum->center = a->center + between * ((sum->radius - a->radius) / d);
+}
+
+// The narrowest cone about both.
+void merge_cones(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
+  const float angle = angle_between(a->normal, b->normal);
+  sum->normal = a->normal;
+  sum->cone = a->cone;
+  if (angle + b->cone <= a->cone) return;
+  sum->normal = b->normal;
+  sum->cone = b->cone;
+  if (angle + a->cone <= b->cone) return;
+  const float half_angle = 0.5f * (angle + a->cone + b->cone);
+  // Opposite axes have no direction between them.
+  sum->normal = a->normal;
+  sum->cone = M_PI_F;
+  if (half_angle >= M_PI_F || angle > 3.1414f) return;
+  const float3 side = normalize(b->normal - a->normal * dot(a->normal, b->normal));
+  const float turn = half_angle - a->cone;
+  sum->normal = angle > 1e-5f ? normalize(cos(turn) * a->normal + sin(turn) * side) : a->normal;
+  sum->cone = half_angle + (angle > 1e-5f ? 0.0f : angle);
+}
+
+uint4 merge_nodes(uint4 left, uint4 right) {
+  const MicroNode a = unpack_node(left), b = unpack_node(right);
+  MicroNode sum;
+  merge_spheres(&a, &b, &sum);
+  merge_cones(&a, &b, &sum);
+  sum.albedo = 0.5f * (a.albedo + b.albedo);
+  sum.flags = (a.flags & b.flags & MICRO_NODE_CULLABLE) | ((a.flags | b.flags) & MICRO_NODE_TWIN);
+  return pack_node(sum);
+}
+
+// Inner nodes of levels [top, bottom) of one tree; level `bottom` is done. Work-item w owns what lies below node w of
+// level `top`.
+__kernel void mr_refit(__global const MicroTree* restrict trees, const uint tree, const uint top, const uint bottom,
+                       __global uint4* restrict nodes) {
+  const uint w = get_global_id(0);
+  if (w >= (1u << top)) return;
+  __global uint4* heap = nodes + trees[tree].first_node;
+  for (uint level = bottom; level-- > top;) {
+    const uint first = ((1u << top) + w) << (level - top), end = first + (1u << (level - top));
+    for (uint i = first; i < end; ++i) heap[i] = merge_nodes(heap[2u * i], heap[2u * i + 1u]);
+  }
+}

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "point_forest.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "lucarium/base/error.h"
+#include "lucarium/compute/embedded_sources.h"
+#include "point_sampling.h"
+#include "tree_order.h"
+
+const lucarium::EmbeddedSources& micro_rendering_kernels();
+
+namespace lucarium::micro {
+namespace {
+
+constexpr int kLeastDepth = 4;         // of a tree
+constexpr uint32_t kQualityLevel = 8;  // whose radii tell when a refitted tree is too loose
+constexpr double kLoosest = 1.5;       // times the sum when built
+constexpr uint32_t kPlacingSeed = 1;   // every run of a scene has the same points
+constexpr size_t kLocalSize = 64;
+const char* const kRemedy = "lower points_log2";
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+Program forest_program(Device& device) {
+  SourceLibrary library;
+  library.add(micro_rendering_kernels());
+  return Program(device, library, {"micro_rendering/tree", {"micro_rendering/micro_tree.cl"}, {}});
+}
+
+float half_to_float(uint32_t bits) {
+  const int exponent = static_cast<int>(bits >> 10 & 31);
+  const auto mantissa = static_cast<float>(bits & 1023);
+  return exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(mantissa + 1024.f, exponent - 25);
+}
+
+uint32_t quantize_weight(float w) { return static_cast<uint32_t>(std::clamp(w * 65535.f, 0.f, 65535.f)); }
+
+float4 matrix_row(const glm::mat4& m, int row) { return {m[0][row], m[1][row], m[2][row], m[3][row]}; }
+
+}  // namespace
+
+PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+                         const ForestOptions& options, const std::string& owner)
+    : device_(device),
+      scheduler_(scheduler),
+      scene_(scene),
+      buffers_(buffers),
+      options_(options),
+      owner_(owner),
+      program_(forest_program(device)) {
+  place(find_tree_sources(scene, buffers));
+  derive_albedo();
+  std::vector<size_t> all(trees_.size());
+  for (size_t t = 0; t < all.size(); ++t) all[t] = t;
+  derive(all);
+  for (ForestTree& tree : trees_) tree.built_radius_sum = radius_sum(tree);
+}
+
+/// Points in proportion to area in the world, a power of two per tree.
+void PointForest::place(std::vector<TreeSource> sources) {
+  if (sources.empty()) throw_error(ErrorClass::input, "the scene has no surface to gather light from");
+  std::vector<double> areas;
+  double total = 0;
+  for (const TreeSource& s : sources) {
+    double area = s.covered_area;
+    if (s.kind != TreeKind::resting && s.plain_area > 0) area *= instance_area(scene_, s.instance) / s.plain_area;
+    areas.push_back(area);
+    total += area;
+  }
+  const ScenePoints points(scene_, buffers_);
+  std::vector<MicroLeaf> all_leaves;
+  for (size_t t = 0; t < sources.size(); ++t) {
+    const double share = total > 0 ? areas[t] / total : 1;
+    const double depth = std::round(options_.points_log2 + std::log2(std::max(share, 1e-9)));
+    ForestTree tree;
+    tree.kind = sources[t].kind;
+    tree.instance = sources[t].instance;
+    tree.record.depth = static_cast<uint32_t>(std::clamp(static_cast<int>(depth), kLeastDepth, options_.points_log2));
+    tree.record.first_node = static_cast<uint32_t>(2 * all_leaves.size());
+
+    auto start = std::chrono::steady_clock::now();
+    const SampledSurface sampled =
+        sample_surface(sources[t].sides, tree.leaves(), kPlacingSeed, options_.threads, point_is_there, &points);
+    sampling_seconds_ += seconds_since(start);
+    start = std::chrono::steady_clock::now();
+    for (const uint32_t i : tree_order(sampled.points, options_.threads)) {
+      const SampledPoint& p = sampled.points[i];
+      all_leaves.push_back({p.source, quantize_weight(p.weights.x) | quantize_weight(p.weights.y) << 16, p.area});
+    }
+    ordering_seconds_ += seconds_since(start);
+    tree.placed_area = sampled.area;
+    tree.covered = sources[t].plain_area > 0 ? sources[t].covered_area / sources[t].plain_area : 1;
+    set_grid(tree, &sources[t]);
+    trees_.push_back(tree);
+    sources[t].sides = {};
+  }
+  leaf_count_ = static_cast<uint32_t>(all_leaves.size());
+  leaves = TypedBuffer<MicroLeaf>(device_, owner_, "leaves", all_leaves, kRemedy);
+  leaf_albedo = TypedBuffer<uint2>(device_, owner_, "albedo of leaves", leaf_count_, kRemedy);
+  nodes = TypedBuffer<uint4>(device_, owner_, "nodes", size_t{2} * leaf_count_, kRemedy);
+  radiance = TypedBuffer<uint2>(device_, owner_, "radiance of nodes", size_t{2} * leaf_count_, kRemedy);
+  radiance_unit = TypedBuffer<float>(device_, owner_, "unit of radiance", std::vector<float>{1.f});
+  tree_records = TypedBuffer<MicroTree>(device_, owner_, "trees", trees_.size());
+}
+
+/// The cube of the grid about the tree's points, and where it lies in the world. `source`: of a tree that is being made.
+void PointForest::set_grid(ForestTree& tree, const TreeSource* source) {
+  glm::vec3 low, high;
+  double area = tree.placed_area;  // in tree space
+  if (tree.kind == TreeKind::deforming) {
+    const Bounds box = scene_.instance_bounds(tree.instance);
+    low = box.min, high = box.max;
+    area = tree.covered * instance_area(scene_, tree.instance);
+  } else if (source) {
+    low = source->low, high = source->high;
+  } else {
+    set_transform(tree);
+    return;
+  }
+  // A margin, since the device's vertices are not rounded as the host's.
+  const glm::vec3 extent = high - low;
+  const float size = std::max({extent.x, extent.y, extent.z, 1e-6f}) * 1.0002f;
+  const glm::vec3 origin = 0.5f * (low + high) - 0.5f * size;
+  const float step = size / MICRO_GRID;
+  tree.record.origin_step = float4(origin, step);
+  tree.record.leaf_area = static_cast<float>(area / tree.leaves() / (static_cast<double>(step) * step));
+  set_transform(tree);
+}
+
+void PointForest::set_transform(ForestTree& tree) const {
+  glm::mat4 world_from_tree(1);
+  if (tree.kind == TreeKind::rigid) world_from_tree = scene_.instances[static_cast<size_t>(tree.instance)].world_from_object;
+  const float step = tree.record.origin_step.w;
+  glm::mat4 tree_from_grid(step);
+  tree_from_grid[3] = glm::vec4(tree.record.origin_step.xyz(), 1);
+  const glm::mat4 world_from_grid = world_from_tree * tree_from_grid;
+  const glm::mat4 grid_from_world(glm::inverse(glm::dmat4(world_from_grid)));
+  MicroTree& record = tree.record;
+  float4* const grid_rows[3] = {&record.grid_row0, &record.grid_row1, &record.grid_row2};
+  float4* const world_rows[3] = {&record.world_row0, &record.world_row1, &record.world_row2};
+  for (int row = 0; row < 3; ++row) {
+    *grid_rows[row] = matrix_row(grid_from_world, row);
+    *world_rows[row] = matrix_row(world_from_grid, row);
+  }
+  record.world_step = glm::length(glm::vec3(world_from_grid[0]));
+}
+
+void PointForest::derive_albedo() {
+  ScheduleRecorder recorder = scheduler_.record("albedo of leaves", owner_);
+  PassBuilder pass = recorder.pass("albedo of leaves", program_, "mr_leaf_albedo");
+  buffers_.bind(pass, program_, "mr_leaf_albedo");
+  pass.global(leaf_count_).local(kLocalSize).arg("leaves", leaves).arg("first_leaf", 0u).arg("count", leaf_count_)
+      .arg("leaf_albedo", leaf_albedo);
+  Schedule schedule = recorder.compile();
+  scheduler_.run_to_end(schedule);
+}
+
+/// Leaves and inner nodes of these trees, and the records of all.
+void PointForest::derive(const std::vector<size_t>& which) {
+  std::vector<MicroTree> records;
+  for (const ForestTree& tree : trees_) records.push_back(tree.record);
+  scheduler_.finish();
+  tree_records.write(records.data(), records.size() * sizeof(MicroTree));
+  if (which.empty()) return;
+  ScheduleRecorder recorder = scheduler_.record("points and hierarchy", owner_);
+  for (const size_t t : which) {
+    const ForestTree& tree = trees_[t];
+    const auto number = static_cast<uint32_t>(t);
+    MicroLeafRules rules;
+    rules.tree = number;
+    rules.object_space = tree.kind == TreeKind::rigid;
+    rules.disc_radius = options_.disc_scale * static_cast<float>(std::sqrt(tree.placed_area / (3.14159265358979 * tree.leaves())));
+    rules.all_cullable = options_.all_cullable;
+    PassBuilder leaf_pass = recorder.pass("update leaves", program_, "mr_leaf_update");
+    buffers_.bind(leaf_pass, program_, "mr_leaf_update");
+    leaf_pass.global(tree.leaves()).local(kLocalSize).arg("mesh_vertices", buffers_.scene_mesh_vertices).arg("leaves", leaves)
+        .arg("leaf_albedo", leaf_albedo).arg("trees", tree_records).arg("rules", rules).arg("count", tree.leaves())
+        .arg("nodes", nodes);
+    for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
+      recorder.pass("refit", program_, "mr_refit").global(size_t{1} << top).local(1).arg("trees", tree_records)
+          .arg("tree", number).arg("top", top).arg("bottom", bottom).arg("nodes", nodes);
+    });
+  }
+  Schedule schedule = recorder.compile();
+  scheduler_.run_to_end(schedule);
+}
+
+double PointForest::radius_sum(const ForestTree& tree) const {
+  const uint32_t level = std::min(kQualityLevel, tree.record.depth), count = 1u << level;
+  scheduler_.finish();
+  double sum = 0;
+  for (const uint4& node : nodes.download(tree.record.first_node + count, count)) sum += half_to_float(node.y >> 16);
+  // In leaf radii, so that the grid, which follows the bounds, does not matter.
+  return sum / std::sqrt(static_cast<double>(tree.record.leaf_area));
+}
+
+bool PointForest::too_loose(const ForestTree& tree) const {
+  return radius_sum(tree) > kLoosest * tree.built_radius_sum;
+}
+
+bool PointForest::update(const SceneChange& change) {
+  if (change.topology) return false;
+  for (const int m : change.materials) {
+    if (scene_.materials[static_cast<size_t>(m)].alpha_mode != AlphaMode::opaque) return false;
+  }
+  const auto tree_of = [&](int instance) {
+    return std::find_if(trees_.begin(), trees_.end(), [&](const ForestTree& t) { return t.instance == instance; });
+  };
+  std::vector<size_t> deformed;
+  for (const int instance : change.moved_instances) {
+    const auto tree = tree_of(instance);
+    if (tree == trees_.end()) return false;
+    const SceneInstance& moved = scene_.instances[static_cast<size_t>(instance)];
+    if (tree->kind == TreeKind::rigid && !is_similarity(moved.world_from_object)) return false;
+    if (tree->kind == TreeKind::rigid) set_transform(*tree);
+    else deformed.push_back(static_cast<size_t>(tree - trees_.begin()));
+  }
+  for (const int instance : change.deformed_instances) {
+    const auto tree = tree_of(instance);
+    if (tree == trees_.end() || tree->kind != TreeKind::deforming) return false;
+    deformed.push_back(static_cast<size_t>(tree - trees_.begin()));
+  }
+  std::sort(deformed.begin(), deformed.end());
+  deformed.erase(std::unique(deformed.begin(), deformed.end()), deformed.end());
+  for (const size_t t : deformed) set_grid(trees_[t], nullptr);
+  if (!change.materials.empty()) {
+    // Albedo and sidedness of any leaf.
+    derive_albedo();
+    deformed.resize(trees_.size());
+    for (size_t t = 0; t < deformed.size(); ++t) deformed[t] = t;
+  }
+  derive(deformed);
+  return std::none_of(deformed.begin(), deformed.end(), [&](size_t t) { return too_loose(trees_[t]); });
+}
+
+size_t PointForest::estimate_bytes(const Scene& scene, const ForestOptions& options) {
+  // Rounding to powers of two, and the least size of a tree.
+  size_t trees = 1;
+  for (const SceneInstance& instance : scene.instances) trees += instance.pose || !scene.animations.empty();
+  const size_t leaves = (trees > 1 ? size_t{3} << options.points_log2 >> 1 : size_t{1} << options.points_log2) +
+                        (trees - 1) * (size_t{1} << kLeastDepth);
+  return leaves * (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2))) + trees * sizeof(MicroTree);
+}
+
+}  // namespace lucarium::micro

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "lucarium/compute/scheduler.h"
+#include "lucarium/scene/scene_buffers.h"
+#include "micro_rendering/shared/micro_types.h"
+#include "scene_sides.h"
+
+namespace lucarium::micro {
+
+struct ForestOptions {
+  int points_log2 = 18;
+  float disc_scale = 1.6f;     ///< radius of a leaf's disc over that of the disc of its area
+  bool all_cullable = false;   ///< surfaces are transparent from behind instead of black
+  int threads = 2;
+};
+
+/// Tree as the host knows it.
+struct ForestTree {
+  TreeKind kind = TreeKind::resting;
+  int instance = none;
+  MicroTree record;             ///< as on the device
+  double covered = 1;           ///< covered area / plain area
+  double placed_area = 0;       ///< covered area in the space in which points were placed
+  double built_radius_sum = 0;  ///< of level kQualityLevel when it was built [grid steps of the build · step]
+  uint32_t leaves() const { return 1u << record.depth; }
+};
+
+/// The scene as trees of discs on the device: points are placed and ordered on the host once, nodes derived and refitted
+/// on the device. Owner of all memory: `owner`.
+class PointForest {
+ public:
+  PointForest(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+              const ForestOptions& options, const std::string& owner);
+
+  /// Follows moved and deformed instances and changed materials; returns false when the forest must be made anew
+  /// (topology; something moved that rests; a deformed tree has become too loose; coverage may have changed).
+  bool update(const SceneChange& change);
+
+  const std::vector<ForestTree>& trees() const { return trees_; }
+  uint32_t leaf_count() const { return leaf_count_; }  ///< of all trees
+  const Program& program() const { return program_; }
+
+  TypedBuffer<MicroTree> tree_records;
+  TypedBuffer<MicroLeaf> leaves;     ///< leaf_count()
+  TypedBuffer<uint2> leaf_albedo;    ///< half4 per leaf
+  TypedBuffer<uint4> nodes;          ///< 2 leaf_count()
+  TypedBuffer<uint2> radiance;       ///< half4 per node
+  TypedBuffer<float> radiance_unit;  ///< one element [cd/m²]
+
+  double sampling_seconds() const { return sampling_seconds_; }
+  double ordering_seconds() const { return ordering_seconds_; }
+
+  /// Most device bytes that a forest of this size takes.
+  static size_t estimate_bytes(const Scene& scene, const ForestOptions& options);
+  /// Calls pass(top, bottom) for a pass over inner levels [top, bottom) from the leaves of a tree up.
+  template <class Pass>
+  static void for_level_ranges(uint32_t depth, Pass pass) {
+    constexpr uint32_t levels_per_pass = 6;
+    for (uint32_t bottom = depth; bottom > 0;) {
+      const uint32_t top = bottom > levels_per_pass ? bottom - levels_per_pass : 0;
+      pass(top, bottom);
+      bottom = top;
+    }
+  }
+
+ private:
+  void place(std::vector<TreeSource> sources);
+  void derive_albedo();
+  void derive(const std::vector<size_t>& trees);
+  void set_grid(ForestTree& tree, const TreeSource* source);
+  void set_transform(ForestTree& tree) const;
+  double radius_sum(const ForestTree& tree) const;
+  bool too_loose(const ForestTree& tree) const;
+
+  Device& device_;
+  KernelScheduler& scheduler_;
+  const Scene& scene_;
+  const SceneBuffers& buffers_;
+  ForestOptions options_;
+  std::string owner_;
+  Program program_;
+  std::vector<ForestTree> trees_;
+  uint32_t leaf_count_ = 0;
+  double sampling_seconds_ = 0, ordering_seconds_ = 0;
+};
+
+}  // namespace lucarium::micro

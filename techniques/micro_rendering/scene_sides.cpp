@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_sides.h"
+
+#include <algorithm>
+
+#include "lucarium/scene/animation.h"
+#include "lucarium/scene/scene_layout.h"
+#include "lucarium/scene/texture_sampling.h"
+#include "micro_rendering/shared/micro_types.h"
+
+namespace lucarium::micro {
+namespace {
+
+constexpr int kCoverageGrid = 4;  // points per edge of a triangle at which coverage is looked up
+
+TreeKind kind_of(const SceneInstance& instance, const std::vector<bool>& animated) {
+  if (instance.pose) return TreeKind::deforming;
+  if (instance.node == none || !animated[static_cast<size_t>(instance.node)]) return TreeKind::resting;
+  return is_similarity(instance.world_from_object) ? TreeKind::rigid : TreeKind::deforming;
+}
+
+double triangle_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  return 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
+}
+
+/// Mean coverage over a grid of points.
+float triangle_coverage(const ScenePoints& points, uint32_t triangle) {
+  const SceneMaterial& material = points.material(triangle);
+  if (material.alpha_mode == AlphaMode::opaque) return 1;
+  float sum = 0;
+  int count = 0;
+  for (int i = 0; i < kCoverageGrid; ++i) {
+    for (int j = 0; i + j < kCoverageGrid; ++j, ++count) {
+      const glm::vec2 weights((static_cast<float>(i) + 1 / 3.f) / kCoverageGrid, (static_cast<float>(j) + 1 / 3.f) / kCoverageGrid);
+      const float alpha = points.alpha(triangle, weights);
+      sum += material.alpha_mode == AlphaMode::mask ? (alpha >= material.alpha_cutoff ? 1.f : 0.f) : glm::clamp(alpha, 0.f, 1.f);
+    }
+  }
+  return sum / static_cast<float>(count);
+}
+
+/// One or two sides of a triangle whose corners in the placing space are a, b, c.
+void add_sides(TreeSource& tree, const ScenePoints& points, uint32_t triangle, const glm::vec3 corners[3]) {
+  const float coverage = triangle_coverage(points, triangle);
+  const double area = triangle_area(corners[0], corners[1], corners[2]);
+  tree.plain_area += area;
+  if (coverage <= 0) return;
+  tree.sides.push_back({corners[0], corners[1], corners[2], triangle, coverage});
+  tree.covered_area += area * static_cast<double>(coverage);
+  if (!is_two_sided(points.material(triangle))) return;
+  // The same corners: barycentric weights keep their meaning, and MICRO_LEAF_BACK turns the normal.
+  tree.sides.push_back({corners[0], corners[1], corners[2], triangle | MICRO_LEAF_BACK, coverage});
+  tree.sides.back().back = true;
+  tree.covered_area += area * static_cast<double>(coverage);
+}
+
+}  // namespace
+
+bool is_similarity(const glm::mat4& m) {
+  const glm::vec3 x(m[0]), y(m[1]), z(m[2]);
+  const float size = glm::dot(x, x), tolerance = 1e-4f * size;
+  return size > 0 && std::abs(glm::dot(y, y) - size) < tolerance && std::abs(glm::dot(z, z) - size) < tolerance &&
+         std::abs(glm::dot(x, y)) < tolerance && std::abs(glm::dot(y, z)) < tolerance && std::abs(glm::dot(z, x)) < tolerance &&
+         glm::dot(glm::cross(x, y), z) > 0;
+}
+
+double instance_area(const Scene& scene, int index) {
+  const SceneInstance& instance = scene.instances[static_cast<size_t>(index)];
+  const Mesh& shape = instance.shape(scene);
+  const glm::mat3 linear(instance.world_from_object);
+  double area = 0;
+  for (const glm::uvec3& t : shape.triangles)
+    area += triangle_area(linear * shape.positions[t.x], linear * shape.positions[t.y], linear * shape.positions[t.z]);
+  return area;
+}
+
+ScenePoints::ScenePoints(const Scene& scene_, const SceneBuffers& buffers) : scene(&scene_) {
+  const SceneLayout layout(scene_);
+  instance_of_triangle.resize(buffers.info().triangle_count);
+  for (size_t i = 0; i < layout.instances.size(); ++i) {
+    const Instance& record = layout.instances[i];
+    first_triangle.push_back(record.world_triangle);
+    for (uint32_t t = 0; t < record.triangle_count; ++t) instance_of_triangle[record.world_triangle + t] = static_cast<int>(i);
+  }
+}
+
+const SceneMaterial& ScenePoints::material(uint32_t triangle) const {
+  return scene->materials[static_cast<size_t>(scene->instances[static_cast<size_t>(instance_of_triangle[triangle])].material)];
+}
+
+float ScenePoints::alpha(uint32_t triangle, glm::vec2 weights) const {
+  const int index = instance_of_triangle[triangle];
+  const SceneInstance& instance = scene->instances[static_cast<size_t>(index)];
+  const Mesh& mesh = scene->meshes[static_cast<size_t>(instance.mesh)];
+  const SceneMaterial& mat = material(triangle);
+  glm::uvec3 corner = mesh.triangles[triangle - first_triangle[static_cast<size_t>(index)]];
+  // Where the winding is turned in the world, so are the weights of the second and third vertex.
+  if (instance.mirrored || glm::determinant(glm::mat3(instance.world_from_object)) < 0) std::swap(corner.y, corner.z);
+  const glm::vec3 w(1 - weights.x - weights.y, weights.x, weights.y);
+  float value = mat.base_color.a;
+  if (!mesh.colors.empty()) value *= w.x * mesh.colors[corner.x].a + w.y * mesh.colors[corner.y].a + w.z * mesh.colors[corner.z].a;
+  const TextureUse& use = mat.base_color_texture;
+  if (use.texture == none) return value;
+  const auto& uv = mesh.uv[use.uv_set];
+  const glm::vec2 at = uv.empty() ? glm::vec2(0) : w.x * uv[corner.x] + w.y * uv[corner.y] + w.z * uv[corner.z];
+  return value * sample_texture(*scene, scene->textures[static_cast<size_t>(use.texture)], texture_transform(use)(at)).a;
+}
+
+bool point_is_there(const void* scene_points, uint32_t source, glm::vec2 weights, float random) {
+  const auto& points = *static_cast<const ScenePoints*>(scene_points);
+  const uint32_t triangle = source & ~MICRO_LEAF_BACK;
+  const SceneMaterial& material = points.material(triangle);
+  const float alpha = points.alpha(triangle, weights);
+  return material.alpha_mode == AlphaMode::mask ? alpha >= material.alpha_cutoff : random < alpha;
+}
+
+std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers) {
+  const std::vector<bool> animated = animated_nodes(scene);
+  const ScenePoints points(scene, buffers);
+  const std::vector<Vertex> vertices = buffers.scene_vertices.download();
+  const std::vector<Triangle> triangles = buffers.scene_triangles.download(0, buffers.info().triangle_count);
+  const SceneLayout layout(scene);
+
+  std::vector<TreeSource> trees(1);
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const SceneInstance& instance = scene.instances[i];
+    const Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
+    const Instance& record = layout.instances[i];
+    const TreeKind kind = kind_of(instance, animated);
+    if (kind != TreeKind::resting) {
+      trees.emplace_back();
+      trees.back().kind = kind;
+      trees.back().instance = static_cast<int>(i);
+    }
+    TreeSource& tree = kind == TreeKind::resting ? trees[0] : trees.back();
+    for (uint32_t t = record.world_triangle; t < record.world_triangle + record.triangle_count; ++t) {
+      const uint32_t index[3] = {triangles[t].v0, triangles[t].v1, triangles[t].v2};
+      glm::vec3 placed[3];
+      for (int k = 0; k < 3; ++k) {
+        placed[k] = kind == TreeKind::resting ? vertices[index[k]].position.xyz() : mesh.positions[index[k] - record.world_vertex];
+        tree.low = glm::min(tree.low, placed[k]);
+        tree.high = glm::max(tree.high, placed[k]);
+      }
+      add_sides(tree, points, t, placed);
+    }
+  }
+  std::erase_if(trees, [](const TreeSource& tree) { return tree.sides.empty(); });
+  return trees;
+}
+
+}  // namespace lucarium::micro
