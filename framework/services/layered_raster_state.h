@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/services/layered_raster.h"
+#include "lucarium/services/primitives.h"
+
+namespace lucarium {
+
+/// Triangles of one view, set up and sorted into tiles.
+struct LayeredBins {
+  BufferRef records;  ///< LayeredRecord per world triangle
+  BufferRef extra;    ///< LayeredRecord per part of a clipped triangle
+  BufferRef clips;    ///< LayeredClip likewise
+  BufferRef starts;   ///< per tile, and one more: where its triangles begin in `pairs`
+  BufferRef pairs;    ///< records, those in `extra` counted on
+};
+
+struct LayeredRaster::State {
+  State(KernelScheduler& scheduler, const SceneBuffers& scene, const LayeredRasterOptions& options,
+        const std::string& owner);
+  void follow();
+  std::map<std::string, std::string> defines() const;
+  LayeredBins record_bins(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view) const;
+  void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
+                    const Program& consumer, std::string_view kernel,
+                    const std::function<void(PassBuilder&)>& bind) const;
+  Stored record_stored(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view) const;
+
+  KernelScheduler& scheduler;
+  const SceneBuffers& scene;
+  LayeredRasterOptions options;
+  std::string owner;
+  Primitives primitives;
+  Program program, store;
+  TypedBuffer<float> geometry;  ///< blocks of 16 de-indexed triangles
+  Schedule gather;
+  uint32_t triangles = 0;
+  bool alpha = false;
+  uint64_t scene_generation = 0, generation = 0;
+};
+
+}  // namespace lucarium

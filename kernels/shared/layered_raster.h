@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// What LayeredRaster (framework/services/layered_raster.h) and its kernels share: views, records, sort keys.
+#ifndef LUCARIUM_SHARED_LAYERED_RASTER_H
+#define LUCARIUM_SHARED_LAYERED_RASTER_H
+#include "lucarium/shared/dialect.h"
+
+// A view: world point p at pixel coordinates (X/W, Y/W), X = row_x · (p, 1) and so on; pixel (i, j) has its centre at
+// (i + 1/2, j + 1/2), j downwards. Orthographic: W = 1 and the depth is row_w · (p, 1); perspective: W = depth =
+// row_w · (p, 1), and what is nearer than depth_min is clipped. row_x × row_y must point along row_w (x right, y down,
+// depth away from the viewer).
+LUCARIUM_STRUCT_BEGIN(LayeredView)
+  float4 row_x, row_y, row_w;
+  float depth_min;    // depth range of the film: sorting resolves (depth_max - depth_min) / 2^22
+  float depth_scale;  // 1 / (depth_max - depth_min)
+  uint width, height; // pixels, at most those of the LayeredRaster
+  uint seed;          // decides BLEND together with triangle and pixel
+  uint pad0, pad1, pad2;
+LUCARIUM_STRUCT_END(LayeredView, 80)
+
+// A triangle set up for one view, in units of 1/256 pixel. Vertices are in counter-clockwise order of (x, y) with y
+// downwards reversed where LAYERED_AWAY is not set, so that the doubled area is positive.
+LUCARIUM_STRUCT_BEGIN(LayeredRecord)
+  int4 x;                // xyz: of the vertices; w: first and last pixel column (lower and upper 16 bits)
+  int4 y;                // xyz: of the vertices; w: first and last pixel row
+  float4 w;              // xyz: depth of the vertices (orthographic) or 1/W (perspective); w: 1 / doubled area
+  uint triangle;         // world triangle | LAYERED_AWAY
+  uint flags;            // LAYERED_RECORD_*
+  uint clipped;          // which LayeredClip, with LAYERED_RECORD_CLIPPED
+  uint pad;
+LUCARIUM_STRUCT_END(LayeredRecord, 64)
+
+#define LAYERED_AWAY 0x80000000u  // front side faces the view direction: what is seen along it is the back
+#define LAYERED_RECORD_ALPHA 1u   // MASK or BLEND material
+#define LAYERED_RECORD_LARGE 2u   // extends beyond 64 pixels: its edges need 64 bits
+#define LAYERED_RECORD_CLIPPED 4u // part of a triangle that was clipped
+
+// Barycentric weights (second and third corner of the world triangle) of the vertices of a clipped triangle's part.
+LUCARIUM_STRUCT_BEGIN(LayeredClip)
+  float4 second;  // xyz: of the three vertices
+  float4 third;
+LUCARIUM_STRUCT_END(LayeredClip, 32)
+
+// Stored A-buffer: fragments of pixel p are [pixel_start[p], pixel_start[p + 1]), nearest first.
+LUCARIUM_STRUCT_BEGIN(LayeredFragment)
+  uint triangle;  // world triangle | LAYERED_AWAY
+  float depth;
+LUCARIUM_STRUCT_END(LayeredFragment, 8)
+
+// Sort key: depth to 22 bits of the film's range, then LAYERED_AWAY first, then 3 more bits of depth, then 6 bits that
+// tell where the payload is. Nothing: all ones.
+#define LAYERED_KEY_NONE 0xffffffffu
+#define LAYERED_KEY_BUCKET 10  // key >> 10: equal for fragments of equal depth
+#define LAYERED_KEY_TOWARDS 0x200u
+#define LAYERED_KEY_LAYER 63u
+
+#define LAYERED_SUBPIXEL 256         // positions per pixel and axis
+#define LAYERED_MAX_FILM 4096u       // pixels per axis
+#define LAYERED_GUARD 16384.0f       // pixels: beyond, triangles are clipped
+#define LAYERED_TILE_ROWS 16u        // pixel rows per tile
+#define LAYERED_MAX_LAYERS 64u
+
+#endif
