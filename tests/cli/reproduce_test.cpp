@@ -70,6 +70,11 @@ TEST_CASE("papers and experiments are listed") {
   CHECK(contains(result.out, "author2026/errors  Errors of constants (Table 3)"));
 }
 
+TEST_CASE("every experiment that comes with the program can be read") {
+  const ProgramResult result = run_lucarium("reproduce --list");
+  CHECK_MESSAGE(result.exit_code == 0, result.err);
+}
+
 TEST_CASE("values and trends are read off the results") {
   const PaperFolder paper(known_experiment());
   const ProgramResult result = run_lucarium(paper.arguments("author2026 --full -o " + paper.output().string()));
