@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// A minimal two-way exchange: every pair of neighbouring fragments gives each other what they send, and counts.
+#include "lucarium/shared/surface_atlas.h"
+
+typedef struct Exchange {
+  __global const AtlasTriangle* triangles;
+  __global const uint* table;
+  __global const half* send;  // per slot: 4 halfs
+  __global float4* received;  // per slot: rgb, count
+  uint texels, double_sided;
+} Exchange;
+
+#include "lucarium/services/layered_raster_atlas.clh"
+#define LAYERED_CONSUMER Exchange
+#define LAYERED_PAYLOAD LayeredAtlasCell
+#include "lucarium/services/layered_raster_tiles.clh"
+
+LayeredAtlasCell layered_payload(Exchange* exchange, uint triangle, const LayeredPlanes* planes) {
+  return layered_atlas_begin(exchange->triangles, triangle & ~LAYERED_AWAY, planes);
+}
+
+LayeredUint layered_payload_row(const LayeredAtlasCell* cell, float row, LayeredFloat w) {
+  return layered_atlas_cells(cell, row, w);
+}
+
+// The slot of a texel's back.
+static uint back_of(const Exchange* exchange, uint texel) {
+  return texel < exchange->double_sided ? texel + exchange->double_sided : 0xffffffffu;
+}
+
+// Payloads become texels; asks for what the row will touch.
+void layered_prepare(Exchange* exchange, LayeredRow* row) {
+  uint* payload = (uint*)row->payload;
+  for (uint layer = 0u; layer < row->count; ++layer)
+    for (uint lanes = layered_present(row, layer); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const uint place = (layered_key(row, layer, lane) & LAYERED_KEY_LAYER) * LAYERED_LANES + lane;
+      const uint texel = exchange->table[payload[place]];
+      payload[place] = texel;
+      LUCARIUM_PREFETCH(exchange->received + texel);
+      LUCARIUM_PREFETCH(exchange->send + 4u * texel);
+    }
+}
+
+void layered_consume(Exchange* exchange, const LayeredRow* row) {
+  for (uint layer = 1u; layer < row->count; ++layer)
+    for (uint lanes = layered_present(row, layer); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const uint near_key = layered_key(row, layer - 1u, lane), far_key = layered_key(row, layer, lane);
+      const uint near_texel = layered_at(row, layer - 1u, lane), far_texel = layered_at(row, layer, lane);
+      const uint a = near_key & LAYERED_KEY_TOWARDS ? back_of(exchange, near_texel) : near_texel;
+      const uint b = far_key & LAYERED_KEY_TOWARDS ? far_texel : back_of(exchange, far_texel);
+      float4 from_a = (float4)(0.0f, 0.0f, 0.0f, 1.0f), from_b = from_a;
+      if (a != 0xffffffffu) from_a = vload_half4(a, exchange->send);
+      if (b != 0xffffffffu) from_b = vload_half4(b, exchange->send);
+      if (a != 0xffffffffu) exchange->received[a] += from_b;
+      if (b != 0xffffffffu) exchange->received[b] += from_a;
+    }
+}
+
+__kernel void exchange(LAYERED_TILE_PARAMETERS __global const AtlasTriangle* atlas_triangles,
+                       __global const uint* atlas_table, __global const half* send, __global float4* received,
+                       uint texels, uint double_sided) {
+  Exchange consumer = {atlas_triangles, atlas_table, send, received, texels, double_sided};
+  LAYERED_RUN_TILES(&consumer);
+}

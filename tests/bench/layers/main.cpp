@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+// Milliseconds per direction of all-fragment rasterization with radiance exchange, and how many times faster that is than
+// the same rays through the hierarchy.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+
+#include "lucarium/scene/builtin_builder.h"
+#include "lucarium/scene/load_scene.h"
+#include "lucarium/services/bvh.h"
+#include "lucarium/services/layered_raster.h"
+#include "lucarium/services/surface_atlas.h"
+
+const lucarium::EmbeddedSources& lucarium_layer_bench_kernels();
+
+namespace {
+
+using namespace lucarium;
+
+struct Settings {
+  std::string scene = "room";
+  uint32_t size = 1024, directions = 32, rounds = 3;
+  uint64_t texels = 1'000'000;
+  bool rays = true, profile = false;
+};
+
+/// A closed room of about 70 000 triangles: subdivided walls, spheres and boxes.
+Scene make_full_room() {
+  Scene scene;
+  const int white = add_lambert(scene, "white", glm::vec3(0.7f));
+  std::mt19937 engine(1);
+  const auto uniform = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine); };
+  const glm::vec3 size(10, 4, 8);
+  MeshBuilder walls("walls");
+  constexpr int steps = 20;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      for (int i = 0; i < steps * steps; ++i) {
+        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const auto corner = [&](int du, int dv) {
+          glm::vec3 p;
+          p[axis] = side ? size[axis] : 0.f;
+          p[u] = size[u] * static_cast<float>(i % steps + du) / steps;
+          p[v] = size[v] * static_cast<float>(i / steps + dv) / steps;
+          return p;
+        };
+        if (side)
+          walls.quad(corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0));
+        else
+          walls.quad(corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1));
+      }
+  add_instance(scene, add_mesh(scene, walls.take()), white);
+  const auto inside = [&](float radius) {
+    return glm::vec3(uniform(radius, size.x - radius), uniform(radius, size.y - radius), uniform(radius, size.z - radius));
+  };
+  MeshBuilder spheres("spheres"), boxes("boxes");
+  for (int i = 0; i < 48; ++i) {
+    const float radius = uniform(0.15f, 0.6f);
+    const glm::vec3 center = inside(radius);
+    for (const auto& face : icosphere(3))
+      spheres.triangle(center + radius * face[0], center + radius * face[1], center + radius * face[2]);
+  }
+  for (int i = 0; i < 330; ++i) {
+    const glm::vec3 half(uniform(0.05f, 0.4f), uniform(0.05f, 0.4f), uniform(0.05f, 0.4f)), center = inside(0.4f);
+    boxes.box(center - half, center + half);
+  }
+  add_instance(scene, add_mesh(scene, spheres.take()), white);
+  add_instance(scene, add_mesh(scene, boxes.take()), white);
+  return scene;
+}
+
+/// Uniform directions; films are the square around the bounding sphere.
+std::vector<LayeredView> make_views(const Scene& scene, uint32_t count, uint32_t size) {
+  const Bounds bounds = scene.bounds();
+  const float radius = bounds.radius() * 1.0001f, pixel = 2 * radius / static_cast<float>(size);
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<float> unit(0, 1);
+  std::vector<LayeredView> views;
+  for (uint32_t i = 0; i < count; ++i) {
+    const float z = 2 * unit(engine) - 1, angle = 6.2831853f * unit(engine), r = std::sqrt(std::max(0.f, 1 - z * z));
+    const glm::vec3 direction(r * std::cos(angle), r * std::sin(angle), z);
+    const glm::vec3 other = std::abs(z) < 0.9f ? glm::vec3(0, 0, 1) : glm::vec3(1, 0, 0);
+    const glm::vec3 right = glm::normalize(glm::cross(other, direction));
+    const glm::vec2 corner(-radius - pixel * unit(engine), -radius - pixel * unit(engine));
+    views.push_back(orthographic_view(bounds.center(), direction, right, pixel, size, size, radius, corner));
+  }
+  return views;
+}
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+class Bench {
+ public:
+  explicit Bench(const Settings& settings)
+      : settings_(settings),
+        scene_(settings.scene == "room" ? make_full_room() : load_scene(settings.scene)),
+        scheduler_(Device::open()),
+        buffers_(scheduler_.device(), scene_),
+        atlas_(scheduler_.device(), scheduler_, scene_, buffers_, atlas_options(settings), "bench"),
+        raster_(scheduler_, buffers_, {.max_width = settings.size, .max_height = settings.size}),
+        bvh_(scheduler_.device(), scene_, buffers_),
+        views_(scheduler_.device(), "bench", "views", make_views(scene_, settings.directions, settings.size)),
+        received_(scheduler_.device(), "bench", "received", atlas_.info().texel_count) {
+    fmt::print("{}: {} triangles, {} slots, film {} x {}\n", settings.scene, scene_.triangle_count(),
+               atlas_.info().texel_count, settings.size, settings.size);
+    SourceLibrary library;
+    library.add(lucarium_layer_bench_kernels());
+    exchange_ = Program(scheduler_.device(), library,
+                        {.name = "bench/exchange", .files = {"bench/layers/exchange.cl"}, .defines = raster_.defines()});
+    rays_ = Program(scheduler_.device(), library, {.name = "bench/rays", .files = {"bench/layers/rays.cl"}});
+    record_exchange();
+    record_rays();
+  }
+
+  void run() {
+    std::vector<double> ratios, times;
+    exchange_all();  // compiles, and grows what is sized by counters
+    const double updates = updates_per_direction();
+    if (settings_.rays) trace_direction(0);
+    scheduler_.reset_profile();
+    for (uint32_t round = 0; round < settings_.rounds; ++round) {
+      const double raster = exchange_all() / settings_.directions;
+      times.push_back(raster);
+      if (!settings_.rays) continue;
+      double rays = 0;
+      uint64_t hits = 0;
+      constexpr uint32_t traced = 2;
+      for (uint32_t i = 0; i < traced; ++i) {
+        const auto [seconds, found] = trace_direction((round * traced + i) % settings_.directions);
+        rays += seconds / traced;
+        hits += found;
+      }
+      ratios.push_back(rays / raster);
+      fmt::print("round {}: raster {:.2f} ms, rays {:.1f} ms per direction, {:.2f} M hits, ratio {:.1f}\n", round,
+                 1e3 * raster, 1e3 * rays, 1e-6 * static_cast<double>(hits) / traced, ratios.back());
+    }
+    const double best = *std::min_element(times.begin(), times.end());
+    fmt::print("{:.2f} ms per direction (least of rounds), {:.3f} M receiver updates, {:.0f} M updates/s\n", 1e3 * best,
+               1e-6 * updates, 1e-6 * updates / best);
+    if (!ratios.empty()) {
+      std::sort(ratios.begin(), ratios.end());
+      fmt::print("{:.1f} times as fast as rays (median)\n", ratios[ratios.size() / 2]);
+    }
+    if (settings_.profile) fmt::print("{}\n", scheduler_.profile().table());
+  }
+
+ private:
+  static SurfaceAtlasOptions atlas_options(const Settings& settings) {
+    SurfaceAtlasOptions options;
+    options.texel_count = settings.texels;
+    return options;
+  }
+
+  void record_exchange() {
+    // Every slot sends 1 in all channels, and counts 1.
+    std::vector<uint64_t> ones(atlas_.info().texel_count, 0x3c003c003c003c00ull);
+    send_ = TypedBuffer<uint64_t>(scheduler_.device(), "bench", "send", ones);
+    ScheduleRecorder recorder = scheduler_.record("exchange", "bench");
+    view_ = recorder.variable("view", 0u);
+    raster_.record_tiles(recorder, "bundle", {views_, view_}, exchange_, "exchange", [&](PassBuilder& pass) {
+      pass.arg("atlas_triangles", atlas_.triangles()).arg("atlas_table", atlas_.table()).arg("send", send_)
+          .arg("received", received_).arg("texels", atlas_.info().texel_count)
+          .arg("double_sided", atlas_.info().double_sided_count);
+    });
+    schedule_ = recorder.compile();
+  }
+
+  void record_rays() {
+    Device& device = scheduler_.device();
+    const uint32_t capacity = settings_.size * settings_.size;
+    for (int i = 0; i < 2; ++i) {
+      ray_buffer_[i] = TypedBuffer<Ray>(device, "bench", "rays", capacity);
+      counter_[i] = TypedBuffer<uint32_t>(device, "bench", "counter", 1);
+    }
+    hits_ = TypedBuffer<Hit>(device, "bench", "hits", capacity);
+    found_ = TypedBuffer<uint32_t>(device, "bench", "found", 1);
+    ScheduleRecorder start = scheduler_.record("first rays", "bench");
+    first_view_ = start.variable("view", 0u);
+    start.pass("first rays", rays_, "first_rays").global(capacity).local(64).arg("views", views_)
+        .arg("view_index", first_view_).arg("far_depth", 1e30f).arg("rays", ray_buffer_[0]).arg("counter", counter_[0]);
+    start.fill_zero("found", found_);
+    first_ = start.compile();
+    for (int from = 0; from < 2; ++from) {
+      ScheduleRecorder recorder = scheduler_.record("next rays", "bench");
+      bvh_.record_closest(recorder, "closest", ray_buffer_[from], hits_, counter_[from], 0, capacity);
+      recorder.fill_zero("next counter", counter_[1 - from]);
+      recorder.pass("next rays", rays_, "next_rays").global(capacity / 1024 + 1).local(1).arg("rays", ray_buffer_[from])
+          .arg("hits", hits_).arg("counter", counter_[from]).arg("next", ray_buffer_[1 - from])
+          .arg("next_counter", counter_[1 - from]).arg("found", found_);
+      recorder.read_back("remaining", counter_[1 - from],
+                         [this](std::span<const std::byte> bytes) { std::memcpy(&remaining_, bytes.data(), 4); });
+      next_[from] = recorder.compile();
+    }
+  }
+
+  /// Seconds for all directions.
+  double exchange_all() {
+    const double start = now();
+    for (uint32_t i = 0; i < settings_.directions; ++i) {
+      schedule_.set(view_, i);
+      scheduler_.run(schedule_);
+    }
+    scheduler_.finish();
+    return now() - start;
+  }
+
+  double updates_per_direction() {
+    received_.fill_zero();
+    exchange_all();
+    double sum = 0;
+    for (const float4& value : received_.download()) sum += value.w;
+    return sum / settings_.directions;
+  }
+
+  /// Seconds and hits.
+  std::pair<double, uint32_t> trace_direction(uint32_t view) {
+    const double start = now();
+    first_.set(first_view_, view);
+    scheduler_.run(first_);
+    int from = 0;
+    do {
+      scheduler_.run(next_[from]);
+      from = 1 - from;
+    } while (remaining_ > 0);
+    scheduler_.finish();
+    return {now() - start, found_.download()[0]};
+  }
+
+  Settings settings_;
+  Scene scene_;
+  KernelScheduler scheduler_;
+  SceneBuffers buffers_;
+  SurfaceAtlas atlas_;
+  LayeredRaster raster_;
+  Bvh bvh_;
+  TypedBuffer<LayeredView> views_;
+  TypedBuffer<float4> received_;
+  TypedBuffer<uint64_t> send_;
+  TypedBuffer<Ray> ray_buffer_[2];
+  TypedBuffer<Hit> hits_;
+  TypedBuffer<uint32_t> counter_[2], found_;
+  Program exchange_, rays_;
+  Schedule schedule_, first_, next_[2];
+  Variable<uint32_t> view_, first_view_;
+  uint32_t remaining_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Settings settings;
+  CLI::App app("All-fragment rasterization and exchange beside rays");
+  app.add_option("scene", settings.scene, "`room` (70 000 triangles) or any scene")->capture_default_str();
+  app.add_option("--size", settings.size, "film edge [pixels]")->capture_default_str();
+  app.add_option("--texels", settings.texels, "slots of the atlas")->capture_default_str();
+  app.add_option("--directions", settings.directions)->capture_default_str();
+  app.add_option("--rounds", settings.rounds)->capture_default_str();
+  app.add_flag("!--no-rays", settings.rays, "leave out the rays");
+  app.add_flag("--profile", settings.profile, "print where the time goes");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    Bench(settings).run();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "error: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}
