@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "bundle_exchange/shared/hop.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/services/primitives.h"
+#include "lucarium/services/surface_atlas.h"
+#include "slot_means.h"
+
+namespace lucarium::bundle {
+
+/// Follows chains of specular vertices by rays until none is left, and adds up the light that each finds for its target
+/// (hops.cl). The caller begins the chains: one per target, all in the queue, with or without a ray.
+class HopTracer {
+ public:
+  struct Options {
+    uint32_t targets = 0;
+    uint32_t gains = 1;      ///< float4 per target
+    bool punctual = false;   ///< there are punctual lights
+    std::string what;        ///< for names of passes and memory
+  };
+  HopTracer(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+            const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& diffuse,
+            const Options& options);
+
+  /// Binds to a pass that begins chains: gain, hops, rays, queue, active.
+  void bind(PassBuilder& pass) const;
+  /// Records the pass pair that tells whether shadow rays which begin chains are free, and adds their light.
+  void record_punctual(ScheduleRecorder& recorder, const Variable<HopSettings>& settings, const BufferRef& shadow_rays,
+                       const BufferRef& shadow_light) const;
+  /// Follows all chains to their ends; false when cancelled.
+  bool follow(const HopSettings& settings);
+  void warm_up();
+  const TypedBuffer<float4>& gain() const { return gain_; }
+  uint64_t rays() const { return rays_traced_; }
+  static size_t estimate_bytes(size_t targets, size_t gains);
+
+ private:
+  void record(const SceneBuffers& scene, const SurfaceAtlas& atlas, const TypedBuffer<float4>& diffuse);
+  KernelScheduler* scheduler_;
+  Program program_;
+  const Intersector* intersector_;
+  Primitives primitives_;
+  Options options_;
+  TypedBuffer<float4> gain_;
+  TypedBuffer<Hop> hops_;
+  TypedBuffer<Ray> rays_;
+  TypedBuffer<uint32_t> queue_, active_;
+  Schedule follow_;
+  Variable<HopSettings> settings_;
+  uint32_t remaining_ = 0;  ///< read back after every segment
+  uint64_t rays_traced_ = 0;
+};
+
+}  // namespace lucarium::bundle
