@@ -19,10 +19,13 @@
 // exp(-2 (1 - ρ) √N), and is what is sent; D is nearly a plain mean, and is what is displayed. A balance of the power
 // sent and held scales S meanwhile. With max_bounces there is a mean per bounce, each fed by the one before.
 //
-// Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee).
+// Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee). Specular lobes (mirrors, glass,
+// metals, coats): texels send what a ray finds that leaves by such a lobe; from vertex to vertex it follows specular lobes
+// only, since the atlas knows the diffuse light. So do rays from the pixels towards the eye.
 //
-// Parts: direction_sequence (ω, W), bundle_transfer (a direction's exchange), sender_weights and slot_means (S, D,
-// balance, error), slot_light and camera_light (light samples, image).
+// Parts: direction_sequence and bundle_view (ω, W, film), bundle_transfer (a direction's exchange), sender_weights and
+// slot_means (S, D, balance, error), slot_light and camera_light (light samples, image), slot_hops and hop_tracer
+// (specular chains).
 
 #include <algorithm>
 
@@ -30,6 +33,7 @@
 #include "camera_light.h"
 #include "lucarium/services/bvh.h"
 #include "lucarium/technique/plugin.h"
+#include "slot_hops.h"
 #include "slot_light.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
@@ -50,7 +54,7 @@ TechniqueInfo bundle_exchange_info() {
       "J. Hermes, N. Henrich, T. Grosch, S. Mueller, Global Illumination using Parallel Global Ray-Bundles, Vision, "
       "Modeling, and Visualization 2010";
   info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse"};
+  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
   info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
   info.capabilities.max_bounces = -1;
   info.capabilities.view_independent = true;
@@ -65,8 +69,6 @@ class BundleExchange : public Technique {
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
     PathSet set;
     set.max_bounces = settings.max_bounces;
-    set.light_delta = false;
-    set.secondary_lambert_only = true;
     return set;
   }
 
@@ -74,14 +76,17 @@ class BundleExchange : public Technique {
     std::vector<std::string> result;
     const auto any = [&](auto&& test) { return std::any_of(scene.materials.begin(), scene.materials.end(), test); };
     if (any([](const SceneMaterial& m) { return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance); }))
-      result.push_back("light inside attenuating volumes is not followed");
+      result.push_back("bundles are not attenuated inside volumes");
+    if (parameters_.final_gather == FinalGather::off && specular(scene))
+      result.push_back("indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
     return result;
   }
 
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
     const size_t slots = static_cast<size_t>(parameters_.texels) * 5 / 4;
-    return SurfaceAtlas::estimate_bytes(scene, atlas_options()) + SlotMeans::estimate_bytes(slots, channels(settings)) +
-           SlotLight::estimate_bytes(slots) + CameraLight::estimate_bytes(settings.width, settings.height);
+    return SurfaceAtlas::estimate_bytes(scene, atlas_options()) + SlotMeans::estimate_bytes(slots, channels(scene, settings)) +
+           SlotLight::estimate_bytes(slots) + (specular(scene) ? SlotHops::estimate_bytes(slots, channels(scene, settings)) : 0) +
+           CameraLight::estimate_bytes(settings.width, settings.height, gather(scene));
   }
 
   void prepare(const TechniqueContext& context) override {
@@ -120,6 +125,7 @@ class BundleExchange : public Technique {
   void warm_up() override {
     parts_->slot_light.warm_up();
     parts_->means.warm_up();
+    if (parts_->hops) parts_->hops->warm_up();
     parts_->transfer.warm_up();
     parts_->camera.warm_up();
   }
@@ -128,6 +134,7 @@ class BundleExchange : public Technique {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
     if (parts_) {
       result["slots"] = parts_->atlas.info().texel_count;
+      result["hop_rays"] = static_cast<double>((parts_->hops ? parts_->hops->rays() : 0) + parts_->camera.rays());
       if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
     }
     return result;
@@ -136,11 +143,13 @@ class BundleExchange : public Technique {
  private:
   /// Everything that is made for one scene, in the order of dependence.
   struct Parts {
-    Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options, const Channels& channels);
+    Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options, const Channels& channels,
+          FinalGather gather);
     SurfaceAtlas atlas;
     Program program;
     SlotLight slot_light;
     SlotMeans means;
+    std::unique_ptr<SlotHops> hops;  ///< null where no slot has a specular lobe
     BundleTransfer transfer;
     CameraLight camera;
   };
@@ -151,9 +160,21 @@ class BundleExchange : public Technique {
     return options;
   }
 
+  /// Whether some material may reflect or transmit otherwise than diffusely.
+  static bool specular(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+      return std::abs(m.ior - 1) >= 1e-3f || m.metallic > 0 || m.transmission > 0;
+    });
+  }
+
+  FinalGather gather(const Scene& scene) const {
+    return parameters_.final_gather == FinalGather::glossy && !specular(scene) ? FinalGather::off : parameters_.final_gather;
+  }
+
   /// Unlimited bounces feed one channel back to itself; finite ones have a channel each.
-  Channels channels(const RenderSettings& settings) const {
+  Channels channels(const Scene& scene, const RenderSettings& settings) const {
     Channels result;
+    result.hops = specular(scene) || parameters_.final_gather == FinalGather::all;
     result.self_fed = settings.max_bounces < 0;
     result.count = result.self_fed ? 1 : std::max(1u, static_cast<uint32_t>(settings.max_bounces));
     return result;
@@ -165,7 +186,8 @@ class BundleExchange : public Technique {
 
   void build() {
     parts_.reset();  // its memory first
-    parts_ = std::make_unique<Parts>(*context_, parameters_, atlas_options(), channels(context_->settings));
+    parts_ = std::make_unique<Parts>(*context_, parameters_, atlas_options(), channels(context_->scene, context_->settings),
+                                     gather(context_->scene));
     reset(seed_);
   }
 
@@ -209,8 +231,12 @@ class BundleExchange : public Technique {
 
   bool run_batch(uint32_t count) {
     if (!parts_->means.make_senders()) return false;
-    for (uint32_t i = 0; i < count; ++i)
-      if (!parts_->transfer.exchange(sequence_.at(directions_ + i))) return false;
+    for (uint32_t i = 0; i < count; ++i) {
+      const Direction direction = sequence_.at(directions_ + i);
+      const uint32_t seed = (kernel_seed(seed_) ^ static_cast<uint32_t>(directions_ + i + 1) * 0x9e3779b9u) * 0x85ebca6bu;
+      if (parts_->hops && !parts_->hops->find(direction, seed)) return false;
+      if (!parts_->transfer.exchange(direction, seed)) return false;
+    }
     parts_->means.commit(directions_, count);
     directions_ += count;
     return true;
@@ -255,18 +281,26 @@ Program make_program(Device& device, const Channels& channels) {
   return Program(device, library,
                  {"bundle_exchange/means",
                   {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_light.cl",
-                   "bundle_exchange/camera_light.cl"},
+                   "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl"},
                   channels.defines()});
 }
 
 BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options,
-                             const Channels& channels)
+                             const Channels& channels, FinalGather gather)
     : atlas(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner),
       program(make_program(*c.device, channels)),
       slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas),
       means(*c.device, c.scheduler, program, atlas, slot_light.light_samples(), channels, p),
-      transfer(*c.device, c.scheduler, c.scene_buffers, atlas, means.records(), channels, p.pixel_size),
-      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means.shown(), make_frame(c.settings)) {}
+      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas, means.records(), channels, p.pixel_size),
+      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, make_frame(c.settings),
+             {gather, !c.scene.lights.empty(), c.settings.max_bounces}) {
+  // Direct light needs no chains: they begin behind the first scattering.
+  const std::vector<uint32_t> list =
+      channels.hops && c.settings.max_bounces != 0 ? SlotHops::specular_slots(atlas) : std::vector<uint32_t>{};
+  if (list.empty()) return;
+  hops = std::make_unique<SlotHops>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, list,
+                                    SlotHops::Options{p.hop_share, !c.scene.lights.empty(), c.settings.max_bounces});
+}
 
 std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<BundleExchange>(); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "direction_sequence.h"
+#include "bundle_view.h"
 #include "lucarium/services/layered_raster.h"
 #include "lucarium/services/surface_atlas.h"
 #include "slot_means.h"
@@ -8,17 +8,19 @@
 namespace lucarium::bundle {
 
 /// Exchange along all rays of one direction: the scene is drawn orthographically with every fragment, and consecutive
-/// fragments of a pixel give each other what they send.
+/// fragments of a pixel give each other what they send (exchange_rows.cl).
 class BundleTransfer {
  public:
-  BundleTransfer(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-                 const TypedBuffer<float4>& records, const Channels& channels, float pixel_size);
+  /// `pixel_size`: edge of a film pixel in texel edges.
+  BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const Channels& channels,
+                 float pixel_size);
 
   /// Adds the rays of one direction to the records; false when cancelled.
-  bool exchange(const Direction& direction);
+  bool exchange(const Direction& direction, uint32_t seed);
   void warm_up();
-
- private:
+  /// Largest film of a direction [pixels].
+  double film_pixels() const;
 };
 
 }  // namespace lucarium::bundle

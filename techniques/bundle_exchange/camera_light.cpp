@@ -5,36 +5,48 @@ namespace lucarium::bundle {
 namespace {
 
 constexpr size_t kLocalSize = 64;
+const char* const kOwner = "bundle_exchange";
 const char* const kLowerSize = "lower --size";
 
 }  // namespace
 
 CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-                         const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-                         const Frame& frame)
+                         const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
+                         const Frame& frame, const Options& options)
     : scheduler_(&scheduler),
+      options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      direct_sample_(device, "bundle_exchange", "sample of direct light", pixels_, kLowerSize),
-      emission_(device, "bundle_exchange", "emission", pixels_, kLowerSize),
-      direct_(device, "bundle_exchange", "direct", pixels_, kLowerSize),
-      indirect_(device, "bundle_exchange", "indirect", pixels_, kLowerSize),
-      gbuffer_(device, scheduler, scene, intersector, frame, "bundle_exchange"),
-      direct_light_(device, scheduler, scene, intersector, "bundle_exchange") {
-  record(program, scene, atlas, shown);
+      no_gains_(device, kOwner, "nothing gathered", options.gather == FinalGather::off ? pixels_ : 1, kLowerSize),
+      direct_sample_(device, kOwner, "sample of direct light", pixels_, kLowerSize),
+      emission_(device, kOwner, "emission", pixels_, kLowerSize),
+      direct_(device, kOwner, "direct", pixels_, kLowerSize),
+      indirect_(device, kOwner, "indirect", pixels_, kLowerSize),
+      gbuffer_(device, scheduler, scene, intersector, frame, kOwner),
+      direct_light_(device, scheduler, scene, intersector, kOwner) {
+  if (options.gather != FinalGather::off) {
+    HopTracer::Options chains;
+    chains.targets = pixels_;
+    chains.punctual = options.punctual;
+    chains.what = "pixels";
+    chains_ = std::make_unique<HopTracer>(device, scheduler, program, scene, intersector, atlas, means.diffuse_shown(), chains);
+    record_chains(program, scene);
+  }
+  record(program, scene, atlas, means);
 }
 
-size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height) {
+size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather) {
   const size_t pixels = size_t{width} * height;
-  return 4 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
+  const size_t chains = gather == FinalGather::off ? pixels * sizeof(float4) : HopTracer::estimate_bytes(pixels, 1);
+  return chains + 4 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
 }
 
 void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-                         const TypedBuffer<float4>& shown) {
-  ScheduleRecorder clear = scheduler_->record("begin camera sample", "bundle_exchange");
+                         const SlotMeans& means) {
+  ScheduleRecorder clear = scheduler_->record("begin camera sample", kOwner);
   clear.fill_zero("clear sample", direct_sample_);
   clear_ = clear.compile();
-  ScheduleRecorder recorder = scheduler_->record("add camera sample", "bundle_exchange");
+  ScheduleRecorder recorder = scheduler_->record("add camera sample", kOwner);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
   PassBuilder add = recorder.pass("add camera sample", program, "add_camera_light");
   scene.bind(add, program, "add_camera_light");
@@ -44,7 +56,9 @@ void CameraLight::record(const Program& program, const SceneBuffers& scene, cons
       .arg("points", gbuffer_.points())
       .arg("count", pixels_)
       .arg("atlas_weight", atlas_weight_)
-      .arg("shown", shown)
+      .arg("whole", options_.gather == FinalGather::all ? 1u : 0u)
+      .arg("shown", means.shown())
+      .arg("gathered", chains_ ? chains_->gain() : no_gains_)
       .arg("direct_sample", direct_sample_)
       .arg("emission", emission_)
       .arg("direct", direct_)
@@ -52,10 +66,36 @@ void CameraLight::record(const Program& program, const SceneBuffers& scene, cons
   add_ = recorder.compile();
 }
 
+void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
+  ScheduleRecorder recorder = scheduler_->record("begin chains of pixels", kOwner);
+  settings_ = recorder.variable("settings", HopSettings{});
+  PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_hops");
+  scene.bind(begin, program, "begin_pixel_hops");
+  begin.global(pixels_)
+      .local(kLocalSize)
+      .arg("points", gbuffer_.points())
+      .arg("count", pixels_)
+      .arg("whole", options_.gather == FinalGather::all ? 1u : 0u)
+      .arg("settings", settings_);
+  chains_->bind(begin);
+  begin_ = recorder.compile();
+}
+
+bool CameraLight::gather() {
+  HopSettings settings{};
+  settings.seed = (frame_.seed ^ 0x706978u) * 0x9e3779b9u + samples_;
+  settings.first_light = 2;  // the first was DirectLight's
+  settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces) + 1;
+  settings.joined = 1;
+  begin_.set(settings_, settings);
+  return scheduler_->run(begin_) == RunResult::done && chains_->follow(settings);
+}
+
 bool CameraLight::sample() {
   if (scheduler_->run(clear_) == RunResult::cancelled) return false;
   return gbuffer_.render(samples_) &&
-         direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed);
+         direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed) &&
+         (!chains_ || gather());
 }
 
 void CameraLight::commit() {
@@ -85,6 +125,10 @@ void CameraLight::warm_up() {
   scheduler_->warm_up(clear_);
   gbuffer_.warm_up();
   direct_light_.warm_up(gbuffer_.points(), direct_sample_);
+  if (chains_) {
+    scheduler_->warm_up(begin_);
+    chains_->warm_up();
+  }
   scheduler_->warm_up(add_);
 }
 

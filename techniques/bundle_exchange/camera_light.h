@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <memory>
+
+#include "hop_tracer.h"
 #include "lucarium/services/direct_light.h"
 #include "lucarium/services/gbuffer.h"
 #include "lucarium/services/surface_atlas.h"
@@ -7,12 +10,18 @@
 namespace lucarium::bundle {
 
 /// What depends on the camera: the points it sees, their emission, direct light by samples, and the atlas' light
-/// reflected at full resolution. One sample per pixel and iteration.
+/// reflected at full resolution; specular lobes, or all, by chains that begin at the pixels. One sample per pixel and
+/// iteration.
 class CameraLight {
  public:
+  struct Options {
+    FinalGather gather = FinalGather::off;
+    bool punctual = false;  ///< there are punctual lights
+    int max_bounces = -1;
+  };
   CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-              const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-              const Frame& frame);
+              const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means, const Frame& frame,
+              const Options& options);
 
   /// The next sample; false when cancelled. commit() then adds it, looking up `shown` as it is then.
   bool sample();
@@ -22,18 +31,24 @@ class CameraLight {
   void warm_up();
   uint32_t samples() const { return samples_; }
   void resolve(Film& film) const;
-  static size_t estimate_bytes(uint32_t width, uint32_t height);
+  uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
+  static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather);
 
  private:
   void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-              const TypedBuffer<float4>& shown);
+              const SlotMeans& means);
+  void record_chains(const Program& program, const SceneBuffers& scene);
+  bool gather();
   KernelScheduler* scheduler_;
+  Options options_;
   Frame frame_;
   uint32_t pixels_, samples_ = 0;
-  TypedBuffer<float4> direct_sample_, emission_, direct_, indirect_;
+  TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, indirect_;
   GBuffer gbuffer_;
   DirectLight direct_light_;
-  Schedule clear_, add_;
+  std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered
+  Schedule clear_, begin_, add_;
+  Variable<HopSettings> settings_;
   Variable<float> atlas_weight_;
 };
 

@@ -53,9 +53,12 @@ __kernel void measure_errors(uint slots, __global const float4* restrict albedo,
   values[slot] = albedo[slot].w * ratio;
 }
 
-// Indirect irradiance over pi of every slot, all bounces; w: 1, or 0 where no ray has come yet.
-__kernel void make_display(uint slots, float share, __global const float4* restrict settled,
-                           __global const float4* restrict display, __global float4* restrict shown) {
+// Indirect irradiance over pi of every slot, all bounces; w: 1, or 0 where no ray has come yet. radiance (BUNDLE_HOPS):
+// what slots reflect diffusely of all the light, BUNDLE_REFLECTED channels each, as diffuse of make_senders.
+__kernel void make_display(uint slots, float share, __global const float4* restrict albedo,
+                           __global const float4* restrict light_samples, __global const float4* restrict settled,
+                           __global const float4* restrict display, __global float4* restrict shown,
+                           __global float4* restrict radiance) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   float3 total = settled[slot].xyz;
@@ -66,6 +69,16 @@ __kernel void make_display(uint slots, float share, __global const float4* restr
     weight = fmax(weight, sums.w);
   }
   shown[slot] = (float4)(total, weight > 0.0f ? 1.0f : 0.0f);
+#ifdef BUNDLE_HOPS
+  float3 held = direct_mean(slot, light_samples, display);
+#ifdef BUNDLE_SELF_FED
+  held += total;
+#endif
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
+    radiance[(size_t)slot * BUNDLE_REFLECTED + k] = (float4)(albedo[slot].xyz * held, 0.0f);
+    held = slot_mean(display[(size_t)(BUNDLE_FIRST + k) * slots + slot]);
+  }
+#endif
 }
 
 // End of a bounce that was computed alone: what it brought is kept, and is what the next one sends.

@@ -7,13 +7,11 @@
 #include "lucarium/shared/gbuffer.h"
 #include "lucarium/surface_atlas.clh"
 
-#define REFLECTED (BUNDLE_CHANNELS - BUNDLE_FIRST)
-
 bool hop_ray_is_active(Ray ray) { return ray.direction.w >= 0.0f; }
 
 // Adds light that has been scattered `scatterings` times before it arrives at the target.
 void add_gain(global float4* gain, HopSettings settings, uint target, uint scatterings, float3 light) {
-  const size_t index = settings.joined ? (size_t)target : (size_t)target * REFLECTED + scatterings - 1u;
+  const size_t index = settings.joined ? (size_t)target : (size_t)target * BUNDLE_REFLECTED + scatterings - 1u;
   gain[index].xyz += light;
 }
 
@@ -30,8 +28,8 @@ __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (i == 0u) active[0] = count;
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
-  for (uint k = 0u; k < (settings.joined ? 1u : REFLECTED); ++k)
-    gain[settings.joined ? i : i * REFLECTED + k] = (float4)(0.0f);
+  for (uint k = 0u; k < (settings.joined ? 1u : BUNDLE_REFLECTED); ++k)
+    gain[settings.joined ? i : i * BUNDLE_REFLECTED + k] = (float4)(0.0f);
   queue[i] = i;
   Ray ray = no_hop_ray(), shadow_ray = ray;
   float3 light = (float3)(0.0f);
@@ -102,7 +100,7 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
 }
 
 // Work-item i: ray i of the queue has found hits[i]. Adds emitted and diffuse light, and goes on if a specular lobe does.
-// diffuse: what slots send by their diffuse lobe, REFLECTED channels each.
+// diffuse: what slots send by their diffuse lobe, BUNDLE_REFLECTED channels each.
 __kernel void advance_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                            __global const AtlasTriangle* restrict atlas_triangles,
                            __global const uint* restrict atlas_table, __global const float4* restrict diffuse,
@@ -135,8 +133,8 @@ __kernel void advance_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
       const uint slot = atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, hit.triangle, hit.u, hit.v),
                                    surface.flags & LUCARIUM_SURFACE_FRONT);
       if (slot != LUCARIUM_NONE) {
-        for (uint k = 0u; k < REFLECTED && (settings.limit == LUCARIUM_NONE || k + 1u + hop.hops <= settings.limit); ++k)
-          add_gain(gain, settings, target, k + 1u + hop.hops, hop.throughput.xyz * diffuse[(size_t)slot * REFLECTED + k].xyz);
+        for (uint k = 0u; k < BUNDLE_REFLECTED && (settings.limit == LUCARIUM_NONE || k + 1u + hop.hops <= settings.limit); ++k)
+          add_gain(gain, settings, target, k + 1u + hop.hops, hop.throughput.xyz * diffuse[(size_t)slot * BUNDLE_REFLECTED + k].xyz);
         const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);
         light_scatterings = hop.hops + 1u;
         const bool lit = light_scatterings <= settings.limit &&
@@ -181,8 +179,8 @@ __kernel void apply_slot_gains(uint count, __global const uint* restrict list, _
   const uint i = get_global_id(0);
   if (i >= count) return;
   const uint slot = list[i];
-  for (uint k = 0u; k < REFLECTED; ++k) {
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
     global float4* send = records + (size_t)slot * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
-    (*send).xyz = diffuse[(size_t)slot * REFLECTED + k].xyz + gain[(size_t)i * REFLECTED + k].xyz;
+    (*send).xyz = diffuse[(size_t)slot * BUNDLE_REFLECTED + k].xyz + gain[(size_t)i * BUNDLE_REFLECTED + k].xyz;
   }
 }

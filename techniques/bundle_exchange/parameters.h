@@ -26,6 +26,8 @@ struct Parameters {
   float gain_exp = 0.5f;
   float avg_exp = 0.5f;
   bool balance = true;
+  FinalGather final_gather = FinalGather::glossy;
+  float hop_share = 0.25f;
   float stop_error = 0.01f;
 
   template <class V>
@@ -56,6 +58,11 @@ struct Parameters {
     v.number("gain_exp", gain_exp, 0.3f, 1.f, "", "step of senders: batch k counts k^-gain_exp of the mean");
     v.number("avg_exp", avg_exp, 0.f, 2.f, "", "weight of direction i in what is displayed: i^avg_exp");
     v.flag("balance", balance, "scale senders so that they send the power that receivers hold (unlimited bounces)");
+    v.choice("final_gather", final_gather,
+             {{"off", FinalGather::off}, {"glossy", FinalGather::glossy}, {"all", FinalGather::all}},
+             "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");
+    v.number("hop_share", hop_share, 0.01f, 1.f, "",
+             "share of the slots with specular lobes from which rays are traced for a direction");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance; 0: never");
   }
 };

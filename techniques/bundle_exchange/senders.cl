@@ -2,22 +2,14 @@
 // What every slot sends during the next batch, and the balance of sent and held power that scales it.
 #include "bundle_exchange/exchange_layout.clh"
 
-// Direct irradiance over pi of a slot: by light samples (sum [lx], count), and by emitted light met along rays.
-float3 direct_mean(uint slot, const global float4* light_samples, const global float4* display) {
-  const float4 sampled = light_samples[slot];
-  float3 mean = sampled.w > 0.0f ? sampled.xyz * (M_1_PI_F / sampled.w) : (float3)(0.0f);
-#ifdef BUNDLE_EMISSION
-  mean += slot_mean(display[slot]);
-#endif
-  return mean;
-}
-
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of emission.
-// scale[0]: of what a self-fed channel has received. Clears the sums of the exchange records.
+// scale[0]: of what a self-fed channel has received. Clears the sums of the exchange records. diffuse (BUNDLE_HOPS): what
+// is sent, BUNDLE_REFLECTED channels per slot, for chains of specular vertices that end there.
 __kernel void make_senders(uint slots, __global const float4* restrict albedo, __global const float4* restrict emission,
                            __global const float4* restrict light_samples, __global const float4* restrict senders,
                            __global const float4* restrict display, __global const float4* restrict scale,
-                           float direct_share, float feedback_share, __global float4* restrict records) {
+                           float direct_share, float feedback_share, __global float4* restrict diffuse,
+                           __global float4* restrict records) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   global float4* record = records + (size_t)slot * BUNDLE_RECORD;
@@ -32,6 +24,9 @@ __kernel void make_senders(uint slots, __global const float4* restrict albedo, _
 #endif
   for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
     record[2u * channel] = (float4)(c * held, 0.0f);
+#ifdef BUNDLE_HOPS
+    diffuse[(size_t)slot * BUNDLE_REFLECTED + channel - BUNDLE_FIRST] = (float4)(c * held, 0.0f);
+#endif
     record[2u * channel + 1u] = (float4)(0.0f);
     held = slot_mean(senders[(size_t)(channel - BUNDLE_FIRST) * slots + slot]);
   }

@@ -22,6 +22,7 @@ std::map<std::string, std::string> Channels::defines() const {
   std::map<std::string, std::string> result{{"BUNDLE_CHANNELS", std::to_string(count) + "u"}};
   if (emission) result["BUNDLE_EMISSION"] = "";
   if (self_fed) result["BUNDLE_SELF_FED"] = "";
+  if (hops) result["BUNDLE_HOPS"] = "";
   return result;
 }
 
@@ -42,6 +43,8 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       settled_(device, kOwner, "settled bounces", slots_, kFewerTexels),
       statistics_(device, kOwner, "batch statistics", slots_, kFewerTexels),
       shown_(device, kOwner, "displayed slots", slots_, kFewerTexels),
+      diffuse_(device, kOwner, "diffuse senders", channels.hops ? size_t{slots_} * channels.reflected() : 1, kFewerTexels),
+      radiance_(device, kOwner, "diffuse radiance", diffuse_.count(), kFewerTexels),
       chunk_sums_(device, kOwner, "balance of chunks", 2 * size_t{chunks_}),
       scale_(device, kOwner, "sender scale", std::vector<float4>{{1, 1, 1, 0}}),
       visible_(device, kOwner, "visible shares", slots_, kFewerTexels),
@@ -56,7 +59,8 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
 }
 
 size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels) {
-  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5;
+  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5 +
+                         (channels.hops ? 2 * channels.reflected() : 0);
   return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
 }
 
@@ -102,6 +106,7 @@ void SlotMeans::record_senders(const Program& program) {
       .arg("scale", scale_)
       .arg("direct_share", direct_share_)
       .arg("feedback_share", feedback_share_)
+      .arg("diffuse", diffuse_)
       .arg("records", records_);
   make_senders_ = recorder.compile();
 }
@@ -129,9 +134,12 @@ void SlotMeans::record_fold(const Program& program) {
       .local(kLocalSize)
       .arg("slots", slots_)
       .arg("share", show_share_)
+      .arg("albedo", albedo_)
+      .arg("light_samples", light_samples_)
       .arg("settled", settled_)
       .arg("display", display_)
       .arg("shown", shown_)
+      .arg("radiance", radiance_)
       .discards("shown");
   fold_ = recorder.compile();
   ScheduleRecorder settle = scheduler_->record("settle bounce", kOwner);

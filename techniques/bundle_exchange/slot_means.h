@@ -12,6 +12,7 @@ namespace lucarium::bundle {
 /// What travels along the rays at once (exchange_layout.clh).
 struct Channels {
   bool emission = false;  ///< channel 0 carries emitted light
+  bool hops = false;      ///< chains of specular vertices are followed
   bool self_fed = true;   ///< one channel of reflected light, all bounces; else one per bounce
   uint32_t count = 1;     ///< all channels
   uint32_t reflected() const { return count - (emission ? 1 : 0); }
@@ -37,6 +38,10 @@ class SlotMeans {
 
   const TypedBuffer<float4>& records() const { return records_; }  ///< per slot 2 · channels float4
   const TypedBuffer<float4>& shown() const { return shown_; }      ///< per slot irradiance / π of indirect light
+  /// What slots reflect diffusely (Channels::hops), per slot reflected() float4: in the batch, and by the best means.
+  const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
+  const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
+  const Channels& channels() const { return channels_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches.
   double relative_error() const { return relative_error_; }
   uint64_t batches() const { return weights_.batches(); }
@@ -58,7 +63,7 @@ class SlotMeans {
   Parameters parameters_;
   uint32_t slots_, chunks_;
   TypedBuffer<float4> light_samples_;
-  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, chunk_sums_, scale_;
+  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, diffuse_, radiance_, chunk_sums_, scale_;
   TypedBuffer<float2> visible_;
   TypedBuffer<float> errors_, values_, sums_;
   Schedule materials_, make_senders_, fold_, settle_, measure_;

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// The exchange itself: a row of rays along omega, with their fragments in the order in which omega meets them.
+// Consecutive fragments see each other: the side of the nearer one that faces omega, and the side of the farther one
+// that faces -omega. Each receives what the other sends. Ends of rays see the environment. A side that does not reflect
+// (the back of a single-sided surface) sends nothing, but what sees it has seen black: that counts.
+#include "bundle_exchange/exchange_layout.clh"
+#include "lucarium/shared/surface_atlas.h"
+
+typedef struct Exchange {
+  const global AtlasTriangle* atlas_triangles;
+  const global uint* atlas_table;
+  global float4* records;
+  float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
+  float weight;                // w of exchange_layout.clh
+  uint double_sided;           // texels that have a back
+} Exchange;
+
+#define LAYERED_CONSUMER Exchange
+#include "lucarium/services/layered_raster_atlas.clh"
+#include "lucarium/services/layered_raster_tiles.clh"
+
+// The slot of a fragment that faces -omega (where the ray comes from), and the one that faces omega.
+uint slot_towards(const Exchange* exchange, uint texel, bool front_towards) {
+  if (front_towards) return texel;
+  return texel < exchange->double_sided ? texel + exchange->double_sided : LUCARIUM_NONE;
+}
+uint slot_away(const Exchange* exchange, uint texel, bool front_towards) {
+  return slot_towards(exchange, texel, !front_towards);
+}
+
+// A slot sees another, or the end of the ray. `end`: radiance there, in the channel of emission.
+void receive(const Exchange* exchange, uint receiver, uint sender, float3 end) {
+  if (receiver == LUCARIUM_NONE) return;
+  global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
+  const float w = exchange->weight;
+  if (sender != LUCARIUM_NONE) {
+    const global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
+    to[0].w += w;
+    to[1] += w * (float4)(from[0].xyz, 1.0f);
+    for (uint channel = 1u; channel < BUNDLE_CHANNELS; ++channel) to[2u * channel + 1u].xyz += w * from[2u * channel].xyz;
+  } else {
+    to[1] += w * (float4)(end, 1.0f);
+  }
+}
+
+void exchange_lane(const Exchange* exchange, const LayeredRow* row, uint lane) {
+  uint key = layered_key(row, 0u, lane);
+  if (key == LAYERED_KEY_NONE) return;
+  uint texel = layered_at(row, 0u, lane);
+  bool towards = key & LAYERED_KEY_TOWARDS;
+  const float3 black = (float3)(0.0f);
+  if (row->part & LAYERED_PART_FIRST)
+    receive(exchange, slot_towards(exchange, texel, towards), LUCARIUM_NONE, exchange->from_near);
+  for (uint layer = 1u; layer < row->count; ++layer) {
+    const uint next_key = layered_key(row, layer, lane);
+    if (next_key == LAYERED_KEY_NONE) break;
+    const uint next_texel = layered_at(row, layer, lane);
+    const bool next_towards = next_key & LAYERED_KEY_TOWARDS;
+    // Surfaces drawn twice in one place are one: nothing lies between them.
+    const bool twice = (key >> LAYERED_KEY_BUCKET) == (next_key >> LAYERED_KEY_BUCKET) && towards == next_towards;
+    if (!twice) {
+      const uint a = slot_away(exchange, texel, towards), b = slot_towards(exchange, next_texel, next_towards);
+      receive(exchange, a, b, black);
+      receive(exchange, b, a, black);
+    }
+    key = next_key;
+    texel = next_texel;
+    towards = next_towards;
+  }
+  if (row->part & LAYERED_PART_LAST)
+    receive(exchange, slot_away(exchange, texel, towards), LUCARIUM_NONE, exchange->from_far);
+}
+
+void layered_consume(const Exchange* exchange, const LayeredRow* row) {
+  for (uint lane = 0u; lane < LAYERED_LANES; ++lane) exchange_lane(exchange, row, lane);
+}
+
+// ends: radiance that enters along omega, and along -omega.
+__kernel void exchange_rows(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info,
+                            __global const AtlasTriangle* atlas_triangles, __global const uint* atlas_table,
+                            float weight, __global const float4* ends, __global float4* records) {
+  Exchange exchange;
+  exchange.atlas_triangles = atlas_triangles;
+  exchange.atlas_table = atlas_table;
+  exchange.records = records;
+  exchange.from_near = ends[0].xyz;
+  exchange.from_far = ends[1].xyz;
+  exchange.weight = weight;
+  exchange.double_sided = atlas_info.double_sided_count;
+  LAYERED_RUN_TILES(&exchange);
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slot_hops.h"
+
+namespace lucarium::bundle {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+const char* const kOwner = "bundle_exchange";
+
+HopTracer::Options tracer_options(uint32_t count, const Channels& channels, const SlotHops::Options& options) {
+  HopTracer::Options result;
+  result.targets = count;
+  result.gains = channels.reflected();
+  result.punctual = options.punctual;
+  result.what = "slots";
+  return result;
+}
+
+}  // namespace
+
+std::vector<uint32_t> SlotHops::specular_slots(const SurfaceAtlas& atlas) {
+  std::vector<uint32_t> list;
+  const std::vector<AtlasMaterial> materials = atlas.materials().download();
+  for (uint32_t slot = 0; slot < materials.size(); ++slot) {
+    const AtlasMaterial& m = materials[slot];
+    const bool reflects = m.f0.x > 0 || m.f0.y > 0 || m.f0.z > 0 || m.f0.w > 0;
+    const bool transmits = m.transmission.x > 0 || m.transmission.y > 0 || m.transmission.z > 0;
+    if (reflects || transmits) list.push_back(slot);
+  }
+  return list;
+}
+
+SlotHops::SlotHops(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+                   const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
+                   const std::vector<uint32_t>& list, const Options& options)
+    : scheduler_(&scheduler),
+      program_(program),
+      options_(options),
+      joined_(means.channels().self_fed),
+      count_(static_cast<uint32_t>(list.size())),
+      list_(device, kOwner, "specular slots", list),
+      tracer_(device, scheduler, program, scene, intersector, atlas, means.diffuse_sent(),
+              tracer_options(count_, means.channels(), options)) {
+  record(scene, atlas, means);
+}
+
+size_t SlotHops::estimate_bytes(size_t slots, const Channels& channels) {
+  return slots * sizeof(uint32_t) + HopTracer::estimate_bytes(slots, channels.reflected());
+}
+
+void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means) {
+  ScheduleRecorder recorder = scheduler_->record("begin chains of slots", kOwner);
+  omega_ = recorder.variable("omega", float4{});
+  settings_ = recorder.variable("settings", HopSettings{});
+  const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", count_);
+  const BufferRef shadow_light = recorder.transient<float4>("light behind them", count_);
+  PassBuilder begin = recorder.pass("begin chains of slots", program_, "begin_slot_hops");
+  scene.bind(begin, program_, "begin_slot_hops");
+  atlas.bind(begin, program_, "begin_slot_hops");
+  begin.global(count_)
+      .local(kLocalSize)
+      .arg("list", list_)
+      .arg("count", count_)
+      .arg("omega", omega_)
+      .arg("share", options_.share)
+      .arg("settings", settings_)
+      .arg("shadow_rays", shadow_rays)
+      .arg("shadow_light", shadow_light);
+  tracer_.bind(begin);
+  tracer_.record_punctual(recorder, settings_, shadow_rays, shadow_light);
+  begin_ = recorder.compile();
+  ScheduleRecorder apply = scheduler_->record("send chains' light", kOwner);
+  apply.pass("send chains' light", program_, "apply_slot_gains")
+      .global(count_)
+      .local(kLocalSize)
+      .arg("count", count_)
+      .arg("list", list_)
+      .arg("diffuse", means.diffuse_sent())
+      .arg("gain", tracer_.gain())
+      .arg("records", means.records());
+  apply_ = apply.compile();
+}
+
+bool SlotHops::find(const Direction& direction, uint32_t seed) {
+  HopSettings settings{};
+  settings.seed = seed;
+  settings.first_light = 1;
+  settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces);
+  settings.joined = joined_ ? 1 : 0;
+  begin_.set(settings_, settings);
+  begin_.set(omega_, float4(direction.direction, 0.f));
+  return scheduler_->run(begin_) == RunResult::done && tracer_.follow(settings) &&
+         scheduler_->run(apply_) == RunResult::done;
+}
+
+void SlotHops::warm_up() {
+  scheduler_->warm_up(begin_);
+  tracer_.warm_up();
+  scheduler_->warm_up(apply_);
+}
+
+}  // namespace lucarium::bundle

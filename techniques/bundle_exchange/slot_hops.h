@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "direction_sequence.h"
+#include "hop_tracer.h"
+
+namespace lucarium::bundle {
+
+/// What slots with specular lobes (mirrors, glass, metals, coats) send towards the two directions of a bundle, found by
+/// rays: one chain per slot and direction, or for a share of the slots, which then count so much more.
+class SlotHops {
+ public:
+  struct Options {
+    float share = 1;        ///< of listed slots that get a chain
+    bool punctual = false;  ///< there are punctual lights
+    int max_bounces = -1;
+  };
+  /// `list`: the slots, from specular_slots(), not empty.
+  SlotHops(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+           const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
+           const std::vector<uint32_t>& list, const Options& options);
+
+  /// Renews what listed slots send, for the exchange along `direction`; false when cancelled.
+  bool find(const Direction& direction, uint32_t seed);
+  void warm_up();
+  uint64_t rays() const { return tracer_.rays(); }
+
+  /// Slots with some specular lobe.
+  static std::vector<uint32_t> specular_slots(const SurfaceAtlas& atlas);
+  static size_t estimate_bytes(size_t slots, const Channels& channels);
+
+ private:
+  void record(const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means);
+  KernelScheduler* scheduler_;
+  Program program_;
+  Options options_;
+  bool joined_;
+  uint32_t count_;
+  TypedBuffer<uint32_t> list_;
+  HopTracer tracer_;
+  Schedule begin_, apply_;
+  Variable<float4> omega_;
+  Variable<HopSettings> settings_;
+};
+
+}  // namespace lucarium::bundle
