@@ -16,11 +16,28 @@ class BundleTransfer {
                  const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const Channels& channels,
                  float pixel_size);
 
-  /// Adds the rays of one direction to the records; false when cancelled.
+  /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND.
   bool exchange(const Direction& direction, uint32_t seed);
   void warm_up();
   /// Largest film of a direction [pixels].
   double film_pixels() const;
+  /// Edge of a film pixel [m].
+  double pixel() const { return pixel_; }
+
+ private:
+  void record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TypedBuffer<float4>& records);
+  KernelScheduler* scheduler_;
+  Channels channels_;
+  Bounds bounds_;
+  double pixel_;
+  uint32_t side_;
+  LayeredRaster raster_;
+  TypedBuffer<LayeredView> views_;
+  TypedBuffer<float4> ends_;
+  Schedule exchange_;
+  Variable<LayeredView> view_;
+  Variable<float4> omega_;
+  Variable<float> weight_;
 };
 
 }  // namespace lucarium::bundle

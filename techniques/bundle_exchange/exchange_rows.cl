@@ -16,20 +16,29 @@ typedef struct Exchange {
 } Exchange;
 
 #define LAYERED_CONSUMER Exchange
-#include "lucarium/services/layered_raster_atlas.clh"
+#define LAYERED_PAYLOAD LayeredAtlasCell
 #include "lucarium/services/layered_raster_tiles.clh"
+#include "lucarium/services/layered_raster_atlas.clh"
+
+LayeredAtlasCell layered_payload(Exchange* exchange, uint triangle, const LayeredPlanes* planes) {
+  return layered_atlas_begin(exchange->atlas_triangles, triangle & ~LAYERED_AWAY, planes);
+}
+LayeredUint layered_payload_row(const LayeredAtlasCell* cell, float row, LayeredFloat w) {
+  return layered_atlas_cells(cell, row, w);
+}
+void layered_prepare(Exchange* exchange, LayeredRow* row) { layered_atlas_texels(exchange->atlas_table, row); }
 
 // The slot of a fragment that faces -omega (where the ray comes from), and the one that faces omega.
-uint slot_towards(const Exchange* exchange, uint texel, bool front_towards) {
+uint slot_towards(Exchange* exchange, uint texel, bool front_towards) {
   if (front_towards) return texel;
   return texel < exchange->double_sided ? texel + exchange->double_sided : LUCARIUM_NONE;
 }
-uint slot_away(const Exchange* exchange, uint texel, bool front_towards) {
+uint slot_away(Exchange* exchange, uint texel, bool front_towards) {
   return slot_towards(exchange, texel, !front_towards);
 }
 
 // A slot sees another, or the end of the ray. `end`: radiance there, in the channel of emission.
-void receive(const Exchange* exchange, uint receiver, uint sender, float3 end) {
+void receive(Exchange* exchange, uint receiver, uint sender, float3 end) {
   if (receiver == LUCARIUM_NONE) return;
   global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
   const float w = exchange->weight;
@@ -43,7 +52,7 @@ void receive(const Exchange* exchange, uint receiver, uint sender, float3 end) {
   }
 }
 
-void exchange_lane(const Exchange* exchange, const LayeredRow* row, uint lane) {
+void exchange_lane(Exchange* exchange, const LayeredRow* row, uint lane) {
   uint key = layered_key(row, 0u, lane);
   if (key == LAYERED_KEY_NONE) return;
   uint texel = layered_at(row, 0u, lane);
@@ -71,7 +80,7 @@ void exchange_lane(const Exchange* exchange, const LayeredRow* row, uint lane) {
     receive(exchange, slot_away(exchange, texel, towards), LUCARIUM_NONE, exchange->from_far);
 }
 
-void layered_consume(const Exchange* exchange, const LayeredRow* row) {
+void layered_consume(Exchange* exchange, const LayeredRow* row) {
   for (uint lane = 0u; lane < LAYERED_LANES; ++lane) exchange_lane(exchange, row, lane);
 }
 
