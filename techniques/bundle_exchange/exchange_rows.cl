@@ -15,10 +15,10 @@ typedef struct Exchange {
   uint double_sided;           // texels that have a back
 } Exchange;
 
+#include "lucarium/services/layered_raster_atlas.clh"
 #define LAYERED_CONSUMER Exchange
 #define LAYERED_PAYLOAD LayeredAtlasCell
 #include "lucarium/services/layered_raster_tiles.clh"
-#include "lucarium/services/layered_raster_atlas.clh"
 
 LayeredAtlasCell layered_payload(Exchange* exchange, uint triangle, const LayeredPlanes* planes) {
   return layered_atlas_begin(exchange->atlas_triangles, triangle & ~LAYERED_AWAY, planes);
@@ -26,7 +26,18 @@ LayeredAtlasCell layered_payload(Exchange* exchange, uint triangle, const Layere
 LayeredUint layered_payload_row(const LayeredAtlasCell* cell, float row, LayeredFloat w) {
   return layered_atlas_cells(cell, row, w);
 }
-void layered_prepare(Exchange* exchange, LayeredRow* row) { layered_atlas_texels(exchange->atlas_table, row); }
+// Cells become texels, and what the row will touch is asked for.
+void layered_prepare(Exchange* exchange, LayeredRow* row) {
+  uint* payload = (uint*)row->payload;
+  for (uint layer = 0u; layer < row->count; ++layer)
+    for (uint lanes = layered_present(row, layer); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const uint place = (layered_key(row, layer, lane) & LAYERED_KEY_LAYER) * LAYERED_LANES + lane;
+      const uint texel = exchange->atlas_table[payload[place]];
+      payload[place] = texel;
+      LUCARIUM_PREFETCH(exchange->records + (size_t)texel * BUNDLE_RECORD);
+    }
+}
 
 // The slot of a fragment that faces -omega (where the ray comes from), and the one that faces omega.
 uint slot_towards(Exchange* exchange, uint texel, bool front_towards) {
