@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium scene: what is in a scene, and what looks wrong with it.
+// lucarium scene: what is in a scene, and what looks wrong with it; what its surface atlas looks like.
 #include <CLI/CLI.hpp>
 
+#include "atlas_pictures.h"
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/scene/export_gltf.h"
@@ -17,6 +18,7 @@ struct SceneCommandArguments {
   SceneArguments overrides;
   OutputArguments output;
   std::filesystem::path export_file;
+  AtlasArguments atlas;
   bool overwrite = false;
 };
 
@@ -35,7 +37,13 @@ int scene(const SceneCommandArguments& arguments) {
   const Scene loaded = arguments.overrides.load(arguments.scene);
   const SceneReport report = make_scene_report(loaded);
   if (!arguments.export_file.empty()) export_scene(arguments, loaded);
-  fmt::print("{}", arguments.output.json ? report.json() + "\n" : report.text());
+  arguments.atlas.check(arguments.overwrite);
+  const std::optional<SurfaceAtlasReport> atlas = draw_atlas(arguments.atlas, loaded, arguments.output.quiet);
+  if (arguments.output.json) {
+    fmt::print("{}\n", atlas ? with_atlas(report.json(), *atlas) : report.json());
+  } else {
+    fmt::print("{}{}", report.text(), atlas ? text_of(*atlas) : "");
+  }
   return 0;
 }
 
@@ -47,6 +55,7 @@ void add_scene_command(CLI::App& program, Action& action) {
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   arguments->overrides.add_to(command);
   command.add_option("--export", arguments->export_file, "write the scene as it is understood to FILE.glb");
+  arguments->atlas.add_to(command);
   command.add_flag("--overwrite", arguments->overwrite, "replace existing files");
   arguments->output.add_to(command);
   command.callback([arguments, &action] { action = [arguments] { return scene(*arguments); }; });

@@ -8,8 +8,8 @@
 float4 slot_color(uint slot) {
   if (slot == LUCARIUM_NONE) return (float4)(0.0f);
   const uint hash = hash_uint2(slot, 0x61746c73u);
-  return (float4)(0.15f + (float)(hash & 255u) / 300.0f, 0.15f + (float)((hash >> 8) & 255u) / 300.0f,
-                  0.15f + (float)((hash >> 16) & 255u) / 300.0f, 1.0f);
+  const float3 value = (float3)((float)(hash & 255u), (float)((hash >> 8) & 255u), (float)((hash >> 16) & 255u)) / 255.0f;
+  return (float4)(0.05f + 0.9f * value * value, 1.0f);
 }
 
 __kernel void draw_atlas_layer(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
@@ -22,4 +22,10 @@ __kernel void draw_atlas_layer(AtlasInfo atlas_info, __global const AtlasTriangl
   if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
   const uint texel = atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v);
   colors[i] = slot_color(atlas_side(atlas_info, texel, point.normal.w == 0.0f));
+}
+
+// The colour of every slot, for pictures of the atlas itself.
+__kernel void color_atlas_slots(uint count, __global float4* restrict colors) {
+  const uint slot = get_global_id(0);
+  if (slot < count) colors[slot] = slot_color(slot);
 }

@@ -184,6 +184,22 @@ void SurfaceAtlas::resolve(const TypedBuffer<GBufferPoint>& points, Film& film) 
   for (const float4& color : colors.download()) layer.pixels.insert(layer.pixels.end(), {color.x, color.y, color.z});
 }
 
+std::vector<float4> SurfaceAtlas::slot_colors() const {
+  State& s = *state_;
+  if (s.info.texel_count == 0) return {};
+  const TypedBuffer<float4> colors(s.device, s.owner, "atlas colors", s.info.texel_count, kFewerTexels);
+  ScheduleRecorder recorder = s.scheduler.record("color atlas slots", s.owner);
+  recorder.pass("color atlas slots", s.program, "color_atlas_slots")
+      .global(s.info.texel_count)
+      .local(kLocalSize)
+      .arg("count", s.info.texel_count)
+      .arg("colors", colors);
+  Schedule schedule = recorder.compile();
+  s.run(schedule);
+  s.scheduler.finish();
+  return colors.download();
+}
+
 size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
   const size_t slots = static_cast<size_t>(options.texel_edge > 0 ? 0 : options.texel_count);

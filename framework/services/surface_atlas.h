@@ -73,6 +73,9 @@ class SurfaceAtlas {
   /// Adds the layer `atlas` to a film: the texel that each pixel of a G-buffer shows, its id hashed to a colour.
   void resolve(const TypedBuffer<GBufferPoint>& points, Film& film) const;
 
+  /// The colours of that layer, per slot.
+  std::vector<float4> slot_colors() const;
+
   /// Expected device memory for a scene [bytes]; the constructor states the exact one.
   static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options);
 

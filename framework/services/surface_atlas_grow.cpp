@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "lucarium/services/surface_atlas_chart.h"
+#include "lucarium/services/surface_atlas_texcoord.h"
 
 namespace lucarium {
 
@@ -20,8 +21,8 @@ constexpr uint32_t tick_interval = 1u << 15;
 /// Grows sets from the largest free triangle on.
 class Grower {
  public:
-  Grower(const AtlasMesh& mesh, const std::vector<uint8_t>& by_texcoord, const std::function<void(double)>& tick)
-      : mesh_(mesh), by_texcoord_(by_texcoord), tick_(tick), chart_of_(mesh.triangle_count(), LUCARIUM_NONE) {}
+  Grower(const AtlasMesh& mesh, const std::vector<double>& texcoord_scale, const std::function<void(double)>& tick)
+      : mesh_(mesh), texcoord_scale_(texcoord_scale), tick_(tick), chart_of_(mesh.triangle_count(), LUCARIUM_NONE) {}
 
   uint32_t run();
   std::vector<uint32_t>& chart_of() { return chart_of_; }
@@ -31,13 +32,12 @@ class Grower {
   using Candidate = std::tuple<int, float, uint32_t>;
   void grow(uint32_t seed, uint32_t chart);
   void offer_neighbors(uint32_t triangle, uint32_t seed);
-  bool island_goes_on(uint32_t triangle, int edge, uint32_t other) const;
   glm::vec3 center(uint32_t t) const {
     return glm::vec3((mesh_.position(t, 0) + mesh_.position(t, 1) + mesh_.position(t, 2)) / 3.);
   }
 
   const AtlasMesh& mesh_;
-  const std::vector<uint8_t>& by_texcoord_;
+  const std::vector<double>& texcoord_scale_;
   const std::function<void(double)>& tick_;
   std::vector<uint32_t> chart_of_;
   std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> open_;
@@ -76,20 +76,14 @@ void Grower::grow(uint32_t seed, uint32_t chart) {
   }
 }
 
-bool Grower::island_goes_on(uint32_t triangle, int edge, uint32_t other) const {
-  const auto uv = [&](uint32_t t, int i) { return mesh_.geometry.texcoord1[mesh_.geometry.triangles[t][i % 3]]; };
-  const int back = mesh_.edge_to(other, triangle);
-  return back < 3 && uv(triangle, edge) == uv(other, back + 1) && uv(triangle, edge + 1) == uv(other, back);
-}
-
 void Grower::offer_neighbors(uint32_t triangle, uint32_t seed) {
   static const float cone = static_cast<float>(cos_degrees(cone_degrees));
-  const bool island = !by_texcoord_.empty() && by_texcoord_[mesh_.geometry.instance[seed]];
+  const bool island = !texcoord_scale_.empty() && texcoord_scale_[mesh_.geometry.instance[seed]] > 0;
   for (int i = 0; i < 3; ++i) {
     const uint32_t other = mesh_.neighbor[triangle][i];
     if (other == LUCARIUM_NONE || chart_of_[other] != LUCARIUM_NONE) continue;
     if (island) {
-      if (island_goes_on(triangle, i, other)) open_.emplace(0, 0.f, other);
+      if (texcoord1_goes_on(mesh_, triangle, i, other)) open_.emplace(0, 0.f, other);
       continue;
     }
     if (mesh_.hard[triangle] >> i & 1) continue;
@@ -158,31 +152,36 @@ std::vector<uint32_t> join_small(const AtlasMesh& mesh, const std::vector<uint32
 
 }  // namespace
 
-ChartSets grow_charts(const AtlasMesh& mesh, double edge, const std::vector<uint8_t>& by_texcoord,
-                      const std::function<void(double)>& tick) {
-  Grower grower(mesh, by_texcoord, tick);
-  const uint32_t charts = grower.run();
-  std::vector<uint32_t>& chart_of = grower.chart_of();
+GrownCharts grow_charts(const AtlasMesh& mesh, const std::vector<double>& texcoord_scale,
+                        const std::function<void(double)>& tick) {
+  Grower grower(mesh, texcoord_scale, tick);
+  GrownCharts grown;
+  grown.count = grower.run();
+  grown.chart_of = std::move(grower.chart_of());
+  return grown;
+}
+
+ChartSets join_small_charts(const AtlasMesh& mesh, const GrownCharts& grown, double edge) {
   std::vector<uint8_t> small;
-  const std::vector<uint32_t> root = join_small(mesh, chart_of, charts, edge, small);
+  const std::vector<uint32_t> root = join_small(mesh, grown.chart_of, grown.count, edge, small);
 
   // Sets in order of their representatives, triangles ascending: a counting sort.
   ChartSets sets;
-  std::vector<uint32_t> number(charts, LUCARIUM_NONE);
-  for (uint32_t c = 0; c < charts; ++c) {
+  std::vector<uint32_t> number(grown.count, LUCARIUM_NONE), set_of;
+  for (uint32_t c = 0; c < grown.count; ++c) {
     if (root[c] != c) continue;
     number[c] = static_cast<uint32_t>(sets.count());
     sets.one_texel.push_back(small[c]);
   }
   sets.first.assign(sets.count() + 1, 0);
-  for (uint32_t& c : chart_of) {
-    c = number[root[c]];
-    ++sets.first[c + 1];
+  for (const uint32_t chart : grown.chart_of) {
+    set_of.push_back(number[root[chart]]);
+    ++sets.first[set_of.back() + 1];
   }
   std::partial_sum(sets.first.begin(), sets.first.end(), sets.first.begin());
   std::vector<uint32_t> next(sets.first.begin(), sets.first.end() - 1);
-  sets.triangles.resize(chart_of.size());
-  for (uint32_t t = 0; t < chart_of.size(); ++t) sets.triangles[next[chart_of[t]]++] = t;
+  sets.triangles.resize(set_of.size());
+  for (uint32_t t = 0; t < set_of.size(); ++t) sets.triangles[next[set_of[t]]++] = t;
   return sets;
 }
 

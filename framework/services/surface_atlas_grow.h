@@ -16,10 +16,19 @@ struct ChartSets {
   size_t count() const { return one_texel.size(); }
 };
 
-/// Connected sets whose normals lie in a cone about that of the set's largest triangle, creases aside; then adjacent small sets
-/// joined to texels (at most edge² in area, 2 · edge across, normals within 75 degrees). `by_texcoord` (per instance, may be
-/// empty): sets are islands of TEXCOORD_1 instead. `tick(fraction)` is called now and then and may throw.
-ChartSets grow_charts(const AtlasMesh& mesh, double edge, const std::vector<uint8_t>& by_texcoord,
-                      const std::function<void(double)>& tick);
+/// Per triangle its chart.
+struct GrownCharts {
+  std::vector<uint32_t> chart_of;
+  uint32_t count = 0;
+};
+
+/// Connected sets whose normals lie in a cone about that of the set's largest triangle, creases aside. Where
+/// `texcoord_scale` (per instance, may be empty) is not 0, sets are islands of TEXCOORD_1 instead. `tick(fraction)` is
+/// called now and then and may throw.
+GrownCharts grow_charts(const AtlasMesh& mesh, const std::vector<double>& texcoord_scale,
+                        const std::function<void(double)>& tick);
+
+/// Adjacent small charts joined to single texels: at most edge² in area, 2 · edge across, normals within 75 degrees.
+ChartSets join_small_charts(const AtlasMesh& mesh, const GrownCharts& grown, double edge);
 
 }  // namespace lucarium

@@ -12,12 +12,15 @@
 #include "lucarium/services/surface_atlas_chart.h"
 #include "lucarium/services/surface_atlas_grow.h"
 #include "lucarium/services/surface_atlas_table.h"
+#include "lucarium/services/surface_atlas_texcoord.h"
 
 namespace lucarium {
 
 namespace {
 
-constexpr size_t parts = 64;  // independent of the number of threads, and so is the result
+constexpr int attempts = 4;               // at texel edges, until the wanted count is met
+constexpr double count_tolerance = 1.08;  // within which a count counts as met
+constexpr size_t parts = 64;               // independent of the number of threads, and so is the result
 
 void check(const AtlasLayoutOptions& options) {
   if (options.texel_edge < 0 || !std::isfinite(options.texel_edge) ||
@@ -34,6 +37,13 @@ void check(const AtlasLayoutOptions& options) {
 double side_area(const AtlasMesh& mesh) {
   double sum = 0;
   for (uint32_t t = 0; t < mesh.triangle_count(); ++t) sum += mesh.area[t] * (mesh.two_sided(t) ? 2 : 1);
+  return sum;
+}
+
+uint64_t slot_count(const std::vector<AtlasPart>& parts) {
+  uint64_t sum = 0;
+  for (const AtlasPart& part : parts)
+    for (const PlacedChart& chart : part.charts) sum += chart.texel_count * (chart.two_sided ? 2 : 1);
   return sum;
 }
 
@@ -81,7 +91,7 @@ void run_jobs(size_t count, unsigned threads, const MakeWorker& make_worker, con
 }
 
 std::vector<AtlasPart> place_charts(const AtlasMesh& mesh, const ChartSets& sets, const ChartSettings& settings,
-                                    unsigned threads, const Watch& watch) {
+                                    unsigned threads, const std::function<void(double)>& tick) {
   // Runs of sets with about as many triangles each.
   std::vector<size_t> first_set{0};
   const size_t share = sets.triangles.size() / parts + 1;
@@ -99,7 +109,7 @@ std::vector<AtlasPart> place_charts(const AtlasMesh& mesh, const ChartSets& sets
     };
   };
   run_jobs(result.size(), threads, make_worker,
-           [&](size_t job) { watch.at(0.4 + 0.5 * double(job) / double(result.size()), "placing charts"); });
+           [&](size_t job) { tick(double(job) / double(result.size())); });
   return result;
 }
 
@@ -111,17 +121,32 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   watch.at(0, "welding");
   const AtlasMesh mesh(geometry);
   ChartSettings settings;
-  settings.edge = options.texel_edge;
-  if (settings.edge == 0) settings.edge = std::sqrt(side_area(mesh) / double(options.texel_count));
-  if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
   settings.merge_threshold = options.merge_threshold;
-  const ChartSets sets = grow_charts(mesh, settings.edge, geometry.has_texcoord1,
-                                     [&](double done) { watch.at(0.1 + 0.3 * done, "growing charts"); });
+  settings.texcoord_scale = check_texcoord1(mesh);
+  const GrownCharts grown = grow_charts(mesh, settings.texcoord_scale,
+                                        [&](double done) { watch.at(0.1 + 0.2 * done, "growing charts"); });
   const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  const std::vector<AtlasPart> placed = place_charts(mesh, sets, settings, threads, watch);
+  settings.edge = options.texel_edge > 0 ? options.texel_edge : std::sqrt(side_area(mesh) / double(options.texel_count));
+  if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
+  std::vector<AtlasPart> best;
+  double best_edge = 0, best_off = INFINITY;
+  double share = 0.3;  // of the progress; most layouts need one attempt
+  for (int attempt = 0; attempt < attempts; ++attempt, share *= 0.5) {
+    const ChartSets sets = join_small_charts(mesh, grown, settings.edge);
+    std::vector<AtlasPart> placed = place_charts(mesh, sets, settings, threads, [&](double done) {
+      watch.at(0.9 - share * (2 - done), "placing charts");
+    });
+    const double ratio = options.texel_edge > 0 ? 1 : double(slot_count(placed)) / double(options.texel_count);
+    const double off = std::fabs(std::log(std::max(ratio, 1e-9)));
+    const bool better = off < best_off;
+    const bool worth_another = ratio > 0 && off > std::log(count_tolerance) && off < 0.9 * best_off;
+    if (better) best = std::move(placed), best_edge = settings.edge, best_off = off;
+    if (!worth_another) break;
+    settings.edge *= std::sqrt(ratio);
+  }
   watch.at(0.9, "joining charts");
-  AtlasLayout layout = join_parts(mesh, placed, settings.edge);
-  link_seams(mesh, placed, layout);
+  AtlasLayout layout = join_parts(mesh, best, best_edge);
+  link_seams(mesh, best, layout);
   return layout;
 }
 

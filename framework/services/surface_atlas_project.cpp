@@ -14,6 +14,7 @@ using glm::dvec3;
 
 constexpr double steepest_degrees = 75;  // between the projection and a triangle, before another axis is tried
 constexpr double least_fill = 0.75;      // of the rectangle; below, a chart is bisected
+constexpr double least_fill_uncut = 0.3; // below, a chart is halved even where that alone gains nothing
 constexpr double worth_bisecting = 16;   // rectangles up to this many s² stay whole
 constexpr double bisection_gain = 0.85;  // both rectangles together over the whole one, at most
 constexpr int bins = 16;
@@ -74,6 +75,17 @@ std::array<dvec3, 2> plane_basis(const dvec3& n) {
   return {t, glm::cross(n, t)};
 }
 
+/// A unit vector across the longest edge of a triangle that has no normal to speak of.
+dvec3 sliver_axis(const AtlasMesh& mesh, uint32_t triangle) {
+  dvec3 longest(0);
+  for (int i = 0; i < 3; ++i) {
+    const dvec3 edge = mesh.position(triangle, (i + 1) % 3) - mesh.position(triangle, i);
+    if (glm::dot(edge, edge) > glm::dot(longest, longest)) longest = edge;
+  }
+  const double length = glm::length(longest);
+  return length > 0 && std::isfinite(length) ? plane_basis(longest / length)[0] : dvec3(0, 0, 1);
+}
+
 /// Area-weighted mean normal, unless some triangle is too steep to it: then that of the largest.
 dvec3 chart_axis(const AtlasMesh& mesh, const std::vector<uint32_t>& triangles) {
   dvec3 sum(0);
@@ -82,7 +94,7 @@ dvec3 chart_axis(const AtlasMesh& mesh, const std::vector<uint32_t>& triangles) 
     sum += mesh.area[t] * dvec3(mesh.normal[t]);
     if (mesh.area[t] > mesh.area[largest]) largest = t;
   }
-  const dvec3 fallback = mesh.normal[largest] == glm::vec3(0) ? dvec3(0, 0, 1) : dvec3(mesh.normal[largest]);
+  const dvec3 fallback = mesh.normal[largest] == glm::vec3(0) ? sliver_axis(mesh, largest) : dvec3(mesh.normal[largest]);
   const double length = glm::length(sum);
   if (!(length > 0)) return fallback;
   const double steepest = cos_degrees(steepest_degrees);
@@ -160,9 +172,13 @@ bool ChartPlacer::bisect(std::vector<uint32_t>& one, std::vector<uint32_t>& othe
       }
     }
   }
-  if (best_axis < 0) return false;
+  if (best_axis < 0) {
+    // Frames and the like gain only when their halves are cut again.
+    if (filled >= least_fill_uncut * whole) return false;
+    best_axis = size_.x >= size_.y ? 0 : 1, best_bin = bins / 2 - 1;
+  }
   for (const ChartTriangle& t : chart_) (bin_of(t, best_axis) <= best_bin ? one : other).push_back(t.triangle);
-  return true;
+  return !one.empty() && !other.empty();
 }
 
 // Whole cells that fit the rectangle, stretched by up to half a cell, so that straight borders cut no slivers off.

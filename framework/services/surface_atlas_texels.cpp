@@ -11,6 +11,16 @@ namespace lucarium {
 namespace {
 
 constexpr double most_merged = 1.5;  // area that a texel may grow to by merging [s²]
+constexpr uint32_t most_across = 2;  // cells of one texel along each axis
+
+/// The cells of a texel.
+struct CellBox {
+  uint32_t x0, y0, x1, y1;
+  bool small() const { return x1 - x0 < most_across && y1 - y0 < most_across; }
+};
+CellBox joint(const CellBox& a, const CellBox& b) {
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
 
 /// Whether two lists of pieces, both ascending by triangle, share a triangle; with_area: one that has area in both.
 bool share_triangle(const ChartPiece* a, const ChartPiece* a_end, const ChartPiece* b, const ChartPiece* b_end,
@@ -54,13 +64,15 @@ bool ChartPlacer::cells_share_triangle(uint32_t a, uint32_t b, bool with_area) c
 }
 
 // Joins cells of little area, smallest first, to the largest neighbour behind a side that some triangle crosses, so that the
-// pieces of the joint texel still touch.
+// pieces of the joint texel still touch. Texels stay within two cells, so that needles are not one texel from end to end.
 void ChartPlacer::merge_small_cells() {
   const double s2 = settings_.edge * settings_.edge, threshold = settings_.merge_threshold * s2;
   std::vector<uint32_t> order;
   for (uint32_t c = 0; c < covered_.size(); ++c)
     if (cell_area_[c] > 0 && cell_area_[c] < threshold) order.push_back(c);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return cell_area_[a] < cell_area_[b]; });
+  std::vector<CellBox> box;
+  for (const uint32_t cell : covered_) box.push_back({cell % width_, cell / width_, cell % width_, cell / width_});
   constexpr int sides[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   for (const uint32_t c : order) {
     const uint32_t root = find_root(texel_of_, c);
@@ -71,11 +83,13 @@ void ChartPlacer::merge_small_cells() {
       if (n == LUCARIUM_NONE || !cells_share_triangle(c, n, true)) continue;
       const uint32_t other = find_root(texel_of_, n);
       if (other == root || cell_area_[other] + cell_area_[root] > most_merged * s2) continue;
+      if (!joint(box[root], box[other]).small()) continue;
       if (best == LUCARIUM_NONE || cell_area_[other] > cell_area_[best]) best = other;
     }
     if (best == LUCARIUM_NONE) continue;
     texel_of_[root] = best;
     cell_area_[best] += cell_area_[root];
+    box[best] = joint(box[root], box[best]);
   }
 }
 
