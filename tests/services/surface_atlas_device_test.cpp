@@ -5,6 +5,12 @@
 #include <cmath>
 
 #include "../analytic/closed_form.h"
+#include "lucarium/base/error.h"
+#include "lucarium/services/bvh.h"
+#include "lucarium/services/direct_light.h"
+#include "lucarium/services/gbuffer.h"
+#include "lucarium/services/surface_atlas_image.h"
+#include "lucarium/technique/technique.h"
 #include "surface_atlas_support.h"
 
 const lucarium::EmbeddedSources& test_services_kernels();
@@ -191,5 +197,201 @@ TEST_CASE("interpolation follows a smooth function") {
     MESSAGE(std::string(name) << ": " << error.interpolated << ", nearest " << error.nearest);
     CHECK(error.interpolated < 0.04);
     CHECK(error.interpolated < 0.5 * error.nearest);
+  }
+}
+
+namespace {
+
+/// Slots after a change of geometry lie on the triangles as they are now, and their areas sum to the surface's.
+void check_follows(const AtlasContext& context) {
+  const AtlasGeometry g = read_atlas_geometry(context.scene, context.buffers, false);
+  const auto texels = context.atlas->texels().download();
+  const auto points = context.atlas->surface_points().download();
+  const auto ranges = context.atlas->ranges().download();
+  const auto pieces = context.atlas->pieces().download();
+  double area = 0;
+  for (uint32_t slot = 0; slot < texels.size(); ++slot) {
+    const uint32_t t = texels[slot].triangle;
+    const glm::dvec3 exact = point_on(g, t, texels[slot].b1, texels[slot].b2);
+    CHECK(glm::length(glm::dvec3(points[slot].position.xyz()) - exact) < 1e-5);
+    const glm::dvec3 n = glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0));
+    const uint32_t k = context.atlas->info().double_sided_count;
+    const bool back = slot >= k && slot < 2 * k;
+    CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), glm::normalize(n)) == doctest::Approx(back ? -1 : 1).epsilon(1e-4));
+    double expected = 0;
+    for (uint32_t i = ranges[slot].x; i < ranges[slot].x + ranges[slot].y; ++i)
+      expected += double(pieces[i].fraction) * area_of(g, pieces[i].triangle);
+    CHECK(double(texels[slot].area) == doctest::Approx(expected).epsilon(1e-4));
+    area += double(texels[slot].area);
+  }
+  CHECK(area == doctest::Approx(side_area(g)).epsilon(1e-6));
+}
+
+}  // namespace
+
+TEST_CASE("a rigid motion moves the slots and keeps their areas") {
+  AtlasContext context(make_builtin_scene("cornell"), 4000);
+  const auto before = context.atlas->texels().download();
+  const uint64_t generation = context.atlas->generation();
+  SceneChange change;
+  for (int i = 0; i < int(context.scene.instances.size()); i += 2) {
+    SceneInstance& instance = context.scene.instances[size_t(i)];
+    change.moved_instances.push_back(i);
+    change.previous_world_from_object.push_back(instance.world_from_object);
+    instance.world_from_object =
+        glm::rotate(glm::translate(glm::mat4(1), glm::vec3(0.3f, 1, -0.2f)), 0.7f, glm::normalize(glm::vec3(1, 2, 3))) *
+        instance.world_from_object;
+  }
+  context.buffers.update(context.scene, change);
+  context.atlas->refit(context.scene, change);
+  CHECK(context.atlas->generation() == generation);
+  check_follows(context);
+  const auto after = context.atlas->texels().download();
+  for (size_t i = 0; i < after.size(); ++i)
+    CHECK(double(after[i].area) == doctest::Approx(double(before[i].area)).epsilon(1e-4));
+}
+
+TEST_CASE("a deformation: areas follow the triangles, and sum to what a rebuilt atlas has") {
+  Scene scene = make_builtin_scene("furnace");
+  for (SceneInstance& instance : scene.instances) instance.pose = std::make_shared<Mesh>(scene.meshes[size_t(instance.mesh)]);
+  AtlasContext context(std::move(scene), 4000);
+  SceneChange change;
+  for (int i = 0; i < int(context.scene.instances.size()); ++i) {
+    Mesh pose = *context.scene.instances[size_t(i)].pose;
+    for (glm::vec3& p : pose.positions) p = glm::vec3(1.5f * p.x + 0.2f * std::sin(3 * p.y), p.y * (1 + 0.3f * p.x), 0.7f * p.z);
+    context.scene.instances[size_t(i)].pose = std::make_shared<Mesh>(std::move(pose));
+    change.deformed_instances.push_back(i);
+  }
+  context.buffers.update(context.scene, change);
+  context.atlas->refit(context.scene, change);
+  check_follows(context);
+  const auto sum = [](const SurfaceAtlas& atlas) {
+    double area = 0;
+    for (const AtlasTexel& texel : atlas.texels().download()) area += double(texel.area);
+    return area;
+  };
+  const SurfaceAtlas rebuilt(*atlas_device(), context.scheduler, context.scene, context.buffers, context.options, "test");
+  CHECK(sum(*context.atlas) == doctest::Approx(sum(rebuilt)).epsilon(1e-6));
+}
+
+TEST_CASE("a change of material is seen; one of its sides rebuilds") {
+  AtlasContext context(make_builtin_scene("cornell"), 2000);
+  SceneChange change;
+  change.materials = {0};
+  context.scene.materials[0].base_color = glm::vec4(0.25f, 0.5f, 0.75f, 1);
+  context.scene.materials[0].ior = 1;
+  context.buffers.update(context.scene, change);
+  context.atlas->refit(context.scene, change);
+  CHECK(context.atlas->generation() == 1);
+  const auto slots_of_material = [&] {
+    const AtlasGeometry g = read_atlas_geometry(context.scene, context.buffers, false);
+    const auto texels = context.atlas->texels().download();
+    const auto materials = context.atlas->materials().download();
+    uint32_t count = 0;
+    for (size_t slot = 0; slot < texels.size(); ++slot) {
+      if (context.scene.instances[g.instance[texels[slot].triangle]].material != 0) continue;
+      CHECK(materials[slot].diffuse.x == doctest::Approx(0.25));
+      CHECK(materials[slot].diffuse.z == doctest::Approx(0.75));
+      ++count;
+    }
+    return count;
+  };
+  const uint32_t before = slots_of_material();
+  CHECK(before > 0);
+  CHECK(context.atlas->info().double_sided_count == 0);
+  context.scene.materials[0].double_sided = true;
+  context.buffers.update(context.scene, change);
+  context.atlas->refit(context.scene, change);
+  CHECK(context.atlas->generation() == 2);
+  CHECK(2 * context.atlas->info().double_sided_count == slots_of_material());
+}
+
+TEST_CASE("the sample positions are receivers for DirectLight") {
+  // A closed room with one point light: where it is seen, E = I cos / d².
+  AtlasContext context(make_builtin_scene("room"), 2000);
+  const Bvh bvh(*atlas_device(), context.scene, context.buffers);
+  DirectLight direct(*atlas_device(), context.scheduler, context.buffers, bvh, "test");
+  const TypedBuffer<float4> sums(*atlas_device(), "test", "irradiance", context.atlas->info().texel_count);
+  REQUIRE(direct.accumulate_irradiance(context.atlas->surface_points(), sums, 0, 1));
+  context.scheduler.finish();
+  REQUIRE(context.scene.lights.size() == 1);
+  const glm::dvec3 light(context.scene.lights[0].world_from_light[3]);
+  const auto points = context.atlas->surface_points().download();
+  const auto irradiance = sums.download();
+  uint32_t lit = 0;
+  for (size_t slot = 0; slot < points.size(); ++slot) {
+    const glm::dvec3 to = light - glm::dvec3(points[slot].position.xyz());
+    const double d = glm::length(to), cosine = glm::dot(to, glm::dvec3(points[slot].normal.xyz())) / d;
+    if (irradiance[slot].x == 0) continue;
+    ++lit;
+    CHECK(double(irradiance[slot].x) == doctest::Approx(double(context.scene.lights[0].intensity.x) * cosine / (d * d)).epsilon(1e-3));
+  }
+  CHECK(lit > points.size() / 2);
+}
+
+TEST_CASE("the layer shows every texel in its colour") {
+  AtlasContext context(make_builtin_scene("cornell"), 300);
+  const Bvh bvh(*atlas_device(), context.scene, context.buffers);
+  RenderSettings settings;
+  settings.width = settings.height = 64;
+  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  settings.camera = context.scene.cameras.at(0);
+  GBuffer gbuffer(*atlas_device(), context.scheduler, context.buffers, bvh, make_frame(settings), "test");
+  REQUIRE(gbuffer.render(0));
+  Film film(64, 64);
+  context.atlas->resolve(gbuffer.points(), film);
+  const FilmLayer* layer = film.find("atlas");
+  REQUIRE(layer);
+  const auto colors = context.atlas->slot_colors();
+  const auto records = context.atlas->triangles().download();
+  const auto table = context.atlas->table().download();
+  const auto points = gbuffer.points().download();
+  for (size_t i = 0; i < points.size(); ++i) {
+    float4 expected(0, 0, 0, 0);
+    if (points[i].state == LUCARIUM_GBUFFER_SURFACE && points[i].normal.w == 0)
+      expected = colors[table[atlas_cell(records[points[i].triangle], points[i].u, points[i].v)]];
+    CHECK(layer->pixels[3 * i] == expected.x);
+    CHECK(layer->pixels[3 * i + 2] == expected.z);
+  }
+}
+
+TEST_CASE("the packed picture has every texel") {
+  Scene scene = make_builtin_scene("cornell");
+  scene.materials[0].double_sided = true;
+  AtlasContext context(std::move(scene), 3000);
+  const SurfaceAtlasImage image(*context.atlas);
+  const uint32_t slots = context.atlas->info().texel_count, k = context.atlas->info().double_sided_count;
+  std::vector<float4> values;
+  for (uint32_t slot = 0; slot < slots; ++slot) values.emplace_back(float(slot + 1), 0.f, 0.f, 0.f);
+  Film film(image.width(), image.height());
+  image.add_layer(film, "fronts", values);
+  image.add_layer(film, "backs", values, true);
+  std::vector<uint8_t> seen(slots + 1, 0);
+  for (const char* name : {"fronts", "backs"})
+    for (size_t i = 0; i < film.pixel_count(); ++i) seen[size_t(film.find(name)->pixels[3 * i])] = 1;
+  for (uint32_t slot = 0; slot < slots; ++slot) CHECK(seen[slot + 1]);
+  CHECK(k > 0);
+  const Film drawn = image.draw(*context.atlas);
+  for (const char* name : {"atlas", "Albedo", "Emission", "P", "N", "Area"}) CHECK(drawn.find(name));
+}
+
+TEST_CASE("memory: refused with numbers, estimated about right") {
+  Scene scene = make_builtin_scene("cornell");
+  AtlasContext context(scene, 100000);
+  const double estimate = double(SurfaceAtlas::estimate_bytes(scene, context.options));
+  CHECK(double(context.atlas->report().bytes) == doctest::Approx(estimate).epsilon(0.2));
+  CHECK(context.atlas->report().slots == context.atlas->info().texel_count);
+  CHECK(context.atlas->report().area_p50 == doctest::Approx(1).epsilon(0.05));
+  DeviceOptions little;
+  little.memory_limit_bytes = 10 << 20;
+  const std::shared_ptr<Device> device = Device::open(little);
+  KernelScheduler scheduler(device);
+  const SceneBuffers buffers(*device, scene);
+  try {
+    const SurfaceAtlas atlas(*device, scheduler, scene, buffers, context.options, "test");
+    FAIL("not refused");
+  } catch (const Error& error) {
+    CHECK(error.error_class() == ErrorClass::device);
+    CHECK(std::string(error.what()).find("fewer atlas texels") != std::string::npos);
   }
 }
