@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gathers light at points: one work-item per gather, in groups of one.
+#include "micro_rendering/micro_gather.clh"
+
+#define MICRO_SHOWN_ROW 64  // pixels per row of micro_buffer
+
+// The micro-buffer of the inspected slot: radiance and distance [m]; -1: empty.
+void keep_micro_buffer(const MicroWarp* warp, const MicroBuffer* buffer, const global half* radiance, float unit,
+                       __global float4* micro_buffer) {
+  for (uint y = 0; y < warp->edge; ++y) {
+    for (uint x = 0; x < warp->edge; ++x) {
+      const ulong key = buffer->key[(y + 1u) * buffer->rows + x + 1u];
+      float4 pixel = (float4)(0.0f, 0.0f, 0.0f, -1.0f);
+      if (key != MICRO_EMPTY) pixel = (float4)(unit * pixel_radiance(radiance, key), as_float((uint)(key >> 32)));
+      micro_buffer[y * MICRO_SHOWN_ROW + x] = pixel;
+    }
+  }
+}
+
+// Results at the gathers' slots, see MicroStatistics (micro_types.h); every gather overwrites those of its lobes.
+// micro_buffer: of the slot settings.inspect, 64 x 64, its first B x B; of the larger lobe.
+__kernel void mr_gather(__global const MicroTree* restrict trees, const uint tree_count,
+                        __global const uint4* restrict nodes, __global const half* restrict radiance,
+                        __global const float* restrict radiance_unit, __global const MicroGather* restrict gathers,
+                        __global const uint* restrict gather_count, const MicroSettings settings,
+                        __global float4* restrict irradiance, __global float4* restrict specular,
+                        __global MicroStatistics* restrict statistics, __global float4* restrict micro_buffer) {
+  const uint i = get_global_id(0);
+  if (i >= gather_count[0]) return;
+  const float unit = radiance_unit[0];
+  MicroForest forest;
+  forest.trees = trees;
+  forest.tree_count = tree_count;
+  forest.nodes = nodes;
+  forest.radiance = radiance;
+  const MicroPoint point = make_micro_point(gathers + i, settings.seed);
+  const uint lobes = gathers[i].lobes;
+  const uint edges[2] = {min(lobes & 255u, (uint)MICRO_SIZE), min((lobes >> 8) & 255u, (uint)MICRO_SIZE)};
+  MicroStatistics counts;
+  counts.visits = counts.splats = counts.listed = counts.disc_tests = counts.holes = counts.flushes = counts.levels =
+      counts.pad = 0u;
+  MicroBuffer buffer;
+  for (uint lobe = MICRO_LOBE_DIFFUSE; lobe <= MICRO_LOBE_SPECULAR; ++lobe) {
+    if (edges[lobe] == 0u) continue;
+    const MicroWarp warp = make_micro_warp(lobe, edges[lobe], half_value(lobes >> 16), to_local(&point.basis, point.view));
+    draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
+    float3 grazing;
+    const float4 light = micro_light(&warp, &point, &buffer, radiance, &grazing, &counts);
+    if (lobe == MICRO_LOBE_DIFFUSE) {
+      irradiance[point.slot] = (float4)(M_PI_F * unit * light.xyz, light.w);
+    } else {
+      specular[2u * point.slot] = (float4)(unit * light.xyz, 0.0f);
+      specular[2u * point.slot + 1u] = (float4)(unit * grazing, 0.0f);
+    }
+    if (point.slot == settings.inspect && edges[lobe] >= edges[1u - lobe])
+      keep_micro_buffer(&warp, &buffer, radiance, unit, micro_buffer);
+  }
+  statistics[point.slot] = counts;
+}
