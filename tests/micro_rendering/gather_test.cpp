@@ -41,10 +41,26 @@ TEST_CASE("a closed room of radiance 1 reflects all of it, and its micro-buffers
   const auto buffers = forest.upload();
   const auto points = points_on_cube(150);
   const auto result = test::gather(forest, buffers, points, test::default_settings(), gather_program());
-  const MicroStatistics total = result.total();
-  MESSAGE("E/pi " << result.mean_irradiance() / pi << " visits " << total.visits / points.size() << " splats "
+  const auto total = result.total();
+  MESSAGE("E/pi " << result.mean_irradiance() / pi << " visits " << total.visits / 150 << " splats "
                   << total.splats / points.size() << " listed " << total.listed / points.size() << " discs "
                   << total.disc_tests / points.size() << " holes " << total.holes);
   for (const float4& e : result.irradiance) CHECK(std::abs(e.x / pi - 1) < 0.01);
   CHECK(total.holes < 0.005 * 576 * static_cast<double>(points.size()));
+}
+
+TEST_CASE("probe") {
+  test::SyntheticForest forest;
+  forest.add(test::cube_inside(1 << 14, 1, [](const dvec3&) { return dvec3(1); }), 24);
+  const auto buffers = forest.upload();
+  const auto points = points_on_cube(150);
+  for (float cs : {1.0f, 1.1f, 1.3f, 1.5f, 1.7f})
+    for (const char* sample : {"1", "0"}) {
+      auto settings = test::default_settings();
+      settings.splat_radius = cs;
+      const auto r = test::gather(forest, buffers, points, settings, gather_program({{"MICRO_SAMPLE_SPLAT", sample}}));
+      double empty = 0;
+      for (auto& e : r.irradiance) empty += e.w;
+      MESSAGE(cs << " sample " << sample << " holes " << r.total().holes / 576. / 150 << " E " << r.mean_irradiance() / pi << " empty " << empty / 150);
+    }
 }

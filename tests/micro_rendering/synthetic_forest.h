@@ -7,6 +7,7 @@
 #include <functional>
 #include <glm/glm.hpp>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "micro_fixture.h"
@@ -86,7 +87,7 @@ class SyntheticForest {
   /// Adds a tree over 2^k points that stand for `area` together; its grid's axes are the columns of `axes`.
   void add(std::vector<SurfacePointLight> points, double area, const dmat3& axes = dmat3(1), double disc_scale = 1.6) {
     const size_t n = points.size();
-    REQUIRE((n & (n - 1)) == 0);
+    if ((n & (n - 1)) != 0) throw std::invalid_argument("a tree needs 2^k points");
     dvec3 low(1e30), high(-1e30);
     const dmat3 turn = glm::transpose(axes);
     for (auto& p : points) {
@@ -217,8 +218,11 @@ struct GatherResult {
     for (const float4& e : irradiance) sum += e.x;
     return sum / static_cast<double>(irradiance.size());
   }
-  MicroStatistics total() const {
-    MicroStatistics sum{};
+  struct Totals {
+    double visits = 0, splats = 0, listed = 0, disc_tests = 0, holes = 0, flushes = 0, levels = 0;
+  };
+  Totals total() const {
+    Totals sum;
     for (const MicroStatistics& s : statistics) {
       sum.visits += s.visits;
       sum.splats += s.splats;
@@ -258,23 +262,51 @@ inline MicroSettings default_settings(uint32_t seed = 1) {
   return settings;
 }
 
-/// Runs `kernel` of `program`, which has mr_gather's parameters.
+/// A recorded pass of `kernel` of `program`, which has mr_gather's parameters.
+class GatherRun {
+ public:
+  GatherRun(const SyntheticForest& forest, const SyntheticForest::Buffers& buffers, const std::vector<GatherPoint>& points,
+            const Program& program, const std::string& kernel = "mr_gather")
+      : scheduler_(micro_device().shared_from_this()), unit_(test_buffer(std::vector<float>{1})),
+        gathers_(pack_gathers(points)), count_(test_buffer(std::vector<uint32_t>{static_cast<uint32_t>(points.size())})),
+        irradiance_(test_buffer<float4>(points.size())), specular_(test_buffer<float4>(2 * points.size())),
+        shown_(test_buffer<float4>(64 * 64)), statistics_(test_buffer<MicroStatistics>(points.size())) {
+    ScheduleRecorder recorder = scheduler_.record("gather", "test");
+    settings_ = recorder.variable<MicroSettings>("settings", {});
+    PassBuilder pass = recorder.pass("gather", program, kernel);
+    pass.global(points.size()).local(1);
+    pass.arg("trees", buffers.trees).arg("tree_count", forest.tree_count()).arg("nodes", buffers.nodes);
+    pass.arg("radiance", buffers.radiance).arg("radiance_unit", unit_).arg("gathers", gathers_);
+    pass.arg("gather_count", count_).arg("settings", settings_).arg("irradiance", irradiance_);
+    pass.arg("specular", specular_).arg("statistics", statistics_).arg("micro_buffer", shown_);
+    schedule_ = recorder.compile();
+  }
+  void run(const MicroSettings& settings) {
+    schedule_.set(settings_, settings);
+    scheduler_.run(schedule_);
+    scheduler_.finish();
+  }
+  GatherResult result() const {
+    return {irradiance_.download(), specular_.download(), statistics_.download(), shown_.download()};
+  }
+
+ private:
+  KernelScheduler scheduler_;
+  TypedBuffer<float> unit_;
+  TypedBuffer<MicroGather> gathers_;
+  TypedBuffer<uint32_t> count_;
+  TypedBuffer<float4> irradiance_, specular_, shown_;
+  TypedBuffer<MicroStatistics> statistics_;
+  Variable<MicroSettings> settings_;
+  Schedule schedule_;
+};
+
 inline GatherResult gather(const SyntheticForest& forest, const SyntheticForest::Buffers& buffers,
                            const std::vector<GatherPoint>& points, const MicroSettings& settings, const Program& program,
                            const std::string& kernel = "mr_gather") {
-  const uint32_t count = static_cast<uint32_t>(points.size());
-  const auto gathers = pack_gathers(points);
-  const auto gather_count = test_buffer(std::vector<uint32_t>{count});
-  const auto unit = test_buffer(std::vector<float>{1});
-  const auto irradiance = test_buffer<float4>(count), specular = test_buffer<float4>(2 * count), shown = test_buffer<float4>(64 * 64);
-  const auto statistics = test_buffer<MicroStatistics>(count);
-  run_kernel(program, kernel, count, 1, [&](PassBuilder& pass) {
-    pass.arg("trees", buffers.trees).arg("tree_count", forest.tree_count()).arg("nodes", buffers.nodes);
-    pass.arg("radiance", buffers.radiance).arg("radiance_unit", unit).arg("gathers", gathers).arg("gather_count", gather_count);
-    pass.arg("settings", settings).arg("irradiance", irradiance).arg("specular", specular).arg("statistics", statistics);
-    pass.arg("micro_buffer", shown);
-  });
-  return {irradiance.download(), specular.download(), statistics.download(), shown.download()};
+  GatherRun run(forest, buffers, points, program, kernel);
+  run.run(settings);
+  return run.result();
 }
 
 }  // namespace lucarium::test
