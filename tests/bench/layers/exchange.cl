@@ -15,6 +15,13 @@ typedef struct Exchange {
 #define LAYERED_PAYLOAD LayeredAtlasCell
 #include "lucarium/services/layered_raster_tiles.clh"
 
+void layered_announce(Exchange* exchange, uint triangle) { LUCARIUM_PREFETCH(exchange->triangles + triangle); }
+
+void layered_touch(Exchange* exchange, uint first, uint last) {
+  LUCARIUM_PREFETCH(exchange->table + first);
+  LUCARIUM_PREFETCH(exchange->table + last);
+}
+
 LayeredAtlasCell layered_payload(Exchange* exchange, uint triangle, const LayeredPlanes* planes) {
   return layered_atlas_begin(exchange->triangles, triangle & ~LAYERED_AWAY, planes);
 }
@@ -30,16 +37,15 @@ static uint back_of(const Exchange* exchange, uint texel) {
 
 // Payloads become texels; asks for what the row will touch.
 void layered_prepare(Exchange* exchange, LayeredRow* row) {
-  uint* payload = (uint*)row->payload;
-  for (uint layer = 0u; layer < row->count; ++layer)
-    for (uint lanes = layered_present(row, layer); lanes; lanes &= lanes - 1u) {
-      const uint lane = layered_first(lanes);
-      const uint place = (layered_key(row, layer, lane) & LAYERED_KEY_LAYER) * LAYERED_LANES + lane;
-      const uint texel = exchange->table[payload[place]];
-      payload[place] = texel;
+  for (uint place = 0u; place < row->count; ++place) {
+    uint* payload = (uint*)(row->payload + place);
+    for (uint lanes = row->lanes[place]; lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes), texel = exchange->table[payload[lane]];
+      payload[lane] = texel;
       LUCARIUM_PREFETCH(exchange->received + texel);
       LUCARIUM_PREFETCH(exchange->send + 4u * texel);
     }
+  }
 }
 
 void layered_consume(Exchange* exchange, const LayeredRow* row) {
