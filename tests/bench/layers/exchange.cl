@@ -49,8 +49,11 @@ void layered_prepare(Exchange* exchange, LayeredRow* row) {
 }
 
 void layered_consume(Exchange* exchange, const LayeredRow* row) {
-  for (uint layer = 1u; layer < row->count; ++layer)
-    for (uint lanes = layered_present(row, layer); lanes; lanes &= lanes - 1u) {
+  for (uint layer = 1u; layer < row->count; ++layer) {
+    uint lanes = layered_present(row, layer);
+    // Gaps between backs of single-sided surfaces, most of them inside solids.
+    if (exchange->double_sided == 0u) lanes &= ~layered_towards(row, layer - 1u) | layered_towards(row, layer);
+    for (; lanes; lanes &= lanes - 1u) {
       const uint lane = layered_first(lanes);
       const uint near_key = layered_key(row, layer - 1u, lane), far_key = layered_key(row, layer, lane);
       const uint near_texel = layered_at(row, layer - 1u, lane), far_texel = layered_at(row, layer, lane);
@@ -62,6 +65,7 @@ void layered_consume(Exchange* exchange, const LayeredRow* row) {
       if (a != 0xffffffffu) exchange->received[a] += from_b;
       if (b != 0xffffffffu) exchange->received[b] += from_a;
     }
+  }
 }
 
 __kernel void exchange(LAYERED_TILE_PARAMETERS __global const AtlasTriangle* atlas_triangles,
