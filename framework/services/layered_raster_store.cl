@@ -16,8 +16,6 @@ typedef struct LayeredStore {
 #define LAYERED_PAYLOAD uint
 #include "lucarium/services/layered_raster_tiles.clh"
 
-void layered_announce(LayeredStore* store, uint triangle) {}
-void layered_touch(LayeredStore* store, uint first, uint last) {}
 uint layered_payload(LayeredStore* store, uint triangle, const LayeredPlanes* planes) { return triangle; }
 LayeredUint layered_payload_row(const uint* triangle, float row, LayeredFloat w) { return (LayeredUint)(*triangle); }
 void layered_prepare(LayeredStore* store, LayeredRow* row) {}

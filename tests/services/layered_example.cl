@@ -13,9 +13,6 @@ typedef struct Weight {
 #define LAYERED_PAYLOAD Weight
 #include "lucarium/services/layered_raster_tiles.clh"
 
-void layered_announce(Gaps* gaps, uint triangle) {}
-void layered_touch(Gaps* gaps, uint first, uint last) {}
-
 Weight layered_payload(Gaps* gaps, uint triangle, const LayeredPlanes* planes) {
   const Weight weight = {planes->b1 * 4096.0f};
   return weight;

@@ -12,6 +12,7 @@ typedef struct Exchange {
 
 #include "lucarium/services/layered_raster_atlas.clh"
 #define LAYERED_CONSUMER Exchange
+#define LAYERED_EARLY
 #define LAYERED_PAYLOAD LayeredAtlasCell
 #include "lucarium/services/layered_raster_tiles.clh"
 
