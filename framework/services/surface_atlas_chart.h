@@ -26,13 +26,21 @@ struct PlacedChart {
   uint32_t first_cell, width, height;       ///< in AtlasPart::cells; 1 × 1: one texel, constant uv
   uint32_t first_texel, texel_count;        ///< in AtlasPart::texels
   bool two_sided;
+  /// Where absorb_fragments() made it part of another chart's texel: that chart's part and cell.
+  uint32_t absorbed_by = LUCARIUM_NONE, absorbing_cell = LUCARIUM_NONE;
+};
+
+/// A texel of some part.
+struct TexelPlace {
+  uint32_t part, texel;
 };
 
 struct PartTexel {
   uint32_t triangle;
   float b1, b2;
-  double area;  ///< of one side [m²]
+  double area;  ///< of one side [m²], what it absorbed included
   uint32_t first_piece, piece_count;
+  std::vector<TexelPlace> extra = {};  ///< absorbed ones, whose pieces are its own
 };
 
 /// Some finished charts. Parts are made independently and joined in order, so that the number of threads cannot matter.

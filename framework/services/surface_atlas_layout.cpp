@@ -40,13 +40,6 @@ double side_area(const AtlasMesh& mesh) {
   return sum;
 }
 
-uint64_t slot_count(const std::vector<AtlasPart>& parts) {
-  uint64_t sum = 0;
-  for (const AtlasPart& part : parts)
-    for (const PlacedChart& chart : part.charts) sum += chart.texel_count * (chart.two_sided ? 2 : 1);
-  return sum;
-}
-
 /// Asks whether to stop and tells how far it is.
 class Watch {
  public:
@@ -136,6 +129,7 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
     std::vector<AtlasPart> placed = place_charts(mesh, sets, settings, threads, [&](double done) {
       watch.at(0.9 - share * (2 - done), "placing charts");
     });
+    absorb_fragments(mesh, settings, placed);
     const double ratio = options.texel_edge > 0 ? 1 : double(slot_count(placed)) / double(options.texel_count);
     const double off = std::fabs(std::log(std::max(ratio, 1e-9)));
     const bool better = off < best_off;

@@ -28,10 +28,14 @@ struct Candidate {
 class SeamLinker {
  public:
   SeamLinker(const AtlasMesh& mesh, std::span<const AtlasPart> parts, AtlasLayout& layout)
-      : mesh_(mesh), layout_(layout), chart_of_(mesh.triangle_count()), placed_(mesh.triangle_count()) {
+      : mesh_(mesh),
+        layout_(layout),
+        chart_of_(mesh.triangle_count(), LUCARIUM_NONE),
+        placed_(mesh.triangle_count(), nullptr) {
     uint32_t chart = 0;
     for (const AtlasPart& part : parts) {
       for (const PlacedChart& placed : part.charts) {
+        if (placed.absorbed_by != LUCARIUM_NONE) continue;
         for (uint32_t i = placed.first_triangle; i < placed.first_triangle + placed.triangle_count; ++i) {
           chart_of_[part.triangles[i].triangle] = chart;
           placed_[part.triangles[i].triangle] = &part.triangles[i];
@@ -45,6 +49,7 @@ class SeamLinker {
     uint32_t chart = 0;
     for (const AtlasPart& part : parts) {
       for (const PlacedChart& placed : part.charts) {
+        if (placed.absorbed_by != LUCARIUM_NONE) continue;
         if (placed.width > 1) link_chart(part, placed, layout_.charts[chart]);
         ++chart;
       }
@@ -66,7 +71,7 @@ class SeamLinker {
 
   const AtlasMesh& mesh_;
   AtlasLayout& layout_;
-  std::vector<uint32_t> chart_of_;
+  std::vector<uint32_t> chart_of_;  ///< LUCARIUM_NONE for absorbed charts, which have no cells
   std::vector<const ChartTriangle*> placed_;
   std::vector<Candidate> candidates_;
   std::vector<std::pair<uint32_t, uint32_t>> filled_;  ///< cell, texel; written last, so that order does not matter

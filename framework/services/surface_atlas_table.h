@@ -7,6 +7,13 @@
 
 namespace lucarium {
 
+/// Lets charts of one texel below merge_threshold · s² join the texel of another chart that they touch: at most 1.5 s² and
+/// 2 s from its sample position, normals within 75 degrees.
+void absorb_fragments(const AtlasMesh& mesh, const ChartSettings& settings, std::vector<AtlasPart>& parts);
+
+/// Slots that these parts make.
+uint64_t slot_count(std::span<const AtlasPart> parts);
+
 /// Numbers texels (double-sided ones first) and cells over all parts, in order, and writes the look-up records.
 AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, double edge);
 

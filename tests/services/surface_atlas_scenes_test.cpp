@@ -12,54 +12,71 @@ using namespace lucarium::test;
 
 namespace {
 
-struct Measured {
-  double seconds;
-  AtlasLayout layout;
-};
-
-Measured measure(const char* name, const AtlasGeometry& g, uint64_t texels) {
+/// Lays a scene out, prints what came of it and checks count and bleeding.
+void check_scene(const std::string& name, const AtlasGeometry& g, uint64_t texels) {
+  CAPTURE(name);
+  CAPTURE(texels);
   AtlasLayoutOptions options;
   options.texel_count = texels;
   const auto start = std::chrono::steady_clock::now();
-  Measured result{0, make_atlas_layout(g, options)};
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const AtlasLayout layout = make_atlas_layout(g, options);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::vector<double> areas;
-  const double s2 = double(result.layout.info.texel_edge) * double(result.layout.info.texel_edge);
-  for (const AtlasTexel& texel : result.layout.texels) areas.push_back(double(texel.area) / s2);
+  const double s2 = double(layout.info.texel_edge) * double(layout.info.texel_edge);
+  for (const AtlasTexel& texel : layout.texels) areas.push_back(double(texel.area) / s2);
   std::sort(areas.begin(), areas.end());
-  const auto p = [&](double q) { return areas[size_t(q * double(areas.size() - 1))]; };
-  size_t single = 0;
-  for (const AtlasChart& chart : result.layout.charts) single += chart.width == 1;
-  std::printf("%s: %zu triangles, %u slots, %zu charts (%zu of one texel), %u cells, %zu pieces, %.2f/%.2f/%.2f s^2, %.2f s\n", name,
-              g.triangles.size(), result.layout.info.texel_count, result.layout.charts.size(), single,
-              result.layout.info.cell_count, result.layout.pieces.size(), p(.05), p(.5), p(.95), result.seconds);
-  std::fflush(stdout);
-  return result;
+  const auto percentile = [&](double q) { return areas[size_t(q * double(areas.size() - 1))]; };
+  std::printf("%s: %zu triangles, %u slots, %zu charts, %u cells, %zu pieces, area %.2f %.2f %.2f s^2, %.2f s\n", name.c_str(),
+              g.triangles.size(), layout.info.texel_count, layout.charts.size(), layout.info.cell_count,
+              layout.pieces.size(), percentile(0.05), percentile(0.5), percentile(0.95), seconds);
+  CHECK(double(layout.info.texel_count) == doctest::Approx(double(texels)).epsilon(0.13));
+  const std::vector<uint32_t> bad = bad_texels(g, layout);
+  CHECK_MESSAGE(bad.empty(), bad.size() << " texels join what does not touch, the first is " << bad.front());
+}
+
+/// A bumpy sphere of 2 · rows · 2 rows triangles.
+AtlasGeometry bumpy_sphere(uint32_t rows) {
+  AtlasGeometry g;
+  const uint32_t columns = 2 * rows;
+  for (uint32_t j = 0; j <= rows; ++j) {
+    for (uint32_t i = 0; i < columns; ++i) {
+      const double theta = 3.14159265358979 * (0.001 + 0.998 * j / rows), phi = 2 * 3.14159265358979 * i / columns;
+      const glm::dvec3 n(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+      g.positions.emplace_back(n * (1 + 0.05 * std::sin(9 * theta) * std::sin(11 * phi)));
+      g.normals.emplace_back(n);
+    }
+  }
+  for (uint32_t j = 0; j < rows; ++j) {
+    for (uint32_t i = 0; i < columns; ++i) {
+      const uint32_t a = j * columns + i, b = j * columns + (i + 1) % columns;
+      g.triangles.emplace_back(a, b, b + columns);
+      g.triangles.emplace_back(a, b + columns, a + columns);
+    }
+  }
+  g.instance.assign(g.triangles.size(), 0);
+  g.two_sided = {0};
+  return g;
 }
 
 }  // namespace
 
+TEST_CASE("a mesh of a million small triangles") {
+  const AtlasGeometry g = bumpy_sphere(full_run() ? 500 : 160);
+  for (const uint64_t texels : {1000, 100000}) check_scene("bumpy sphere", g, texels);
+  if (full_run()) check_scene("bumpy sphere", g, 1'000'000);
+}
+
 TEST_CASE("third-party scenes get the wanted count without bleeding") {
   if (shared_scenes().empty()) return skip("third-party scenes");
-  for (const char* name : {"scenes/sponza_crytek/sponza.gltf", "scenes/bathroom_salle_de_bain.glb", "scenes/classroom_luxcore.glb",
-  "scenes/apartment_dream_house.glb", "models/dragon_stanford_res3.glb"}) {
-    CAPTURE(name);
+  std::vector<std::string> names = {"scenes/sponza_crytek/sponza.gltf", "scenes/bathroom_salle_de_bain.glb"};
+  std::vector<uint64_t> counts = {1'000'000};
+  if (full_run()) {
+    names.insert(names.end(), {"scenes/classroom_luxcore.glb", "scenes/apartment_dream_house.glb", "scenes/vr_gallery.glb",
+                               "scenes/zdm2_level.glb", "models/dragon_stanford_res3.glb", "models/teapot_utah.glb"});
+    counts = {200'000, 1'000'000, 4'000'000};
+  }
+  for (const std::string& name : names) {
     const AtlasGeometry g = geometry_of(load_scene((shared_scenes() / name).string()));
-    const uint64_t wanted = 1'000'000;
-    const Measured m = measure(name, g, wanted);
-    CHECK(double(m.layout.info.texel_count) == doctest::Approx(double(wanted)).epsilon(0.13));
-    const auto bad = bad_texels(g, m.layout);
-    TexelPolygons all = polygons_by_texel(g, m.layout, 1e-4);
-    for (uint32_t b : bad) {
-      std::printf("bad %u s=%g area %g\n", b, double(m.layout.info.texel_edge), double(m.layout.texels[b].area));
-      for (auto& p : all.polygons) if (p.texel == b) {
-        const AtlasTriangle& r = m.layout.triangles[p.triangle];
-        std::printf("  t %u uv %g %g  %g %g  %g %g base %u pitch %u area %g:", p.triangle, r.u0, r.v0, r.u1, r.v1, r.u2, r.v2, r.base, r.pitch, area_of(g, p.triangle));
-        for (uint32_t i = 0; i < p.count; ++i) { auto c = all.corners[p.first+i]; std::printf(" (%.6f %.6f %.6f)", c.x, c.y, c.z); }
-        std::printf("\n   tri"); for (int i = 0; i < 3; ++i) { auto c = corner(g, p.triangle, i); std::printf(" %u(%.7f %.7f %.7f)", g.triangles[p.triangle][i], c.x, c.y, c.z); }
-        std::printf("\n");
-      }
-    }
-    CHECK_MESSAGE(bad.empty(), bad.size() << " texels join what does not touch");
+    for (const uint64_t texels : counts) check_scene(name, g, texels);
   }
 }
