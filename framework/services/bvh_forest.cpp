@@ -5,6 +5,8 @@
 #include <bit>
 #include <numeric>
 
+#include "lucarium/base/error.h"
+
 namespace lucarium {
 
 void BvhForest::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles, std::vector<Part> parts) {
@@ -83,6 +85,12 @@ void BvhForest::lay_out() {
     node_count_ += tree.nodes;
     block_count_ += tree.blocks;
   }
+  const size_t words = std::max(size_t{node_count_} * LUCARIUM_BVH_NODE_WORDS(width_) + LUCARIUM_BVH_HEADER_WORDS,
+                                size_t{block_count_} * LUCARIUM_BVH_BLOCK_WORDS(leaf_size_));
+  if (words >= LUCARIUM_BVH_LEAF) {
+    throw_error(ErrorClass::device, "hierarchy of {} triangles: it takes {} words and references reach {}; use a scene with fewer triangles",
+                triangle_count(), words, LUCARIUM_BVH_LEAF);
+  }
   nodes_.assign(LUCARIUM_BVH_HEADER_WORDS + size_t{node_count_} * LUCARIUM_BVH_NODE_WORDS(width_), 0);
   blocks_.assign(size_t{block_count_} * LUCARIUM_BVH_BLOCK_WORDS(leaf_size_), 0);
 }
@@ -118,10 +126,13 @@ void BvhForest::copy_top() {
   for (size_t index = 0; index < count; ++index) {
     for (int slot = 0; slot < width_; ++slot) {
       uint32_t& reference = node(index)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot];
-      if (reference == WideBvh::no_child || !(reference & LUCARIUM_BVH_LEAF)) continue;
-      const uint32_t block = reference & ~LUCARIUM_BVH_LEAF;
-      const uint32_t part = top_.block_words()[block * LUCARIUM_BVH_BLOCK_WORDS(1) + LUCARIUM_BVH_BLOCK_TRIANGLES(1)];
-      reference = trees_[part].first_node;
+      if (reference == WideBvh::no_child) continue;
+      uint32_t target = reference;
+      if (reference & LUCARIUM_BVH_LEAF) {
+        const uint32_t block = reference & ~LUCARIUM_BVH_LEAF;
+        target = trees_[top_.block_words()[block * LUCARIUM_BVH_BLOCK_WORDS(1) + LUCARIUM_BVH_BLOCK_TRIANGLES(1)]].first_node;
+      }
+      reference = node_reference(target);
     }
   }
   changed_nodes_.emplace_back(LUCARIUM_BVH_HEADER_WORDS, LUCARIUM_BVH_HEADER_WORDS + count * words);
@@ -135,7 +146,9 @@ void BvhForest::copy_tree(const Tree& tree) {
   for (size_t index = tree.first_node; index < tree.first_node + count; ++index) {
     for (int slot = 0; slot < width_; ++slot) {
       uint32_t& reference = node(index)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot];
-      if (reference != WideBvh::no_child) reference += reference & LUCARIUM_BVH_LEAF ? tree.first_block : tree.first_node;
+      if (reference == WideBvh::no_child) continue;
+      reference = reference & LUCARIUM_BVH_LEAF ? block_reference(tree.first_block + (reference & ~LUCARIUM_BVH_LEAF))
+                                                : node_reference(tree.first_node + reference);
     }
   }
   changed_nodes_.emplace_back(first, first + count * words);

@@ -69,7 +69,13 @@ class BvhForest {
   void copy_top();
   void copy_tree(const Tree& tree);
   bool has_top() const { return trees_.size() > 1; }
-  uint32_t* node(size_t index) { return &nodes_[LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(width_)]; }
+  uint32_t* node(size_t index) { return &nodes_[node_reference(static_cast<uint32_t>(index))]; }
+  uint32_t node_reference(uint32_t index) const {
+    return LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<uint32_t>(width_));
+  }
+  uint32_t block_reference(uint32_t index) const {
+    return LUCARIUM_BVH_LEAF | index * LUCARIUM_BVH_BLOCK_WORDS(static_cast<uint32_t>(leaf_size_));
+  }
 
   int width_, leaf_size_;
   unsigned threads_;

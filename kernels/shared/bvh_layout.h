@@ -20,8 +20,10 @@
 // ray's octant (bit 0, 1, 2: the direction's x, y, z is negative) and stands in bits 4 · octant … of the order word.
 #define LUCARIUM_BVH_ORDER_MASK(word, octant) (((word) >> (4u * (octant))) & 15u)
 
-// A reference is a node index, or this flag and a leaf block index.
+// A reference is the word where a node starts in the node buffer, or this flag and the word where a leaf block starts in
+// the block buffer, so that traversal need not multiply. (WideBvh, which is not placed yet, holds indices instead.)
 #define LUCARIUM_BVH_LEAF 0x80000000u
+#define LUCARIUM_BVH_ROOT LUCARIUM_BVH_HEADER_WORDS
 
 // Block b starts at word b · BLOCK_WORDS: L x, L y, L z of the first vertices, the same of the second and third ones
 // (floats [m]; empty slots repeat one point three times, which nothing hits), then L triangle indices.
