@@ -19,7 +19,8 @@
 // exp(-2 (1 - ρ) √N), and is what is sent; D is nearly a plain mean, and is what is displayed. A balance of the power
 // sent and held scales S meanwhile. With max_bounces there is a mean per bounce, each fed by the one before.
 //
-// Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee). Specular lobes (mirrors, glass,
+// Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee), or, but for point, spot and
+// directional lights, the bundles themselves: what texels emit, and the environment at the ends of rays (exchange). Specular lobes (mirrors, glass,
 // metals, coats): texels send what a ray finds that leaves by such a lobe; from vertex to vertex it follows specular lobes
 // only, since the atlas knows the diffuse light. So do rays from the pixels towards the eye.
 //
@@ -175,8 +176,10 @@ class BundleExchange : public Technique {
   Channels channels(const Scene& scene, const RenderSettings& settings) const {
     Channels result;
     result.hops = specular(scene) || parameters_.final_gather == FinalGather::all;
+    result.emission = parameters_.direct_mode == DirectMode::exchange;
     result.self_fed = settings.max_bounces < 0;
-    result.count = result.self_fed ? 1 : std::max(1u, static_cast<uint32_t>(settings.max_bounces));
+    result.count = (result.self_fed ? 1 : static_cast<uint32_t>(settings.max_bounces)) + (result.emission ? 1 : 0);
+    result.count = std::max(1u, result.count);  // direct light by samples alone exchanges nothing
     return result;
   }
 
@@ -192,14 +195,21 @@ class BundleExchange : public Technique {
   }
 
   bool exchange_done() const {
-    return directions_ >= static_cast<uint64_t>(parameters_.directions) || context_->settings.max_bounces == 0 ||
+    return directions_ >= static_cast<uint64_t>(parameters_.directions) || !exchanges() ||
            (parameters_.stop_error > 0 && parts_->means.relative_error() < parameters_.stop_error);
   }
+
+  /// Whether bundles carry anything.
+  bool exchanges() const { return context_->settings.max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange; }
 
   /// Directions of the next iteration: few at first, when much is learnt from each, and none across a boundary.
   uint32_t next_batch() const {
     if (exchange_done()) return 0;
-    uint64_t count = std::min<uint64_t>(parameters_.batch, 1 + directions_ / 32);
+    const uint64_t first = static_cast<uint64_t>(parameters_.direct_first);
+    const bool direct_only = parts_->means.direct_only(directions_);
+    uint64_t count = parameters_.batch;
+    if (!direct_only) count = std::min<uint64_t>(count, 1 + (directions_ - (parts_->means.direct_only(0) ? first : 0)) / 32);
+    if (direct_only && directions_ < first) count = std::min(count, first - directions_);
     count = std::min<uint64_t>(count, parameters_.directions - directions_);
     if (parameters_.interleave == Interleave::pingpong)
       count = std::min<uint64_t>(count, parameters_.block - directions_ % parameters_.block);
@@ -211,13 +221,12 @@ class BundleExchange : public Technique {
   bool run_steps() {
     Parts& parts = *parts_;
     if (!step_.begun) step_ = {true, false, directions_per_iteration()};
-    const bool limited = context_->settings.max_bounces == 0;
-    if (!step_.lit && !limited && !parts.slot_light.exhausted()) {
+    if (!step_.lit && context_->settings.max_bounces != 0 && !parts.slot_light.exhausted()) {
       if (!parts.slot_light.sample()) return false;
       parts.slot_light.commit();
     }
     step_.lit = true;
-    while (step_.directions > 0 && parts.slot_light.complete()) {
+    while (step_.directions > 0 && lit()) {
       const uint32_t count = std::min(next_batch(), step_.directions);
       if (count == 0) break;
       if (!run_batch(count)) return false;
@@ -231,16 +240,20 @@ class BundleExchange : public Technique {
 
   bool run_batch(uint32_t count) {
     if (!parts_->means.make_senders()) return false;
+    const bool direct_only = parts_->means.direct_only(directions_);
     for (uint32_t i = 0; i < count; ++i) {
       const Direction direction = sequence_.at(directions_ + i);
       const uint32_t seed = (kernel_seed(seed_) ^ static_cast<uint32_t>(directions_ + i + 1) * 0x9e3779b9u) * 0x85ebca6bu;
-      if (parts_->hops && !parts_->hops->find(direction, seed)) return false;
-      if (!parts_->transfer.exchange(direction, seed)) return false;
+      if (parts_->hops && !direct_only && !parts_->hops->find(direction, seed)) return false;
+      if (!parts_->transfer.exchange(direction, seed, direct_only)) return false;
     }
     parts_->means.commit(directions_, count);
     directions_ += count;
     return true;
   }
+
+  /// Whether slots know the direct light that they are to send.
+  bool lit() const { return parts_->slot_light.complete() || context_->settings.max_bounces == 0; }
 
   uint32_t directions_per_iteration() const {
     const double count = kPixels / parts_->transfer.film_pixels();
@@ -249,12 +262,11 @@ class BundleExchange : public Technique {
 
   IterationResult state() const {
     IterationResult result;
-    const bool lit = parts_->slot_light.complete() || context_->settings.max_bounces == 0;
     result.samples = parts_->camera.samples();
-    result.phase = lit ? "exchange" : "light";
-    result.progress = lit ? static_cast<double>(directions_) / parameters_.directions : 0.0;
+    result.phase = lit() ? "exchange" : "light";
+    result.progress = lit() ? static_cast<double>(directions_) / parameters_.directions : 0.0;
     if (exchange_done()) result.progress = 1;
-    result.converged = lit && exchange_done() && result.samples >= kCameraSamples;
+    result.converged = lit() && exchange_done() && result.samples >= kCameraSamples;
     return result;
   }
 
@@ -285,15 +297,21 @@ Program make_program(Device& device, const Channels& channels) {
                   channels.defines()});
 }
 
+/// Kinds of lights that slots get light samples of.
+uint32_t sampled_lights(const Scene& scene, const Parameters& parameters) {
+  if (parameters.direct_mode == DirectMode::nee) return DirectLight::kAllLights;
+  return scene.lights.empty() ? 0 : DirectLight::kPunctualLights;
+}
+
 BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options,
                              const Channels& channels, FinalGather gather)
     : atlas(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner),
       program(make_program(*c.device, channels)),
-      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas),
+      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, sampled_lights(c.scene, p)),
       means(*c.device, c.scheduler, program, atlas, slot_light.light_samples(), channels, p),
       transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas, means.records(), channels, p.pixel_size),
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, make_frame(c.settings),
-             {gather, !c.scene.lights.empty(), c.settings.max_bounces}) {
+             {gather, !c.scene.lights.empty(), channels.emission, c.settings.max_bounces}) {
   // Direct light needs no chains: they begin behind the first scattering.
   const std::vector<uint32_t> list =
       channels.hops && c.settings.max_bounces != 0 ? SlotHops::specular_slots(atlas) : std::vector<uint32_t>{};

@@ -33,45 +33,53 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       raster_(scheduler, buffers, raster_options(side_), kOwner),
       views_(device, kOwner, "view of a direction", 1),
       ends_(device, kOwner, "ends of rays", 2) {
-  record(device, buffers, atlas, records);
+  all_ = record(device, buffers, atlas, records, false);
+  if (channels.emission && channels.reflected() > 0) direct_ = record(device, buffers, atlas, records, true);
 }
 
-void BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                            const TypedBuffer<float4>& records) {
+BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
+                                                const TypedBuffer<float4>& records, bool direct_only) {
   const Program begin_program = make_program(device, "begin_direction", {});
   std::map<std::string, std::string> defines = raster_.defines();
   for (const auto& [name, value] : channels_.defines()) defines[name] = value;
+  if (direct_only) defines["BUNDLE_ACTIVE"] = "1u";
   const Program program = make_program(device, "exchange_rows", defines);
-  ScheduleRecorder recorder = scheduler_->record("exchange", kOwner);
-  view_ = recorder.variable("view", LayeredView{});
-  omega_ = recorder.variable("omega", float4(0, 0, 1, 0));
-  weight_ = recorder.variable("weight", 1.f);
+  Recorded result;
+  ScheduleRecorder recorder = scheduler_->record(direct_only ? "exchange of emission" : "exchange", kOwner);
+  result.view = recorder.variable("view", LayeredView{});
+  result.omega = recorder.variable("omega", float4(0, 0, 1, 0));
+  result.weight = recorder.variable("weight", 1.f);
   const Variable<uint32_t> first_view = recorder.variable("view index", 0u);
   PassBuilder begin = recorder.pass("begin direction", begin_program, "begin_direction");
   buffers.bind(begin, begin_program, "begin_direction");
   begin.global(1)
       .local(1)
-      .arg("view", view_)
-      .arg("omega", omega_)
+      .arg("view", result.view)
+      .arg("omega", result.omega)
       .arg("emission", channels_.emission ? 1u : 0u)
       .arg("views", views_)
       .arg("ends", ends_);
   raster_.record_tiles(recorder, "exchange", {views_, first_view}, program, "exchange_rows", [&](PassBuilder& pass) {
     atlas.bind(pass, program, "exchange_rows");
-    pass.arg("weight", weight_).arg("ends", ends_).arg("records", records);
+    pass.arg("weight", result.weight).arg("ends", ends_).arg("records", records);
   });
-  exchange_ = recorder.compile();
+  result.schedule = recorder.compile();
+  return result;
 }
 
-bool BundleTransfer::exchange(const Direction& direction, uint32_t seed) {
+bool BundleTransfer::exchange(const Direction& direction, uint32_t seed, bool direct_only) {
   const BundleView view = make_bundle_view(bounds_, direction, pixel_, seed);
-  exchange_.set(view_, view.view);
-  exchange_.set(omega_, float4(direction.direction, 0.f));
-  exchange_.set(weight_, static_cast<float>(direction.weight * view.pixel_area));
-  return scheduler_->run(exchange_) == RunResult::done;
+  Recorded& recorded = direct_only && direct_.schedule ? direct_ : all_;
+  recorded.schedule.set(recorded.view, view.view);
+  recorded.schedule.set(recorded.omega, float4(direction.direction, 0.f));
+  recorded.schedule.set(recorded.weight, static_cast<float>(direction.weight * view.pixel_area));
+  return scheduler_->run(recorded.schedule) == RunResult::done;
 }
 
-void BundleTransfer::warm_up() { scheduler_->warm_up(exchange_); }
+void BundleTransfer::warm_up() {
+  scheduler_->warm_up(all_.schedule);
+  if (direct_.schedule) scheduler_->warm_up(direct_.schedule);
+}
 
 double BundleTransfer::film_pixels() const { return static_cast<double>(side_) * side_; }
 

@@ -16,8 +16,9 @@ class BundleTransfer {
                  const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const Channels& channels,
                  float pixel_size);
 
-  /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND.
-  bool exchange(const Direction& direction, uint32_t seed);
+  /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND. `direct_only`: only the
+  /// channel of emission.
+  bool exchange(const Direction& direction, uint32_t seed, bool direct_only = false);
   void warm_up();
   /// Largest film of a direction [pixels].
   double film_pixels() const;
@@ -25,7 +26,14 @@ class BundleTransfer {
   double pixel() const { return pixel_; }
 
  private:
-  void record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TypedBuffer<float4>& records);
+  struct Recorded {
+    Schedule schedule;
+    Variable<LayeredView> view;
+    Variable<float4> omega;
+    Variable<float> weight;
+  };
+  Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
+                  const TypedBuffer<float4>& records, bool direct_only);
   KernelScheduler* scheduler_;
   Channels channels_;
   Bounds bounds_;
@@ -34,10 +42,7 @@ class BundleTransfer {
   LayeredRaster raster_;
   TypedBuffer<LayeredView> views_;
   TypedBuffer<float4> ends_;
-  Schedule exchange_;
-  Variable<LayeredView> view_;
-  Variable<float4> omega_;
-  Variable<float> weight_;
+  Recorded all_, direct_;  ///< exchanging all channels, or that of emission only
 };
 
 }  // namespace lucarium::bundle

@@ -18,28 +18,35 @@ Bsdf bsdf_at_point(const Scene* scene, const GBufferPoint* point) {
 
 // One sample per pixel. Means of what the atlas knows change from iteration to iteration, so that the sample counts
 // `atlas_weight` of the mean (later ones count more), while emission and light samples are plain sums (w: samples).
-// shown: irradiance over pi of slots, w 1, or 0 where it is not known. gathered: light of chains that begin at the pixels,
-// which bring all of the indirect light where they are `whole`.
+// shown, shown_direct (BUNDLE_EMISSION): irradiance over pi of slots, w 1, or 0 where it is not known. gathered: light of
+// chains that begin at the pixels, scattered once and more often; they bring all there is where they are `whole`.
+// exchanged: direct light that bundles have carried.
 __kernel void add_camera_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                                __global const AtlasTriangle* restrict atlas_triangles,
                                __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                                __global const GBufferPoint* restrict points, uint count, float atlas_weight, uint whole,
-                               __global const float4* restrict shown, __global const float4* restrict gathered, __global const float4* restrict direct_sample,
+                               __global const float4* restrict shown, __global const float4* restrict shown_direct,
+                               __global const float4* restrict gathered, __global const float4* restrict direct_sample,
                                __global float4* restrict emission, __global float4* restrict direct,
-                               __global float4* restrict indirect) {
+                               __global float4* restrict exchanged, __global float4* restrict indirect) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   const GBufferPoint point = points[i];
   emission[i] += (float4)(point.emission.xyz, 1.0f);
   direct[i] += direct_sample[i];
-  float3 reflected = (float3)(0.0f);
+  float3 once = gathered[2u * i].xyz, reflected = gathered[2u * i + 1u].xyz;
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE) {
     const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
                                        point.u, point.v, point.normal.w == 0.0f);
     const Bsdf bsdf = bsdf_at_point(&scene, &point);
-    if (held.w > 0.0f) reflected = point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
+    if (held.w > 0.0f) reflected += point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
+#ifdef BUNDLE_EMISSION
+    const float4 emitted = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct, point.triangle,
+                                          point.u, point.v, point.normal.w == 0.0f);
+    if (emitted.w > 0.0f) once += point.throughput.xyz * bsdf.diffuse * (emitted.xyz / emitted.w);
+#endif
   }
-  reflected += gathered[i].xyz;
+  exchanged[i] = mix(exchanged[i], (float4)(once, 1.0f), atlas_weight);
   indirect[i] = mix(indirect[i], (float4)(reflected, 1.0f), atlas_weight);
 }

@@ -17,16 +17,19 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
       options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      no_gains_(device, kOwner, "nothing gathered", options.gather == FinalGather::off ? pixels_ : 1, kLowerSize),
+      no_gains_(device, kOwner, "nothing gathered", options.gather == FinalGather::off ? 2 * size_t{pixels_} : 1, kLowerSize),
       direct_sample_(device, kOwner, "sample of direct light", pixels_, kLowerSize),
       emission_(device, kOwner, "emission", pixels_, kLowerSize),
       direct_(device, kOwner, "direct", pixels_, kLowerSize),
+      exchanged_(device, kOwner, "exchanged direct light", pixels_, kLowerSize),
       indirect_(device, kOwner, "indirect", pixels_, kLowerSize),
       gbuffer_(device, scheduler, scene, intersector, frame, kOwner),
-      direct_light_(device, scheduler, scene, intersector, kOwner) {
+      direct_light_(device, scheduler, scene, intersector, kOwner,
+                    options.exchanged ? DirectLight::kPunctualLights : DirectLight::kAllLights) {
   if (options.gather != FinalGather::off) {
     HopTracer::Options chains;
     chains.targets = pixels_;
+    chains.gains = 2;
     chains.punctual = options.punctual;
     chains.what = "pixels";
     chains_ = std::make_unique<HopTracer>(device, scheduler, program, scene, intersector, atlas, means.diffuse_shown(), chains);
@@ -37,8 +40,8 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
 
 size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather) {
   const size_t pixels = size_t{width} * height;
-  const size_t chains = gather == FinalGather::off ? pixels * sizeof(float4) : HopTracer::estimate_bytes(pixels, 1);
-  return chains + 4 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
+  const size_t chains = gather == FinalGather::off ? 2 * pixels * sizeof(float4) : HopTracer::estimate_bytes(pixels, 2);
+  return chains + 5 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
 }
 
 void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
@@ -58,10 +61,12 @@ void CameraLight::record(const Program& program, const SceneBuffers& scene, cons
       .arg("atlas_weight", atlas_weight_)
       .arg("whole", options_.gather == FinalGather::all ? 1u : 0u)
       .arg("shown", means.shown())
+      .arg("shown_direct", means.shown_direct())
       .arg("gathered", chains_ ? chains_->gain() : no_gains_)
       .arg("direct_sample", direct_sample_)
       .arg("emission", emission_)
       .arg("direct", direct_)
+      .arg("exchanged", exchanged_)
       .arg("indirect", indirect_);
   add_ = recorder.compile();
 }
@@ -84,9 +89,9 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
 bool CameraLight::gather() {
   HopSettings settings{};
   settings.seed = (frame_.seed ^ 0x706978u) * 0x9e3779b9u + samples_;
-  settings.first_light = 2;  // the first was DirectLight's
+  settings.first_light = options_.exchanged ? 1 : 2;  // else the first is DirectLight's
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces) + 1;
-  settings.joined = 1;
+  settings.gains = HOP_GAIN_LAYERS;
   begin_.set(settings_, settings);
   return scheduler_->run(begin_) == RunResult::done && chains_->follow(settings);
 }
@@ -116,8 +121,7 @@ void CameraLight::set_frame(const Frame& frame) {
   frame_ = frame;
   frame_.seed = seed;
   gbuffer_.set_frame(frame_);
-  for (Buffer* buffer : {static_cast<Buffer*>(&emission_), static_cast<Buffer*>(&direct_), static_cast<Buffer*>(&indirect_)})
-    buffer->fill_zero();
+  for (Buffer* buffer : std::initializer_list<Buffer*>{&emission_, &direct_, &exchanged_, &indirect_}) buffer->fill_zero();
   samples_ = 0;
 }
 
@@ -134,18 +138,19 @@ void CameraLight::warm_up() {
 
 void CameraLight::resolve(Film& film) const {
   scheduler_->finish();
-  const auto write = [&](const char* name, const TypedBuffer<float4>& sums) {
+  const auto add = [&](const char* name, const TypedBuffer<float4>& sums) {
     const std::vector<float4> values = sums.download();
     FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);
-    layer.pixels.assign(3 * values.size(), 0.f);
+    layer.pixels.resize(3 * values.size(), 0.f);
     for (size_t p = 0; p < values.size(); ++p) {
       const float scale = values[p].w > 0 ? 1 / values[p].w : 0.f;
-      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * p + c] = (&values[p].x)[c] * scale;
+      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * p + c] += (&values[p].x)[c] * scale;
     }
   };
-  write("emission", emission_);
-  write("direct", direct_);
-  write("indirect", indirect_);
+  add("emission", emission_);
+  add("direct", direct_);
+  add("direct", exchanged_);
+  add("indirect", indirect_);
 }
 
 }  // namespace lucarium::bundle

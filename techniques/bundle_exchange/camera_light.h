@@ -16,7 +16,8 @@ class CameraLight {
  public:
   struct Options {
     FinalGather gather = FinalGather::off;
-    bool punctual = false;  ///< there are punctual lights
+    bool punctual = false;   ///< there are punctual lights
+    bool exchanged = false;  ///< bundles carry emitted light: light samples are of punctual lights only
     int max_bounces = -1;
   };
   CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
@@ -43,7 +44,7 @@ class CameraLight {
   Options options_;
   Frame frame_;
   uint32_t pixels_, samples_ = 0;
-  TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, indirect_;
+  TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, exchanged_, indirect_;
   GBuffer gbuffer_;
   DirectLight direct_light_;
   std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered

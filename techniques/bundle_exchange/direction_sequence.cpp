@@ -109,11 +109,13 @@ double EnvironmentGuide::density(const glm::vec3& direction) const {
   return (rows_[j + 1] - rows_[j]) * (row[i + 1] - row[i]) * width_ / band;
 }
 
-DirectionSequence::DirectionSequence(const Parameters& parameters, uint64_t seed, const Environment* environment)
+DirectionSequence::DirectionSequence(const Parameters& parameters, uint64_t seed, const Environment* environment,
+                                     bool permuted)
     : kind_(parameters.sequence),
       block_size_(static_cast<uint32_t>(parameters.block)),
       total_(static_cast<uint32_t>(parameters.directions)),
-      seed_(hash(static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32), 0x62756e64u)) {
+      seed_(hash(static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32), 0x62756e64u)),
+      permuted_(permuted) {
   // A constant environment guides as the uniform share does.
   if (environment && environment->width > 0 && parameters.env_guiding > 0) {
     guiding_ = parameters.env_guiding;
@@ -128,7 +130,7 @@ void DirectionSequence::make_block(uint64_t block) const {
   cached_.resize(block_size_);
   for (uint32_t i = 0; i < block_size_; ++i)
     cached_[i] = {unit(owen_scramble(reverse_bits(i), seed_x)), unit(owen_scramble(sobol_second(i), seed_y))};
-  for (uint32_t i = block_size_; i > 1; --i)  // Fisher and Yates
+  for (uint32_t i = block_size_; permuted_ && i > 1; --i)  // Fisher and Yates
     std::swap(cached_[i - 1], cached_[static_cast<uint32_t>((uint64_t{hash(block_seed, 4, i)} * i) >> 32)]);
   cached_block_ = block;
 }

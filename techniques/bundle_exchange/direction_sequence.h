@@ -33,10 +33,12 @@ class EnvironmentGuide {
 };
 
 /// The sequence of directions of a run. Any index may be asked for; the same seed gives the same directions. `total` is
-/// the N of Hammersley's points. `environment` (may be null) is drawn from with probability `env_guiding`.
+/// the N of Hammersley's points. `environment` (may be null) is drawn from with probability `env_guiding`. Blocks come in
+/// Sobol's order, in which every beginning is even too, unless they are to be `permuted`: then pairs of successive
+/// directions fill the product space.
 class DirectionSequence {
  public:
-  DirectionSequence(const Parameters& parameters, uint64_t seed, const Environment* environment);
+  DirectionSequence(const Parameters& parameters, uint64_t seed, const Environment* environment, bool permuted = false);
   Direction at(uint64_t index) const;
   /// Density of directions over the sphere [1/sr].
   double density(const glm::vec3& direction) const;
@@ -46,6 +48,7 @@ class DirectionSequence {
   void make_block(uint64_t block) const;
   Sequence kind_;
   uint32_t block_size_, total_, seed_;
+  bool permuted_;
   double guiding_ = 0;
   std::shared_ptr<const EnvironmentGuide> guide_;
   mutable uint64_t cached_block_ = UINT64_MAX;

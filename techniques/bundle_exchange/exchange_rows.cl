@@ -57,7 +57,7 @@ void receive(Exchange* exchange, uint receiver, uint sender, float3 end) {
     const global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
     to[0].w += w;
     to[1] += w * (float4)(from[0].xyz, 1.0f);
-    for (uint channel = 1u; channel < BUNDLE_CHANNELS; ++channel) to[2u * channel + 1u].xyz += w * from[2u * channel].xyz;
+    for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel) to[2u * channel + 1u].xyz += w * from[2u * channel].xyz;
   } else {
     to[1] += w * (float4)(end, 1.0f);
   }

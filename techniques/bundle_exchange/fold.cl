@@ -5,9 +5,11 @@
 #include "lucarium/shared/surface_atlas.h"
 
 // S = sender_scale S + sender_weight batch, D += display_weight batch (the channel of emission: D += batch).
-// visible: xy += sums of w, of rays that met a slot and of all. statistics: sums over batches of X^2, X N, N^2 with
-// X = luminance of v sum w L, N = v sum w, from which the variance of D's ratio follows.
+// visible: xy += sums of w, of rays that met a slot and of all. statistics: sums over batches of X^2, X N, N^2, N with
+// X = luminance of v sum w L (all channels), N = v sum w, from which the variance of D's ratio follows.
+// error_weight: v, display_weight but for batches that carry emission only, which would else count for nothing.
 __kernel void fold_batch(uint slots, float sender_scale, float sender_weight, float display_weight,
+                         float error_weight,
                          __global const float4* restrict records, __global float4* restrict senders,
                          __global float4* restrict display, __global float2* restrict visible,
                          __global float4* restrict statistics) {
@@ -18,6 +20,7 @@ __kernel void fold_batch(uint slots, float sender_scale, float sender_weight, fl
   float3 total = (float3)(0.0f);
 #ifdef BUNDLE_EMISSION
   display[slot] += (float4)(record[1].xyz, weight);
+  total = record[1].xyz;
 #endif
   for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
     const float4 batch = (float4)(record[2u * channel + 1u].xyz, weight);
@@ -27,8 +30,8 @@ __kernel void fold_batch(uint slots, float sender_scale, float sender_weight, fl
     total += batch.xyz;
   }
   visible[slot] += (float2)(seen, weight);
-  const float x = display_weight * luminance(total), n = display_weight * weight;
-  statistics[slot] += (float4)(x * x, x * n, n * n, 0.0f);
+  const float x = error_weight * luminance(total), n = error_weight * weight;
+  statistics[slot] += (float4)(x * x, x * n, n * n, n);
 }
 
 // Standard error of a slot's displayed irradiance and the irradiance itself, both over pi, luminance, times its area:
@@ -40,25 +43,22 @@ __kernel void measure_errors(uint slots, __global const float4* restrict albedo,
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   float3 total = (float3)(0.0f);
-  float weight = 0.0f;
-  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
-    const float4 sums = display[(size_t)channel * slots + slot];
-    total += sums.xyz;
-    weight = sums.w;
-  }
-  const float ratio = weight > 0.0f ? luminance(total) / weight : 0.0f;
+  for (uint channel = 0u; channel < BUNDLE_CHANNELS; ++channel)
+    total += slot_mean(display[(size_t)channel * slots + slot]);
+  const float ratio = luminance(total);
   const float4 s = statistics[slot];
   const float variance = fmax(s.x - ratio * (2.0f * s.y - ratio * s.z), 0.0f);
-  errors[slot] = weight > 0.0f ? albedo[slot].w * sqrt(variance) / weight : 0.0f;
+  errors[slot] = s.w > 0.0f ? albedo[slot].w * sqrt(variance) / s.w : 0.0f;
   values[slot] = albedo[slot].w * ratio;
 }
 
-// Indirect irradiance over pi of every slot, all bounces; w: 1, or 0 where no ray has come yet. radiance (BUNDLE_HOPS):
+// Indirect irradiance over pi of every slot, all bounces; w: 1, or 0 where no ray has come yet. shown_direct
+// (BUNDLE_EMISSION): the same of exchanged emitted light. radiance (BUNDLE_HOPS):
 // what slots reflect diffusely of all the light, BUNDLE_REFLECTED channels each, as diffuse of make_senders.
 __kernel void make_display(uint slots, float share, __global const float4* restrict albedo,
                            __global const float4* restrict light_samples, __global const float4* restrict settled,
                            __global const float4* restrict display, __global float4* restrict shown,
-                           __global float4* restrict radiance) {
+                           __global float4* restrict shown_direct, __global float4* restrict radiance) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   float3 total = settled[slot].xyz;
@@ -69,6 +69,10 @@ __kernel void make_display(uint slots, float share, __global const float4* restr
     weight = fmax(weight, sums.w);
   }
   shown[slot] = (float4)(total, weight > 0.0f ? 1.0f : 0.0f);
+#ifdef BUNDLE_EMISSION
+  const float4 emitted = display[slot];
+  shown_direct[slot] = (float4)(slot_mean(emitted), emitted.w > 0.0f ? 1.0f : 0.0f);
+#endif
 #ifdef BUNDLE_HOPS
   float3 held = direct_mean(slot, light_samples, display);
 #ifdef BUNDLE_SELF_FED

@@ -11,7 +11,9 @@ bool hop_ray_is_active(Ray ray) { return ray.direction.w >= 0.0f; }
 
 // Adds light that has been scattered `scatterings` times before it arrives at the target.
 void add_gain(global float4* gain, HopSettings settings, uint target, uint scatterings, float3 light) {
-  const size_t index = settings.joined ? (size_t)target : (size_t)target * BUNDLE_REFLECTED + scatterings - 1u;
+  size_t index = target;
+  if (settings.gains == HOP_GAIN_CHANNELS) index = (size_t)target * BUNDLE_REFLECTED + scatterings - 1u;
+  if (settings.gains == HOP_GAIN_LAYERS) index = 2u * (size_t)target + (scatterings > 1u);
   gain[index].xyz += light;
 }
 
@@ -28,8 +30,7 @@ __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (i == 0u) active[0] = count;
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
-  for (uint k = 0u; k < (settings.joined ? 1u : BUNDLE_REFLECTED); ++k)
-    gain[settings.joined ? i : i * BUNDLE_REFLECTED + k] = (float4)(0.0f);
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) gain[(size_t)i * BUNDLE_REFLECTED + k] = (float4)(0.0f);
   queue[i] = i;
   Ray ray = no_hop_ray(), shadow_ray = ray;
   float3 light = (float3)(0.0f);
@@ -69,7 +70,7 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
   if (i == 0u) active[0] = count;
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
-  gain[i] = (float4)(0.0f);
+  gain[2u * i] = gain[2u * i + 1u] = (float4)(0.0f);
   queue[i] = i;
   Ray ray = no_hop_ray();
   const GBufferPoint point = points[i];

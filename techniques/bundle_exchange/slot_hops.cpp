@@ -86,7 +86,7 @@ bool SlotHops::find(const Direction& direction, uint32_t seed) {
   settings.seed = seed;
   settings.first_light = 1;
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces);
-  settings.joined = joined_ ? 1 : 0;
+  settings.gains = joined_ ? HOP_GAIN_ONE : HOP_GAIN_CHANNELS;
   begin_.set(settings_, settings);
   begin_.set(omega_, float4(direction.direction, 0.f));
   return scheduler_->run(begin_) == RunResult::done && tracer_.follow(settings) &&

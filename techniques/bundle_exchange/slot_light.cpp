@@ -13,14 +13,15 @@ const char* const kFewerTexels = "lower texels";
 }  // namespace
 
 SlotLight::SlotLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-                     const Intersector& intersector, const SurfaceAtlas& atlas)
+                     const Intersector& intersector, const SurfaceAtlas& atlas, uint32_t kinds)
     : scheduler_(&scheduler),
+      none_(kinds == 0),
       slots_(atlas.info().texel_count),
       chunk_(std::min(kChunk, slots_)),
       points_(device, "bundle_exchange", "slots to light", chunk_, kFewerTexels),
       samples_(device, "bundle_exchange", "light at slots", chunk_, kFewerTexels),
       light_samples_(device, "bundle_exchange", "direct light of slots", slots_, kFewerTexels),
-      direct_light_(device, scheduler, scene, intersector, "bundle_exchange") {
+      direct_light_(device, scheduler, scene, intersector, "bundle_exchange", kinds) {
   record(program, atlas);
 }
 

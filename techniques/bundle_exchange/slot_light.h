@@ -5,12 +5,12 @@
 
 namespace lucarium::bundle {
 
-/// Direct irradiance of every slot by light samples: `direct_mode=nee`. A run of slots gets one more sample per
+/// Direct irradiance of every slot by light samples, of all lights or of some kinds (LUCARIUM_LIGHT_* bits; 0: none). A run of slots gets one more sample per
 /// iteration, so that iterations stay short.
 class SlotLight {
  public:
   SlotLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-            const Intersector& intersector, const SurfaceAtlas& atlas);
+            const Intersector& intersector, const SurfaceAtlas& atlas, uint32_t kinds);
 
   /// Samples the next run of slots; false when cancelled. commit() then adds it; without it nothing has changed.
   bool sample();
@@ -18,10 +18,9 @@ class SlotLight {
   void reset(uint32_t seed);
   void warm_up();
   /// Whether every slot has a sample.
-  bool complete() const { return position_ >= slots_; }
+  bool complete() const { return none_ || position_ >= slots_; }
   /// Whether there is more to be gained: slots get kSamples samples.
-  bool exhausted() const { return position_ >= slots_ * uint64_t{kSamples}; }
-  double progress() const { return static_cast<double>(position_) / static_cast<double>(slots_); }
+  bool exhausted() const { return none_ || position_ >= slots_ * uint64_t{kSamples}; }
 
   /// Per slot: xyz sum of irradiance [lx], w samples.
   const TypedBuffer<float4>& light_samples() const { return light_samples_; }
@@ -31,6 +30,7 @@ class SlotLight {
   static constexpr uint32_t kSamples = 16;
   void record(const Program& program, const SurfaceAtlas& atlas);
   KernelScheduler* scheduler_;
+  bool none_;  ///< there is nothing to sample
   uint32_t slots_, chunk_;
   TypedBuffer<SurfacePoint> points_;
   TypedBuffer<float4> samples_, light_samples_;

@@ -43,6 +43,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       settled_(device, kOwner, "settled bounces", slots_, kFewerTexels),
       statistics_(device, kOwner, "batch statistics", slots_, kFewerTexels),
       shown_(device, kOwner, "displayed slots", slots_, kFewerTexels),
+      shown_direct_(device, kOwner, "displayed direct light", channels.emission ? slots_ : 1, kFewerTexels),
       diffuse_(device, kOwner, "diffuse senders", channels.hops ? size_t{slots_} * channels.reflected() : 1, kFewerTexels),
       radiance_(device, kOwner, "diffuse radiance", diffuse_.count(), kFewerTexels),
       chunk_sums_(device, kOwner, "balance of chunks", 2 * size_t{chunks_}),
@@ -59,7 +60,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
 }
 
 size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels) {
-  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5 +
+  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5 + (channels.emission ? 1 : 0) +
                          (channels.hops ? 2 * channels.reflected() : 0);
   return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
 }
@@ -116,6 +117,7 @@ void SlotMeans::record_fold(const Program& program) {
   sender_scale_ = recorder.variable("sender scale", 1.f);
   sender_weight_ = recorder.variable("sender weight", 1.f);
   display_weight_ = recorder.variable("display weight", 1.f);
+  error_weight_ = recorder.variable("error weight", 1.f);
   show_share_ = recorder.variable("share shown", 1.f);
   recorder.pass("fold batch", program, "fold_batch")
       .global(slots_)
@@ -124,6 +126,7 @@ void SlotMeans::record_fold(const Program& program) {
       .arg("sender_scale", sender_scale_)
       .arg("sender_weight", sender_weight_)
       .arg("display_weight", display_weight_)
+      .arg("error_weight", error_weight_)
       .arg("records", records_)
       .arg("senders", senders_)
       .arg("display", display_)
@@ -139,9 +142,11 @@ void SlotMeans::record_fold(const Program& program) {
       .arg("settled", settled_)
       .arg("display", display_)
       .arg("shown", shown_)
+      .arg("shown_direct", shown_direct_)
       .arg("radiance", radiance_)
       .discards("shown");
   fold_ = recorder.compile();
+  if (!one_by_one()) return;
   ScheduleRecorder settle = scheduler_->record("settle bounce", kOwner);
   settle.pass("settle bounce", program, "settle_bounce")
       .global(slots_)
@@ -177,8 +182,8 @@ void SlotMeans::record_errors(const Program& program) {
 }
 
 void SlotMeans::set_shares() {
-  const bool later_bounce = parameters_.interleave == Interleave::pingpong && directions_ >= uint64_t(parameters_.block);
-  const bool first_bounce = parameters_.interleave == Interleave::pingpong && !later_bounce;
+  const bool later_bounce = one_by_one() && directions_ >= uint64_t(parameters_.block);
+  const bool first_bounce = one_by_one() && !later_bounce;
   double feedback = first_bounce ? 0 : 1;
   if (parameters_.interleave == Interleave::fixed) feedback = static_cast<double>(directions_) / parameters_.directions;
   make_senders_.set(direct_share_, later_bounce ? 0.f : 1.f);
@@ -190,12 +195,18 @@ bool SlotMeans::make_senders() {
   return scheduler_->run(make_senders_) == RunResult::done;
 }
 
+bool SlotMeans::direct_only(uint64_t first) const {
+  return channels_.emission && (first < uint64_t(parameters_.direct_first) || channels_.reflected() == 0);
+}
+
 void SlotMeans::commit(uint64_t first, uint32_t count) {
   SenderWeights::Step step = weights_.next(first, count);
+  const bool without_reflection = direct_only(first);
+  const double error_weight = without_reflection ? 1 : step.display_weight;
   directions_ = first + count;
-  if (parameters_.interleave == Interleave::pingpong) step.sender_weight = 0;
-  const bool direct_only = channels_.emission && directions_ <= uint64_t(parameters_.direct_first);
-  if (direct_only) step = {1, 0, 0};
+  if (one_by_one()) step.sender_weight = 0;
+  if (without_reflection) step = {1, 0, 0};
+  fold_.set(error_weight_, static_cast<float>(error_weight));
   fold_.set(sender_scale_, static_cast<float>(step.sender_scale));
   fold_.set(sender_weight_, static_cast<float>(step.sender_weight));
   fold_.set(display_weight_, static_cast<float>(step.display_weight));
@@ -203,19 +214,19 @@ void SlotMeans::commit(uint64_t first, uint32_t count) {
                              ? static_cast<float>(static_cast<double>(directions_) / parameters_.directions)
                              : 1.f);
   scheduler_->run_to_end(fold_);
-  if (direct_only) return;
-  weights_.advance();
-  if (parameters_.interleave == Interleave::pingpong && directions_ % uint64_t(parameters_.block) == 0)
+  ++batches_;
+  if (!without_reflection) weights_.advance();
+  if (one_by_one() && directions_ % uint64_t(parameters_.block) == 0)
     scheduler_->run_to_end(settle_);
-  if (weights_.batches() % kErrorBatches == 0) scheduler_->run_to_end(measure_);
+  if (batches_ % kErrorBatches == 0) scheduler_->run_to_end(measure_);
 }
 
 void SlotMeans::clear(bool keep_senders) {
-  for (Buffer* buffer : std::initializer_list<Buffer*>{&display_, &settled_, &statistics_, &shown_, &visible_})
+  for (Buffer* buffer : std::initializer_list<Buffer*>{&display_, &settled_, &statistics_, &shown_, &shown_direct_, &radiance_, &visible_})
     buffer->fill_zero();
   if (!keep_senders) senders_.fill_zero();
   scale_.upload({{1, 1, 1, 0}});
-  directions_ = 0;
+  directions_ = batches_ = 0;
   relative_error_ = kUnknown;
   scheduler_->run_to_end(materials_);
   scheduler_->finish();
@@ -232,7 +243,8 @@ void SlotMeans::restart() {
 }
 
 void SlotMeans::warm_up() {
-  for (Schedule* schedule : {&materials_, &make_senders_, &fold_, &settle_, &measure_}) scheduler_->warm_up(*schedule);
+  for (Schedule* schedule : {&materials_, &make_senders_, &fold_, &measure_}) scheduler_->warm_up(*schedule);
+  if (one_by_one()) scheduler_->warm_up(settle_);
 }
 
 float4 SlotMeans::scale() const {

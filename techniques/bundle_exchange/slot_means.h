@@ -29,6 +29,8 @@ class SlotMeans {
 
   /// Prepares the records of the next batch; false when cancelled.
   bool make_senders();
+  /// Whether the batch that begins with direction `first` carries emission only (direct_first).
+  bool direct_only(uint64_t first) const;
   /// Adds the records of a batch of `count` directions, of which `first` came before, and renews what is displayed.
   void commit(uint64_t first, uint32_t count);
   void reset();
@@ -38,13 +40,13 @@ class SlotMeans {
 
   const TypedBuffer<float4>& records() const { return records_; }  ///< per slot 2 · channels float4
   const TypedBuffer<float4>& shown() const { return shown_; }      ///< per slot irradiance / π of indirect light
+  const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }  ///< the same of exchanged emitted light
   /// What slots reflect diffusely (Channels::hops), per slot reflected() float4: in the batch, and by the best means.
   const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
   const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
   const Channels& channels() const { return channels_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches.
   double relative_error() const { return relative_error_; }
-  uint64_t batches() const { return weights_.batches(); }
   /// Of the last balance: s per channel.
   float4 scale() const;
   static size_t estimate_bytes(size_t slots, const Channels& channels);
@@ -54,7 +56,8 @@ class SlotMeans {
   void record_senders(const Program& program);
   void record_fold(const Program& program);
   void record_errors(const Program& program);
-  void end_bounce();
+  /// Bounces are computed one after the other.
+  bool one_by_one() const { return parameters_.interleave == Interleave::pingpong && channels_.self_fed; }
   void set_shares();
   void clear(bool keep_senders);
   KernelScheduler* scheduler_;
@@ -63,13 +66,13 @@ class SlotMeans {
   Parameters parameters_;
   uint32_t slots_, chunks_;
   TypedBuffer<float4> light_samples_;
-  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, diffuse_, radiance_, chunk_sums_, scale_;
+  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, shown_direct_, diffuse_, radiance_, chunk_sums_, scale_;
   TypedBuffer<float2> visible_;
   TypedBuffer<float> errors_, values_, sums_;
   Schedule materials_, make_senders_, fold_, settle_, measure_;
-  Variable<float> direct_share_, feedback_share_, sender_scale_, sender_weight_, display_weight_, show_share_;
+  Variable<float> direct_share_, feedback_share_, sender_scale_, sender_weight_, display_weight_, error_weight_, show_share_;
   SenderWeights weights_;
-  uint64_t directions_ = 0;
+  uint64_t directions_ = 0, batches_ = 0;
   double relative_error_ = 1e30;
 };
 

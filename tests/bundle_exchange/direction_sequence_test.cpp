@@ -74,10 +74,19 @@ TEST_CASE("a block of 128 directions has one in each of 128 equal cells of its s
   }
 }
 
+TEST_CASE("every beginning of a block is even") {
+  Parameters parameters;
+  const DirectionSequence sequence(parameters, 4, nullptr);
+  for (const int n : {32, 128, 512}) {  // one direction per cell of n
+    const std::vector<uint64_t> cells = count_cells(sequence, 2048, n, n == 32 ? 4 : n == 128 ? 8 : 16);
+    CHECK(test::chi2_test(cells, std::vector<double>(cells.size(), 1.0)).statistic < 0.15 * n);
+  }
+}
+
 TEST_CASE("successive directions of permuted blocks are independent enough for pairs") {
   // With glossy slots pairs of successive directions must fill the product space: cosines of neighbours are uniform.
   Parameters parameters;
-  const DirectionSequence sequence(parameters, 5, nullptr);
+  const DirectionSequence sequence(parameters, 5, nullptr, true);
   std::vector<uint64_t> cells(16, 0);
   for (uint64_t i = 0; i + 1 < 20480; i += 2) {
     const float cosine = glm::dot(sequence.at(i).direction, sequence.at(i + 1).direction);

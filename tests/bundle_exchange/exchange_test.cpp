@@ -118,7 +118,7 @@ TEST_CASE("a double-sided plate under a sky of radiance 1 + w_y: 5 pi / 3 above,
       const int up = points[slot].normal.y > 0;
       ratio[up][0] += sums[slot].x;
       ratio[up][1] += sums[slot].w;
-      flux[up] += sums[slot].x / count;
+      flux[up] += double{sums[slot].x} / count;
     }
     const double exact[2] = {kPi / 3, 5 * kPi / 3};
     for (int up = 0; up < 2; ++up) {

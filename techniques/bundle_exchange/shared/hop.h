@@ -4,6 +4,10 @@
 #define BUNDLE_EXCHANGE_SHARED_HOP_H
 #include "lucarium/shared/dialect.h"
 
+#define HOP_GAIN_CHANNELS 0u  // of a target: one per channel of reflected light
+#define HOP_GAIN_ONE 1u       // one for all scatterings
+#define HOP_GAIN_LAYERS 2u    // two: light of one scattering, and of more
+
 // Where a chain stands: its ray has left its hops-th vertex.
 LUCARIUM_STRUCT_BEGIN(Hop)
   float4 throughput;  // xyz: what of the light that the ray finds arrives at the target; w unused
@@ -17,7 +21,7 @@ LUCARIUM_STRUCT_BEGIN(HopSettings)
   uint seed;         // of this round of chains
   uint first_light;  // hops from which on emitters count: 1, or 2 where light sampling has done the first
   uint limit;        // most scatterings on the way to the target; LUCARIUM_NONE: unlimited
-  uint joined;       // 1: all scatterings of a target are added up, 0: one gain per channel
+  uint gains;        // HOP_GAIN_*
 LUCARIUM_STRUCT_END(HopSettings, 16)
 
 #endif
