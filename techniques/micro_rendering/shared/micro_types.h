@@ -92,6 +92,15 @@ LUCARIUM_STRUCT_BEGIN(MicroStatistics)
   uint pad;
 LUCARIUM_STRUCT_END(MicroStatistics, 32)
 
+// The gather kernel, micro_gather.cl, is bound by gather_pass.cpp by these names:
+//   __kernel void mr_gather(__global const MicroTree* trees, uint tree_count, __global const uint4* nodes,
+//                           __global const half* radiance, __global const float* radiance_unit,
+//                           __global const MicroGather* gathers, __global const uint* gather_count,
+//                           MicroSettings settings, __global float4* irradiance, __global float4* specular,
+//                           __global MicroStatistics* statistics, __global float4* micro_buffer, uint slice_base)
+// Work-item i is gather i; it returns when i >= gather_count[0]. What slots hold that no gather has stays as it was.
+// Rules that a program fixes come as definitions (gather_pass.cpp).
+
 // What changes from one gather pass to the next, or needs no program of its own.
 LUCARIUM_STRUCT_BEGIN(MicroSettings)
   float kappa;         // threshold on a node's solid angle, in micro-pixels

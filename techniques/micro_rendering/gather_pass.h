@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+
+#include "lucarium/compute/scheduler.h"
+#include "micro_parameters.h"
+#include "micro_rendering/shared/micro_types.h"
+#include "point_forest.h"
+
+namespace lucarium::micro {
+
+/// Where a gather pass puts its results, by slot.
+struct GatherResults {
+  TypedBuffer<float4> irradiance;            ///< 1 per slot
+  TypedBuffer<float4> specular;              ///< 2 per slot; 2 elements suffice for diffuse gathers alone
+  TypedBuffer<MicroStatistics> statistics;   ///< 1 per slot
+  TypedBuffer<float4> micro_buffer;          ///< of the inspected slot, row by row: 64 · 64
+
+  GatherResults() = default;
+  GatherResults(Device& device, const std::string& owner, const std::string& what, size_t slots, bool specular_too);
+  static size_t estimate_bytes(size_t slots, bool specular_too);
+};
+
+/// The gather kernel with the rules that parameters choose.
+class GatherPass {
+ public:
+  GatherPass() = default;
+  GatherPass(Device& device, const MicroParameters& parameters);
+
+  /// Records a pass over gathers [0, gather_count[0]), at most `capacity`.
+  void record(ScheduleRecorder& recorder, const std::string& name, const PointForest& forest, const BufferRef& gathers,
+              const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
+              const GatherResults& results) const;
+
+ private:
+  Program program_;
+};
+
+}  // namespace lucarium::micro

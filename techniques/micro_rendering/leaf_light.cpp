@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "leaf_light.h"
+
+#include <algorithm>
+
+#include "lucarium/compute/embedded_sources.h"
+#include "lucarium/shared/ray.h"
+
+const lucarium::EmbeddedSources& micro_rendering_kernels();
+
+namespace lucarium::micro {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+constexpr uint32_t kFewestNodeLevels = 6;  // of a small tree's level that gathers
+const char* const kRemedy = "lower points_log2";
+// Apart from the gathers at pixels, which get the seed itself.
+constexpr uint32_t kNodeSeed = 0x6a61636fu;
+
+Program light_program(Device& device) {
+  SourceLibrary library;
+  library.add(micro_rendering_kernels());
+  return Program(device, library, {"micro_rendering/light", {"micro_rendering/micro_light.cl"}, {}});
+}
+
+}  // namespace
+
+LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+                     const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
+                     const std::string& owner)
+    : device_(device),
+      scheduler_(scheduler),
+      scene_(scene),
+      intersector_(intersector),
+      forest_(forest),
+      gather_(gather),
+      parameters_(parameters),
+      bounces_(bounces),
+      owner_(owner),
+      program_(light_program(device)),
+      primitives_(device) {
+  const uint32_t leaves = forest.leaf_count();
+  direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kRemedy);
+  leaf_count_ = TypedBuffer<uint32_t>(device, owner, "number of leaves", std::vector<uint32_t>{leaves});
+  if (bounces > 1) {
+    irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kRemedy);
+    uint32_t slots = 0;
+    for (const ForestTree& tree : forest.trees()) {
+      first_slot_.push_back(slots);
+      slots += 1u << level_of(tree);
+    }
+    node_gathers_ = TypedBuffer<MicroGather>(device, owner, "gathers at nodes", slots);
+    node_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers at nodes", std::vector<uint32_t>{slots});
+    node_results_ = GatherResults(device, owner, "nodes'", slots, false);
+    record_nodes();
+    record_bounce();
+  }
+  record_direct();
+  record_pull();
+}
+
+/// Nodes of about the same size in all trees, but some detail in small ones.
+uint32_t LeafLight::level_of(const ForestTree& tree) const {
+  const int depth = static_cast<int>(tree.record.depth);
+  const int level = parameters_.jacobi_level - (parameters_.points_log2 - depth);
+  return static_cast<uint32_t>(std::clamp(level, std::min(depth, static_cast<int>(kFewestNodeLevels)), depth));
+}
+
+uint32_t LeafLight::gathers_per_run() const {
+  return bounces_ > 1 ? static_cast<uint32_t>(node_gathers_.count()) * static_cast<uint32_t>(bounces_ - 1) : 0;
+}
+
+/// One light sample per leaf, added to direct_.
+void LeafLight::record_direct() {
+  const uint32_t leaves = forest_.leaf_count();
+  ScheduleRecorder recorder = scheduler_.record("light at points", owner_);
+  sample_ = recorder.variable("sample", 0u);
+  light_seed_ = recorder.variable("seed", 0u);
+  const BufferRef rays = recorder.transient<Ray>("shadow rays", leaves, kRemedy);
+  const BufferRef light = recorder.transient<float4>("light behind the shadow rays", leaves, kRemedy);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded", leaves, kRemedy);
+  PassBuilder sample = recorder.pass("sample light at points", program_, "mr_sample_light");
+  scene_.bind(sample, program_, "mr_sample_light");
+  sample.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("sample_index", sample_)
+      .arg("seed", light_seed_).arg("shadow_rays", rays).arg("shadow_light", light);
+  intersector_.record_any(recorder, "shadow rays of points", rays, occluded, leaf_count_, 0, leaves);
+  recorder.pass("add light at points", program_, "mr_add_light").global(leaves).local(kLocalSize).arg("count", leaves)
+      .arg("weight", 1.f / static_cast<float>(parameters_.light_samples)).arg("shadow_light", light).arg("occluded", occluded)
+      .arg("irradiance", direct_);
+  direct_schedule_ = recorder.compile();
+}
+
+/// From the leaves' irradiance to the radiance of all nodes.
+void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance) {
+  const uint32_t leaves = forest_.leaf_count();
+  const BufferRef brightness = recorder.transient<float>("brightness of leaves", leaves, kRemedy);
+  const BufferRef brightest = recorder.transient<float>("brightest leaf", 1);
+  const BufferRef extremes = recorder.transient<float4>("extremes of nodes", size_t{2} * leaves, kRemedy);
+  recorder.pass("brightness of leaves", program_, "mr_leaf_brightness").global(leaves).local(kLocalSize)
+      .arg("irradiance", irradiance).arg("leaf_albedo", forest_.leaf_albedo).arg("count", leaves).arg("brightness", brightness);
+  primitives_.record_reduce(recorder, "brightest leaf", Primitives::Reduction::max_float, brightness, brightest, leaves);
+  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
+    const ForestTree& tree = forest_.trees()[t];
+    recorder.pass("store radiance", program_, "mr_store_radiance").global(tree.leaves()).local(kLocalSize)
+        .arg("irradiance", irradiance).arg("leaf_albedo", forest_.leaf_albedo).arg("brightest", brightest)
+        .arg("trees", forest_.tree_records).arg("tree", t).arg("nodes", forest_.nodes).arg("count", tree.leaves())
+        .arg("radiance", forest_.radiance).arg("extremes", extremes).arg("radiance_unit", forest_.radiance_unit);
+    PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
+      recorder.pass("pull", program_, "mr_pull").global(size_t{1} << top).local(1).arg("trees", forest_.tree_records)
+          .arg("tree", t).arg("top", top).arg("bottom", bottom).arg("radiance", forest_.radiance).arg("extremes", extremes);
+    });
+  }
+}
+
+void LeafLight::record_pull() {
+  ScheduleRecorder recorder = scheduler_.record("pull", owner_);
+  add_pull(recorder, direct_);
+  pull_schedule_ = recorder.compile();
+}
+
+/// Where the nodes gather: depends on geometry alone.
+void LeafLight::record_nodes() {
+  ScheduleRecorder recorder = scheduler_.record("gathers at nodes", owner_);
+  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
+    const uint32_t level = level_of(forest_.trees()[t]);
+    PassBuilder pass = recorder.pass("gathers at nodes", program_, "mr_node_gathers");
+    scene_.bind(pass, program_, "mr_node_gathers");
+    pass.global(size_t{1} << level).local(1).arg("leaves", forest_.leaves).arg("trees", forest_.tree_records).arg("tree", t)
+        .arg("level", level).arg("first_slot", first_slot_[t]).arg("micro_size", static_cast<uint32_t>(parameters_.micro_size))
+        .arg("nodes", forest_.nodes).arg("gathers", node_gathers_);
+  }
+  nodes_schedule_ = recorder.compile();
+}
+
+/// One more bounce: gather at nodes, push to the leaves, pull.
+void LeafLight::record_bounce() {
+  ScheduleRecorder recorder = scheduler_.record("bounce", owner_);
+  settings_ = recorder.variable("settings", MicroSettings{});
+  gather_.record(recorder, "gather at nodes", forest_, node_gathers_, node_count_, static_cast<uint32_t>(node_gathers_.count()),
+                 settings_, node_results_);
+  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
+    const ForestTree& tree = forest_.trees()[t];
+    recorder.pass("push", program_, "mr_push").global(tree.leaves()).local(kLocalSize).arg("trees", forest_.tree_records)
+        .arg("tree", t).arg("level", level_of(tree)).arg("first_slot", first_slot_[t]).arg("count", tree.leaves())
+        .arg("direct", direct_).arg("gathered", node_results_.irradiance).arg("irradiance", irradiance_);
+  }
+  add_pull(recorder, irradiance_);
+  bounce_schedule_ = recorder.compile();
+}
+
+void LeafLight::moved() { nodes_known_ = false; }
+
+bool LeafLight::run(uint32_t frame, uint32_t seed) {
+  scheduler_.finish();
+  direct_.fill_zero();
+  direct_schedule_.set(light_seed_, seed);
+  for (int s = 0; s < parameters_.light_samples; ++s) {
+    direct_schedule_.set(sample_, frame * static_cast<uint32_t>(parameters_.light_samples) + static_cast<uint32_t>(s));
+    if (scheduler_.run(direct_schedule_) == RunResult::cancelled) return false;
+  }
+  if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
+  if (bounces_ <= 1) return true;
+  if (!nodes_known_) {
+    scheduler_.run_to_end(nodes_schedule_);
+    nodes_known_ = true;
+  }
+  for (int bounce = 1; bounce < bounces_; ++bounce) {
+    const uint32_t number = frame * static_cast<uint32_t>(bounces_) + static_cast<uint32_t>(bounce);
+    bounce_schedule_.set(settings_, MicroSettings{parameters_.cut_kappa, parameters_.splat_radius,
+                                                  seed ^ kNodeSeed ^ (number * 0x9e3779b9u), LUCARIUM_NONE});
+    if (scheduler_.run(bounce_schedule_) == RunResult::cancelled) return false;
+  }
+  return true;
+}
+
+void LeafLight::warm_up() {
+  for (Schedule* schedule : {&direct_schedule_, &pull_schedule_, &nodes_schedule_, &bounce_schedule_})
+    if (*schedule) scheduler_.warm_up(*schedule);
+}
+
+size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
+  const size_t transient = leaves * (sizeof(Ray) + sizeof(float4) + 3 * sizeof(uint32_t) + 2 * sizeof(float4));
+  const size_t slots = size_t{2} << parameters.jacobi_level;
+  const size_t several = leaves * sizeof(float4) + slots * sizeof(MicroGather) + GatherResults::estimate_bytes(slots, false);
+  return leaves * sizeof(float4) + 2 * transient + (bounces > 1 ? several : 0);
+}
+
+}  // namespace lucarium::micro

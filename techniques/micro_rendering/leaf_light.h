@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+
+#include "gather_pass.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/services/primitives.h"
+
+namespace lucarium::micro {
+
+/// Light at the leaves of a forest: direct light by shadow rays, further bounces by gathering at the nodes of one level
+/// (Jacobi iteration, Ritschel et al. 2009, section 4), and its means in the inner nodes.
+class LeafLight {
+ public:
+  /// `bounces`: scatterings before the last gather; 1 is direct light alone.
+  LeafLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+            const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
+            const std::string& owner);
+
+  /// Lights the forest with samples that belong to `frame`. False when cancelled: radiance is then useless.
+  bool run(uint32_t frame, uint32_t seed);
+  /// Points have moved.
+  void moved();
+  void warm_up();
+  uint32_t gathers_per_run() const;  ///< at nodes
+  static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces);
+
+ private:
+  void record_direct();
+  void record_pull();
+  void record_bounce();
+  void record_nodes();
+  void add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance);
+  uint32_t level_of(const ForestTree& tree) const;
+
+  Device& device_;
+  KernelScheduler& scheduler_;
+  const SceneBuffers& scene_;
+  const Intersector& intersector_;
+  const PointForest& forest_;
+  const GatherPass& gather_;
+  MicroParameters parameters_;
+  int bounces_;
+  std::string owner_;
+  Program program_;
+  Primitives primitives_;
+  TypedBuffer<float4> direct_;      ///< irradiance of leaves by direct light [lx]
+  TypedBuffer<float4> irradiance_;  ///< the same with what nodes have gathered
+  TypedBuffer<uint32_t> leaf_count_, node_count_;  ///< one element each
+  TypedBuffer<MicroGather> node_gathers_;
+  GatherResults node_results_;
+  std::vector<uint32_t> first_slot_;  ///< by tree, in node_gathers_
+  Schedule direct_schedule_, pull_schedule_, bounce_schedule_, nodes_schedule_;
+  Variable<uint32_t> sample_, light_seed_;
+  Variable<MicroSettings> settings_;
+  bool nodes_known_ = false;
+};
+
+}  // namespace lucarium::micro

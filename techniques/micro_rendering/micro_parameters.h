@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parameters of the technique; names and defaults as in the specification, section 3.
+#pragma once
+#include "lucarium/technique/parameters.h"
+
+namespace lucarium::micro {
+
+enum class CutBound { conservative, centre };
+enum class Splat { sample, nearest };
+enum class Warp { analytic, table, nusselt };
+enum class Backface { black, cull };
+enum class MultiBounce { jacobi, instant_radiosity, photon_map };
+
+struct MicroParameters {
+  int points_log2 = 18;
+  int micro_size = 24;
+  float cut_kappa = 1;
+  CutBound cut_bound = CutBound::conservative;
+  Splat splat = Splat::sample;
+  float splat_radius = 1.1f;
+  float disc_scale = 1.6f;
+  Warp warp = Warp::analytic;
+  int table_size = 32;
+  bool hole_fill = true;
+  bool raycast = true;
+  bool morton = true;
+  Backface backface = Backface::black;
+  int gather_step = 1;
+  float upsample_fail = 0.05f;
+  MultiBounce multibounce = MultiBounce::jacobi;
+  int jacobi_level = 12;
+  int depth_bits = 32;
+  int light_samples = 1;
+  int batch_gathers = 16384;
+  int inspect_x = -1, inspect_y = -1;
+
+  template <class V>
+  void describe(V& v) {
+    v.number("points_log2", points_log2, 10, 23, "log2", "points on the scene's surfaces: leaves of the hierarchy");
+    v.number("micro_size", micro_size, 8, 64, "micro-pixels", "edge of a micro-buffer");
+    v.number("cut_kappa", cut_kappa, 0.25f, 4, "micro-pixels", "solid angle above which a node is split");
+    v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"centre", CutBound::centre}},
+             "size of a micro-pixel that a node is compared with: the smallest over the node, or that at its centre");
+    v.choice("splat", splat, {{"sample", Splat::sample}, {"nearest", Splat::nearest}},
+             "which micro-pixels a node covers: those whose sample direction meets its disc, or the one at its centre");
+    v.number("splat_radius", splat_radius, 0.8f, 1.7f, "", "radius of a splat over that of the disc of the node's area");
+    v.number("disc_scale", disc_scale, 1, 2.2f, "", "radius of a leaf's disc over that of the disc of its area");
+    v.choice("warp", warp, {{"analytic", Warp::analytic}, {"table", Warp::table}, {"nusselt", Warp::nusselt}},
+             "projection of micro-buffers: by the lobes' own maps, by tables of the BSDF, or none (the unit disc)");
+    v.number("table_size", table_size, 8, 64, "cells", "edge of the tables of warp=table");
+    v.flag("hole_fill", hole_fill, "empty micro-pixels with two filled neighbours or more take their mean");
+    v.flag("raycast", raycast, "leaves larger than a micro-pixel are ray-cast as discs");
+    v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
+    v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
+             "what single-sided surfaces are from behind: black, as for the reference, or transparent");
+    v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate");
+    v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
+    v.choice("multibounce", multibounce,
+             {{"jacobi", MultiBounce::jacobi}, {"instant_radiosity", MultiBounce::instant_radiosity}, {"photon_map", MultiBounce::photon_map}},
+             "how light reaches the points over several bounces");
+    v.number("jacobi_level", jacobi_level, 6, 23, "log2", "nodes of this level gather for the bounces before the last");
+    v.number("depth_bits", depth_bits, 8, 32, "bits", "of the micro-buffers' depth: 8 or 32");
+    v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
+    v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers", "most gathers of one iteration");
+    v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels", "column of the pixel whose micro-buffer is shown; -1: none");
+    v.number("inspect_y", inspect_y, -1, 1 << 15, "pixels", "row of that pixel");
+  }
+};
+
+}  // namespace lucarium::micro
