@@ -31,6 +31,7 @@ struct MicroParameters {
   int jacobi_level = 12;
   int depth_bits = 32;
   int light_samples = 1;
+  int unlimited_bounces = 4;
   int batch_gathers = 16384;
   int inspect_x = -1, inspect_y = -1;
 
@@ -61,6 +62,7 @@ struct MicroParameters {
     v.number("jacobi_level", jacobi_level, 6, 23, "log2", "nodes of this level gather for the bounces before the last");
     v.number("depth_bits", depth_bits, 8, 32, "bits", "of the micro-buffers' depth: 8 or 32");
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
+    v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces", "bounces that are computed where their number is not limited");
     v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers", "most gathers of one iteration");
     v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels", "column of the pixel whose micro-buffer is shown; -1: none");
     v.number("inspect_y", inspect_y, -1, 1 << 15, "pixels", "row of that pixel");

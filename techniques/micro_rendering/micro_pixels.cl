@@ -38,13 +38,15 @@ uint2 micro_buffer_sizes(const Scene* scene, const Bsdf* bsdf, uint size) {
 
 // keys: Morton order of the points, or of the pixels; values: the pixels.
 __kernel void mr_list_keys(__global const SceneInfo* restrict scene_info, __global const GBufferPoint* restrict points,
-                           const MicroSubImage sub, const uint morton, __global uint* restrict keys,
-                           __global uint* restrict values) {
+                           const MicroSubImage sub, const uint morton, const uint capacity,
+                           __global uint* restrict keys, __global uint* restrict values) {
   const uint i = get_global_id(0);
+  if (i >= capacity) return;
+  keys[i] = MICRO_NO_GATHER;
+  values[i] = 0u;
   if (i >= sub.width * sub.height) return;
   const uint pixel = sub_image_pixel(sub, i);
   values[i] = pixel;
-  keys[i] = MICRO_NO_GATHER;
   if (points[pixel].state != LUCARIUM_GBUFFER_SURFACE) return;
   if (!morton) {
     keys[i] = i;
@@ -86,10 +88,12 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   gathers[i] = gather;
 }
 
-// Adds the light that the pixels of a sub-image reflect: xyz sum, w samples.
+// Adds the light that the pixels of a sub-image reflect: xyz sum, w samples. looks: sums of what the inspection layers
+// show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 0.
 __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                               const MicroSubImage sub, __global const float4* restrict irradiance,
-                              __global const float4* restrict specular, __global float4* restrict indirect) {
+                              __global const float4* restrict specular, __global const MicroStatistics* restrict statistics,
+                              __global float4* restrict indirect, __global float4* restrict looks) {
   const uint i = get_global_id(0);
   if (i >= sub.width * sub.height) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -104,6 +108,8 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
       light += bsdf.f0 * (all - grazing) + bsdf.f90 * grazing;
     }
     light *= points[pixel].throughput.xyz;
+    const MicroStatistics s = statistics[pixel];
+    looks[pixel] += (float4)((float)s.levels / (float)max(s.splats + s.listed, 1u), (float)s.listed, (float)s.visits, 0.0f);
   }
   indirect[pixel] += (float4)(light, 1.0f);
 }
@@ -113,4 +119,33 @@ __kernel void mr_add_emission(__global const GBufferPoint* restrict points, cons
                               __global float4* restrict emission) {
   const uint i = get_global_id(0);
   if (i < count) emission[i] += (float4)(points[i].emission.xyz, 1.0f);
+}
+
+// Sums over runs of `run` pixels of a sub-image.
+__kernel void mr_sum_statistics(__global const GBufferPoint* restrict points, const MicroSubImage sub, const uint run,
+                                __global const MicroStatistics* restrict statistics,
+                                __global MicroStatistics* restrict sums) {
+  const uint first = get_global_id(0) * run, end = min(first + run, sub.width * sub.height);
+  MicroStatistics sum = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
+  for (uint i = first; i < end; ++i) {
+    const uint pixel = sub_image_pixel(sub, i);
+    if (points[pixel].state != LUCARIUM_GBUFFER_SURFACE) continue;
+    const MicroStatistics s = statistics[pixel];
+    sum.visits += s.visits;
+    sum.splats += s.splats;
+    sum.listed += s.listed;
+    sum.disc_tests += s.disc_tests;
+    sum.holes += s.holes;
+    sum.flushes += s.flushes;
+    sum.levels += s.listed > 0u;
+    sum.pad += 1u;
+  }
+  sums[get_global_id(0)] = sum;
+}
+
+// Keeps the micro-buffer of the inspected pixel.
+__kernel void mr_keep_micro_buffer(__global const float4* restrict micro_buffer, const uint count,
+                                   __global float4* restrict kept) {
+  const uint i = get_global_id(0);
+  if (i < count) kept[i] = micro_buffer[i];
 }

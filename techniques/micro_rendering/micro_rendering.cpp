@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// micro_rendering: final gathering into importance-warped micro-buffers
+// ---------------------------------------------------------------------
+//
+// Idea. What a surface point p reflects of the light of other surfaces,
+//
+//   L(p, w_o) = ∫ f(w_o, w_i) L_in(p, w_i) cosθ_i dw_i,
+//
+// is seen by rendering the scene from p into a tiny hemispherical image whose N = B² micro-pixels have equal shares of f
+// cosθ, so that L = (ρ / N) Σ L_i (Ritschel et al., Micro-Rendering for Scalable, Parallel Final Gathering, SIGGRAPH Asia
+// 2009, section 3). The scene is a hierarchy of discs: a node that is smaller than a micro-pixel is drawn as a point, what
+// is too big even as a leaf is ray-cast.
+//
+// How. PointForest places points on surfaces and keeps the hierarchy; LeafLight puts light onto its leaves, over several
+// bounces where asked; PixelGather gathers at the pixels of a G-buffer, sub-image by sub-image. `emission` and `direct`
+// come from the framework's services, `indirect` is this technique's.
+//
+// What is counted. Light of all kinds by light samples at the points; behind the first visible non-mirror surface only
+// diffuse lobes and no mirrors or glass. Paths of 2 … max_bounces + 1 counted scatterings are `indirect`.
+//
+// Error. Points stand for surfaces: light is smoothed over a leaf's disc, and visibility below a micro-pixel is
+// approximate. Both vanish with more points and smaller cut_kappa; jitter is averaged over frames.
+
+#include <algorithm>
+
+#include "gather_pass.h"
+#include "leaf_light.h"
+#include "lucarium/services/bvh.h"
+#include "lucarium/services/direct_light.h"
+#include "lucarium/services/gbuffer.h"
+#include "lucarium/technique/plugin.h"
+#include "pixel_gather.h"
+
+const lucarium::EmbeddedSources& micro_rendering_kernels();
+
+namespace lucarium {
+namespace {
+
+using namespace micro;
+
+const char* const kName = "micro_rendering";
+
+TechniqueInfo micro_rendering_info() {
+  TechniqueInfo info;
+  info.name = kName;
+  info.version = "1.0";
+  info.summary = "final gathering by rendering a hierarchy of discs into BRDF-warped micro-buffers";
+  info.citation =
+      "T. Ritschel, T. Engelhardt, T. Grosch, H.-P. Seidel, J. Kautz and C. Dachsbacher, Micro-Rendering for Scalable, "
+      "Parallel Final Gathering, SIGGRAPH Asia 2009";
+  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
+  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "mask", "blend", "normal_map"};
+  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.bias = 0.02;
+  info.capabilities.pixel_sampling = {};
+  for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
+  info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits", "micro_buffer"};
+  return info;
+}
+
+class MicroRendering : public Technique {
+ public:
+  ParameterTable& parameters() override { return table_; }
+
+  PathSet path_set(const Scene&, const RenderSettings& settings) const override {
+    PathSet set;
+    set.max_bounces = bounces(settings);
+    set.indirect = set.max_bounces > 0;
+    set.light_delta = false;
+    set.secondary_lambert_only = true;
+    return set;
+  }
+
+  std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
+    std::vector<std::string> list;
+    if (settings.max_bounces < 0) list.push_back(fmt::format("computes {} bounces (unlimited_bounces), not all", bounces(settings)));
+    const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+      return m.transmission > 0 || m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
+    });
+    if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
+    return list;
+  }
+
+  size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
+    const size_t pixels = size_t{settings.width} * settings.height;
+    size_t bytes = GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) + 2 * pixels * sizeof(float4);
+    if (bounces(settings) == 0) return bytes;
+    const size_t forest = PointForest::estimate_bytes(scene, forest_options());
+    const size_t leaves = forest / (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)));
+    return bytes + forest + LeafLight::estimate_bytes(parameters_, leaves, bounces(settings)) +
+           PixelGather::estimate_bytes(settings.width, settings.height, parameters_);
+  }
+
+  void prepare(const TechniqueContext& context) override {
+    context_ = std::make_unique<TechniqueContext>(context);
+    seed_ = context.settings.seed;
+    SourceLibrary library;
+    library.add(micro_rendering_kernels());
+    program_ = Program(*context.device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {}});
+    if (bounces(context.settings) > 0) gather_ = GatherPass(*context.device, parameters_);
+    make_forest();
+    make_passes();
+  }
+
+  void update(const SceneChange& change) override {
+    if (!change.any()) return;
+    if (change.only_camera()) {
+      gbuffer_->set_frame(frame());
+      restart();
+      return;
+    }
+    const bool rebuilt = forest_ && !forest_->update(change);
+    if (rebuilt) make_forest();
+    if (rebuilt || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
+      make_passes();
+      return;
+    }
+    if (change.camera) gbuffer_->set_frame(frame());
+    if (leaf_light_) leaf_light_->moved();
+    restart();
+  }
+
+  IterationResult iterate() override {
+    if (step()) {
+      ++batch_;
+      if (!pixels_ || batch_ == pixels_->batches()) batch_ = 0, ++frame_;
+    }
+    IterationResult result;
+    result.progress = -1;
+    result.samples = frame_;
+    result.phase = "gather";
+    return result;
+  }
+
+  void resolve(Film& film) override {
+    context_->scheduler.finish();
+    resolve_sum(film, "emission", emission_);
+    resolve_sum(film, "direct", direct_);
+    if (pixels_) pixels_->resolve(film);
+  }
+
+  void reset(uint64_t seed) override {
+    seed_ = seed;
+    gbuffer_->set_frame(frame());
+    restart();
+  }
+
+  void warm_up() override {
+    gbuffer_->warm_up();
+    direct_light_->warm_up(gbuffer_->points(), direct_);
+    context_->scheduler.warm_up(emission_schedule_);
+    if (leaf_light_) leaf_light_->warm_up();
+    if (pixels_) pixels_->warm_up();
+  }
+
+  std::map<std::string, double> counters() const override {
+    std::map<std::string, double> all;
+    if (!pixels_) return all;
+    all = pixels_->counters();
+    all["points"] = forest_->leaf_count();
+    all["trees"] = static_cast<double>(forest_->trees().size());
+    all["sampling seconds"] = forest_->sampling_seconds();
+    all["tree seconds"] = forest_->ordering_seconds();
+    return all;
+  }
+
+ private:
+  int bounces(const RenderSettings& settings) const {
+    return settings.max_bounces < 0 ? parameters_.unlimited_bounces : settings.max_bounces;
+  }
+
+  ForestOptions forest_options() const {
+    ForestOptions options;
+    options.points_log2 = parameters_.points_log2;
+    options.disc_scale = parameters_.disc_scale;
+    options.all_cullable = parameters_.backface == Backface::cull;
+    return options;
+  }
+
+  Frame frame() const {
+    Frame frame = make_frame(context_->settings);
+    frame.seed = kernel_seed(seed_);
+    return frame;
+  }
+
+  void make_forest() {
+    if (bounces(context_->settings) == 0) return;
+    pixels_.reset();  // what refers to memory goes before the memory
+    leaf_light_.reset();
+    forest_.reset();
+    forest_ = std::make_unique<PointForest>(*context_->device, context_->scheduler, context_->scene, context_->scene_buffers,
+                                            forest_options(), kName);
+  }
+
+  /// Everything that is recorded over the buffers of scene and hierarchy.
+  void make_passes() {
+    Device& device = *context_->device;
+    KernelScheduler& scheduler = context_->scheduler;
+    const SceneBuffers& scene = context_->scene_buffers;
+    const RenderSettings& settings = context_->settings;
+    emission_schedule_ = {};
+    pixels_.reset();
+    leaf_light_.reset();
+    direct_light_.reset();
+    gbuffer_.reset();
+    gbuffer_ = std::make_unique<GBuffer>(device, scheduler, scene, context_->bvh(), frame(), kName);
+    direct_light_ = std::make_unique<DirectLight>(device, scheduler, scene, context_->bvh(), kName);
+    const uint32_t pixels = settings.width * settings.height;
+    emission_ = TypedBuffer<float4>(device, kName, "emission", pixels, "lower --size");
+    direct_ = TypedBuffer<float4>(device, kName, "direct light", pixels, "lower --size");
+    ScheduleRecorder recorder = scheduler.record("add emission", kName);
+    recorder.pass("add emission", program_, "mr_add_emission").global(pixels).local(64).arg("points", gbuffer_->points())
+        .arg("count", pixels).arg("emission", emission_);
+    emission_schedule_ = recorder.compile();
+    if (forest_) {
+      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, scene, context_->bvh(), *forest_, gather_, parameters_,
+                                                bounces(settings), kName);
+      pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, gbuffer_->points(), settings.width, settings.height,
+                                              *forest_, gather_, parameters_, kName);
+    }
+    scene_generation_ = scene.generation();
+    bvh_generation_ = context_->bvh().generation();
+    restart();
+  }
+
+  void restart() {
+    context_->scheduler.finish();
+    frame_ = batch_ = 0;
+    emission_.fill_zero();
+    direct_.fill_zero();
+    if (pixels_) pixels_->restart();
+  }
+
+  /// One batch of a frame, before its first one G-buffer and light. False when cancelled: the sums are as before.
+  bool step() {
+    const uint32_t seed = kernel_seed(seed_);
+    if (batch_ == 0) {
+      if (!gbuffer_->render(frame_)) return false;
+      if (leaf_light_ && !leaf_light_->run(frame_, seed)) return false;
+    }
+    if (pixels_ && !pixels_->gather(batch_, frame_, seed)) return false;
+    if (batch_ == 0) {
+      if (!direct_light_->accumulate_radiance(gbuffer_->points(), direct_, frame_, seed)) return false;
+      context_->scheduler.run_to_end(emission_schedule_);
+    }
+    if (pixels_) pixels_->add(batch_);
+    return true;
+  }
+
+  static void resolve_sum(Film& film, const char* name, const TypedBuffer<float4>& sums) {
+    FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);
+    const std::vector<float4> values = sums.download();
+    for (size_t i = 0; i < values.size(); ++i) {
+      const float scale = values[i].w > 0 ? 1 / values[i].w : 0;
+      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * i + c] = scale * (&values[i].x)[c];
+    }
+  }
+
+  MicroParameters parameters_;
+  ParameterTable table_ = make_parameter_table(parameters_);
+  std::unique_ptr<TechniqueContext> context_;
+  uint64_t seed_ = 1;
+  uint32_t frame_ = 0, batch_ = 0;
+  uint64_t scene_generation_ = 0, bvh_generation_ = 0;
+  Program program_;
+  GatherPass gather_;
+  std::unique_ptr<PointForest> forest_;
+  std::unique_ptr<GBuffer> gbuffer_;
+  std::unique_ptr<DirectLight> direct_light_;
+  std::unique_ptr<LeafLight> leaf_light_;
+  std::unique_ptr<PixelGather> pixels_;
+  TypedBuffer<float4> emission_, direct_;  ///< xyz sum, w samples
+  Schedule emission_schedule_;
+};
+
+std::unique_ptr<Technique> create_micro_rendering() { return std::make_unique<MicroRendering>(); }
+
+}  // namespace
+}  // namespace lucarium
+
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::micro_rendering_info, lucarium::create_micro_rendering)

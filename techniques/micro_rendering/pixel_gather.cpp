@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pixel_gather.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "lucarium/compute/embedded_sources.h"
+
+const lucarium::EmbeddedSources& micro_rendering_kernels();
+
+namespace lucarium::micro {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+constexpr uint32_t kRun = 256;  // pixels whose statistics one work-item sums
+constexpr size_t kMicroPixels = 64 * 64;
+const char* const kRemedy = "lower --size";
+
+Program pixel_program(Device& device) {
+  SourceLibrary library;
+  library.add(micro_rendering_kernels());
+  return Program(device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {}});
+}
+
+/// Distance between the pixels of a sub-image: a power of two that leaves no more than `most` of them.
+uint32_t sub_image_stride(uint32_t width, uint32_t height, uint32_t most) {
+  uint32_t stride = 1;
+  while (uint64_t{(width + stride - 1) / stride} * ((height + stride - 1) / stride) > most) stride *= 2;
+  return stride;
+}
+
+}  // namespace
+
+PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
+                         const TypedBuffer<GBufferPoint>& points, uint32_t width, uint32_t height, const PointForest& forest,
+                         const GatherPass& gather, const MicroParameters& parameters, const std::string& owner)
+    : device_(device),
+      scheduler_(scheduler),
+      scene_(scene),
+      points_(points),
+      width_(width),
+      height_(height),
+      stride_(sub_image_stride(width, height, static_cast<uint32_t>(parameters.batch_gathers))),
+      forest_(forest),
+      gather_(gather),
+      parameters_(parameters),
+      owner_(owner),
+      program_(pixel_program(device)),
+      primitives_(device) {
+  const size_t pixels = size_t{width} * height;
+  capacity_ = ((width + stride_ - 1) / stride_) * ((height + stride_ - 1) / stride_);
+  const auto inside = [](int x, uint32_t size) { return x >= 0 && static_cast<uint32_t>(x) < size; };
+  if (inside(parameters.inspect_x, width) && inside(parameters.inspect_y, height))
+    inspect_ = static_cast<uint32_t>(parameters.inspect_y) * width + static_cast<uint32_t>(parameters.inspect_x);
+  results_ = GatherResults(device, owner, "pixels'", pixels, true);
+  gather_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers", 1);
+  indirect_ = TypedBuffer<float4>(device, owner, "indirect light", pixels, kRemedy);
+  looks_ = TypedBuffer<float4>(device, owner, "inspected sums", pixels, kRemedy);
+  kept_micro_buffer_ = TypedBuffer<float4>(device, owner, "kept micro-buffer", kMicroPixels);
+  record_gather();
+  record_add();
+}
+
+/// Sub-images in an order that refines evenly: the corners, then the middles of the squares between, and so on.
+MicroSubImage PixelGather::sub_image(uint32_t batch) const {
+  MicroSubImage sub;
+  sub.stride = stride_;
+  for (uint32_t half = stride_ / 2; half > 0; half /= 2, batch /= 4) {
+    const uint32_t corner = batch % 4;
+    sub.offset_x += half * (corner == 1 || corner == 2);
+    sub.offset_y += half * (corner == 1 || corner == 3);
+  }
+  sub.width = sub.offset_x < width_ ? (width_ - sub.offset_x + stride_ - 1) / stride_ : 0;
+  sub.height = sub.offset_y < height_ ? (height_ - sub.offset_y + stride_ - 1) / stride_ : 0;
+  sub.image_width = width_;
+  return sub;
+}
+
+bool PixelGather::inspects(uint32_t batch) const {
+  const MicroSubImage sub = sub_image(batch);
+  return inspect_ != LUCARIUM_NONE && inspect_ % width_ % stride_ == sub.offset_x && inspect_ / width_ % stride_ == sub.offset_y;
+}
+
+void PixelGather::record_gather() {
+  ScheduleRecorder recorder = scheduler_.record("gather at pixels", owner_);
+  gather_sub_ = recorder.variable("sub_image", MicroSubImage{});
+  settings_ = recorder.variable("settings", MicroSettings{});
+  const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", capacity_, kRemedy);
+  const BufferRef values = recorder.transient<uint32_t>("sorted pixels", capacity_, kRemedy);
+  const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity_, kRemedy);
+  PassBuilder keying = recorder.pass("keys of pixels", program_, "mr_list_keys");
+  scene_.bind(keying, program_, "mr_list_keys");
+  keying.global(capacity_).local(kLocalSize).arg("points", points_).arg("sub", gather_sub_)
+      .arg("morton", parameters_.morton ? 1u : 0u).arg("capacity", capacity_).arg("keys", keys).arg("values", values);
+  primitives_.record_sort_pairs(recorder, "sort pixels", keys, values, capacity_, 31);
+  PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
+  scene_.bind(fill, program_, "mr_list_fill");
+  fill.global(capacity_).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity_)
+      .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", gather_count_);
+  gather_.record(recorder, "gather", forest_, gathers, gather_count_, capacity_, settings_, results_);
+  gather_schedule_ = recorder.compile();
+}
+
+void PixelGather::record_add() {
+  ScheduleRecorder recorder = scheduler_.record("add indirect light", owner_);
+  add_sub_ = recorder.variable("sub_image", MicroSubImage{});
+  PassBuilder pass = recorder.pass("add indirect light", program_, "mr_add_indirect");
+  scene_.bind(pass, program_, "mr_add_indirect");
+  pass.global(capacity_).local(kLocalSize).arg("points", points_).arg("sub", add_sub_).arg("irradiance", results_.irradiance)
+      .arg("specular", results_.specular).arg("statistics", results_.statistics).arg("indirect", indirect_).arg("looks", looks_);
+  const uint32_t runs = (capacity_ + kRun - 1) / kRun;
+  const BufferRef sums = recorder.transient<MicroStatistics>("sums of statistics", runs);
+  recorder.pass("sum statistics", program_, "mr_sum_statistics").global(runs).local(1).arg("points", points_).arg("sub", add_sub_)
+      .arg("run", kRun).arg("statistics", results_.statistics).arg("sums", sums);
+  recorder.read_back("statistics", sums, [this](std::span<const std::byte> bytes) { count(bytes); });
+  add_schedule_ = recorder.compile();
+
+  ScheduleRecorder keeper = scheduler_.record("keep micro-buffer", owner_);
+  keeper.pass("keep micro-buffer", program_, "mr_keep_micro_buffer").global(kMicroPixels).local(kLocalSize)
+      .arg("micro_buffer", results_.micro_buffer).arg("count", static_cast<uint32_t>(kMicroPixels)).arg("kept", kept_micro_buffer_);
+  keep_schedule_ = keeper.compile();
+}
+
+void PixelGather::count(std::span<const std::byte> sums) {
+  for (size_t offset = 0; offset + sizeof(MicroStatistics) <= sums.size(); offset += sizeof(MicroStatistics)) {
+    MicroStatistics s;
+    std::memcpy(&s, sums.data() + offset, sizeof s);
+    counters_["node visits"] += s.visits;
+    counters_["splats"] += s.splats;
+    counters_["listed leaves"] += s.listed;
+    counters_["disc tests"] += s.disc_tests;
+    counters_["holes"] += s.holes;
+    counters_["list flushes"] += s.flushes;
+    counters_["gathers with a list"] += s.levels;
+    counters_["gathers"] += s.pad;
+  }
+}
+
+bool PixelGather::gather(uint32_t batch, uint32_t frame, uint32_t seed) {
+  gather_schedule_.set(gather_sub_, sub_image(batch));
+  gather_schedule_.set(settings_, MicroSettings{parameters_.cut_kappa, parameters_.splat_radius, seed ^ (frame * 0x85ebca6bu),
+                                                inspects(batch) ? inspect_ : LUCARIUM_NONE});
+  return scheduler_.run(gather_schedule_) == RunResult::done;
+}
+
+void PixelGather::add(uint32_t batch) {
+  add_schedule_.set(add_sub_, sub_image(batch));
+  scheduler_.run_to_end(add_schedule_);
+  if (inspects(batch)) scheduler_.run_to_end(keep_schedule_);
+}
+
+void PixelGather::restart() {
+  scheduler_.finish();
+  indirect_.fill_zero();
+  looks_.fill_zero();
+  kept_micro_buffer_.fill_zero();
+}
+
+void PixelGather::warm_up() {
+  for (Schedule* schedule : {&gather_schedule_, &add_schedule_, &keep_schedule_}) scheduler_.warm_up(*schedule);
+}
+
+void PixelGather::resolve(Film& film) const {
+  scheduler_.finish();
+  const std::vector<float4> indirect = indirect_.download(), looks = looks_.download();
+  FilmLayer& light = film.layer("indirect", {"R", "G", "B"}, true);
+  FilmLayer& level = film.layer("cut_level", {"Y"});
+  FilmLayer& listed = film.layer("list_length", {"Y"});
+  FilmLayer& visits = film.layer("node_visits", {"Y"});
+  for (uint32_t y = 0; y < height_; ++y) {
+    for (uint32_t x = 0; x < width_; ++x) {
+      const size_t pixel = size_t{y} * width_ + x;
+      // The pixel itself, else the corner of the smallest square around it that a batch has reached.
+      size_t source = pixel;
+      for (uint32_t s = 2; s <= stride_ && indirect[source].w == 0; s *= 2) source = size_t{y / s * s} * width_ + x / s * s;
+      const float scale = indirect[source].w > 0 ? 1 / indirect[source].w : 0;
+      for (size_t c = 0; c < 3; ++c) light.pixels[3 * pixel + c] = scale * (&indirect[source].x)[c];
+      level.pixels[pixel] = scale * looks[source].x;
+      listed.pixels[pixel] = scale * looks[source].y;
+      visits.pixels[pixel] = scale * looks[source].z;
+    }
+  }
+  if (inspect_ != LUCARIUM_NONE) resolve_micro_buffer(film);
+}
+
+/// The micro-buffer in the upper left corner of a layer, enlarged as far as the image allows.
+void PixelGather::resolve_micro_buffer(Film& film) const {
+  const std::vector<float4> buffer = kept_micro_buffer_.download();
+  const auto edge = static_cast<uint32_t>(parameters_.micro_size);
+  const uint32_t enlarged = std::max(1u, std::min(width_, height_) / edge);
+  FilmLayer& layer = film.layer("micro_buffer");
+  for (uint32_t y = 0; y < std::min(height_, edge * enlarged); ++y) {
+    for (uint32_t x = 0; x < std::min(width_, edge * enlarged); ++x) {
+      const float4& value = buffer[y / enlarged * edge + x / enlarged];
+      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * (size_t{y} * width_ + x) + c] = (&value.x)[c];
+    }
+  }
+}
+
+size_t PixelGather::estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters) {
+  const size_t pixels = size_t{width} * height, batch = std::min(pixels, static_cast<size_t>(parameters.batch_gathers));
+  return GatherResults::estimate_bytes(pixels, true) + pixels * 2 * sizeof(float4) + kMicroPixels * sizeof(float4) +
+         batch * (4 * sizeof(uint32_t) + sizeof(MicroGather)) + (size_t{1} << 18);
+}
+
+}  // namespace lucarium::micro

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gather_pass.h"
+#include "lucarium/film/film.h"
+#include "lucarium/services/primitives.h"
+#include "lucarium/shared/gbuffer.h"
+
+namespace lucarium::micro {
+
+/// Gathers at the points of a G-buffer, sub-image by sub-image, and sums what pixels reflect. A frame is done when every
+/// sub-image was.
+class PixelGather {
+ public:
+  PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const TypedBuffer<GBufferPoint>& points,
+              uint32_t width, uint32_t height, const PointForest& forest, const GatherPass& gather,
+              const MicroParameters& parameters, const std::string& owner);
+
+  uint32_t batches() const { return stride_ * stride_; }  ///< sub-images of a frame
+  /// Gathers at the pixels of one sub-image. False when cancelled; nothing has changed then that resolve() shows.
+  bool gather(uint32_t batch, uint32_t frame, uint32_t seed);
+  /// Adds what the last gather() found to the sums; to its end, whatever is cancelled.
+  void add(uint32_t batch);
+  void restart();
+  void warm_up();
+  /// Writes the layers `indirect`, `cut_level`, `list_length`, and `micro_buffer` where a pixel is inspected. Pixels that no
+  /// batch has reached yet show the nearest of the sub-images before.
+  void resolve(Film& film) const;
+  const std::map<std::string, double>& counters() const { return counters_; }
+  static size_t estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters);
+
+ private:
+  MicroSubImage sub_image(uint32_t batch) const;
+  bool inspects(uint32_t batch) const;
+  void record_gather();
+  void record_add();
+  void count(std::span<const std::byte> sums);
+  void resolve_micro_buffer(Film& film) const;
+
+  Device& device_;
+  KernelScheduler& scheduler_;
+  const SceneBuffers& scene_;
+  TypedBuffer<GBufferPoint> points_;
+  uint32_t width_, height_, stride_ = 1, capacity_ = 0, inspect_ = 0xffffffffu;
+  const PointForest& forest_;
+  const GatherPass& gather_;
+  MicroParameters parameters_;
+  std::string owner_;
+  Program program_;
+  Primitives primitives_;
+  GatherResults results_;
+  TypedBuffer<uint32_t> gather_count_;
+  TypedBuffer<float4> indirect_, looks_, kept_micro_buffer_;
+  Schedule gather_schedule_, add_schedule_, keep_schedule_;
+  Variable<MicroSubImage> gather_sub_, add_sub_;
+  Variable<MicroSettings> settings_;
+  std::map<std::string, double> counters_;
+};
+
+}  // namespace lucarium::micro
