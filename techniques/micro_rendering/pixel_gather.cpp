@@ -63,7 +63,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
 
 /// Sub-images in an order that refines evenly: the corners, then the middles of the squares between, and so on.
 MicroSubImage PixelGather::sub_image(uint32_t batch) const {
-  MicroSubImage sub;
+  MicroSubImage sub{};
   sub.stride = stride_;
   for (uint32_t half = stride_ / 2; half > 0; half /= 2, batch /= 4) {
     const uint32_t corner = batch % 4;

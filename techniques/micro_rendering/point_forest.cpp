@@ -171,7 +171,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
   for (const size_t t : which) {
     const ForestTree& tree = trees_[t];
     const auto number = static_cast<uint32_t>(t);
-    MicroLeafRules rules;
+    MicroLeafRules rules{};
     rules.tree = number;
     rules.object_space = tree.kind == TreeKind::rigid;
     rules.disc_radius = options_.disc_scale * static_cast<float>(std::sqrt(tree.placed_area / (3.14159265358979 * tree.leaves())));

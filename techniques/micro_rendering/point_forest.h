@@ -21,7 +21,7 @@ struct ForestOptions {
 struct ForestTree {
   TreeKind kind = TreeKind::resting;
   int instance = none;
-  MicroTree record;             ///< as on the device
+  MicroTree record{};           ///< as on the device
   double covered = 1;           ///< covered area / plain area
   double placed_area = 0;       ///< covered area in the space in which points were placed
   double built_radius_sum = 0;  ///< of level kQualityLevel when it was built [grid steps of the build · step]
