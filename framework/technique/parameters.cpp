@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <memory>
 
 #include "lucarium/base/nearest_name.h"
 
@@ -17,7 +18,18 @@ const ParameterTable::Entry& ParameterTable::find(std::string_view name) const {
   throw_error(ErrorClass::usage, "no parameter is called '{}'{}", name, suggest_name(name, names));
 }
 
-void ParameterTable::set(std::string_view name, std::string_view value) { find(name).set(value); }
+void ParameterTable::set(std::string_view name, std::string_view value) {
+  const Entry& entry = find(name);
+  entry.set(value);
+  if (entry.presets.empty()) return;
+  for (const Entry& other : entries_) {
+    if (other.presets.empty()) other.set(other.info.default_value);
+  }
+  for (const ParameterPreset& preset : entry.presets) {
+    if (preset.name != entry.get()) continue;
+    for (const auto& [key, text] : preset.values) find(key).set(text);
+  }
+}
 std::string ParameterTable::get(std::string_view name) const { return find(name).get(); }
 
 std::string ParameterTable::to_string() const {
@@ -34,6 +46,20 @@ void ParameterDescriber::flag(std::string name, bool& value, std::string doc) {
                                         const std::vector<std::string> choices = {"on", "true", "1", "off", "false", "0"};
                                         value = parse_parameter_choice(name, text, choices) < 3;
                                       }});
+}
+
+void ParameterDescriber::presets(std::vector<ParameterPreset> presets, std::string doc) {
+  ParameterInfo info{"preset", "enum", "default", "default", "", std::move(doc), {"default"}};
+  for (const ParameterPreset& preset : presets) {
+    info.range += "|" + preset.name;
+    info.choices.push_back(preset.name);
+  }
+  const auto chosen = std::make_shared<std::string>("default");
+  const auto set = [chosen, names = info.choices](std::string_view text) {
+    *chosen = names[parse_parameter_choice("preset", text, names)];
+  };
+  auto& entries = table_.mutable_entries();
+  entries.insert(entries.begin(), {std::move(info), [chosen] { return *chosen; }, set, std::move(presets)});
 }
 
 double parse_parameter_number(const std::string& name, std::string_view text, bool integral) {

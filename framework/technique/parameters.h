@@ -20,6 +20,12 @@ struct ParameterInfo {
   std::vector<std::string> choices;                          ///< of an enum
 };
 
+/// Values that belong together, chosen by one name.
+struct ParameterPreset {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> values;  ///< of other parameters; all others get their defaults
+};
+
 /// Text access to the parameters of one technique instance. Setting an unknown or out-of-range one throws Error{usage}
 /// naming the nearest valid name or the range.
 class ParameterTable {
@@ -28,6 +34,7 @@ class ParameterTable {
     ParameterInfo info;
     std::function<std::string()> get;
     std::function<void(std::string_view)> set;
+    std::vector<ParameterPreset> presets;  ///< of the parameter `preset`: setting it sets all others
   };
   const std::vector<Entry>& entries() const { return entries_; }
   void set(std::string_view name, std::string_view value);
@@ -47,6 +54,7 @@ class ParameterTable {
 ///     v.number("roulette_start", roulette_start, 0, 64, "", "counted scatterings before Russian roulette begins");
 ///     v.flag("nee", nee, "next-event estimation: sample lights directly");
 ///     v.choice("lights", light_choice, {{"power", LightChoice::power}, …}, "…");
+///     v.presets({{"paper", {{"nee", "off"}}}}, "values of the paper");   // adds the parameter `preset`
 ///   }
 ///
 /// Defaults are the member initialisers. The table refers to the struct and must not outlive it.
@@ -61,6 +69,9 @@ class ParameterDescriber {
   void flag(std::string name, bool& value, std::string doc);
   template <class E>
   void choice(std::string name, E& value, std::vector<std::pair<std::string, E>> choices, std::string doc);
+  /// Adds the parameter `preset` with these choices and `default`, before all others: it sets every other parameter, and
+  /// those that are set after it (or recorded with it, in order of declaration) win.
+  void presets(std::vector<ParameterPreset> presets, std::string doc);
 
  private:
   ParameterTable& table_;

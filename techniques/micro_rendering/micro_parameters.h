@@ -66,6 +66,15 @@ struct MicroParameters {
     v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers", "most gathers of one iteration");
     v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels", "column of the pixel whose micro-buffer is shown; -1: none");
     v.number("inspect_y", inspect_y, -1, 1 << 15, "pixels", "row of that pixel");
+    v.presets({{"paper",
+                {{"points_log2", "20"},
+                 {"cut_bound", "centre"},
+                 {"splat", "nearest"},
+                 {"warp", "table"},
+                 {"hole_fill", "off"},
+                 {"backface", "cull"},
+                 {"depth_bits", "8"}}}},
+              "paper: the variants of Ritschel et al. 2009");
   }
 };
 

@@ -105,3 +105,35 @@ TEST_CASE("a path set survives its text, and differences are named") {
   CHECK(message_of([] { PathSet::parse("max_bounce=1"); }).find("did you mean 'max_bounces'?") != std::string::npos);
   CHECK(message_of([] { PathSet::parse("direct=maybe"); }) == "path set: 'maybe' is not a value of direct");
 }
+
+namespace {
+
+struct WithPresets {
+  int size = 24;
+  bool fill = true;
+  template <class V>
+  void describe(V& v) {
+    v.number("size", size, 8, 64, "", "how large");
+    v.flag("fill", fill, "whether");
+    v.presets({{"paper", {{"fill", "off"}}}, {"small", {{"size", "8"}}}}, "values that belong together");
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a preset sets all parameters, and what is set after it wins") {
+  WithPresets values;
+  ParameterTable table = make_parameter_table(values);
+  CHECK(table.to_string() == "preset=default,size=24,fill=on");
+  table.set("size", "16");
+  table.set("preset", "paper");
+  CHECK(table.to_string() == "preset=paper,size=24,fill=off");
+  table.set("size", "12");
+  CHECK(table.to_string() == "preset=paper,size=12,fill=off");
+  table.set("preset", "small");
+  CHECK(table.to_string() == "preset=small,size=8,fill=on");
+  table.set("preset", "default");
+  CHECK(table.to_string() == "preset=default,size=24,fill=on");
+  CHECK(message_of([&] { table.set("preset", "papr"); }) == "parameter preset: no value is called 'papr', did you mean paper?");
+  CHECK(table.entries().front().info.range == "default|paper|small");
+}
