@@ -24,8 +24,9 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
                         __global const float* restrict radiance_unit, __global const MicroGather* restrict gathers,
                         __global const uint* restrict gather_count, const MicroSettings settings,
                         __global float4* restrict irradiance, __global float4* restrict specular,
-                        __global MicroStatistics* restrict statistics, __global float4* restrict micro_buffer) {
-  const uint i = get_global_id(0);
+                        __global MicroStatistics* restrict statistics, __global float4* restrict micro_buffer,
+                        const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
   if (i >= gather_count[0]) return;
   const float unit = radiance_unit[0];
   MicroForest forest;

@@ -49,7 +49,7 @@ struct MicroParameters {
     v.choice("warp", warp, {{"analytic", Warp::analytic}, {"table", Warp::table}, {"nusselt", Warp::nusselt}},
              "projection of micro-buffers: by the lobes' own maps, by tables of the BSDF, or none (the unit disc)");
     v.number("table_size", table_size, 8, 64, "cells", "edge of the tables of warp=table");
-    v.flag("hole_fill", hole_fill, "empty micro-pixels with two filled neighbours or more take their mean");
+    v.flag("hole_fill", hole_fill, "empty micro-pixels with three filled neighbours or more take their mean");
     v.flag("raycast", raycast, "leaves larger than a micro-pixel are ray-cast as discs");
     v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
