@@ -12,7 +12,6 @@ namespace {
 
 constexpr uint32_t lanes = 16;   // pixels per row of a tile
 constexpr uint32_t chunks = 16;  // runs of triangles binned in parallel
-constexpr uint32_t clip_parts = 6;
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
 constexpr const char* smaller_film = "lower the film's resolution";
 
@@ -53,13 +52,10 @@ void LayeredRaster::State::follow() {
                       {.name = "services/layered_raster",
                        .files = {"lucarium/services/layered_raster_setup.cl", "lucarium/services/layered_raster_bins.cl"},
                        .defines = defines()});
-    store = Program(scheduler.device(), SourceLibrary(),
-                    {.name = "services/layered_raster_store",
-                     .files = {"lucarium/services/layered_raster_store.cl"},
-                     .defines = defines()});
+    consumers.clear();
     geometry = {};
     geometry = TypedBuffer<float>(scheduler.device(), owner, "de-indexed triangles",
-                                  size_t{160} * divide_up(std::max(1u, triangles), 16), fewer_triangles);
+                                  size_t{LAYERED_BLOCK_WORDS} * divide_up(std::max(1u, triangles), 16), fewer_triangles);
     ScheduleRecorder recorder = scheduler.record("gather triangles", owner);
     PassBuilder pass = recorder.pass("gather triangles", program, "layered_gather_triangles");
     scene.bind(pass, program, "layered_gather_triangles");
@@ -76,32 +72,32 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
   const uint32_t stride = divide_up(tiles + 1, 16) * 16;
   LayeredBins bins;
   bins.records = recorder.transient<LayeredRecord>(name + ".records", std::max(1u, triangles), fewer_triangles);
-  const BufferRef bounds = recorder.transient<uint32_t>(name + ".bounds", 16 * blocks, fewer_triangles);
+  bins.bounds = recorder.transient<uint32_t>(name + ".bounds", 16 * blocks, fewer_triangles);
   const BufferRef clip_counts = recorder.transient<uint32_t>(name + ".clip_counts", blocks);
-  const BufferRef clipped = recorder.transient<uint32_t>(name + ".clipped", 1);
+  bins.clipped = recorder.transient<uint32_t>(name + ".clipped", 1);
   recorder.pass(name + ".set_up", program, "layered_set_up")
       .global(blocks).local(1)
       .arg("layered_views", view.views).arg("layered_view", view.index).arg("layered_geometry", geometry)
-      .arg("triangles", triangles).arg("layered_records", bins.records).arg("layered_bounds", bounds)
+      .arg("triangles", triangles).arg("layered_records", bins.records).arg("layered_bounds", bins.bounds)
       .arg("layered_clip_counts", clip_counts)
       .discards("layered_records").discards("layered_bounds").discards("layered_clip_counts");
-  primitives.record_exclusive_scan(recorder, name + ".clip_scan", clip_counts, clip_counts, clipped, blocks);
-  bins.extra = recorder.transient_sized_by<LayeredRecord>(name + ".clip_records", clipped, 0, clip_parts, smaller_film);
-  bins.clips = recorder.transient_sized_by<LayeredClip>(name + ".clips", clipped, 0, clip_parts, smaller_film);
-  const BufferRef extra_bounds =
-      recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", clipped, 0, clip_parts, smaller_film);
+  primitives.record_exclusive_scan(recorder, name + ".clip_scan", clip_counts, clip_counts, bins.clipped, blocks);
+  bins.extra = recorder.transient_sized_by<LayeredRecord>(name + ".clip_records", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
+  bins.clips = recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
+  bins.extra_bounds =
+      recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
   recorder.pass(name + ".clip", program, "layered_clip_triangles")
       .global(blocks).local(1)
       .arg("layered_views", view.views).arg("layered_view", view.index).arg("layered_geometry", geometry)
-      .arg("triangles", triangles).arg("layered_clip_counts", clip_counts).arg("layered_clipped", clipped)
-      .arg("layered_extra", bins.extra).arg("layered_clips", bins.clips).arg("layered_extra_bounds", extra_bounds)
+      .arg("triangles", triangles).arg("layered_clip_counts", clip_counts).arg("layered_clipped", bins.clipped)
+      .arg("layered_extra", bins.extra).arg("layered_clips", bins.clips).arg("layered_extra_bounds", bins.extra_bounds)
       .discards("layered_extra").discards("layered_clips").discards("layered_extra_bounds");
   const BufferRef histogram = recorder.transient<uint32_t>(name + ".histogram", size_t{chunks} * stride, smaller_film);
   bins.starts = recorder.transient<uint32_t>(name + ".starts", stride);
   const BufferRef pair_count = recorder.transient<uint32_t>(name + ".pair_count", 1);
   recorder.pass(name + ".count_bins", program, "layered_count_bins")
       .global(chunks).local(1)
-      .arg("layered_bounds", bounds).arg("layered_extra_bounds", extra_bounds).arg("layered_clipped", clipped)
+      .arg("layered_bounds", bins.bounds).arg("layered_extra_bounds", bins.extra_bounds).arg("layered_clipped", bins.clipped)
       .arg("triangles", triangles).arg("layered_views", view.views).arg("layered_view", view.index)
       .arg("stride", stride).arg("layered_histogram", histogram).discards("layered_histogram");
   recorder.pass(name + ".sum_bins", program, "layered_sum_bins")
@@ -112,7 +108,7 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
   bins.pairs = recorder.transient_sized_by<uint32_t>(name + ".pairs", pair_count, 0, 1, smaller_film);
   recorder.pass(name + ".fill_bins", program, "layered_fill_bins")
       .global(chunks).local(1)
-      .arg("layered_bounds", bounds).arg("layered_extra_bounds", extra_bounds).arg("layered_clipped", clipped)
+      .arg("layered_bounds", bins.bounds).arg("layered_extra_bounds", bins.extra_bounds).arg("layered_clipped", bins.clipped)
       .arg("triangles", triangles).arg("layered_views", view.views).arg("layered_view", view.index)
       .arg("stride", stride).arg("layered_histogram", histogram).arg("layered_starts", bins.starts)
       .arg("layered_pairs", bins.pairs).discards("layered_pairs");
@@ -125,31 +121,18 @@ void LayeredRaster::State::record_tiles(ScheduleRecorder& recorder, const std::s
   const uint32_t rows = divide_up(options.max_height, LAYERED_TILE_ROWS);
   for (uint32_t parity = 0; parity < std::min(2u, rows); ++parity) {
     PassBuilder pass = recorder.pass(name + (parity ? ".odd_rows" : ".even_rows"), consumer, kernel);
-    if (alpha) scene.bind(pass, consumer, kernel);
-    pass.global(divide_up(rows - parity, 2)).local(1)
-        .arg("layered_views", view.views).arg("layered_view", view.index).arg("layered_records", bins.records)
-        .arg("layered_extra", bins.extra).arg("layered_clips", bins.clips).arg("layered_triangles", triangles)
-        .arg("layered_starts", bins.starts).arg("layered_pairs", bins.pairs).arg("layered_parity", parity);
+    pass.global(divide_up(rows - parity, 2)).local(1);
+    bind_tiles(pass, view, bins, consumer, kernel, parity);
     bind(pass);
   }
 }
 
-LayeredRaster::Stored LayeredRaster::State::record_stored(ScheduleRecorder& recorder, const std::string& name,
-                                                          const ViewRef& view) const {
-  const LayeredBins bins = record_bins(recorder, name, view);
-  const uint32_t pixels = options.max_width * options.max_height;
-  Stored stored;
-  stored.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels + 1, smaller_film);
-  recorder.fill_zero(name + ".clear", stored.pixel_start);  // views may be smaller than the largest film
-  record_tiles(recorder, name + ".count", view, bins, store, "layered_count_fragments",
-               [&](PassBuilder& pass) { pass.arg("pixel_counts", stored.pixel_start); });
-  const BufferRef total = recorder.transient<uint32_t>(name + ".fragment_count", 1);
-  primitives.record_exclusive_scan(recorder, name + ".scan", stored.pixel_start, stored.pixel_start, total, pixels + 1);
-  stored.fragments = recorder.transient_sized_by<LayeredFragment>(name + ".fragments", total, 0, 1, smaller_film);
-  record_tiles(recorder, name + ".store", view, bins, store, "layered_store_fragments", [&](PassBuilder& pass) {
-    pass.arg("pixel_start", stored.pixel_start).arg("fragments", stored.fragments);
-  });
-  return stored;
+void LayeredRaster::State::bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins,
+                                      const Program& consumer, std::string_view kernel, uint32_t parity) const {
+  if (alpha) scene.bind(pass, consumer, kernel);
+  pass.arg("layered_views", view.views).arg("layered_view", view.index).arg("layered_records", bins.records)
+      .arg("layered_extra", bins.extra).arg("layered_clips", bins.clips).arg("layered_triangles", triangles)
+      .arg("layered_starts", bins.starts).arg("layered_pairs", bins.pairs).arg("layered_parity", parity);
 }
 
 LayeredRaster::LayeredRaster(KernelScheduler& scheduler, const SceneBuffers& scene, const LayeredRasterOptions& options,
@@ -165,11 +148,6 @@ void LayeredRaster::record_tiles(ScheduleRecorder& recorder, const std::string& 
                                  const Program& program, std::string_view kernel,
                                  const std::function<void(PassBuilder&)>& bind) const {
   state_->record_tiles(recorder, name, view, state_->record_bins(recorder, name, view), program, kernel, bind);
-}
-
-LayeredRaster::Stored LayeredRaster::record_stored(ScheduleRecorder& recorder, const std::string& name,
-                                                   const ViewRef& view) const {
-  return state_->record_stored(recorder, name, view);
 }
 
 }  // namespace lucarium

@@ -18,6 +18,20 @@ struct LayeredRasterOptions {
   bool conservative = false;  ///< every pixel that a triangle touches, not only those whose centre it covers
 };
 
+/// Ways to a stored A-buffer. All but k_buffer give the same fragments; all but tiles are there for comparison.
+enum class LayeredVariant {
+  tiles,        ///< in tiles, without atomics
+  exact,        ///< one work-item per triangle: count, scan, fill with atomics, sort
+  linked_list,  ///< one work-item per triangle, a linked list per pixel with atomics, collected and sorted
+  k_buffer,     ///< in tiles, only the nearest `keep` fragments of a pixel; counts what it drops
+};
+
+struct LayeredStoreOptions {
+  LayeredVariant variant = LayeredVariant::tiles;
+  uint32_t keep = 8;            ///< k_buffer: 1 to LAYERED_MAX_LAYERS
+  uint32_t list_capacity = 8;   ///< linked_list: nodes per pixel at first; more when they do not suffice
+};
+
 /// Rasterizes the scene's world triangles: all fragments of every pixel in depth order, or only the nearest. Vertices
 /// are snapped to 1/256 pixel; coverage is exact from there (integer edge functions, top-left rule), so that meshes are
 /// watertight and no fragment is ever dropped. MASK discards fragments, BLEND keeps them with probability alpha, decided by
@@ -50,12 +64,18 @@ class LayeredRaster {
   void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const Program& program,
                     std::string_view kernel, const std::function<void(PassBuilder&)>& bind) const;
 
-  /// A stored A-buffer: pixel_start holds width · height + 1 uints (exclusive sums; row by row, views' width), fragments
-  /// LayeredFragment. Both live in the schedule.
+  /// A stored A-buffer: pixel_start holds width · height + 1 uints (exclusive sums; row by row of the view's width),
+  /// fragments LayeredFragment, dropped one uint (0 but for k_buffer). All live in the schedule.
   struct Stored {
-    BufferRef pixel_start, fragments;
+    BufferRef pixel_start, fragments, dropped;
   };
-  Stored record_stored(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view) const;
+  Stored record_stored(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                       const LayeredStoreOptions& options = {}) const;
+
+  /// What is seen: the first fragment of every pixel. depth (float; INFINITY: nothing) and triangle (uint, with
+  /// LAYERED_AWAY; LUCARIUM_NONE) hold max_width · max_height elements, row by row of the view's width.
+  void record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const BufferRef& depth,
+                      const BufferRef& triangle) const;
 
  private:
   struct State;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <utility>
+
 #include "lucarium/services/layered_raster.h"
 #include "lucarium/services/primitives.h"
 
@@ -11,6 +13,8 @@ struct LayeredBins {
   BufferRef extra;    ///< LayeredRecord per part of a clipped triangle
   BufferRef clips;    ///< LayeredClip likewise
   BufferRef starts;   ///< per tile, and one more: where its triangles begin in `pairs`
+  BufferRef bounds, extra_bounds;  ///< tiles of each record, packed
+  BufferRef clipped;               ///< number of clipped triangles
   BufferRef pairs;    ///< records, those in `extra` counted on
 };
 
@@ -23,14 +27,24 @@ struct LayeredRaster::State {
   void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
                     const Program& consumer, std::string_view kernel,
                     const std::function<void(PassBuilder&)>& bind) const;
-  Stored record_stored(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view) const;
+  /// Binds LAYERED_TILE_PARAMETERS (and the scene, if the kernel wants it).
+  void bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins, const Program& consumer,
+                  std::string_view kernel, uint32_t parity) const;
+  Stored record_tile_store(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, uint32_t keep) const;
+  Stored record_list_store(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                           const LayeredStoreOptions& options) const;
+  void record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const BufferRef& depth,
+                      const BufferRef& triangle) const;
+  /// Compiled when first wanted. `keep` above 0: LAYERED_KEEP.
+  const Program& consumer(const std::string& file, uint32_t keep = 0) const;
 
   KernelScheduler& scheduler;
   const SceneBuffers& scene;
   LayeredRasterOptions options;
   std::string owner;
   Primitives primitives;
-  Program program, store;
+  Program program;
+  mutable std::map<std::pair<std::string, uint32_t>, Program> consumers;
   TypedBuffer<float> geometry;  ///< blocks of 16 de-indexed triangles
   Schedule gather;
   uint32_t triangles = 0;

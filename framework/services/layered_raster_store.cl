@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stored A-buffer: count the fragments of every pixel, and, with the counts scanned, write them sorted. Compiled
-// with LAYERED_DEPTH.
+// The stored A-buffer: count the fragments of every pixel, and, with the counts scanned, write them sorted. With
+// LAYERED_KEEP only as many as that are kept per pixel.
 #ifndef LAYERED_DEPTH
 #define LAYERED_DEPTH
 #endif
@@ -65,8 +65,8 @@ static void layered_count_triangle(const LayeredTiles* tiles, uint index, int px
   }
 }
 
-// pixel_counts: width × height and one more, which becomes 0.
-__kernel void layered_count_fragments(LAYERED_TILE_PARAMETERS __global uint* pixel_counts) {
+// pixel_counts: width × height and one more, which becomes 0. dropped: per row of tiles, fragments not kept.
+__kernel void layered_count_fragments(LAYERED_TILE_PARAMETERS __global uint* pixel_counts, __global uint* dropped) {
   LayeredTiles tiles;
   LAYERED_SET_TILES(tiles);
   const uint width = tiles.view->width, height = tiles.view->height;
@@ -75,6 +75,7 @@ __kernel void layered_count_fragments(LAYERED_TILE_PARAMETERS __global uint* pix
   const int py = (int)(row_of_tiles * LAYERED_TILE_ROWS);
   if (py >= (int)height) return;
   if (py == 0) pixel_counts[width * height] = 0u;
+  uint lost = 0u;
   for (uint tile = 0u; tile < tiles_x; ++tile) {
     LayeredInt counts[LAYERED_TILE_ROWS];
     for (uint row = 0u; row < LAYERED_TILE_ROWS; ++row) counts[row] = 0;
@@ -84,8 +85,17 @@ __kernel void layered_count_fragments(LAYERED_TILE_PARAMETERS __global uint* pix
       layered_count_triangle(&tiles, layered_pairs[i], (int)(tile * LAYERED_LANES), py, counts);
     for (uint row = 0u; row < min(LAYERED_TILE_ROWS, height - (uint)py); ++row) {
       const uint px = tile * LAYERED_LANES;
-      for (uint lane = 0u; lane < min((uint)LAYERED_LANES, width - px); ++lane)
-        pixel_counts[((uint)py + row) * width + px + lane] = (uint)((const int*)&counts[row])[lane];
+      for (uint lane = 0u; lane < min((uint)LAYERED_LANES, width - px); ++lane) {
+        const uint count = (uint)((const int*)&counts[row])[lane];
+#ifdef LAYERED_KEEP
+        const uint kept = min(count, (uint)LAYERED_KEEP);
+#else
+        const uint kept = count;
+#endif
+        pixel_counts[((uint)py + row) * width + px + lane] = kept;
+        lost += count - kept;
+      }
     }
   }
+  dropped[row_of_tiles] = lost;
 }

@@ -58,5 +58,13 @@ LUCARIUM_STRUCT_END(LayeredFragment, 8)
 #define LAYERED_GUARD 16384.0f       // pixels: beyond, triangles are clipped
 #define LAYERED_TILE_ROWS 16u        // pixel rows per tile
 #define LAYERED_MAX_LAYERS 64u
+#define LAYERED_BLOCK_WORDS 160u     // of the de-indexed geometry, per 16 triangles
+#define LAYERED_CLIP_PARTS 6u        // a triangle clipped by five planes has at most eight corners
+#define LAYERED_NO_BOUNDS 0x000000ffu  // tile bounds of what is not seen; else x0 | y0 << 8 | x1 << 16 | y1 << 24
+
+// How layered_list_fragments (framework/services/layered_raster_lists.cl) writes.
+#define LAYERED_MODE_COUNT 0u
+#define LAYERED_MODE_FILL 1u
+#define LAYERED_MODE_LINK 2u
 
 #endif

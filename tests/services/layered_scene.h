@@ -45,11 +45,25 @@ inline LayeredView pixel_view(uint32_t width, uint32_t height, float depth = 16)
   return view;
 }
 
+/// Large and small triangles all over a film, unrelated to the grid of pixels.
+inline Soup film_triangles(uint32_t count, float width, float height, uint32_t seed) {
+  Soup soup;
+  Random random(seed);
+  for (uint32_t i = 0; i < count; ++i) {
+    const glm::vec3 center(random.uniform(-0.2f, 1.2f) * width, random.uniform(-0.2f, 1.2f) * height, random.uniform(-9, 9));
+    const float size = width * std::exp(random.uniform(-4, 0.3f));
+    const auto corner = [&] { return center + glm::vec3(size, size, 5) * random.in_cube(1); };
+    soup.add_triangle(corner(), corner(), corner());
+  }
+  return soup;
+}
+
 /// A stored A-buffer on the host.
 struct HostLayers {
   uint32_t width = 0, height = 0;
   std::vector<uint32_t> pixel_start;
   std::vector<LayeredFragment> fragments;
+  uint32_t dropped = 0;
 
   std::span<const LayeredFragment> at(uint32_t x, uint32_t y) const {
     const uint32_t pixel = y * width + x;
@@ -67,22 +81,39 @@ std::vector<T> vector_of(std::span<const std::byte> bytes) {
 /// Device, scene and raster for one set of triangles.
 class LayeredScene {
  public:
-  LayeredScene(const Scene& scene, const LayeredRasterOptions& options)
-      : scheduler_(Device::open()), buffers_(scheduler_.device(), scene), raster_(scheduler_, buffers_, options) {}
+  LayeredScene(const Scene& scene, const LayeredRasterOptions& options, const DeviceOptions& device = {})
+      : scheduler_(Device::open(device)), buffers_(scheduler_.device(), scene), raster_(scheduler_, buffers_, options) {}
 
-  HostLayers store(const LayeredView& view) {
+  HostLayers store(const LayeredView& view, const LayeredStoreOptions& options = {}) {
     const TypedBuffer<LayeredView> views(scheduler_.device(), "test", "views", std::vector<LayeredView>{view});
     ScheduleRecorder recorder = scheduler_.record("store", "test");
     const LayeredRaster::ViewRef ref{views, recorder.variable("view", 0u)};
-    const LayeredRaster::Stored stored = raster_.record_stored(recorder, "layers", ref);
+    const LayeredRaster::Stored stored = raster_.record_stored(recorder, "layers", ref, options);
     HostLayers layers{view.width, view.height, {}, {}};
     recorder.read_back("starts", stored.pixel_start, [&](auto bytes) { layers.pixel_start = vector_of<uint32_t>(bytes); });
     recorder.read_back("fragments", stored.fragments,
                        [&](auto bytes) { layers.fragments = vector_of<LayeredFragment>(bytes); });
+    recorder.read_back("dropped", stored.dropped, [&](auto bytes) { layers.dropped = vector_of<uint32_t>(bytes)[0]; });
     Schedule schedule = recorder.compile();
     scheduler_.run(schedule);
     scheduler_.finish();
     return layers;
+  }
+
+  struct Nearest {
+    std::vector<float> depth;
+    std::vector<uint32_t> triangle;
+  };
+  Nearest nearest(const LayeredView& view) {
+    const TypedBuffer<LayeredView> views(scheduler_.device(), "test", "views", std::vector<LayeredView>{view});
+    const TypedBuffer<float> depth(scheduler_.device(), "test", "depth", size_t{view.width} * view.height);
+    const TypedBuffer<uint32_t> triangle(scheduler_.device(), "test", "triangle", size_t{view.width} * view.height);
+    ScheduleRecorder recorder = scheduler_.record("nearest", "test");
+    raster_.record_nearest(recorder, "nearest", {views, recorder.variable("view", 0u)}, depth, triangle);
+    Schedule schedule = recorder.compile();
+    scheduler_.run(schedule);
+    scheduler_.finish();
+    return {depth.download(), triangle.download()};
   }
 
   KernelScheduler& scheduler() { return scheduler_; }
