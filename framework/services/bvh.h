@@ -24,8 +24,8 @@ struct BvhStatistics {
 enum class BvhTraversal {
   automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
   wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item: coherent runs of 16 as packets,
-                  ///< others one after the other or, with AVX-512, many interleaved
-  wide_portable,  ///< the same without compiler built-ins, one ray after the other
+                  ///< others interleaved; with compiler built-ins where the device has AVX-512
+  wide_portable,  ///< the same without built-ins of an instruction set
   scalar,         ///< 4-wide nodes, 4-triangle leaves, one ray per work-item
 };
 

@@ -9,14 +9,11 @@
 #endif
 // First and unconditionally: the framework resolves each include once, where it stands first.
 #include "lucarium/services/bvh_traverse.clh"
-#if BVH_WIDTH == 16 && defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__) && !defined(BVH_PORTABLE)
-#include "lucarium/services/bvh_interleaved.clh"
-#else
-#include "lucarium/services/bvh_single.clh"
-#endif
 #if BVH_WIDTH == 16
+#include "lucarium/services/bvh_interleaved.clh"
 #include "lucarium/services/bvh_packet.clh"
 #else
+#include "lucarium/services/bvh_single.clh"
 #define bvh_trace_closest_mixed bvh_trace_closest_chunk
 #endif
 
