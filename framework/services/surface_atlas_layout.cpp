@@ -141,6 +141,7 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   watch.at(0.9, "joining charts");
   AtlasLayout layout = join_parts(mesh, best, best_edge);
   link_seams(mesh, best, layout);
+  fill_empty_cells(layout);
   return layout;
 }
 

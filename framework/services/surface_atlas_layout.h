@@ -43,7 +43,7 @@ struct AtlasChart {
 struct AtlasLayout {
   AtlasInfo info{};
   std::vector<AtlasTriangle> triangles;  ///< per world triangle
-  std::vector<uint32_t> table;           ///< per cell: texel or LUCARIUM_NONE
+  std::vector<uint32_t> table;           ///< per cell: texel; cells that no triangle touches hold one that is near
   std::vector<uint8_t> links;            ///< per cell: LUCARIUM_ATLAS_LINK bits
   std::vector<AtlasTexel> texels;        ///< per slot
   std::vector<uint2> ranges;             ///< per slot: first and number of its pieces; backs share their front's

@@ -146,4 +146,29 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
   return layout;
 }
 
+void fill_empty_cells(AtlasLayout& layout) {
+  std::vector<uint32_t> front, next;
+  for (const AtlasChart& chart : layout.charts) {
+    uint32_t* const cells = layout.table.data() + chart.first_cell;
+    front.clear();
+    for (uint32_t i = 0; i < chart.width * chart.height; ++i)
+      if (cells[i] != LUCARIUM_NONE) front.push_back(i);
+    for (; !front.empty(); front.swap(next)) {
+      next.clear();
+      for (const uint32_t i : front) {
+        const uint32_t x = i % chart.width, y = i / chart.width;
+        const auto spread = [&](bool inside, uint32_t to) {
+          if (!inside || cells[to] != LUCARIUM_NONE) return;
+          cells[to] = cells[i];
+          next.push_back(to);
+        };
+        spread(x > 0, i - 1);
+        spread(x + 1 < chart.width, i + 1);
+        spread(y > 0, i - chart.width);
+        spread(y + 1 < chart.height, i + chart.width);
+      }
+    }
+  }
+}
+
 }  // namespace lucarium

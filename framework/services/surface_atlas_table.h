@@ -20,4 +20,8 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
 /// Gives empty cells along smooth seams (dihedral angle below 60 degrees) the texels behind them, for interpolation.
 void link_seams(const AtlasMesh& mesh, std::span<const AtlasPart> parts, AtlasLayout& layout);
 
+/// Gives the cells that are still empty the texel of the nearest one (in steps along the axes), so that no look-up, however
+/// coarsely uv was interpolated, finds nothing.
+void fill_empty_cells(AtlasLayout& layout);
+
 }  // namespace lucarium

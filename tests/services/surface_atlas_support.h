@@ -71,6 +71,8 @@ inline void check_sums(const AtlasGeometry& g, const AtlasLayout& layout) {
   REQUIRE(layout.texels.size() == info.texel_count);
   REQUIRE(layout.table.size() == info.cell_count);
   REQUIRE(2 * info.double_sided_count <= info.texel_count);
+  for (const uint32_t texel : layout.table)
+    REQUIRE((texel < info.double_sided_count || (texel >= 2 * info.double_sided_count && texel < info.texel_count)));
   double area = 0;
   for (const AtlasTexel& texel : layout.texels) area += double(texel.area);
   CHECK(area == doctest::Approx(side_area(g)).epsilon(1e-6));
