@@ -25,8 +25,8 @@ Program light_program(Device& device) {
 
 }  // namespace
 
-LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-                     const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
+LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
+                     const Intersector& intersector, const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
                      const std::string& owner)
     : device_(device),
       scheduler_(scheduler),
@@ -42,7 +42,9 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const SceneBuff
   const uint32_t leaves = forest.leaf_count();
   direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kRemedy);
   leaf_count_ = TypedBuffer<uint32_t>(device, owner, "number of leaves", std::vector<uint32_t>{leaves});
-  if (bounces > 1) {
+  if (parameters.multibounce != MultiBounce::jacobi)
+    paths_ = std::make_unique<LightPaths>(device, scheduler, host_scene, scene, intersector, forest, parameters, bounces, direct_, owner);
+  if (gathers_at_nodes()) {
     irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kRemedy);
     uint32_t slots = 0;
     for (const ForestTree& tree : forest.trees()) {
@@ -67,7 +69,7 @@ uint32_t LeafLight::level_of(const ForestTree& tree) const {
 }
 
 uint32_t LeafLight::gathers_per_run() const {
-  return bounces_ > 1 ? static_cast<uint32_t>(node_gathers_.count()) * static_cast<uint32_t>(bounces_ - 1) : 0;
+  return gathers_at_nodes() ? static_cast<uint32_t>(node_gathers_.count()) * static_cast<uint32_t>(bounces_ - 1) : 0;
 }
 
 /// One light sample per leaf, added to direct_.
@@ -154,12 +156,14 @@ bool LeafLight::run(uint32_t frame, uint32_t seed) {
   scheduler_.finish();
   direct_.fill_zero();
   direct_schedule_.set(light_seed_, seed);
-  for (int s = 0; s < parameters_.light_samples; ++s) {
+  const bool sampled = parameters_.multibounce != MultiBounce::photon_map || !parameters_.photon_direct;
+  for (int s = 0; sampled && s < parameters_.light_samples; ++s) {
     direct_schedule_.set(sample_, frame * static_cast<uint32_t>(parameters_.light_samples) + static_cast<uint32_t>(s));
     if (scheduler_.run(direct_schedule_) == RunResult::cancelled) return false;
   }
+  if (paths_ && !paths_->run(frame, seed)) return false;
   if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
-  if (bounces_ <= 1) return true;
+  if (!gathers_at_nodes()) return true;
   if (!nodes_known_) {
     scheduler_.run_to_end(nodes_schedule_);
     nodes_known_ = true;
@@ -176,12 +180,15 @@ bool LeafLight::run(uint32_t frame, uint32_t seed) {
 void LeafLight::warm_up() {
   for (Schedule* schedule : {&direct_schedule_, &pull_schedule_, &nodes_schedule_, &bounce_schedule_})
     if (*schedule) scheduler_.warm_up(*schedule);
+  if (paths_) paths_->warm_up();
 }
 
 size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
   const size_t transient = leaves * (sizeof(Ray) + sizeof(float4) + 3 * sizeof(uint32_t) + 2 * sizeof(float4));
   const size_t slots = size_t{2} << parameters.jacobi_level;
   const size_t several = leaves * sizeof(float4) + slots * sizeof(MicroGather) + GatherResults::estimate_bytes(slots, false);
+  if (parameters.multibounce != MultiBounce::jacobi)
+    return leaves * sizeof(float4) + 2 * transient + LightPaths::estimate_bytes(parameters, leaves, bounces);
   return leaves * sizeof(float4) + 2 * transient + (bounces > 1 ? several : 0);
 }
 

@@ -3,18 +3,19 @@
 #include <memory>
 
 #include "gather_pass.h"
+#include "light_paths.h"
 #include "lucarium/services/intersector.h"
 #include "lucarium/services/primitives.h"
 
 namespace lucarium::micro {
 
 /// Light at the leaves of a forest: direct light by shadow rays, further bounces by gathering at the nodes of one level
-/// (Jacobi iteration, Ritschel et al. 2009, section 4), and its means in the inner nodes.
+/// (Jacobi iteration) or by paths from the lights (Ritschel et al. 2009, section 4), and its means in the inner nodes.
 class LeafLight {
  public:
   /// `bounces`: scatterings before the last gather; 1 is direct light alone.
-  LeafLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-            const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
+  LeafLight(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
+            const Intersector& intersector, const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
             const std::string& owner);
 
   /// Lights the forest with samples that belong to `frame`. False when cancelled: radiance is then useless.
@@ -26,6 +27,7 @@ class LeafLight {
   static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces);
 
  private:
+  bool gathers_at_nodes() const { return bounces_ > 1 && parameters_.multibounce == MultiBounce::jacobi; }
   void record_direct();
   void record_pull();
   void record_bounce();
@@ -54,6 +56,7 @@ class LeafLight {
   Variable<uint32_t> sample_, light_seed_;
   Variable<MicroSettings> settings_;
   bool nodes_known_ = false;
+  std::unique_ptr<LightPaths> paths_;
 };
 
 }  // namespace lucarium::micro

@@ -30,6 +30,11 @@ struct MicroParameters {
   MultiBounce multibounce = MultiBounce::jacobi;
   int jacobi_level = 12;
   int depth_bits = 32;
+  int vpls = 256;
+  float vpl_clamp = 100;
+  int photons = 1000000;
+  int photon_k = 50;
+  bool photon_direct = false;
   int light_samples = 1;
   int unlimited_bounces = 4;
   int batch_gathers = 16384;
@@ -60,6 +65,11 @@ struct MicroParameters {
              {{"jacobi", MultiBounce::jacobi}, {"instant_radiosity", MultiBounce::instant_radiosity}, {"photon_map", MultiBounce::photon_map}},
              "how light reaches the points over several bounces");
     v.number("jacobi_level", jacobi_level, 6, 23, "log2", "nodes of this level gather for the bounces before the last");
+    v.number("vpls", vpls, 1, 65536, "paths", "light paths of instant radiosity; each has one virtual light per bounce");
+    v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²", "bound of a virtual light's geometry term, R the scene's radius");
+    v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
+    v.number("photon_k", photon_k, 4, 256, "photons", "from which a density is estimated");
+    v.flag("photon_direct", photon_direct, "photons stand for direct light too, instead of light samples");
     v.number("depth_bits", depth_bits, 8, 32, "bits", "of the micro-buffers' depth: 8 or 32");
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
     v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces", "bounces that are computed where their number is not limited");

@@ -214,7 +214,7 @@ class MicroRendering : public Technique {
         .arg("count", pixels).arg("emission", emission_);
     emission_schedule_ = recorder.compile();
     if (forest_) {
-      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, scene, context_->bvh(), *forest_, gather_, parameters_,
+      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, gather_, parameters_,
                                                 bounces(settings), kName);
       pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, gbuffer_->points(), settings.width, settings.height,
                                               *forest_, gather_, parameters_, kName);

@@ -59,3 +59,19 @@ TEST_CASE("indirect light is the path tracer's, over one and several bounces") {
     }
   }
 }
+
+TEST_CASE("virtual lights and photons bring the light of several bounces") {
+  const double expected = mean(indirect_light("builtin:room", "path_tracing", 24, 3, 16, reference));
+  Parameters lights = small;
+  lights.emplace_back("multibounce", "instant_radiosity");
+  lights.emplace_back("vpls", "64");
+  lights.emplace_back("vpl_clamp", "1e5");
+  lights.emplace_back("points_log2", "11");
+  CHECK(mean(indirect_light("builtin:room", "micro_rendering", 24, 3, 8, lights)) == doctest::Approx(expected).epsilon(0.03));
+  Parameters photons = small;
+  photons.emplace_back("multibounce", "photon_map");
+  photons.emplace_back("photons", "50000");
+  CHECK(mean(indirect_light("builtin:room", "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.03));
+  photons.emplace_back("photon_direct", "on");
+  CHECK(mean(indirect_light("builtin:room", "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.04));
+}

@@ -49,6 +49,14 @@ LUCARIUM_STRUCT_END(MicroLeaf, 12)
 
 #define MICRO_LEAF_BACK 0x80000000u
 
+#define MICRO_MOST_PHOTONS 256  // that a density is estimated from
+
+// Where a path from a light met a diffuse surface.
+LUCARIUM_STRUCT_BEGIN(MicroPhoton)
+  float4 position;  // xyz [m]; w: bits of the shading normal (pack_direction)
+  float4 power;     // xyz flux [lm], that arrives or is reflected; w: 1, 0 where the path has no such vertex
+LUCARIUM_STRUCT_END(MicroPhoton, 32)
+
 // How a tree's leaves are derived from the scene.
 LUCARIUM_STRUCT_BEGIN(MicroLeafRules)
   uint tree;           // number of the tree

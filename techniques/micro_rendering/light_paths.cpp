@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "light_paths.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "lucarium/compute/embedded_sources.h"
+#include "lucarium/shared/ray.h"
+
+const lucarium::EmbeddedSources& micro_rendering_kernels();
+
+namespace lucarium::micro {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+constexpr float kSearch = 2;  // largest radius of a density estimate over the one that is expected to hold photon_k photons
+const char* const kRemedy = "lower photons or points_log2";
+
+Program micro_program(Device& device, const char* name, const char* file) {
+  SourceLibrary library;
+  library.add(micro_rendering_kernels());
+  return Program(device, library, {name, {file}, {}});
+}
+
+uint32_t bucket_mask(uint32_t photons) { return std::clamp(std::bit_ceil(photons / 16), 1024u, 1u << 20) - 1; }
+
+}  // namespace
+
+uint32_t LightPaths::paths_of(const MicroParameters& parameters) {
+  return static_cast<uint32_t>(parameters.multibounce == MultiBounce::photon_map ? parameters.photons : parameters.vpls);
+}
+
+/// Vertices from 0. A photon lies where light arrives, so the first stands for direct light; a virtual light is where it
+/// leaves again.
+uint32_t LightPaths::first_vertex() const { return virtual_lights() || parameters_.photon_direct ? 0 : 1; }
+
+uint32_t LightPaths::kept_vertices() const {
+  return static_cast<uint32_t>(std::max(0, (virtual_lights() ? bounces_ - 1 : bounces_) - static_cast<int>(first_vertex())));
+}
+
+LightPaths::LightPaths(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+                       const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters,
+                       int bounces, const TypedBuffer<float4>& irradiance, const std::string& owner)
+    : device_(device),
+      scheduler_(scheduler),
+      scene_(scene),
+      buffers_(buffers),
+      intersector_(intersector),
+      forest_(forest),
+      parameters_(parameters),
+      bounces_(bounces),
+      irradiance_(irradiance),
+      owner_(owner),
+      paths_(paths_of(parameters)),
+      program_(micro_program(device, "micro_rendering/paths", "micro_rendering/micro_paths.cl")),
+      light_program_(micro_program(device, "micro_rendering/light", "micro_rendering/micro_light.cl")),
+      primitives_(device) {
+  if (kept_vertices() == 0) return;
+  photons_ = TypedBuffer<MicroPhoton>(device, owner, "photons", size_t{paths_} * kept_vertices(), kRemedy);
+  path_count_ = TypedBuffer<uint32_t>(device, owner, "number of light paths", std::vector<uint32_t>{paths_});
+  leaf_count_ = TypedBuffer<uint32_t>(device, owner, "number of leaves", std::vector<uint32_t>{forest.leaf_count()});
+  record_paths();
+  if (virtual_lights())
+    record_virtual_light();
+  else
+    record_density();
+}
+
+void LightPaths::record_paths() {
+  ScheduleRecorder recorder = scheduler_.record("light paths", owner_);
+  frame_ = recorder.variable("frame", 0u);
+  seed_ = recorder.variable("seed", 0u);
+  const BufferRef rays = recorder.transient<Ray>("rays of light paths", paths_, kRemedy);
+  const BufferRef hits = recorder.transient<Hit>("hits of light paths", paths_, kRemedy);
+  const BufferRef powers = recorder.transient<float4>("power of light paths", paths_, kRemedy);
+  PassBuilder emit = recorder.pass("emit light paths", program_, "mr_emit");
+  buffers_.bind(emit, program_, "mr_emit");
+  emit.global(paths_).local(kLocalSize).arg("count", paths_).arg("frame", frame_).arg("seed", seed_).arg("rays", rays).arg("powers", powers);
+  const uint32_t first = first_vertex();
+  for (uint32_t vertex = 0; vertex < first + kept_vertices(); ++vertex) {
+    intersector_.record_closest(recorder, "trace light paths", rays, hits, path_count_, 0, paths_);
+    PassBuilder pass = recorder.pass("vertices of light paths", program_, "mr_path_vertex");
+    buffers_.bind(pass, program_, "mr_path_vertex");
+    pass.global(paths_).local(kLocalSize).arg("count", paths_).arg("frame", frame_).arg("seed", seed_).arg("vertex", vertex)
+        .arg("keep", vertex >= first ? 1u : 0u).arg("slot", vertex >= first ? vertex - first : 0u)
+        .arg("reflected", virtual_lights() ? 1u : 0u).arg("hits", hits).arg("rays", rays).arg("powers", powers)
+        .arg("photons", photons_);
+  }
+  paths_schedule_ = recorder.compile();
+}
+
+/// The light of one virtual light at all leaves.
+void LightPaths::record_virtual_light() {
+  const uint32_t leaves = forest_.leaf_count();
+  const float radius = std::max(scene_.bounds().radius(), 1e-6f);
+  ScheduleRecorder recorder = scheduler_.record("virtual light", owner_);
+  light_ = recorder.variable("light", 0u);
+  const BufferRef rays = recorder.transient<Ray>("rays to virtual lights", leaves, kRemedy);
+  const BufferRef light = recorder.transient<float4>("light of virtual lights", leaves, kRemedy);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded virtual lights", leaves, kRemedy);
+  PassBuilder pass = recorder.pass("virtual light", program_, "mr_virtual_light");
+  buffers_.bind(pass, program_, "mr_virtual_light");
+  pass.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_)
+      .arg("light", light_).arg("most", parameters_.vpl_clamp / (radius * radius)).arg("shadow_rays", rays).arg("shadow_light", light);
+  intersector_.record_any(recorder, "rays to virtual lights", rays, occluded, leaf_count_, 0, leaves);
+  recorder.pass("add virtual light", light_program_, "mr_add_light").global(leaves).local(kLocalSize).arg("count", leaves)
+      .arg("weight", 1.f).arg("shadow_light", light).arg("occluded", occluded).arg("irradiance", irradiance_);
+  light_schedule_ = recorder.compile();
+}
+
+/// Density of the photons about every leaf.
+void LightPaths::record_density() {
+  const uint32_t leaves = forest_.leaf_count(), count = static_cast<uint32_t>(photons_.count()), mask = bucket_mask(count);
+  double area = 0;
+  for (const ForestTree& tree : forest_.trees())
+    area += static_cast<double>(tree.record.leaf_area) * tree.leaves() * std::pow(static_cast<double>(tree.record.world_step), 2);
+  const auto expected = static_cast<float>(std::sqrt(parameters_.photon_k * area / (3.14159265358979 * paths_)));
+  const float cell = kSearch * std::max(expected, 1e-9f);
+  ScheduleRecorder recorder = scheduler_.record("photon map", owner_);
+  const BufferRef keys = recorder.transient<uint32_t>("buckets of photons", count, kRemedy);
+  const BufferRef values = recorder.transient<uint32_t>("sorted photons", count, kRemedy);
+  const BufferRef starts = recorder.transient<uint32_t>("first photons", size_t{mask} + 2, kRemedy);
+  recorder.pass("buckets of photons", program_, "mr_photon_keys").global(count).local(kLocalSize).arg("photons", photons_)
+      .arg("count", count).arg("cell", cell).arg("mask", mask).arg("keys", keys).arg("values", values);
+  primitives_.record_sort_pairs(recorder, "sort photons", keys, values, count, std::bit_width(mask + 1));
+  recorder.pass("first photons", program_, "mr_bucket_starts").global(size_t{count} + 1).local(kLocalSize).arg("keys", keys)
+      .arg("count", count).arg("mask", mask).arg("starts", starts);
+  PassBuilder pass = recorder.pass("photon density", program_, "mr_photon_density");
+  buffers_.bind(pass, program_, "mr_photon_density");
+  pass.global(leaves).local(1).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_).arg("values", values)
+      .arg("starts", starts).arg("cell", cell).arg("mask", mask).arg("most", static_cast<uint32_t>(parameters_.photon_k))
+      .arg("irradiance", irradiance_);
+  light_schedule_ = recorder.compile();
+}
+
+bool LightPaths::run(uint32_t frame, uint32_t seed) {
+  if (!paths_schedule_) return true;
+  paths_schedule_.set(frame_, frame);
+  paths_schedule_.set(seed_, seed);
+  if (scheduler_.run(paths_schedule_) == RunResult::cancelled) return false;
+  const auto lights = virtual_lights() ? static_cast<uint32_t>(photons_.count()) : 1;
+  for (uint32_t light = 0; light < lights; ++light) {
+    if (virtual_lights()) light_schedule_.set(light_, light);
+    if (scheduler_.run(light_schedule_) == RunResult::cancelled) return false;
+  }
+  return true;
+}
+
+void LightPaths::warm_up() {
+  for (Schedule* schedule : {&paths_schedule_, &light_schedule_})
+    if (*schedule) scheduler_.warm_up(*schedule);
+}
+
+size_t LightPaths::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
+  const size_t paths = paths_of(parameters), photons = paths * static_cast<size_t>(bounces);
+  return photons * (sizeof(MicroPhoton) + 4 * sizeof(uint32_t)) + paths * (sizeof(Ray) + 16 + sizeof(float4)) +
+         leaves * (sizeof(Ray) + sizeof(float4) + sizeof(uint32_t)) + (size_t{5} << 20);
+}
+
+}  // namespace lucarium::micro

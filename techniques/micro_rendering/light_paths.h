@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/services/intersector.h"
+#include "lucarium/services/primitives.h"
+#include "micro_parameters.h"
+#include "point_forest.h"
+
+namespace lucarium::micro {
+
+/// Light of several bounces at the leaves by paths from the lights: virtual point lights, or a photon map.
+class LightPaths {
+ public:
+  /// `bounces` as for LeafLight.
+  LightPaths(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+             const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters, int bounces,
+             const TypedBuffer<float4>& irradiance, const std::string& owner);
+
+  /// Traces the paths of a frame and adds their light to the leaves' irradiance. False when cancelled midway.
+  bool run(uint32_t frame, uint32_t seed);
+  void warm_up();
+  static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces);
+
+ private:
+  bool virtual_lights() const { return parameters_.multibounce == MultiBounce::instant_radiosity; }
+  uint32_t first_vertex() const;
+  uint32_t kept_vertices() const;
+  static uint32_t paths_of(const MicroParameters& parameters);
+  void record_paths();
+  void record_virtual_light();
+  void record_density();
+
+  Device& device_;
+  KernelScheduler& scheduler_;
+  const Scene& scene_;
+  const SceneBuffers& buffers_;
+  const Intersector& intersector_;
+  const PointForest& forest_;
+  MicroParameters parameters_;
+  int bounces_;
+  TypedBuffer<float4> irradiance_;
+  std::string owner_;
+  uint32_t paths_ = 0;
+  Program program_, light_program_;
+  Primitives primitives_;
+  TypedBuffer<MicroPhoton> photons_;
+  TypedBuffer<uint32_t> path_count_, leaf_count_;
+  Schedule paths_schedule_, light_schedule_;
+  Variable<uint32_t> frame_, seed_, light_;
+};
+
+}  // namespace lucarium::micro
