@@ -17,7 +17,7 @@ struct MicroParameters {
   float cut_kappa = 1;
   CutBound cut_bound = CutBound::conservative;
   Splat splat = Splat::sample;
-  float splat_radius = 1.1f;
+  float splat_radius = 1.35f;
   float disc_scale = 1.6f;
   Warp warp = Warp::analytic;
   int table_size = 32;

@@ -47,13 +47,12 @@ TEST_CASE("a closed room of radiance 1 reflects all of it, and its micro-buffers
   forest.add(test::cube_inside(1 << 14, 1, [](const dvec3&) { return dvec3(1); }), 24);
   const auto buffers = forest.upload();
   const int count = 150;
-  // Discs of the nodes' areas, those of the default 1.1 times as large, leave gaps that only the filling closes.
   struct Case {
     const char* sample;
     float splat_radius;
     double most_holes;
   };
-  for (const Case& c : {Case{"1", 1.1f, 0.02}, Case{"1", 1.3f, 0.005}, Case{"0", 1.1f, 0.005}}) {
+  for (const Case& c : {Case{"1", 1.35f, 0.005}, Case{"1", 1.6f, 0.001}, Case{"0", 1.35f, 0.005}}) {
     CAPTURE(c.splat_radius);
     MicroSettings settings = test::default_settings();
     settings.splat_radius = c.splat_radius;
@@ -91,7 +90,8 @@ TEST_CASE("a floor under a parallel disc gets R^2 / (R^2 + h^2)") {
     const auto floor = test::disc(1 << 13, dvec3(0), dvec3(0, 0, 1), 1, dvec3(0));
     points.insert(points.end(), floor.begin(), floor.end());
     forest.add(points, 2 * pi);
-    const double light = mean_over_frames(forest, {{dvec3(0), dvec3(0, 0, 1)}}, 16);
+    // Without hole filling, which takes pixels off the emptiness around the disc.
+    const double light = mean_over_frames(forest, {{dvec3(0), dvec3(0, 0, 1)}}, 16, {{"MICRO_HOLE_FILL", "0"}});
     MESSAGE("height " << height << " ratio " << light * (1 + height * height));
     CHECK(std::abs(light * (1 + height * height) - 1) < 0.02);
   }
@@ -118,18 +118,20 @@ TEST_CASE("in a half-lit sphere every point gets the mean; the nearest-node spla
 }
 
 TEST_CASE("light behind a thin wall does not leak") {
-  // Half a box whose top is a wall 1 cm below a bright ceiling; the wall's own light is none.
+  // A wall without thickness, dark below and lit on its back, which is a tree of its own, under a lit ceiling.
   test::SyntheticForest forest;
-  const auto dark = [](const dvec3&) { return dvec3(0); };
-  auto points = test::rectangle(3 << 13, dvec3(0, 0, 1), dvec3(0, 1, 0), dvec3(1, 0, 0), dark);        // wall, seen from below
-  const auto ceiling = test::rectangle(1 << 13, dvec3(0, 0, 1.01), dvec3(0, 1, 0), dvec3(1, 0, 0), [](const dvec3&) { return dvec3(1); });
-  points.insert(points.end(), ceiling.begin(), ceiling.end());
-  forest.add(points, 8);
-  std::vector<test::GatherPoint> floor;
-  for (int i = 0; i < 64; ++i) floor.push_back({dvec3(0.02 * i - 0.64, 0.3 - 0.01 * i, 0.05 + 0.01 * i), dvec3(0, 0, 1)});
-  const double leak = mean_over_frames(forest, floor, 8);
-  MESSAGE("leak " << leak);
-  CHECK(leak < 0.005);
+  const auto lit = [](const dvec3&) { return dvec3(1); };
+  auto wall = test::rectangle(3 << 13, dvec3(0, 0, 1), dvec3(0, 1.2, 0), dvec3(1.2, 0, 0), [](const dvec3&) { return dvec3(0); });
+  const auto ceiling = test::rectangle(1 << 13, dvec3(0, 0, 1.3), dvec3(0, 1, 0), dvec3(1, 0, 0), lit);
+  wall.insert(wall.end(), ceiling.begin(), ceiling.end());
+  auto back = test::rectangle(1 << 15, dvec3(0, 0, 1), dvec3(1.2, 0, 0), dvec3(0, 1.2, 0), lit);
+  for (auto& p : wall) p.flags = MICRO_NODE_CULLABLE;
+  for (auto& p : back) p.flags = MICRO_NODE_CULLABLE;
+  forest.add(wall, 9.76);
+  forest.add(back, 5.76);
+  std::vector<test::GatherPoint> below;
+  for (int i = 0; i < 64; ++i) below.push_back({dvec3(0.02 * i - 0.64, 0.3 - 0.01 * i, 0.014 * i), dvec3(0, 0, 1)});
+  CHECK(mean_over_frames(forest, below, 8) < 0.005);
 }
 
 TEST_CASE("two trees, one turned, give what one gives") {
@@ -152,20 +154,4 @@ TEST_CASE("two trees, one turned, give what one gives") {
   const double a = mean_over_frames(one, points, 8), b = mean_over_frames(two, points, 8);
   MESSAGE(a << " " << b);
   CHECK(std::abs(a / b - 1) < 0.005);
-}
-TEST_CASE("probe") {
-  for (const double height : {0.5, 1.0, 2.0}) {
-    test::SyntheticForest forest;
-    auto points = test::disc(1 << 13, dvec3(0, 0, height), dvec3(0, 0, -1), 1, dvec3(1));
-    const auto floor = test::disc(1 << 13, dvec3(0), dvec3(0, 0, 1), 1, dvec3(0));
-    points.insert(points.end(), floor.begin(), floor.end());
-    forest.add(points, 2 * pi);
-    const auto buffers = forest.upload();
-    for (const char* fill : {"1"}) for (const char* sample : {"1"}) for (float cs : {1.f, 1.1f, 1.2f}) {
-      test::GatherRun run(forest, buffers, {{dvec3(0), dvec3(0, 0, 1)}}, gather_program({{"MICRO_HOLE_FILL", fill},{"MICRO_SAMPLE_SPLAT", sample}}));
-      double sum = 0, holes = 0;
-      for (uint32_t f = 0; f < 16; ++f) { auto s = test::default_settings(f); s.splat_radius = cs; run.run(s); auto r = run.result(); sum += r.mean_irradiance() / pi / 16; holes += r.total().holes / 16; }
-      MESSAGE("probe h " << height << " fill " << std::string(fill) << " sample " << std::string(sample) << " cs " << cs << " ratio " << sum * (1 + height * height) << " holes " << holes << " of expected " << 576 - 576/(1 + height * height));
-    }
-  }
 }
