@@ -59,6 +59,7 @@ TechniqueInfo bundle_exchange_info() {
   info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
   info.capabilities.max_bounces = -1;
   info.capabilities.view_independent = true;
+  info.capabilities.bias = 0.02;  // radiance is constant over a texel; geometric cosines of indirect light
   info.layers = {"emission", "direct", "indirect"};
   return info;
 }
@@ -84,8 +85,9 @@ class BundleExchange : public Technique {
   }
 
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
-    const size_t slots = static_cast<size_t>(parameters_.texels) * 5 / 4;
-    return SurfaceAtlas::estimate_bytes(scene, atlas_options()) + SlotMeans::estimate_bytes(slots, channels(scene, settings)) +
+    const SurfaceAtlasOptions options = atlas_options(settings);
+    const size_t slots = options.texel_count * 5 / 4;
+    return SurfaceAtlas::estimate_bytes(scene, options) + SlotMeans::estimate_bytes(slots, channels(scene, settings)) +
            SlotLight::estimate_bytes(slots) + (specular(scene) ? SlotHops::estimate_bytes(slots, channels(scene, settings)) : 0) +
            CameraLight::estimate_bytes(settings.width, settings.height, gather(scene));
   }
@@ -155,9 +157,10 @@ class BundleExchange : public Technique {
     CameraLight camera;
   };
 
-  SurfaceAtlasOptions atlas_options() const {
+  SurfaceAtlasOptions atlas_options(const RenderSettings& settings) const {
     SurfaceAtlasOptions options;
-    options.texel_count = static_cast<uint64_t>(parameters_.texels);
+    const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 2048, 262144);
+    options.texel_count = parameters_.texels > 0 ? static_cast<uint64_t>(parameters_.texels) : automatic;
     return options;
   }
 
@@ -189,7 +192,7 @@ class BundleExchange : public Technique {
 
   void build() {
     parts_.reset();  // its memory first
-    parts_ = std::make_unique<Parts>(*context_, parameters_, atlas_options(), channels(context_->scene, context_->settings),
+    parts_ = std::make_unique<Parts>(*context_, parameters_, atlas_options(context_->settings), channels(context_->scene, context_->settings),
                                      gather(context_->scene));
     reset(seed_);
   }
@@ -313,9 +316,9 @@ BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, con
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, make_frame(c.settings),
              {gather, !c.scene.lights.empty(), channels.emission, c.settings.max_bounces}) {
   // Direct light needs no chains: they begin behind the first scattering.
-  const std::vector<uint32_t> list =
-      channels.hops && c.settings.max_bounces != 0 ? SlotHops::specular_slots(atlas) : std::vector<uint32_t>{};
-  if (list.empty()) return;
+  if (!channels.hops || c.settings.max_bounces == 0) return;
+  const SlotHops::List list = SlotHops::specular_slots(atlas);
+  if (list.slots.empty()) return;
   hops = std::make_unique<SlotHops>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, list,
                                     SlotHops::Options{p.hop_share, !c.scene.lights.empty(), c.settings.max_bounces});
 }

@@ -82,7 +82,8 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
       .arg("count", pixels_)
       .arg("whole", options_.gather == FinalGather::all ? 1u : 0u)
       .arg("settings", settings_);
-  chains_->bind(begin);
+  begin.arg("gain", chains_->gain()).arg("hops", chains_->hops()).arg("rays", chains_->first_rays());
+  begin.arg("queue", chains_->queue()).arg("active", chains_->active());
   begin_ = recorder.compile();
 }
 

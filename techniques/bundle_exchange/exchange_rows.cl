@@ -35,7 +35,9 @@ void layered_prepare(Exchange* exchange, LayeredRow* row) {
       const uint place = (layered_key(row, layer, lane) & LAYERED_KEY_LAYER) * LAYERED_LANES + lane;
       const uint texel = exchange->atlas_table[payload[place]];
       payload[place] = texel;
+#ifdef LUCARIUM_HAS_PREFETCH
       LUCARIUM_PREFETCH(exchange->records + (size_t)texel * BUNDLE_RECORD);
+#endif
     }
 }
 

@@ -33,10 +33,6 @@ size_t HopTracer::estimate_bytes(size_t targets, size_t gains) {
                     6 * sizeof(uint32_t));
 }
 
-void HopTracer::bind(PassBuilder& pass) const {
-  pass.arg("gain", gain_).arg("hops", hops_).arg("rays", rays_).arg("queue", queue_).arg("active", active_);
-}
-
 void HopTracer::record_punctual(ScheduleRecorder& recorder, const Variable<HopSettings>& settings,
                                 const BufferRef& shadow_rays, const BufferRef& shadow_light) const {
   if (!options_.punctual) return;
@@ -79,7 +75,7 @@ void HopTracer::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, con
       .arg("alive", alive)
       .arg("shadow_rays", shadow_rays)
       .arg("shadow_light", shadow_light);
-  bind(advance);
+  advance.arg("gain", gain_).arg("hops", hops_).arg("rays", rays_).arg("queue", queue_).arg("active", active_);
   record_punctual(recorder, settings_, shadow_rays, shadow_light);
   primitives_.record_compact(recorder, "compact " + options_.what, alive, survivors, next_active, 0, active_, 0, targets);
   recorder.pass("next " + options_.what, program_, "advance_queue")
@@ -100,11 +96,10 @@ void HopTracer::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, con
 
 bool HopTracer::follow(const HopSettings& settings) {
   follow_.set(settings_, settings);
-  remaining_ = options_.targets;
-  while (remaining_ > 0) {
-    rays_traced_ += remaining_;
+  do {
     if (scheduler_->run(follow_) == RunResult::cancelled) return false;
-  }
+    rays_traced_ += remaining_;
+  } while (remaining_ > 0);
   return true;
 }
 

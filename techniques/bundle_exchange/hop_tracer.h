@@ -9,7 +9,7 @@
 namespace lucarium::bundle {
 
 /// Follows chains of specular vertices by rays until none is left, and adds up the light that each finds for its target
-/// (hops.cl). The caller begins the chains: one per target, all in the queue, with or without a ray.
+/// (hops.cl). The caller begins the chains: at most one per target.
 class HopTracer {
  public:
   struct Options {
@@ -22,8 +22,11 @@ class HopTracer {
             const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& diffuse,
             const Options& options);
 
-  /// Binds to a pass that begins chains: gain, hops, rays, queue, active.
-  void bind(PassBuilder& pass) const;
+  /// What begins chains fills: gain and hops by target; rays, and queue (their targets), `active` of them.
+  const TypedBuffer<Hop>& hops() const { return hops_; }
+  const TypedBuffer<Ray>& first_rays() const { return rays_; }
+  const TypedBuffer<uint32_t>& queue() const { return queue_; }
+  const TypedBuffer<uint32_t>& active() const { return active_; }
   /// Records the pass pair that tells whether shadow rays which begin chains are free, and adds their light.
   void record_punctual(ScheduleRecorder& recorder, const Variable<HopSettings>& settings, const BufferRef& shadow_rays,
                        const BufferRef& shadow_light) const;

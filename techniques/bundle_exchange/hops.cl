@@ -17,45 +17,47 @@ void add_gain(global float4* gain, HopSettings settings, uint target, uint scatt
   gain[index].xyz += light;
 }
 
-// Work-item i: entry i of the list of specular slots, seen from the one of the directions `omega` and -omega that is on
-// its side. A slot takes
-// part with probability `share`.
+// Which entries of the list of specular slots get a chain: each with its own probability. Clears all gains.
+__kernel void choose_slots(uint count, __global const float* restrict probabilities, HopSettings settings,
+                           __global uint* restrict chosen, __global float4* restrict gain) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) gain[(size_t)i * BUNDLE_REFLECTED + k] = (float4)(0.0f);
+  chosen[i] = uint_to_unit(hash_uint3(settings.seed, i, 0x73686172u)) < probabilities[i];
+}
+
+// Work-item i: entry queue[i] of the list, seen from the one of the directions `omega` and -omega that is on its side.
 __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global const AtlasTexel* restrict atlas_texels, __global const uint* restrict list,
-                              uint count, float4 omega, float share, HopSettings settings,
-                              __global float4* restrict gain, __global Hop* restrict hops, __global Ray* restrict rays,
-                              __global uint* restrict queue, __global uint* restrict active,
+                              __global const float* restrict probabilities, float4 omega, HopSettings settings,
+                              __global Hop* restrict hops, __global Ray* restrict rays,
+                              __global const uint* restrict queue, __global const uint* restrict active,
                               __global Ray* restrict shadow_rays, __global float4* restrict shadow_light) {
   const uint i = get_global_id(0);
-  if (i == 0u) active[0] = count;
-  if (i >= count) return;
+  if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
-  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) gain[(size_t)i * BUNDLE_REFLECTED + k] = (float4)(0.0f);
-  queue[i] = i;
+  const uint target = queue[i], slot = list[target], doubles = atlas_info.double_sided_count;
+  const AtlasTexel texel = atlas_texels[slot];
+  Hit hit;
+  hit.distance = 0.0f;
+  hit.triangle = texel.triangle;
+  hit.u = texel.b1;
+  hit.v = texel.b2;
+  const bool back = slot >= doubles && slot < 2u * doubles;
+  Surface surface = make_surface(&scene, hit, -omega.xyz, 0u);
+  // The viewer stands where the slot's side can be seen from.
+  if (((surface.flags & LUCARIUM_SURFACE_FRONT) != 0u) == back) surface = make_surface(&scene, hit, omega.xyz, 0u);
+  const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);
+  Hop hop;
+  hop.throughput = (float4)((float3)(1.0f / probabilities[target]), 0.0f);
+  hop.target = target;
+  hop.hops = 0u;
+  hop.medium = medium_at(&scene, &surface, LUCARIUM_NONE);
   Ray ray = no_hop_ray(), shadow_ray = ray;
   float3 light = (float3)(0.0f);
-  const uint slot = list[i], doubles = atlas_info.double_sided_count;
-  if (uint_to_unit(hash_uint3(settings.seed, slot, 0x73686172u)) < share) {
-    const AtlasTexel texel = atlas_texels[slot];
-    Hit hit;
-    hit.distance = 0.0f;
-    hit.triangle = texel.triangle;
-    hit.u = texel.b1;
-    hit.v = texel.b2;
-    const bool back = slot >= doubles && slot < 2u * doubles;
-    Surface surface = make_surface(&scene, hit, -omega.xyz, 0u);
-    // The viewer stands where the slot's side can be seen from.
-    if (((surface.flags & LUCARIUM_SURFACE_FRONT) != 0u) == back) surface = make_surface(&scene, hit, omega.xyz, 0u);
-    const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);
-    Hop hop;
-    hop.throughput = (float4)((float3)(1.0f / share), 0.0f);
-    hop.target = i;
-    hop.hops = 0u;
-    hop.medium = medium_at(&scene, &surface, LUCARIUM_NONE);
-    if (!sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray)) shadow_ray = no_hop_ray();
-    if (!sample_hop(&scene, settings, &surface, &bsdf, &hop, &ray)) ray = no_hop_ray();
-    hops[i] = hop;
-  }
+  if (!sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray)) shadow_ray = no_hop_ray();
+  if (!sample_hop(&scene, settings, &surface, &bsdf, &hop, &ray)) ray = no_hop_ray();
+  hops[target] = hop;
   rays[i] = ray;
   shadow_rays[i] = shadow_ray;
   shadow_light[i] = (float4)(light, as_float(1u));

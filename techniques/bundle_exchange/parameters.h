@@ -19,7 +19,7 @@ struct Parameters {
   Interleave interleave = Interleave::sd;
   int block = 2048;
   float env_guiding = 0;
-  int texels = 1 << 17;
+  int texels = 0;
   float pixel_size = 0.5f;
   DirectMode direct_mode = DirectMode::nee;
   int direct_first = 8;
@@ -49,7 +49,8 @@ struct Parameters {
              "the total (fixed, loses energy), or one bounce after the other, each `block` directions (pingpong)");
     v.number("block", block, 128, 16384, "directions", "directions of a stratified block, and of a bounce of pingpong");
     v.number("env_guiding", env_guiding, 0.f, 0.9f, "", "share of directions drawn by the environment's luminance");
-    v.number("texels", texels, 64, 1 << 24, "texels", "wanted size of the surface atlas");
+    v.number("texels", texels, 0, 1 << 24, "texels",
+             "wanted size of the surface atlas; 0: eight per pixel of the image, but 2048 to 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a film pixel of a bundle");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
@@ -62,7 +63,7 @@ struct Parameters {
              {{"off", FinalGather::off}, {"glossy", FinalGather::glossy}, {"all", FinalGather::all}},
              "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");
     v.number("hop_share", hop_share, 0.01f, 1.f, "",
-             "share of the slots with specular lobes from which rays are traced for a direction");
+             "probability that a slot which reflects everything specularly traces a ray for a direction; others less");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance; 0: never");
   }
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "slot_hops.h"
 
+#include <algorithm>
+
 namespace lucarium::bundle {
 namespace {
 
@@ -18,34 +20,43 @@ HopTracer::Options tracer_options(uint32_t count, const Channels& channels, cons
 
 }  // namespace
 
-std::vector<uint32_t> SlotHops::specular_slots(const SurfaceAtlas& atlas) {
-  std::vector<uint32_t> list;
+SlotHops::List SlotHops::specular_slots(const SurfaceAtlas& atlas) {
+  List list;
+  const auto luminance = [](const float4& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; };
   const std::vector<AtlasMaterial> materials = atlas.materials().download();
   for (uint32_t slot = 0; slot < materials.size(); ++slot) {
-    const AtlasMaterial& m = materials[slot];
-    const bool reflects = m.f0.x > 0 || m.f0.y > 0 || m.f0.z > 0 || m.f0.w > 0;
-    const bool transmits = m.transmission.x > 0 || m.transmission.y > 0 || m.transmission.z > 0;
-    if (reflects || transmits) list.push_back(slot);
+    // Schlick's Fresnel averaged over the cosine is f0 + (f90 - f0) / 21.
+    const float f0 = luminance(materials[slot].f0), f90 = materials[slot].f0.w;
+    const float reflectance = f0 + (f90 - f0) / 21 + luminance(materials[slot].transmission);
+    if (!(reflectance > 0)) continue;
+    list.slots.push_back(slot);
+    list.reflectance.push_back(std::min(reflectance, 1.f));
   }
   return list;
 }
 
 SlotHops::SlotHops(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-                   const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
-                   const std::vector<uint32_t>& list, const Options& options)
+                   const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means, const List& list,
+                   const Options& options)
     : scheduler_(&scheduler),
       program_(program),
       options_(options),
       joined_(means.channels().self_fed),
-      count_(static_cast<uint32_t>(list.size())),
-      list_(device, kOwner, "specular slots", list),
+      count_(static_cast<uint32_t>(list.slots.size())),
+      primitives_(device),
+      list_(device, kOwner, "specular slots", list.slots),
+      size_(device, kOwner, "number of specular slots", std::vector<uint32_t>{count_}),
+      probabilities_(device, kOwner, "probabilities of chains", count_),
       tracer_(device, scheduler, program, scene, intersector, atlas, means.diffuse_sent(),
               tracer_options(count_, means.channels(), options)) {
+  std::vector<float> probabilities = list.reflectance;
+  for (float& p : probabilities) p *= options.share;
+  probabilities_.upload(probabilities);
   record(scene, atlas, means);
 }
 
 size_t SlotHops::estimate_bytes(size_t slots, const Channels& channels) {
-  return slots * sizeof(uint32_t) + HopTracer::estimate_bytes(slots, channels.reflected());
+  return slots * (3 * sizeof(uint32_t) + sizeof(Ray) + sizeof(float4)) + HopTracer::estimate_bytes(slots, channels.reflected());
 }
 
 void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means) {
@@ -54,19 +65,31 @@ void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, cons
   settings_ = recorder.variable("settings", HopSettings{});
   const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", count_);
   const BufferRef shadow_light = recorder.transient<float4>("light behind them", count_);
+  const BufferRef chosen = recorder.transient<uint32_t>("chosen", count_);
+  recorder.pass("choose slots", program_, "choose_slots")
+      .global(count_)
+      .local(kLocalSize)
+      .arg("count", count_)
+      .arg("probabilities", probabilities_)
+      .arg("settings", settings_)
+      .arg("chosen", chosen)
+      .arg("gain", tracer_.gain());
+  primitives_.record_compact(recorder, "compact slots", chosen, tracer_.queue(), tracer_.active(), 0, size_, 0, count_);
   PassBuilder begin = recorder.pass("begin chains of slots", program_, "begin_slot_hops");
   scene.bind(begin, program_, "begin_slot_hops");
   atlas.bind(begin, program_, "begin_slot_hops");
-  begin.global(count_)
+  begin.global_by(tracer_.active())
       .local(kLocalSize)
       .arg("list", list_)
-      .arg("count", count_)
+      .arg("probabilities", probabilities_)
       .arg("omega", omega_)
-      .arg("share", options_.share)
       .arg("settings", settings_)
+      .arg("hops", tracer_.hops())
+      .arg("rays", tracer_.first_rays())
+      .arg("queue", tracer_.queue())
+      .arg("active", tracer_.active())
       .arg("shadow_rays", shadow_rays)
       .arg("shadow_light", shadow_light);
-  tracer_.bind(begin);
   tracer_.record_punctual(recorder, settings_, shadow_rays, shadow_light);
   begin_ = recorder.compile();
   ScheduleRecorder apply = scheduler_->record("send chains' light", kOwner);

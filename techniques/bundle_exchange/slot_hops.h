@@ -6,26 +6,30 @@
 namespace lucarium::bundle {
 
 /// What slots with specular lobes (mirrors, glass, metals, coats) send towards the two directions of a bundle, found by
-/// rays: one chain per slot and direction, or for a share of the slots, which then count so much more.
+/// rays: chains of some slots per direction, chosen at random by how much their specular lobes reflect.
 class SlotHops {
  public:
   struct Options {
-    float share = 1;        ///< of listed slots that get a chain
+    float share = 1;        ///< probability of a chain of a slot that reflects everything
     bool punctual = false;  ///< there are punctual lights
     int max_bounces = -1;
   };
-  /// `list`: the slots, from specular_slots(), not empty.
+  /// Slots with specular lobes, and roughly how much they reflect of light from everywhere.
+  struct List {
+    std::vector<uint32_t> slots;
+    std::vector<float> reflectance;
+  };
+  static List specular_slots(const SurfaceAtlas& atlas);
+  /// `list` must not be empty.
   SlotHops(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
            const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
-           const std::vector<uint32_t>& list, const Options& options);
+           const List& list, const Options& options);
 
   /// Renews what listed slots send, for the exchange along `direction`; false when cancelled.
   bool find(const Direction& direction, uint32_t seed);
   void warm_up();
   uint64_t rays() const { return tracer_.rays(); }
 
-  /// Slots with some specular lobe.
-  static std::vector<uint32_t> specular_slots(const SurfaceAtlas& atlas);
   static size_t estimate_bytes(size_t slots, const Channels& channels);
 
  private:
@@ -35,7 +39,9 @@ class SlotHops {
   Options options_;
   bool joined_;
   uint32_t count_;
-  TypedBuffer<uint32_t> list_;
+  Primitives primitives_;
+  TypedBuffer<uint32_t> list_, size_;
+  TypedBuffer<float> probabilities_;
   HopTracer tracer_;
   Schedule begin_, apply_;
   Variable<float4> omega_;
