@@ -152,7 +152,7 @@ void LeafLight::record_bounce() {
 
 void LeafLight::moved() { nodes_known_ = false; }
 
-bool LeafLight::run(uint32_t frame, uint32_t seed) {
+bool LeafLight::receive(uint32_t frame, uint32_t seed) {
   scheduler_.finish();
   direct_.fill_zero();
   direct_schedule_.set(light_seed_, seed);
@@ -161,7 +161,10 @@ bool LeafLight::run(uint32_t frame, uint32_t seed) {
     direct_schedule_.set(sample_, frame * static_cast<uint32_t>(parameters_.light_samples) + static_cast<uint32_t>(s));
     if (scheduler_.run(direct_schedule_) == RunResult::cancelled) return false;
   }
-  if (paths_ && !paths_->run(frame, seed)) return false;
+  return !paths_ || paths_->run(frame, seed);
+}
+
+bool LeafLight::spread(uint32_t frame, uint32_t seed) {
   if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
   if (!gathers_at_nodes()) return true;
   if (!nodes_known_) {

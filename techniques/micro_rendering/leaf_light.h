@@ -19,7 +19,13 @@ class LeafLight {
             const std::string& owner);
 
   /// Lights the forest with samples that belong to `frame`. False when cancelled: radiance is then useless.
-  bool run(uint32_t frame, uint32_t seed);
+  bool run(uint32_t frame, uint32_t seed) { return receive(frame, seed) && spread(frame, seed); }
+  /// The first part of run(): irradiance of the leaves by all light that needs no gathering.
+  bool receive(uint32_t frame, uint32_t seed);
+  /// The rest: bounces by gathering at nodes, and the nodes' radiance.
+  bool spread(uint32_t frame, uint32_t seed);
+  TypedBuffer<float4>& received() { return direct_; }  ///< by leaf [lx]
+  const TypedBuffer<float4>& gathered() const { return node_results_.irradiance; }  ///< of the last bounce, by node [lx]
   /// Points have moved.
   void moved();
   void warm_up();

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "lucarium/scene/builtin_builder.h"
 #include "lucarium/scene/load_scene.h"
 #include "lucarium/technique/session.h"
 #include "test_support.h"
@@ -28,9 +29,8 @@ RenderSettings settings_for(const Scene& scene, uint32_t size, int max_bounces) 
 }
 
 /// The layer `indirect` of a scene after some iterations.
-std::vector<float> indirect_light(const char* name, const std::string& technique, uint32_t size, int max_bounces,
+std::vector<float> indirect_light(Scene scene, const std::string& technique, uint32_t size, int max_bounces,
                                   uint64_t iterations, const Parameters& parameters) {
-  Scene scene = load_scene(name);
   const RenderSettings settings = settings_for(scene, size, max_bounces);
   RenderSession session(Device::open(), std::move(scene), registry().find(technique), settings, parameters);
   session.run({.iterations = iterations});
@@ -53,25 +53,97 @@ TEST_CASE("indirect light is the path tracer's, over one and several bounces") {
     for (const int bounces : {1, 3}) {
       CAPTURE(scene);
       CAPTURE(bounces);
-      const double mine = mean(indirect_light(scene, "micro_rendering", 24, bounces, 8, small));
-      const double expected = mean(indirect_light(scene, "path_tracing", 24, bounces, 16, reference));
+      const double mine = mean(indirect_light(load_scene(scene), "micro_rendering", 24, bounces, 8, small));
+      const double expected = mean(indirect_light(load_scene(scene), "path_tracing", 24, bounces, 16, reference));
       CHECK(mine == doctest::Approx(expected).epsilon(0.03));
     }
   }
 }
 
 TEST_CASE("virtual lights and photons bring the light of several bounces") {
-  const double expected = mean(indirect_light("builtin:room", "path_tracing", 24, 3, 16, reference));
+  const double expected = mean(indirect_light(load_scene("builtin:room"), "path_tracing", 24, 3, 16, reference));
   Parameters lights = small;
   lights.emplace_back("multibounce", "instant_radiosity");
   lights.emplace_back("vpls", "64");
   lights.emplace_back("vpl_clamp", "1e5");
   lights.emplace_back("points_log2", "11");
-  CHECK(mean(indirect_light("builtin:room", "micro_rendering", 24, 3, 8, lights)) == doctest::Approx(expected).epsilon(0.03));
+  CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, lights)) == doctest::Approx(expected).epsilon(0.03));
   Parameters photons = small;
   photons.emplace_back("multibounce", "photon_map");
   photons.emplace_back("photons", "50000");
-  CHECK(mean(indirect_light("builtin:room", "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.03));
+  CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.03));
   photons.emplace_back("photon_direct", "on");
-  CHECK(mean(indirect_light("builtin:room", "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.04));
+  CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.04));
+}
+
+TEST_CASE("a plane does not shine at itself, however it is turned") {
+  for (const glm::vec3 up : {glm::vec3(0, 1, 0), glm::vec3(0.3f, 0.8f, -0.5f), glm::vec3(-0.1f, 0.2f, 0.9f)}) {
+    CAPTURE(up.x);
+    const glm::vec3 n = glm::normalize(up), t = glm::normalize(glm::cross(n, glm::vec3(0.2f, 0.1f, 0.9f))), b = glm::cross(n, t);
+    Scene scene;
+    scene.source = "test:plane";
+    add_instance(scene, add_mesh(scene, MeshBuilder("plane").quad(t + b, b - t, -t - b, t - b).take()), add_lambert(scene, "white", glm::vec3(0.8f)));
+    SceneLight light;
+    light.type = LightType::directional;
+    light.world_from_light = frame_along(glm::vec3(0), -n);
+    light.intensity = glm::vec3(3.14159265f);
+    scene.lights.push_back(light);
+    scene.cameras.push_back(look_at_camera("above", 2.5f * n + 0.3f * t, glm::vec3(0), 40));
+    for (const float value : indirect_light(scene, "micro_rendering", 24, 1, 2, small)) CHECK(value == 0);
+  }
+}
+
+TEST_CASE("no light comes through a thin wall") {
+  // A closed box cut in two by a wall of 1 cm; a lamp on one side, the camera in the other.
+  Scene scene;
+  scene.source = "test:wall";
+  const int white = add_lambert(scene, "white", glm::vec3(0.7f));
+  MeshBuilder box("box");
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side) box.box_face({-1, 0, -1}, {1, 2, 1}, axis, side, true);
+  add_instance(scene, add_mesh(scene, box.take()), white);
+  add_instance(scene, add_mesh(scene, MeshBuilder("wall").box({-0.005f, 0, -1}, {0.005f, 2, 1}).take()), white);
+  SceneLight light;
+  light.world_from_light = frame_along({0.5f, 1, 0}, {0, -1, 0});
+  scene.lights.push_back(light);
+  scene.cameras.push_back(look_at_camera("dark", {-0.9f, 1, 0.9f}, {-0.3f, 0.9f, -0.4f}, 70));
+  scene.cameras.push_back(look_at_camera("lit", {0.9f, 1, 0.9f}, {0.3f, 0.9f, -0.4f}, 70));
+  const double dark = mean(indirect_light(scene, "micro_rendering", 24, 1, 4, small));
+  std::swap(scene.cameras[0], scene.cameras[1]);
+  const double lit = mean(indirect_light(scene, "micro_rendering", 24, 1, 4, small));
+  MESSAGE("leak ", dark / lit);
+  CHECK(dark < 0.005 * lit);
+}
+
+TEST_CASE("after a motion of a rigid object the picture is that of a fresh start, and only its matrix was touched") {
+  Scene scene = load_scene("builtin:cornell");
+  // The last box is made to hang on a node that an animation moves.
+  Node node;
+  node.meshes = {scene.instances.back().mesh};
+  scene.instances.back().node = static_cast<int>(scene.nodes.size());
+  scene.nodes.push_back(node);
+  Animation animation;
+  animation.duration = 1;
+  AnimationChannel channel;
+  channel.node = scene.instances.back().node;
+  channel.times = {0, 1};
+  channel.values = {0, 0, 0, -0.1f, 0.05f, 0.1f};
+  animation.channels.push_back(channel);
+  scene.animations.push_back(animation);
+  evaluate(scene, 0);
+  const RenderSettings settings = settings_for(scene, 24, 2);
+  const TechniqueType& type = registry().find("micro_rendering");
+  RenderSession moved(Device::open(), scene, type, settings, small);
+  moved.run({.iterations = 1});
+  const std::vector<float> before = moved.resolve().image();
+  CHECK(moved.technique().counters().at("trees") == 2);
+  moved.set_time(0.7);
+  CHECK(moved.clocks().prepare < 0.1);
+  moved.run({.iterations = 2});
+  evaluate(scene, 0.7);
+  RenderSession fresh(Device::open(), scene, type, settings, small);
+  fresh.run({.iterations = 2});
+  const std::vector<float> image = moved.resolve().image();
+  CHECK(image == fresh.resolve().image());
+  CHECK(image != before);
 }

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+// The forest on the device: what contains what, before and after a deformation; light of several bounces in a sphere.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/gtc/packing.hpp>
+
+#include "lucarium/scene/builtin_builder.h"
+#include "lucarium/scene/load_scene.h"
+#include "lucarium/services/bvh.h"
+#include "micro_fixture.h"
+#include "micro_rendering/leaf_light.h"
+#include "test_support.h"
+
+using namespace lucarium;
+using namespace lucarium::micro;
+
+namespace {
+
+struct Node {
+  glm::vec3 center, normal;
+  float radius, cone;
+};
+
+Node unpack(const uint4& bits) {
+  Node node;
+  node.center = glm::vec3(bits.x & 0xffffu, bits.x >> 16, bits.y & 0xffffu);
+  node.radius = 2 * glm::unpackHalf1x16(static_cast<uint16_t>(bits.y >> 16));
+  const glm::vec2 p = glm::vec2(bits.z & 1023u, bits.z >> 10 & 1023u) / 511.f - 1.f;
+  glm::vec3 n(p, 1 - std::abs(p.x) - std::abs(p.y));
+  const float fold = std::max(-n.z, 0.f);
+  n.x -= std::copysign(fold, n.x);
+  n.y -= std::copysign(fold, n.y);
+  node.normal = glm::normalize(n);
+  node.cone = static_cast<float>(bits.z >> 20 & 255u) * 3.14159265f / 255;
+  return node;
+}
+
+float angle(const glm::vec3& a, const glm::vec3& b) { return 2 * std::atan2(glm::length(a - b), glm::length(a + b)); }
+
+/// Children that are not inside their parents, by more than float arithmetic.
+size_t violations(const PointForest& forest) {
+  const std::vector<uint4> nodes = forest.nodes.download();
+  size_t count = 0;
+  for (const ForestTree& tree : forest.trees()) {
+    for (uint32_t i = 2; i < 2 * tree.leaves(); ++i) {
+      const Node child = unpack(nodes[tree.record.first_node + i]), parent = unpack(nodes[tree.record.first_node + i / 2]);
+      count += glm::distance(child.center, parent.center) + child.radius > parent.radius * 1.00001f + 0.01f;
+      count += parent.cone < 3.1415f && angle(child.normal, parent.normal) + child.cone > parent.cone + 1e-3f;
+    }
+  }
+  return count;
+}
+
+/// A closed sphere of radius 1 seen from inside, albedo 1/2.
+Scene make_hollow_sphere() {
+  Scene scene;
+  scene.source = "test:sphere";
+  MeshBuilder builder("sphere");
+  for (const auto& t : icosphere(4)) builder.triangle(t[0], t[2], t[1]);
+  add_instance(scene, add_mesh(scene, builder.take()), add_lambert(scene, "grey", glm::vec3(0.5f)));
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("nodes contain what is below them, also after a deformation, and the tree becomes no looser by a small one") {
+  Scene scene;
+  scene.source = "test:two";
+  MeshBuilder ball("ball");
+  for (const auto& t : icosphere(3)) ball.triangle(t[0], t[1], t[2]);
+  const int grey = add_lambert(scene, "grey", glm::vec3(0.5f));
+  add_instance(scene, add_mesh(scene, ball.take()), grey);
+  add_instance(scene, add_mesh(scene, MeshBuilder("floor").box({-3, -2, -3}, {3, -1, 3}).take()), grey);
+  scene.instances[0].pose = std::make_shared<Mesh>(scene.meshes[0]);
+  Device& device = test::micro_device();
+  KernelScheduler scheduler(device.shared_from_this());
+  SceneBuffers buffers(device, scene);
+  PointForest forest(device, scheduler, scene, buffers, {.points_log2 = 13}, "test");
+  REQUIRE(forest.trees().size() == 2);
+  CHECK(violations(forest) == 0);
+
+  SceneChange change;
+  change.deformed_instances = {0};
+  const auto deform = [&](float amount) {
+    Mesh pose = scene.meshes[0];
+    for (glm::vec3& p : pose.positions) p = p * glm::vec3(1 + amount, 1 - 0.5f * amount, 1) + glm::vec3(amount * p.y, 0, 0);
+    scene.instances[0].pose = std::make_shared<Mesh>(std::move(pose));
+    buffers.update(scene, change);
+    return forest.update(change);
+  };
+  CHECK(deform(0.3f));
+  CHECK(violations(forest) == 0);
+  // Back again: the same nodes as at the beginning.
+  const std::vector<uint4> bent = forest.nodes.download();
+  CHECK(deform(0));
+  CHECK(violations(forest) == 0);
+  CHECK(forest.nodes.download()[forest.trees()[1].record.first_node + 1].y != bent[forest.trees()[1].record.first_node + 1].y);
+}
+
+TEST_CASE("a pose that folds neighbours apart asks for a new tree") {
+  Scene scene;
+  scene.source = "test:sheet";
+  MeshBuilder sheet("sheet");
+  for (int j = 0; j < 16; ++j)
+    for (int i = 0; i < 16; ++i) sheet.quad({i, 0, j}, {i, 0, j + 1}, {i + 1, 0, j + 1}, {i + 1, 0, j});
+  add_instance(scene, add_mesh(scene, sheet.take()), add_lambert(scene, "grey", glm::vec3(0.5f)));
+  scene.instances[0].pose = std::make_shared<Mesh>(scene.meshes[0]);
+  Device& device = test::micro_device();
+  KernelScheduler scheduler(device.shared_from_this());
+  SceneBuffers buffers(device, scene);
+  PointForest forest(device, scheduler, scene, buffers, {.points_log2 = 12}, "test");
+  // Every other square moves far away.
+  Mesh pose = scene.meshes[0];
+  for (size_t v = 0; v < pose.positions.size(); ++v)
+    if (v / 4 % 2) pose.positions[v].y += 40;
+  scene.instances[0].pose = std::make_shared<Mesh>(std::move(pose));
+  SceneChange change;
+  change.deformed_instances = {0};
+  buffers.update(scene, change);
+  CHECK_FALSE(forest.update(change));
+}
+
+TEST_CASE("light in a sphere grows bounce by bounce as the closed form says, and means are pulled") {
+  // Inside a sphere every point sees every other with the same form factor: E / pi is the mean radiance. With L = 2 in one
+  // half, 0 in the other, and albedo 1/2, it is 1, 1 + 1/2, 1 + 1/2 + 1/4, …
+  const Scene scene = make_hollow_sphere();
+  Device& device = test::micro_device();
+  KernelScheduler scheduler(device.shared_from_this());
+  SceneBuffers buffers(device, scene);
+  Bvh bvh(device, scene, buffers);
+  MicroParameters parameters;
+  parameters.points_log2 = test::full_run() ? 16 : 13;
+  parameters.micro_size = 16;
+  parameters.jacobi_level = 9;
+  const PointForest forest(device, scheduler, scene, buffers, {.points_log2 = parameters.points_log2}, "test");
+  const GatherPass gather(device, parameters);
+  constexpr double pi = 3.14159265358979;
+  double expected = 0;
+  for (int bounces = 2; bounces <= 5; ++bounces) {
+    expected += std::pow(0.5, bounces - 2);
+    LeafLight light(device, scheduler, scene, buffers, bvh, forest, gather, parameters, bounces, "test");
+    scheduler.finish();
+    // The half is told by the leaves' places in the tree, whose root splits the sphere in the middle.
+    std::vector<float4> received(forest.leaf_count(), float4(0, 0, 0, 0));
+    std::fill_n(received.begin(), received.size() / 2, float4(glm::vec3(static_cast<float>(4 * pi)), 0));
+    light.received().write(received.data(), received.size() * sizeof(float4));
+    REQUIRE(light.spread(0, 1));
+    scheduler.finish();
+    double sum = 0, squares = 0;
+    const std::vector<float4> gathered = light.gathered().download();
+    for (const float4& e : gathered) {
+      const double value = static_cast<double>(e.x) / pi;
+      sum += value;
+      squares += (value - expected) * (value - expected);
+    }
+    const double n = static_cast<double>(gathered.size()), mean = sum / n, rmse = std::sqrt(squares / n) / expected;
+    MESSAGE("bounce ", bounces - 1, ": E/pi ", mean, ", expected ", expected, ", RMSE ", rmse);
+    CHECK(mean == doctest::Approx(expected).epsilon(0.002));
+    CHECK(rmse < 0.04);
+    // The root holds the mean of what the leaves show: L = received + albedo E.
+    const uint2 root = forest.radiance.download(1, 1).front();
+    const float unit = forest.radiance_unit.download().front();
+    CHECK(unit * glm::unpackHalf1x16(static_cast<uint16_t>(root.x & 0xffffu)) == doctest::Approx(1 + 0.5 * mean).epsilon(0.002));
+    CHECK(unit * glm::unpackHalf1x16(static_cast<uint16_t>(root.y >> 16)) == doctest::Approx(2).epsilon(0.15));
+  }
+}
+
+TEST_CASE("refits take time in proportion to the points") {
+  if (!test::full_run()) return;
+  Scene scene = make_hollow_sphere();
+  scene.instances[0].pose = std::make_shared<Mesh>(scene.meshes[0]);
+  Device& device = test::micro_device();
+  KernelScheduler scheduler(device.shared_from_this());
+  SceneBuffers buffers(device, scene);
+  SceneChange change;
+  change.deformed_instances = {0};
+  for (const int points_log2 : {14, 16, 18, 20}) {
+    PointForest forest(device, scheduler, scene, buffers, {.points_log2 = points_log2}, "test");
+    double best = 1e9;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      const auto start = std::chrono::steady_clock::now();
+      forest.update(change);
+      scheduler.finish();
+      best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    MESSAGE(1 << points_log2, " points: ", 1e3 * best, " ms, ", 1e9 * best / (1 << points_log2), " ns per point");
+  }
+}
