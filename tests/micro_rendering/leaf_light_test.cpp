@@ -158,7 +158,7 @@ TEST_CASE("light in a sphere grows bounce by bounce as the closed form says, and
     }
     const double n = static_cast<double>(gathered.size()), mean = sum / n, rmse = std::sqrt(squares / n) / expected;
     MESSAGE("bounce ", bounces - 1, ": E/pi ", mean, ", expected ", expected, ", RMSE ", rmse);
-    CHECK(mean == doctest::Approx(expected).epsilon(0.002));
+    CHECK(std::abs(mean / expected - 1) < (test::full_run() ? 0.002 : 0.003));  // fewer points: a coarser sphere
     CHECK(rmse < 0.04);
     // The root holds the mean of what the leaves show: L = received + albedo E.
     const uint2 root = forest.radiance.download(1, 1).front();
