@@ -137,6 +137,20 @@ TEST_CASE("the tree's order splits at medians of the longest axis") {
   for (size_t i = 0; i < order.size(); ++i) CHECK(sampled.points[order[i]].source == (i < order.size() / 2 ? 0 : 1));
 }
 
+TEST_CASE("the two sides of a sheet are parted at the top of the tree") {
+  std::vector<SurfaceSide> sides;
+  add_square(sides, 0, 1, 2, true, 0);
+  add_square(sides, 0.01f, 1, 2, false, 1);
+  const SampledSurface sampled = sample_surface(sides, 1 << 10, 3, 1);
+  const std::vector<uint32_t> order = tree_order(sampled.points, 2);
+  // The sides have the same area, but a few points more or less.
+  size_t mixed = 0;
+  for (size_t i = 0; i < order.size(); i += 8) {
+    for (size_t k = 1; k < 8; ++k) mixed += sampled.points[order[i]].source != sampled.points[order[i + k]].source;
+  }
+  CHECK(mixed <= 8);
+}
+
 TEST_CASE("a million points take seconds") {
   if (!test::full_run()) return;
   std::vector<SurfaceSide> sides;
