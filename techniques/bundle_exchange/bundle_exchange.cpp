@@ -71,6 +71,8 @@ class BundleExchange : public Technique {
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
     PathSet set;
     set.max_bounces = settings.max_bounces;
+    set.light_delta = parameters_.glossy_bounces == GlossyBounces::multiple;
+    set.secondary_lambert_only = !set.light_delta;
     return set;
   }
 
@@ -314,9 +316,9 @@ BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, con
       means(*c.device, c.scheduler, program, atlas, slot_light.light_samples(), channels, p),
       transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas, means.records(), channels, p.pixel_size),
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, make_frame(c.settings),
-             {gather, !c.scene.lights.empty(), channels.emission, c.settings.max_bounces}) {
+             {gather, !c.scene.lights.empty(), p.glossy_bounces == GlossyBounces::final, channels.emission, c.settings.max_bounces}) {
   // Direct light needs no chains: they begin behind the first scattering.
-  if (!channels.hops || c.settings.max_bounces == 0) return;
+  if (!channels.hops || c.settings.max_bounces == 0 || p.glossy_bounces == GlossyBounces::final) return;
   const SlotHops::List list = SlotHops::specular_slots(atlas);
   if (list.slots.empty()) return;
   hops = std::make_unique<SlotHops>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, list,

@@ -17,6 +17,7 @@ class CameraLight {
   struct Options {
     FinalGather gather = FinalGather::off;
     bool punctual = false;   ///< there are punctual lights
+    bool single = false;     ///< chains end behind their first vertex
     bool exchanged = false;  ///< bundles carry emitted light: light samples are of punctual lights only
     int max_bounces = -1;
   };

@@ -8,6 +8,9 @@
 
 namespace lucarium::bundle {
 
+/// Longest chain that is followed.
+inline constexpr uint32_t kMostHops = 64;
+
 /// Follows chains of specular vertices by rays until none is left, and adds up the light that each finds for its target
 /// (hops.cl). The caller begins the chains: at most one per target.
 class HopTracer {

@@ -140,7 +140,7 @@ __kernel void advance_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
           add_gain(gain, settings, target, k + 1u + hop.hops, hop.throughput.xyz * diffuse[(size_t)slot * BUNDLE_REFLECTED + k].xyz);
         const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);
         light_scatterings = hop.hops + 1u;
-        const bool lit = light_scatterings <= settings.limit &&
+        const bool lit = light_scatterings <= min(settings.limit, settings.most_hops) &&
                          sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray);
         if (!lit) shadow_ray = no_hop_ray();
         goes_on = sample_hop(&scene, settings, &surface, &bsdf, &hop, &next);

@@ -8,8 +8,7 @@ enum class Sequence { iid, blocks, halton, hammersley };
 enum class Interleave { sd, running, fixed, pingpong };
 enum class DirectMode { nee, exchange };
 enum class FinalGather { off, glossy, all };
-enum class GlossyNorm { self, mean };
-enum class Transfer { ray, texel };
+enum class GlossyBounces { multiple, final };
 
 /// Every parameter of the technique, once: default, range, unit and meaning.
 struct Parameters {
@@ -26,6 +25,7 @@ struct Parameters {
   float gain_exp = 0.5f;
   float avg_exp = 0.5f;
   bool balance = true;
+  GlossyBounces glossy_bounces = GlossyBounces::multiple;
   FinalGather final_gather = FinalGather::glossy;
   float hop_share = 0.25f;
   float stop_error = 0.01f;
@@ -62,6 +62,8 @@ struct Parameters {
     v.choice("final_gather", final_gather,
              {{"off", FinalGather::off}, {"glossy", FinalGather::glossy}, {"all", FinalGather::all}},
              "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");
+    v.choice("glossy_bounces", glossy_bounces, {{"multiple", GlossyBounces::multiple}, {"final", GlossyBounces::final}},
+             "specular lobes take part in the exchange, or only reflect diffuse light towards the eye");
     v.number("hop_share", hop_share, 0.01f, 1.f, "",
              "probability that a slot which reflects everything specularly traces a ray for a direction; others less");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance; 0: never");

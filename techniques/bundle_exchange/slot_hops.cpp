@@ -108,6 +108,7 @@ bool SlotHops::find(const Direction& direction, uint32_t seed) {
   HopSettings settings{};
   settings.seed = seed;
   settings.first_light = 1;
+  settings.most_hops = kMostHops;
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces);
   settings.gains = joined_ ? HOP_GAIN_ONE : HOP_GAIN_CHANNELS;
   begin_.set(settings_, settings);

@@ -7,43 +7,106 @@
 #include "bundle_transfer.h"
 #include "direction_sequence.h"
 #include "lucarium/scene/builtin_builder.h"
+#include "lucarium/services/bvh.h"
+#include "slot_hops.h"
 #include "slot_means.h"
+
+const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
 namespace lucarium::test {
 
+/// A box whose walls face inwards, one material for each: -x, +x, -y, +y, -z, +z.
+inline Scene box_scene(const std::array<int, 6>& materials, Scene scene = {}) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      add_instance(scene, add_mesh(scene, MeshBuilder("wall").box_face({0, 0, 0}, {1, 1, 1}, axis, side, true).take()),
+                   materials[2 * axis + side]);
+  return scene;
+}
+
 class BundleRig {
  public:
-  BundleRig(Scene scene, uint64_t texels, float pixel_size, bundle::Channels channels = {})
+  BundleRig(Scene scene, uint64_t texels, float pixel_size, bundle::Channels channels = {},
+            bundle::Parameters parameters = {}, std::map<std::string, std::string> defines = {})
       : channels_(channels),
+        parameters_(parameters),
         scene_(std::move(scene)),
         device_(Device::open()),
         scheduler_(device_),
         buffers_(*device_, scene_),
+        bvh_(*device_, scene_, buffers_),
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
-        records_(*device_, "test", "records", size_t{atlas_.info().texel_count} * 2 * channels.count),
-        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, records_, channels, pixel_size) {}
-
-  /// What slots send in channel 0; sums are cleared.
-  void send(const std::function<glm::vec3(uint32_t slot)>& radiance) {
-    std::vector<float4> values(records_.count());
-    for (uint32_t slot = 0; slot < slots(); ++slot) values[size_t{slot} * 2 * channels_.count] = float4(radiance(slot), 0.f);
-    records_.upload(values);
+        program_(make_program(*device_, channels, std::move(defines))),
+        light_(*device_, "test", "light samples", atlas_.info().texel_count),
+        means_(*device_, scheduler_, program_, atlas_, light_, channels, parameters_),
+        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), channels, pixel_size) {
+    if (!channels.hops) return;
+    const bundle::SlotHops::List list = bundle::SlotHops::specular_slots(atlas_);
+    bundle::SlotHops::Options hops;
+    hops.share = parameters.hop_share;
+    hops.max_bounces = channels.self_fed ? -1 : static_cast<int>(channels.reflected());
+    hops_ = std::make_unique<bundle::SlotHops>(*device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, list, hops);
   }
-  void run(const bundle::DirectionSequence& sequence, uint64_t count, uint64_t first = 0) {
-    for (uint64_t i = first; i < first + count; ++i) transfer_.exchange(sequence.at(i), static_cast<uint32_t>(i + 1));
+
+  // ---- by hand: what slots send in channel 0, and what arrives
+
+  void send(const std::function<glm::vec3(uint32_t slot)>& radiance) {
+    std::vector<float4> values(means_.records().count());
+    for (uint32_t slot = 0; slot < slots(); ++slot) values[size_t{slot} * 2 * channels_.count] = float4(radiance(slot), 0.f);
+    TypedBuffer<float4> records = means_.records();
+    records.upload(values);
+  }
+  void run(const bundle::DirectionSequence& sequence, uint64_t count) {
+    for (uint64_t i = 0; i < count; ++i) transfer_.exchange(sequence.at(i), static_cast<uint32_t>(i + 1));
     scheduler_.finish();
   }
   /// xyz: sum of w L of channel 0, w: sum of w.
   std::vector<float4> sums() const {
-    const std::vector<float4> values = records_.download();
+    const std::vector<float4> values = means_.records().download();
     std::vector<float4> result(slots());
     for (uint32_t slot = 0; slot < slots(); ++slot) result[slot] = values[size_t{slot} * 2 * channels_.count + 1];
     return result;
   }
+
+  // ---- as the technique does it
+
+  /// The direct irradiance of every slot.
+  void set_direct(float irradiance) { light_.upload(std::vector<float4>(slots(), float4(irradiance, irradiance, irradiance, 1))); }
+  /// `count` directions in batches of Parameters::batch.
+  void solve(const bundle::DirectionSequence& sequence, uint64_t count) {
+    const uint64_t batch = static_cast<uint64_t>(parameters_.batch);
+    for (uint64_t first = 0; first < count; first += batch) {
+      means_.make_senders();
+      const bool direct_only = means_.direct_only(first);
+      for (uint64_t i = first; i < first + batch; ++i) {
+        const uint32_t seed = static_cast<uint32_t>(i + 1) * 0x9e3779b9u;
+        if (hops_ && !direct_only) hops_->find(sequence.at(i), seed);
+        transfer_.exchange(sequence.at(i), seed, direct_only);
+      }
+      means_.commit(first, static_cast<uint32_t>(batch));
+    }
+    scheduler_.finish();
+  }
+  /// Red of indirect and of exchanged direct irradiance over π, per slot.
+  std::vector<double> indirect() const { return red(means_.shown()); }
+  std::vector<double> direct() const { return red(means_.shown_direct()); }
+  double relative_error() const { return means_.relative_error(); }
+  /// Area-weighted mean over slots that `counts`.
+  double mean(const std::vector<double>& values, const std::function<bool(uint32_t)>& counts = {}) const {
+    const std::vector<AtlasTexel> all = texels();
+    double sum = 0, area = 0;
+    for (uint32_t slot = 0; slot < slots(); ++slot) {
+      if (counts && !counts(slot)) continue;
+      sum += all[slot].area * values[slot];
+      area += all[slot].area;
+    }
+    return sum / area;
+  }
+
   uint32_t slots() const { return atlas_.info().texel_count; }
   std::vector<AtlasTexel> texels() const { return atlas_.texels().download(); }
   std::vector<SurfacePoint> points() const { return atlas_.surface_points().download(); }
-  const Scene& scene() const { return scene_; }
+  std::vector<AtlasMaterial> materials() const { return atlas_.materials().download(); }
   /// Instance that a world triangle belongs to.
   uint32_t instance_of(uint32_t triangle) const { return buffers_.scene_triangles.download(triangle, 1).front().instance; }
 
@@ -53,14 +116,31 @@ class BundleRig {
     result.texel_count = texels;
     return result;
   }
+  static Program make_program(Device& device, const bundle::Channels& channels, std::map<std::string, std::string> defines) {
+    SourceLibrary library;
+    library.add(bundle_exchange_kernels());
+    for (const auto& [name, value] : channels.defines()) defines[name] = value;
+    return Program(device, library,
+                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl"}, defines});
+  }
+  static std::vector<double> red(const TypedBuffer<float4>& values) {
+    std::vector<double> result;
+    for (const float4& v : values.download()) result.push_back(v.x);
+    return result;
+  }
   bundle::Channels channels_;
+  bundle::Parameters parameters_;
   Scene scene_;
   std::shared_ptr<Device> device_;
   KernelScheduler scheduler_;
   SceneBuffers buffers_;
+  Bvh bvh_;
   SurfaceAtlas atlas_;
-  TypedBuffer<float4> records_;
+  Program program_;
+  TypedBuffer<float4> light_;
+  bundle::SlotMeans means_;
   bundle::BundleTransfer transfer_;
+  std::unique_ptr<bundle::SlotHops> hops_;
 };
 
 }  // namespace lucarium::test

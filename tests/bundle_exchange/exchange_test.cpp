@@ -18,10 +18,7 @@ constexpr double kPi = 3.14159265358979323846;
 Scene closed_box() {
   Scene scene;
   const int white = add_lambert(scene, "white", glm::vec3(0.8f));
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 2; ++side)
-      add_instance(scene, add_mesh(scene, MeshBuilder("wall").box_face({0, 0, 0}, {1, 1, 1}, axis, side, true).take()), white);
-  return scene;
+  return test::box_scene({white, white, white, white, white, white}, std::move(scene));
 }
 
 /// Two unit squares that see each other, at distance 1, or with a common edge.

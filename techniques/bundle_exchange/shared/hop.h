@@ -22,6 +22,8 @@ LUCARIUM_STRUCT_BEGIN(HopSettings)
   uint first_light;  // hops from which on emitters count: 1, or 2 where light sampling has done the first
   uint limit;        // most scatterings on the way to the target; LUCARIUM_NONE: unlimited
   uint gains;        // HOP_GAIN_*
-LUCARIUM_STRUCT_END(HopSettings, 16)
+  uint most_hops;    // longest chain
+  uint pad0, pad1, pad2;
+LUCARIUM_STRUCT_END(HopSettings, 32)
 
 #endif
