@@ -41,10 +41,10 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   counts.visits = counts.splats = counts.listed = counts.disc_tests = counts.holes = counts.flushes = counts.levels =
       counts.pad = 0u;
   MicroBuffer buffer;
+  MicroWarp warp;
   for (uint lobe = MICRO_LOBE_DIFFUSE; lobe <= MICRO_LOBE_SPECULAR; ++lobe) {
     if (edges[lobe] == 0u) continue;
-    const MicroWarp warp = make_micro_warp(lobe, edges[lobe], half_value(lobes >> 16),
-                                           to_local(&point.basis, point.view), settings.kappa);
+    make_micro_warp(lobe, edges[lobe], half_value(lobes >> 16), to_local(&point.basis, point.view), settings.kappa, &warp);
     draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
     float3 grazing;
     const float4 light = micro_light(&warp, &point, &buffer, radiance, &grazing, &counts);

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// The warps between micro-buffers and directions.
+#include <doctest/doctest.h>
+
+#include "synthetic_forest.h"
+
+using namespace lucarium;
+using test::dvec3;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+struct Square {
+  std::vector<float4> directions, values;
+  std::vector<float2> back;
+};
+
+Square warp_square(const std::map<std::string, std::string>& defines, uint32_t lobe, uint32_t edge, const glm::vec3& view, float alpha) {
+  static std::map<std::map<std::string, std::string>, Program> programs;
+  auto [at, added] = programs.try_emplace(defines);
+  if (added) at->second = test::micro_program("test_micro_rendering/warp.cl", defines);
+  const size_t count = static_cast<size_t>(edge) * edge;
+  const auto directions = test::test_buffer<float4>(count), values = test::test_buffer<float4>(count);
+  const auto back = test::test_buffer<float2>(count);
+  test::run_kernel(at->second, "warp_square", count, 1, [&](PassBuilder& pass) {
+    pass.arg("lobe", lobe).arg("edge", edge).arg("view", float4(view, alpha));
+    pass.arg("directions", directions).arg("values", values).arg("back", back);
+  });
+  return {directions.download(), values.download(), back.download()};
+}
+
+const glm::vec3 slanted(float degrees) {
+  const float a = glm::radians(degrees);
+  return {0.6f * std::sin(a), 0.8f * std::sin(a), std::cos(a)};
+}
+
+/// Height-correlated GGX of bsdf.clh without Fresnel's factor, times the cosine, and Phong's lobe.
+double ggx(const dvec3& v, const dvec3& l, double alpha) {
+  const dvec3 h = glm::normalize(v + l);
+  const double a2 = alpha * alpha, t = h.z * h.z * (a2 - 1) + 1, d = a2 / (pi * t * t);
+  return d * 0.5 / (l.z * std::sqrt(a2 + (1 - a2) * v.z * v.z) + v.z * std::sqrt(a2 + (1 - a2) * l.z * l.z)) * l.z;
+}
+double phong(const dvec3& v, const dvec3& l, double alpha) {
+  const double n = 2 / (alpha * alpha) - 2;
+  return (n + 2) / (2 * pi) * std::pow(std::max(glm::dot(l, dvec3(-v.x, -v.y, v.z)), 0.0), n) * l.z;
+}
+
+/// Integral of f(l) cos L(l) over the hemisphere, L a smooth light; midpoints in z and azimuth.
+template <class F>
+double quadrature(F f) {
+  const int rows = 800, columns = 1600;
+  double sum = 0;
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < columns; ++j) {
+      const double z = (i + 0.5) / rows, phi = 2 * pi * (j + 0.5) / columns, s = std::sqrt(1 - z * z);
+      sum += f(dvec3(s * std::cos(phi), s * std::sin(phi), z));
+    }
+  return sum * 2 * pi / (double(rows) * columns);
+}
+double light(const dvec3& l) { return 1 + 0.5 * l.x - 0.3 * l.y + 0.4 * l.x * l.y; }
+
+double weighted(const Square& square) {
+  double sum = 0;
+  for (size_t i = 0; i < square.directions.size(); ++i) {
+    const dvec3 w = square.directions[i].xyz();
+    if (w.z > 0) sum += square.values[i].y * light(w);
+  }
+  return sum / static_cast<double>(square.directions.size());
+}
+
+}  // namespace
+
+TEST_CASE("the inverse warp undoes the warp") {
+  for (const char* warp : {"0", "1"})
+    for (uint32_t lobe = 0; lobe < 2; ++lobe)
+      for (const float alpha : {0.02f, 0.1f, 0.5f, 1.f})
+        for (const float angle : {0.f, 30.f, 60.f, 80.f}) {
+          if (warp[0] == '1' && lobe == 1 && alpha < 0.05f) continue;  // narrower than a cell
+          CAPTURE(warp[0]);
+          CAPTURE(lobe);
+          CAPTURE(alpha);
+          CAPTURE(angle);
+          const Square square = warp_square({{"MICRO_WARP", warp}}, lobe, 64, slanted(angle), alpha);
+          double worst = 0;
+          for (size_t i = 0; i < square.back.size(); ++i) {
+            if (!(square.directions[i].z > 1e-3f)) continue;  // a warp may reach below the horizon, where there is no inverse
+            worst = std::max<double>({worst, std::abs(square.back[i].x), std::abs(square.back[i].y)});
+          }
+          CHECK(worst < 1e-5);
+        }
+}
+
+TEST_CASE("solid angles of Lambert's micro-pixels") {
+  for (const uint32_t edge : {8u, 16u, 24u, 48u}) {
+    CAPTURE(edge);
+    const Square square = warp_square({}, 0, edge, {0, 0, 1}, 1);
+    double projected = 0, solid = 0;
+    const double pixels = double(edge) * edge;
+    for (size_t i = 0; i < square.directions.size(); ++i) {
+      const double density = square.values[i].x;  // p_omega
+      projected += square.directions[i].z / density / pixels;
+      solid += 1 / density / pixels;
+    }
+    CHECK(std::abs(projected / pi - 1) < 0.001);
+    CHECK(std::abs(solid / (2 * pi) - (1 - 0.61 / std::sqrt(double(edge)))) < 0.005);
+  }
+}
+
+TEST_CASE("the mean over the warped pixels is the reflected light") {
+  const double diffuse = quadrature([](const dvec3& l) { return l.z / pi * light(l); });
+  for (const char* warp : {"0", "1"}) CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", warp}}, 0, 24, {0, 0, 1}, 1)) / diffuse - 1) < 0.003);
+  const glm::vec3 v = slanted(60);
+  const dvec3 view = v;
+  for (const double alpha : {0.5, 0.3, 0.1}) {
+    CAPTURE(alpha);
+    const double expected = quadrature([&](const dvec3& l) { return ggx(view, l, alpha) * light(l); });
+    CHECK(std::abs(weighted(warp_square({}, 1, 24, v, float(alpha))) / expected - 1) < 0.03);
+    CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", "1"}}, 1, 24, v, float(alpha))) / expected - 1) < 0.015);
+  }
+  for (const double exponent : {1.0, 5.0, 20.0}) {
+    CAPTURE(exponent);
+    const double alpha = std::sqrt(2 / (exponent + 2));
+    const double expected = quadrature([&](const dvec3& l) { return phong(view, l, alpha) * light(l); });
+    CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", "1"}, {"LUCARIUM_PHONG", ""}}, 1, 24, v, float(alpha))) / expected - 1) < 0.015);
+  }
+}
+
+TEST_CASE("coarse tables are wrong for narrow lobes, as known") {
+  const glm::vec3 v = slanted(60);
+  const dvec3 view = v;
+  const double expected = quadrature([&](const dvec3& l) { return ggx(view, l, 0.1) * light(l); });
+  const double coarse = weighted(warp_square({{"MICRO_WARP", "1"}, {"MICRO_TABLE_SIZE", "8"}}, 1, 24, v, 0.1f)) / expected - 1;
+  MESSAGE("8 x 8 cells: " << coarse);
+  CHECK(std::abs(coarse) > 0.05);
+}
+
+TEST_CASE("unwarped cells inside the disc are weighted by the lobe") {
+  const double diffuse = quadrature([](const dvec3& l) { return l.z / pi * light(l); });
+  CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", "2"}}, 0, 64, {0, 0, 1}, 1)) / diffuse - 1) < 0.01);
+}
