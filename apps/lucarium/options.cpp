@@ -145,7 +145,7 @@ void TechniqueArguments::add_to(CLI::App& command) {
 void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
   const std::unique_ptr<Technique> technique = type.create();
   try {
-    for (const auto& [name, value] : spec.parameters) technique->parameters().set(name, value);
+    technique->parameters().set_all(spec.parameters);
   } catch (const Error& error) {
     throw error.with_context(type.info().name);
   }

@@ -50,7 +50,7 @@ PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegi
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
   const std::unique_ptr<Technique> technique = type.create();
-  for (const auto& [name, value] : spec.parameters) technique->parameters().set(name, value);
+  technique->parameters().set_all(spec.parameters);
   return technique->path_set(scene, settings);
 }
 

@@ -99,7 +99,7 @@ std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const T
   CheckContext context{std::move(device), registry, type, options, {}};
   const Scene furnace = load_scene("builtin:furnace");
   const std::unique_ptr<Technique> technique = type.create();
-  for (const auto& [name, value] : options.parameters) technique->parameters().set(name, value);
+  technique->parameters().set_all(options.parameters);
   context.path_set = technique->path_set(furnace, context.settings(furnace));
 
   std::vector<CheckResult> results;

@@ -104,7 +104,7 @@ Outcome check_declaration(CheckContext& context) {
 
 Outcome check_parameters(CheckContext& context) {
   const std::unique_ptr<Technique> technique = context.type.create();
-  for (const auto& [name, value] : context.options.parameters) technique->parameters().set(name, value);
+  technique->parameters().set_all(context.options.parameters);
   ParameterTable& table = technique->parameters();
   std::vector<std::string> mistakes;
   std::set<std::string> names;

@@ -70,7 +70,7 @@ Outcome check_shining_box(CheckContext& context) {
   const Scene scene = make_shining_box();
   const RenderSettings settings = context.settings(scene);
   const std::unique_ptr<Technique> technique = context.type.create();
-  for (const auto& [name, value] : context.options.parameters) technique->parameters().set(name, value);
+  technique->parameters().set_all(context.options.parameters);
   const PathSet set = technique->path_set(scene, settings);
   // The sum of albedo^n over the scatterings n that the layers of the path set hold.
   const int most = set.max_bounces < 0 ? -1 : set.max_bounces + 1;

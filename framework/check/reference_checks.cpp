@@ -52,7 +52,7 @@ Outcome check_reference(CheckContext& context, const std::string& material, cons
 
   const Scene scene = make_material_scene(material, light);
   const std::unique_ptr<Technique> technique = context.type.create();
-  for (const auto& [name, value] : context.options.parameters) technique->parameters().set(name, value);
+  technique->parameters().set_all(context.options.parameters);
   const PathSet set = technique->path_set(scene, context.settings(scene));
   const BlockTest test = compare_blocks(technique_images(context, scene), reference_images(context, scene, set, *reference), 32, 32);
   if (test.noise > largest_noise) return {Verdict::skipped, "too noisy to tell: " + test.describe(context.can().bias)};

@@ -74,7 +74,7 @@ SceneVariant plan_variant(const TechniqueVariant& variant, const Scene& scene, c
   const TechniqueType& type = registry.find(variant.technique);
   const std::unique_ptr<Technique> technique = type.create();
   try {
-    for (const auto& [name, value] : variant.parameters) technique->parameters().set(name, value);
+    technique->parameters().set_all(variant.parameters);
   } catch (const Error& error) {
     throw error.with_context(variant.technique);
   }

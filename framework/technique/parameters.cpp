@@ -30,6 +30,16 @@ void ParameterTable::set(std::string_view name, std::string_view value) {
     for (const auto& [key, text] : preset.values) find(key).set(text);
   }
 }
+
+void ParameterTable::set_all(const std::vector<std::pair<std::string, std::string>>& values) {
+  for (const bool presets : {true, false}) {
+    for (const auto& [name, value] : values) {
+      const bool is_preset = !find(name).presets.empty();
+      if (is_preset == presets) set(name, value);
+    }
+  }
+}
+
 std::string ParameterTable::get(std::string_view name) const { return find(name).get(); }
 
 std::string ParameterTable::to_string() const {

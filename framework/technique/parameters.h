@@ -38,6 +38,8 @@ class ParameterTable {
   };
   const std::vector<Entry>& entries() const { return entries_; }
   void set(std::string_view name, std::string_view value);
+  /// Several at once; `preset` first wherever it stands, so that the others change what it sets.
+  void set_all(const std::vector<std::pair<std::string, std::string>>& values);
   std::string get(std::string_view name) const;
   /// "name=value,…" of all parameters in declaration order: what a result records.
   std::string to_string() const;

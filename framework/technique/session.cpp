@@ -145,7 +145,7 @@ struct RenderSession::State {
   }
 
   void prepare(const std::vector<std::pair<std::string, std::string>>& parameters) {
-    for (const auto& [name, value] : parameters) technique->parameters().set(name, value);
+    technique->parameters().set_all(parameters);
     limitations = technique->limitations(scene, settings);
     const size_t own = technique->estimate_bytes(scene, settings);
     device->memory().require("scene, bvh and technique", "all buffers",

@@ -125,6 +125,9 @@ TEST_CASE("a preset sets all parameters, and what is set after it wins") {
   WithPresets values;
   ParameterTable table = make_parameter_table(values);
   CHECK(table.to_string() == "preset=default,size=24,fill=on");
+  table.set_all({{"size", "12"}, {"preset", "paper"}});
+  CHECK(table.to_string() == "preset=paper,size=12,fill=off");
+  table.set("preset", "default");
   table.set("size", "16");
   table.set("preset", "paper");
   CHECK(table.to_string() == "preset=paper,size=24,fill=off");
