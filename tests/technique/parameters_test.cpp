@@ -137,6 +137,6 @@ TEST_CASE("a preset sets all parameters, and what is set after it wins") {
   CHECK(table.to_string() == "preset=small,size=8,fill=on");
   table.set("preset", "default");
   CHECK(table.to_string() == "preset=default,size=24,fill=on");
-  CHECK(message_of([&] { table.set("preset", "papr"); }) == "parameter preset: no value is called 'papr', did you mean paper?");
+  CHECK(message_of([&] { table.set("preset", "papr"); }) == "parameter preset: no value is called 'papr'; did you mean 'paper'?");
   CHECK(table.entries().front().info.range == "default|paper|small");
 }
