@@ -24,6 +24,7 @@ RenderSettings settings_for(const Scene& scene, uint32_t size, int max_bounces) 
   RenderSettings settings;
   settings.width = settings.height = size;
   settings.max_bounces = max_bounces;
+  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;  // so that edges of things are the same in every picture
   settings.camera = scene.cameras.front();
   return settings;
 }
@@ -74,6 +75,24 @@ TEST_CASE("virtual lights and photons bring the light of several bounces") {
   CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.03));
   photons.emplace_back("photon_direct", "on");
   CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.04));
+}
+
+TEST_CASE("pixel by pixel the room is the path tracer's, the better the larger the micro-buffers") {
+  const std::vector<float> expected = indirect_light(load_scene("builtin:room"), "path_tracing", 16, 2, 64, reference);
+  const auto error = [&](const char* micro_size) {
+    Parameters parameters = {{"points_log2", "15"}, {"jacobi_level", "10"}, {"micro_size", micro_size}};
+    const std::vector<float> image = indirect_light(load_scene("builtin:room"), "micro_rendering", 16, 2, 16, parameters);
+    double squares = 0, level = mean(expected);
+    for (size_t i = 0; i < image.size(); ++i) {
+      const double difference = static_cast<double>(image[i]) - static_cast<double>(expected[i]);
+      squares += difference * difference;
+    }
+    return std::sqrt(squares / static_cast<double>(image.size())) / level;
+  };
+  const double coarse = error("8"), fine = error("24");
+  MESSAGE("RMSE over the mean: B = 8 ", coarse, ", B = 24 ", fine);
+  CHECK(fine < 0.02);
+  CHECK(fine < coarse);
 }
 
 TEST_CASE("a plane does not shine at itself, however it is turned") {
@@ -147,4 +166,22 @@ TEST_CASE("after a motion of a rigid object the picture is that of a fresh start
   const std::vector<float> image = moved.resolve().image();
   CHECK(image == fresh.resolve().image());
   CHECK(image != before);
+}
+
+TEST_CASE("after a deformation the picture is that of a fresh start") {
+  if (test::shared_scenes().empty()) return test::skip("third-party scenes");
+  Scene scene = load_scene((test::shared_scenes() / "animated/Fox.glb").string());
+  scene.environment = Environment{};
+  scene.cameras.push_back(look_at_camera("side", scene.bounds().center() + 3 * scene.bounds().radius() * glm::vec3(0.7f, 0.3f, 0.6f), scene.bounds().center(), 40));
+  evaluate(scene, 0);
+  const RenderSettings settings = settings_for(scene, 24, 1);
+  const TechniqueType& type = registry().find("micro_rendering");
+  RenderSession moved(Device::open(), scene, type, settings, small);
+  moved.run({.iterations = 1});
+  moved.set_time(0.2);
+  moved.run({.iterations = 2});
+  evaluate(scene, 0.2);
+  RenderSession fresh(Device::open(), scene, type, settings, small);
+  fresh.run({.iterations = 2});
+  CHECK(moved.resolve().image() == fresh.resolve().image());
 }
