@@ -8,7 +8,7 @@
 float4 slot_color(uint slot) {
   if (slot == LUCARIUM_NONE) return (float4)(0.0f);
   const uint hash = hash_uint2(slot, 0x61746c73u);
-  const float3 value = (float3)((float)(hash & 255u), (float)((hash >> 8) & 255u), (float)((hash >> 16) & 255u)) / 255.0f;
+  const float3 value = convert_float3((uint3)(hash, hash >> 8, hash >> 16) & 255u) / 255.0f;
   return (float4)(0.05f + 0.9f * value * value, 1.0f);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Slots of the surface atlas from the scene as it is: sample positions, areas, what the surface scatters and emits there.
+// Slots of the surface atlas from the scene as it is: sample positions, areas, what the surface scatters and emits.
 #include "lucarium/bsdf.clh"
 #include "lucarium/lights.clh"
 #include "lucarium/scene.clh"

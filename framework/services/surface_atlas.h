@@ -19,15 +19,15 @@ struct SurfaceAtlasOptions : AtlasLayoutOptions {
 
 /// What was built.
 struct SurfaceAtlasReport {
-  uint64_t slots = 0;                                  ///< reflecting sides of texels
-  uint64_t texels = 0;                                 ///< fronts
+  uint64_t slots = 0;   ///< reflecting sides of texels
+  uint64_t texels = 0;  ///< fronts
   uint64_t charts = 0, one_texel_charts = 0;
-  uint64_t cells = 0;                                  ///< of the look-up table
-  double texel_edge = 0;                               ///< s [m]
-  double area = 0;                                     ///< of all reflecting sides [m²]
-  double area_p5 = 0, area_p50 = 0, area_p95 = 0;      ///< percentiles of texel area over s² [1]
-  size_t bytes = 0;                                    ///< on the device
-  double seconds = 0;                                  ///< of building, upload and filling
+  uint64_t cells = 0;                              ///< of the look-up table
+  double texel_edge = 0;                           ///< s [m]
+  double area = 0;                                 ///< of all reflecting sides [m²]
+  double area_p5 = 0, area_p50 = 0, area_p95 = 0;  ///< percentiles of texel area over s² [1]
+  size_t bytes = 0;                                ///< on the device
+  double seconds = 0;                              ///< of building, upload and filling
 };
 
 /// Every point of every surface of a scene has a texel, of uniform density in world space. Both sides of double-sided
@@ -42,9 +42,9 @@ class SurfaceAtlas {
   ~SurfaceAtlas();
 
   /// Follows a change; to be called after buffers.update(). Moved and deformed surfaces keep their texels: positions
-  /// follow, areas become Σ fraction × new triangle area. Materials are evaluated again. Changed topology, and materials
-  /// that became or ceased to be two-sided, rebuild the atlas: generation() then grows, and recorded schedules that bind it must
-  /// be recorded again.
+  /// follow, areas become Σ fraction × new triangle area. Materials are evaluated again. Changed topology, and
+  /// materials that became or ceased to be two-sided, rebuild the atlas: generation() then grows, and recorded
+  /// schedules that bind it must be recorded again.
   void refit(const Scene& scene, const SceneChange& change);
   uint64_t generation() const;
 

@@ -33,8 +33,7 @@ class Absorber {
     for (uint32_t p = 0; p < parts_.size(); ++p) {
       for (PlacedChart& chart : parts_[p].charts) {
         const PartTexel& texel = parts_[p].texels[chart.first_texel];
-        if (chart.width == 1 && texel.area < settings_.merge_threshold * s2 && texel.extra.empty())
-          absorb(p, chart);
+        if (chart.width == 1 && texel.area < settings_.merge_threshold * s2 && texel.extra.empty()) absorb(p, chart);
       }
     }
   }

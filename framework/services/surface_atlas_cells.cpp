@@ -52,7 +52,8 @@ uint32_t ChartPlacer::connect_pieces(const std::vector<uint32_t>& alive) {
     parent_[std::max(a, b)] = std::min(a, b);
     --components;
   };
-  const int x = static_cast<int>(pieces_[alive[0]].cell % width_), y = static_cast<int>(pieces_[alive[0]].cell / width_);
+  const int x = static_cast<int>(pieces_[alive[0]].cell % width_),
+            y = static_cast<int>(pieces_[alive[0]].cell / width_);
   keys_.clear();
   for (uint32_t i = 0; i < count; ++i) {
     const ChartTriangle& t = chart_[pieces_[alive[i]].local];

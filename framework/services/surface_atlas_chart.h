@@ -15,7 +15,7 @@ struct ChartTriangle {
 
 /// What of triangle number `local` of a chart lies in a cell.
 struct ChartPiece {
-  uint32_t cell;   ///< y · width + x
+  uint32_t cell;  ///< y · width + x
   uint32_t local;
   float fraction;  ///< of the triangle's area
   float b1, b2;    ///< centroid
@@ -55,8 +55,8 @@ struct AtlasPart {
 
 /// What all charts of one atlas share.
 struct ChartSettings {
-  double edge;             ///< s [m]
-  double merge_threshold;  ///< share of s²
+  double edge;                         ///< s [m]
+  double merge_threshold;              ///< share of s²
   std::vector<double> texcoord_scale;  ///< per instance: metres per unit of TEXCOORD_1; 0 or empty: projected
 };
 
@@ -114,7 +114,7 @@ class ChartPlacer {
   std::vector<uint32_t> index_;        ///< per cell: its place in covered_ or LUCARIUM_NONE
   std::vector<double> cell_area_;      ///< per covered cell; of a representative: of all that joined it
   std::vector<uint32_t> texel_of_;     ///< per covered cell: union-find, then the number of its texel
-  std::vector<uint32_t> place_;        ///< per triangle of the mesh: index in the set at hand; LUCARIUM_NONE between uses
+  std::vector<uint32_t> place_;  ///< per triangle of the mesh: index in the set at hand; LUCARIUM_NONE between uses
   // Scratch:
   std::vector<uint32_t> parent_, alive_;
   std::vector<std::pair<uint64_t, uint32_t>> keys_;

@@ -101,8 +101,15 @@ void clip_line(const dvec2 uv[3], std::vector<ClippedCell>& cells, size_t first)
     lengths.push_back(to - from);
     sum += to - from;
     const double t = 0.5 * (from + to);
-    const double weight[3] = {i == 0 ? 1 - t : j == 0 ? t : 0, i == 1 ? 1 - t : j == 1 ? t : 0,
-                              i == 2 ? 1 - t : j == 2 ? t : 0};
+    const double weight[3] = {i == 0   ? 1 - t
+                              : j == 0 ? t
+                                       : 0,
+                              i == 1   ? 1 - t
+                              : j == 1 ? t
+                                       : 0,
+                              i == 2   ? 1 - t
+                              : j == 2 ? t
+                                       : 0};
     cells[c].b1 = static_cast<float>(weight[1]);
     cells[c].b2 = static_cast<float>(weight[2]);
   }

@@ -17,8 +17,8 @@ struct ClippedCell {
 /// extent for each of four operations.
 double cell_dilation(const glm::dvec2 uv[3]);
 
-/// Appends every cell that touches the triangle when grown by cell_dilation() on all sides, with the exact part of the triangle in
-/// the cell itself; fractions sum to 1. Triangles without area in uv are cut along their longest edge.
+/// Appends every cell that touches the triangle when grown by cell_dilation() on all sides, with the exact part of the
+/// triangle in the cell itself; fractions sum to 1. Triangles without area in uv are cut along their longest edge.
 void clip_to_cells(const glm::dvec2 uv[3], std::vector<ClippedCell>& out);
 
 /// For a cell that only its dilated form touches: a point of the triangle's interior beside the place where it does.

@@ -119,7 +119,8 @@ std::vector<uint32_t> join_small(const AtlasMesh& mesh, const std::vector<uint32
     Patch one;
     one.area = mesh.area[t];
     one.normal = mesh.area[t] * glm::dvec3(mesh.normal[t]);
-    for (int i = 0; i < 3; ++i) one.low = glm::min(one.low, mesh.position(t, i)), one.high = glm::max(one.high, mesh.position(t, i));
+    for (int i = 0; i < 3; ++i)
+      one.low = glm::min(one.low, mesh.position(t, i)), one.high = glm::max(one.high, mesh.position(t, i));
     patches[chart_of[t]].add(one);
   }
   small.resize(charts);

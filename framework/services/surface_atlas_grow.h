@@ -11,8 +11,8 @@ namespace lucarium {
 /// Sets of triangles, one after the other; every triangle is in one set.
 struct ChartSets {
   std::vector<uint32_t> triangles;
-  std::vector<uint32_t> first;      ///< of each set in `triangles`, and the end
-  std::vector<uint8_t> one_texel;   ///< per set: small enough to be a single texel
+  std::vector<uint32_t> first;     ///< of each set in `triangles`, and the end
+  std::vector<uint8_t> one_texel;  ///< per set: small enough to be a single texel
   size_t count() const { return one_texel.size(); }
 };
 

@@ -20,7 +20,8 @@ SurfaceAtlasImage::SurfaceAtlasImage(const SurfaceAtlas& atlas) : info_(atlas.in
   std::vector<uint32_t> order(charts.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return charts[a].height != charts[b].height ? charts[a].height > charts[b].height : charts[a].width > charts[b].width;
+    return charts[a].height != charts[b].height ? charts[a].height > charts[b].height
+                                                : charts[a].width > charts[b].width;
   });
   uint32_t widest = 1;
   for (const AtlasChart& chart : charts) widest = std::max(widest, chart.width);
@@ -35,7 +36,8 @@ SurfaceAtlasImage::SurfaceAtlasImage(const SurfaceAtlas& atlas) : info_(atlas.in
   }
   height_ = std::max(1u, y + shelf);
   if (uint64_t{width_} * height_ > most_pixels) {
-    throw_error(ErrorClass::usage, "a picture of the atlas would have {}x{} pixels: ask for fewer texels", width_, height_);
+    throw_error(ErrorClass::usage, "a picture of the atlas would have {}x{} pixels: ask for fewer texels", width_,
+                height_);
   }
   texels_.assign(size_t{width_} * height_, LUCARIUM_NONE);
   const std::vector<uint32_t> table = atlas.table().download();

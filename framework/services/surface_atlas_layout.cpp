@@ -20,7 +20,7 @@ namespace {
 
 constexpr int attempts = 4;               // at texel edges, until the wanted count is met
 constexpr double count_tolerance = 1.08;  // within which a count counts as met
-constexpr size_t parts = 64;               // independent of the number of threads, and so is the result
+constexpr size_t parts = 64;              // independent of the number of threads, and so is the result
 
 void check(const AtlasLayoutOptions& options) {
   if (options.texel_edge < 0 || !std::isfinite(options.texel_edge) ||
@@ -55,8 +55,8 @@ class Watch {
   const AtlasLayoutOptions& options_;
 };
 
-/// Runs job(0 … count-1) on some threads, each with a worker of its own. This thread takes part and alone calls `tick`, which may
-/// throw; the first exception ends the work and is thrown again.
+/// Runs job(0 … count-1) on some threads, each with a worker of its own. This thread takes part and alone calls `tick`,
+/// which may throw; the first exception ends the work and is thrown again.
 template <class MakeWorker>
 void run_jobs(size_t count, unsigned threads, const MakeWorker& make_worker, const std::function<void(size_t)>& tick) {
   std::atomic<size_t> next{0};
@@ -101,8 +101,7 @@ std::vector<AtlasPart> place_charts(const AtlasMesh& mesh, const ChartSets& sets
       }
     };
   };
-  run_jobs(result.size(), threads, make_worker,
-           [&](size_t job) { tick(double(job) / double(result.size())); });
+  run_jobs(result.size(), threads, make_worker, [&](size_t job) { tick(double(job) / double(result.size())); });
   return result;
 }
 
@@ -116,19 +115,19 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   ChartSettings settings;
   settings.merge_threshold = options.merge_threshold;
   settings.texcoord_scale = check_texcoord1(mesh);
-  const GrownCharts grown = grow_charts(mesh, settings.texcoord_scale,
-                                        [&](double done) { watch.at(0.1 + 0.2 * done, "growing charts"); });
+  const GrownCharts grown =
+      grow_charts(mesh, settings.texcoord_scale, [&](double done) { watch.at(0.1 + 0.2 * done, "growing charts"); });
   const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  settings.edge = options.texel_edge > 0 ? options.texel_edge : std::sqrt(side_area(mesh) / double(options.texel_count));
+  settings.edge =
+      options.texel_edge > 0 ? options.texel_edge : std::sqrt(side_area(mesh) / double(options.texel_count));
   if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
   std::vector<AtlasPart> best;
   double best_edge = 0, best_off = INFINITY;
   double share = 0.3;  // of the progress; most layouts need one attempt
   for (int attempt = 0; attempt < attempts; ++attempt, share *= 0.5) {
     const ChartSets sets = join_small_charts(mesh, grown, settings.edge);
-    std::vector<AtlasPart> placed = place_charts(mesh, sets, settings, threads, [&](double done) {
-      watch.at(0.9 - share * (2 - done), "placing charts");
-    });
+    std::vector<AtlasPart> placed = place_charts(
+        mesh, sets, settings, threads, [&](double done) { watch.at(0.9 - share * (2 - done), "placing charts"); });
     absorb_fragments(mesh, settings, placed);
     const double ratio = options.texel_edge > 0 ? 1 : double(slot_count(placed)) / double(options.texel_count);
     const double off = std::fabs(std::log(std::max(ratio, 1e-9)));

@@ -13,14 +13,14 @@ namespace lucarium {
 
 /// The triangles that an atlas covers, world space.
 struct AtlasGeometry {
-  std::vector<glm::vec3> positions;   ///< per vertex [m]
-  std::vector<glm::vec3> normals;     ///< per vertex, unit shading normals
-  std::vector<glm::vec2> texcoord1;   ///< per vertex, or empty: then nothing is laid out by them
-  std::vector<glm::uvec3> triangles;  ///< counter-clockwise seen from the front
-  std::vector<uint32_t> instance;     ///< per triangle, ascending; surfaces of different instances never share a texel
-  std::vector<uint8_t> two_sided;     ///< per instance: reflects or transmits on both sides
-  std::vector<uint8_t> has_texcoord1; ///< per instance: lay it out by TEXCOORD_1; empty: none
-  std::vector<std::string> names;     ///< per instance, for messages; may be empty
+  std::vector<glm::vec3> positions;    ///< per vertex [m]
+  std::vector<glm::vec3> normals;      ///< per vertex, unit shading normals
+  std::vector<glm::vec2> texcoord1;    ///< per vertex, or empty: then nothing is laid out by them
+  std::vector<glm::uvec3> triangles;   ///< counter-clockwise seen from the front
+  std::vector<uint32_t> instance;      ///< per triangle, ascending; surfaces of different instances never share a texel
+  std::vector<uint8_t> two_sided;      ///< per instance: reflects or transmits on both sides
+  std::vector<uint8_t> has_texcoord1;  ///< per instance: lay it out by TEXCOORD_1; empty: none
+  std::vector<std::string> names;      ///< per instance, for messages; may be empty
 };
 
 /// How a layout is made. Either a wanted number of slots or a texel edge.
@@ -52,8 +52,8 @@ struct AtlasLayout {
 };
 
 /// Lays out an atlas of uniform world-space density s² = (area of all reflecting sides) / texel_count. Throws
-/// Error{input} for TEXCOORD_1 that cannot be used and for atlases that 32-bit ids cannot name, Error{usage} for options
-/// out of range, Error{interrupted} when cancelled.
+/// Error{input} for TEXCOORD_1 that cannot be used and for atlases that 32-bit ids cannot name, Error{usage} for
+/// options out of range, Error{interrupted} when cancelled.
 AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOptions& options);
 
 /// The cell of a point of a triangle, by the operations of kernels/surface_atlas.clh.

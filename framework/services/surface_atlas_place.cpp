@@ -70,7 +70,8 @@ void ChartPlacer::place_grid(AtlasPart& part) {
 void ChartPlacer::queue_parts(const std::vector<uint32_t>& triangles) {
   for (uint32_t i = 0; i < triangles.size(); ++i) place_[triangles[i]] = i;
   std::vector<uint32_t> part;
-  const uint32_t count = number_parts(mesh_, triangles, [&](uint32_t t) { return place_[t]; }, part);
+  const uint32_t count = number_parts(
+      mesh_, triangles, [&](uint32_t t) { return place_[t]; }, part);
   for (const uint32_t t : triangles) place_[t] = LUCARIUM_NONE;
   const size_t first = queue_.size();
   queue_.resize(first + count);

@@ -12,13 +12,13 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double steepest_degrees = 75;  // between the projection and a triangle, before another axis is tried
-constexpr double least_fill = 0.75;      // of the rectangle; below, a chart is bisected
-constexpr double least_fill_uncut = 0.3; // below, a chart is halved even where that alone gains nothing
-constexpr double worth_bisecting = 16;   // rectangles up to this many s² stay whole
-constexpr double bisection_gain = 0.85;  // both rectangles together over the whole one, at most
+constexpr double steepest_degrees = 75;   // between the projection and a triangle, before another axis is tried
+constexpr double least_fill = 0.75;       // of the rectangle; below, a chart is bisected
+constexpr double least_fill_uncut = 0.3;  // below, a chart is halved even where that alone gains nothing
+constexpr double worth_bisecting = 16;    // rectangles up to this many s² stay whole
+constexpr double bisection_gain = 0.85;   // both rectangles together over the whole one, at most
 constexpr int bins = 16;
-constexpr double inset = 2e-3;           // of the chart's edges in their outermost cells [cells]
+constexpr double inset = 2e-3;  // of the chart's edges in their outermost cells [cells]
 
 double cross2(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
@@ -39,7 +39,8 @@ std::vector<dvec2> convex_hull(std::vector<dvec2> points) {
   for (int pass = 0; pass < 2; ++pass) {
     const size_t start = hull.size();
     for (const dvec2& p : points) {
-      while (hull.size() >= start + 2 && cross2(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) hull.pop_back();
+      while (hull.size() >= start + 2 && cross2(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0)
+        hull.pop_back();
       hull.push_back(p);
     }
     hull.pop_back();
@@ -94,7 +95,8 @@ dvec3 chart_axis(const AtlasMesh& mesh, const std::vector<uint32_t>& triangles) 
     sum += mesh.area[t] * dvec3(mesh.normal[t]);
     if (mesh.area[t] > mesh.area[largest]) largest = t;
   }
-  const dvec3 fallback = mesh.normal[largest] == glm::vec3(0) ? sliver_axis(mesh, largest) : dvec3(mesh.normal[largest]);
+  const dvec3 fallback =
+      mesh.normal[largest] == glm::vec3(0) ? sliver_axis(mesh, largest) : dvec3(mesh.normal[largest]);
   const double length = glm::length(sum);
   if (!(length > 0)) return fallback;
   const double steepest = cos_degrees(steepest_degrees);
@@ -110,7 +112,7 @@ dvec3 chart_axis(const AtlasMesh& mesh, const std::vector<uint32_t>& triangles) 
 bool ChartPlacer::project(const std::vector<uint32_t>& triangles) {
   const uint32_t instance = mesh_.geometry.instance[triangles[0]];
   const double scale = settings_.texcoord_scale.empty() ? 0 : settings_.texcoord_scale[instance];
-  std::array<dvec3, 2> basis;
+  std::array<dvec3, 2> basis{dvec3(0), dvec3(0)};
   if (scale == 0) basis = plane_basis(chart_axis(mesh_, triangles));
   const dvec3 origin = mesh_.position(triangles[0], 0);
   const auto corner_uv = [&](uint32_t t, int i) {

@@ -129,8 +129,9 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
     pieces += part.pieces.size();
   }
   if (std::max({cells, pieces, slots}) >= LUCARIUM_NONE / 2) {
-    throw_error(ErrorClass::usage, "surface atlas: {} slots in {} cells are more than 32-bit ids can name; ask for fewer texels",
-                slots, cells);
+    throw_error(ErrorClass::usage,
+                "surface atlas: {} slots in {} cells are more than 32-bit ids can name; ask for fewer texels", slots,
+                cells);
   }
   AtlasLayout layout;
   layout.info = {static_cast<uint32_t>(slots), static_cast<uint32_t>(both), static_cast<uint32_t>(cells),

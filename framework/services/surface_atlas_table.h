@@ -7,8 +7,8 @@
 
 namespace lucarium {
 
-/// Lets charts of one texel below merge_threshold · s² join the texel of another chart that they touch: at most 1.5 s² and
-/// 2 s from its sample position, normals within 75 degrees.
+/// Lets charts of one texel below merge_threshold · s² join the texel of another chart that they touch: at most 1.5 s²
+/// and 2 s from its sample position, normals within 75 degrees.
 void absorb_fragments(const AtlasMesh& mesh, const ChartSettings& settings, std::vector<AtlasPart>& parts);
 
 /// Slots that these parts make.
@@ -20,8 +20,8 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
 /// Gives empty cells along smooth seams (dihedral angle below 60 degrees) the texels behind them, for interpolation.
 void link_seams(const AtlasMesh& mesh, std::span<const AtlasPart> parts, AtlasLayout& layout);
 
-/// Gives the cells that are still empty the texel of the nearest one (in steps along the axes), so that no look-up, however
-/// coarsely uv was interpolated, finds nothing.
+/// Gives the cells that are still empty the texel of the nearest one (in steps along the axes), so that no look-up,
+/// however coarsely uv was interpolated, finds nothing.
 void fill_empty_cells(AtlasLayout& layout);
 
 }  // namespace lucarium

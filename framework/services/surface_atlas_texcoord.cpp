@@ -76,8 +76,8 @@ class TexcoordCheck {
     const uint32_t instance = mesh_.geometry.instance[first_];
     const std::string name = instance < mesh_.geometry.names.size() ? mesh_.geometry.names[instance] : "";
     throw_error(ErrorClass::input,
-                "surface atlas: TEXCOORD_1 of mesh \"{}\" (instance {}) {}; do without it, or unwrap the mesh anew", name,
-                instance, what);
+                "surface atlas: TEXCOORD_1 of mesh \"{}\" (instance {}) {}; do without it, or unwrap the mesh anew",
+                name, instance, what);
   }
 
   /// Least and greatest stretch of uv → space (singular values), by the metric of the two edges.

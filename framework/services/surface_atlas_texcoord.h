@@ -8,8 +8,9 @@
 namespace lucarium {
 
 /// Per instance: metres per unit of TEXCOORD_1 where it lays out the atlas, else 0; empty when none does. Throws
-/// Error{input} that names the mesh and the triangles for coordinates that are folded within an island, overlap, or whose
-/// density is off by more than 2 from the instance's mean in some direction (over more than a thousandth of its area).
+/// Error{input} that names the mesh and the triangles for coordinates that are folded within an island, overlap, or
+/// whose density is off by more than 2 from the instance's mean in some direction (over more than a thousandth of its
+/// area).
 std::vector<double> check_texcoord1(const AtlasMesh& mesh);
 
 /// Whether TEXCOORD_1 is continuous across an edge.

@@ -63,8 +63,9 @@ bool ChartPlacer::cells_share_triangle(uint32_t a, uint32_t b, bool with_area) c
                         with_area);
 }
 
-// Joins cells of little area, smallest first, to the largest neighbour behind a side that some triangle crosses, so that the
-// pieces of the joint texel still touch. Texels stay within two cells, so that needles are not one texel from end to end.
+// Joins cells of little area, smallest first, to the largest neighbour behind a side that some triangle crosses, so
+// that the pieces of the joint texel still touch. Texels stay within two cells, so that needles are not one texel from
+// end to end.
 void ChartPlacer::merge_small_cells() {
   const double s2 = settings_.edge * settings_.edge, threshold = settings_.merge_threshold * s2;
   std::vector<uint32_t> order;
@@ -106,8 +107,8 @@ uint32_t ChartPlacer::home_of_touched(uint32_t c) {
   return LUCARIUM_NONE;
 }
 
-// Cells without area join the texel beside them. Where only triangles without area go on, they follow each other; what is left has no
-// area anywhere near and stays alone.
+// Cells without area join the texel beside them. Where only triangles without area go on, they follow each other; what
+// is left has no area anywhere near and stays alone.
 void ChartPlacer::assign_touched_cells() {
   std::vector<uint32_t> open, still;
   for (uint32_t c = 0; c < covered_.size(); ++c) {

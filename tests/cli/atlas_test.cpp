@@ -9,8 +9,8 @@ using namespace lucarium::test;
 TEST_CASE("pictures and report of the atlas") {
   const TemporaryFolder folder;
   const std::string charts = (folder.path() / "charts.exr").string(), view = (folder.path() / "view.png").string();
-  const std::string command =
-      "scene builtin:cornell --json --quiet --atlas-texels 2000 --atlas " + charts + " --atlas-view " + view + " --size 64x64";
+  const std::string command = "scene builtin:cornell --json --quiet --atlas-texels 2000 --atlas " + charts +
+                              " --atlas-view " + view + " --size 64x64";
   const ProgramResult result = run_lucarium(command);
   REQUIRE_MESSAGE(result.exit_code == 0, result.err);
   const nlohmann::json report = nlohmann::json::parse(result.out);

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The atlas on the device: kernels find what the host finds, slots know their surface, refits follow.
-#include "lucarium/services/surface_atlas.h"
-
 #include <cmath>
 
 #include "../analytic/closed_form.h"
@@ -9,6 +7,7 @@
 #include "lucarium/services/bvh.h"
 #include "lucarium/services/direct_light.h"
 #include "lucarium/services/gbuffer.h"
+#include "lucarium/services/surface_atlas.h"
 #include "lucarium/services/surface_atlas_image.h"
 #include "lucarium/technique/technique.h"
 #include "surface_atlas_support.h"
@@ -110,9 +109,11 @@ TEST_CASE("slots lie on their triangles and know what the surface does") {
     area += double(texels[slot].area);
     const uint32_t t = texels[slot].triangle;
     CHECK(points[slot].triangle == t);
-    CHECK(glm::length(glm::dvec3(points[slot].position.xyz()) - point_on(g, t, texels[slot].b1, texels[slot].b2)) < 1e-6);
+    CHECK(glm::length(glm::dvec3(points[slot].position.xyz()) - point_on(g, t, texels[slot].b1, texels[slot].b2)) <
+          1e-6);
     const bool back = slot >= k && slot < 2 * k;
-    const glm::dvec3 n = glm::normalize(glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0)));
+    const glm::dvec3 n =
+        glm::normalize(glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0)));
     CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), n) == doctest::Approx(back ? -1 : 1).epsilon(1e-5));
     const SceneMaterial& material = context.scene.materials[context.scene.instances[g.instance[t]].material];
     if (material.emits()) {
@@ -217,7 +218,8 @@ void check_follows(const AtlasContext& context) {
     const glm::dvec3 n = glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0));
     const uint32_t k = context.atlas->info().double_sided_count;
     const bool back = slot >= k && slot < 2 * k;
-    CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), glm::normalize(n)) == doctest::Approx(back ? -1 : 1).epsilon(1e-4));
+    CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), glm::normalize(n)) ==
+          doctest::Approx(back ? -1 : 1).epsilon(1e-4));
     double expected = 0;
     for (uint32_t i = ranges[slot].x; i < ranges[slot].x + ranges[slot].y; ++i)
       expected += double(pieces[i].fraction) * area_of(g, pieces[i].triangle);
@@ -253,12 +255,14 @@ TEST_CASE("a rigid motion moves the slots and keeps their areas") {
 
 TEST_CASE("a deformation: areas follow the triangles, and sum to what a rebuilt atlas has") {
   Scene scene = make_builtin_scene("furnace");
-  for (SceneInstance& instance : scene.instances) instance.pose = std::make_shared<Mesh>(scene.meshes[size_t(instance.mesh)]);
+  for (SceneInstance& instance : scene.instances)
+    instance.pose = std::make_shared<Mesh>(scene.meshes[size_t(instance.mesh)]);
   AtlasContext context(std::move(scene), 4000);
   SceneChange change;
   for (int i = 0; i < int(context.scene.instances.size()); ++i) {
     Mesh pose = *context.scene.instances[size_t(i)].pose;
-    for (glm::vec3& p : pose.positions) p = glm::vec3(1.5f * p.x + 0.2f * std::sin(3 * p.y), p.y * (1 + 0.3f * p.x), 0.7f * p.z);
+    for (glm::vec3& p : pose.positions)
+      p = glm::vec3(1.5f * p.x + 0.2f * std::sin(3 * p.y), p.y * (1 + 0.3f * p.x), 0.7f * p.z);
     context.scene.instances[size_t(i)].pose = std::make_shared<Mesh>(std::move(pose));
     change.deformed_instances.push_back(i);
   }
@@ -270,7 +274,8 @@ TEST_CASE("a deformation: areas follow the triangles, and sum to what a rebuilt 
     for (const AtlasTexel& texel : atlas.texels().download()) area += double(texel.area);
     return area;
   };
-  const SurfaceAtlas rebuilt(*atlas_device(), context.scheduler, context.scene, context.buffers, context.options, "test");
+  const SurfaceAtlas rebuilt(*atlas_device(), context.scheduler, context.scene, context.buffers, context.options,
+                             "test");
   CHECK(sum(*context.atlas) == doctest::Approx(sum(rebuilt)).epsilon(1e-6));
 }
 
@@ -324,7 +329,8 @@ TEST_CASE("the sample positions are receivers for DirectLight") {
     const double d = glm::length(to), cosine = glm::dot(to, glm::dvec3(points[slot].normal.xyz())) / d;
     if (irradiance[slot].x == 0) continue;
     ++lit;
-    CHECK(double(irradiance[slot].x) == doctest::Approx(double(context.scene.lights[0].intensity.x) * cosine / (d * d)).epsilon(1e-3));
+    CHECK(double(irradiance[slot].x) ==
+          doctest::Approx(double(context.scene.lights[0].intensity.x) * cosine / (d * d)).epsilon(1e-3));
   }
   CHECK(lit > points.size() / 2);
 }

@@ -133,7 +133,8 @@ TEST_CASE("awkward triangles keep texels") {
     corners.insert(corners.end(), {{NAN, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     corners.insert(corners.end(), {{INFINITY, 0, 0}, {1, 0, 0}, {0, 1, 0}});
     const AtlasLayout layout = lay_out(soup(corners), 100);
-    for (uint32_t t = 0; t < 4; ++t) CHECK(layout.table[atlas_cell(layout.triangles[t], 0.3f, 0.3f)] < layout.info.texel_count);
+    for (uint32_t t = 0; t < 4; ++t)
+      CHECK(layout.table[atlas_cell(layout.triangles[t], 0.3f, 0.3f)] < layout.info.texel_count);
     for (const AtlasTexel& texel : layout.texels) CHECK(std::isfinite(texel.area));
     return;
   }
@@ -187,7 +188,8 @@ TEST_CASE("what a thin gap separates stays apart") {
   }
   // One connected sheet bent round a slot: both lips share their far end only.
   const auto slit = [](float gap) {
-    const std::vector<glm::vec3> p = {{0, 0, 0}, {0, 0, 2}, {1, 0, 2}, {1, 0, 1}, {1 + gap, 0, 2}, {2, 0, 2}, {2, 0, 0}, {1, 0, 0}};
+    const std::vector<glm::vec3> p = {{0, 0, 0},       {0, 0, 2}, {1, 0, 2}, {1, 0, 1},
+                                      {1 + gap, 0, 2}, {2, 0, 2}, {2, 0, 0}, {1, 0, 0}};
     const int fan[][3] = {{0, 1, 3}, {1, 2, 3}, {0, 3, 7}, {7, 3, 6}, {3, 5, 6}, {3, 4, 5}};
     std::vector<glm::vec3> corners;
     for (const auto& t : fan) corners.insert(corners.end(), {p[t[0]], p[t[1]], p[t[2]]});

@@ -26,8 +26,8 @@ void check_scene(const std::string& name, const AtlasGeometry& g, uint64_t texel
   for (const AtlasTexel& texel : layout.texels) areas.push_back(double(texel.area) / s2);
   std::sort(areas.begin(), areas.end());
   const auto percentile = [&](double q) { return areas[size_t(q * double(areas.size() - 1))]; };
-  std::printf("%s: %zu triangles, %u slots, %zu charts, %u cells, %zu pieces, area %.2f %.2f %.2f s^2, %.2f s\n", name.c_str(),
-              g.triangles.size(), layout.info.texel_count, layout.charts.size(), layout.info.cell_count,
+  std::printf("%s: %zu triangles, %u slots, %zu charts, %u cells, %zu pieces, area %.2f %.2f %.2f s^2, %.2f s\n",
+              name.c_str(), g.triangles.size(), layout.info.texel_count, layout.charts.size(), layout.info.cell_count,
               layout.pieces.size(), percentile(0.05), percentile(0.5), percentile(0.95), seconds);
   CHECK(double(layout.info.texel_count) == doctest::Approx(double(texels)).epsilon(0.13));
   const std::vector<uint32_t> bad = bad_texels(g, layout);
@@ -71,8 +71,9 @@ TEST_CASE("third-party scenes get the wanted count without bleeding") {
   std::vector<std::string> names = {"scenes/sponza_crytek/sponza.gltf", "scenes/bathroom_salle_de_bain.glb"};
   std::vector<uint64_t> counts = {1'000'000};
   if (full_run()) {
-    names.insert(names.end(), {"scenes/classroom_luxcore.glb", "scenes/apartment_dream_house.glb", "scenes/vr_gallery.glb",
-                               "scenes/zdm2_level.glb", "models/dragon_stanford_res3.glb", "models/teapot_utah.glb"});
+    names.insert(names.end(),
+                 {"scenes/classroom_luxcore.glb", "scenes/apartment_dream_house.glb", "scenes/vr_gallery.glb",
+                  "scenes/zdm2_level.glb", "models/dragon_stanford_res3.glb", "models/teapot_utah.glb"});
     counts = {200'000, 1'000'000, 4'000'000};
   }
   for (const std::string& name : names) {

@@ -29,7 +29,9 @@ inline AtlasGeometry geometry_of(const Scene& scene, bool use_texcoord1 = false)
   return read_atlas_geometry(scene, buffers, use_texcoord1);
 }
 
-inline glm::dvec3 corner(const AtlasGeometry& g, uint32_t t, int i) { return glm::dvec3(g.positions[g.triangles[t][i]]); }
+inline glm::dvec3 corner(const AtlasGeometry& g, uint32_t t, int i) {
+  return glm::dvec3(g.positions[g.triangles[t][i]]);
+}
 
 inline double area_of(const AtlasGeometry& g, uint32_t t) {
   return 0.5 * glm::length(glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0)));
@@ -94,8 +96,9 @@ inline void check_sums(const AtlasGeometry& g, const AtlasLayout& layout) {
 }
 
 /// Every point finds a texel that has a piece of its triangle, or of one that touches it, within reach.
-inline void check_lookups(const AtlasGeometry& g, const AtlasLayout& layout, uint32_t points,
-                          const std::function<bool(uint32_t)>& counts = [](uint32_t) { return true; }) {
+inline void check_lookups(
+    const AtlasGeometry& g, const AtlasLayout& layout, uint32_t points,
+    const std::function<bool(uint32_t)>& counts = [](uint32_t) { return true; }) {
   std::mt19937 random(7);
   const double reach = 4 * double(layout.info.texel_edge);
   uint32_t strangers = 0;
