@@ -22,7 +22,12 @@ constexpr uint32_t parallel_grain = 8192;
 class WideBvh::Collapse {
  public:
   Collapse(const BinaryBvh& binary, WideBvh& out, unsigned threads)
-      : binary_(binary), out_(out), width_(out.width_), fork_join_(threads), choices_(binary.nodes.size()) {}
+      : binary_(binary),
+        out_(out),
+        width_(out.width_),
+        fork_join_(threads),
+        choices_(binary.nodes.size()),
+        visits_(binary.nodes.size()) {}
 
   void run() {
     if (!binary_.nodes.empty()) plan(0);
@@ -45,6 +50,7 @@ class WideBvh::Collapse {
     if (node.count == 1) {
       choice.fill(0);
       choice[1] = 1;
+      visits_[index] = 1;
       std::fill(cost.begin() + 1, cost.end(), area);
       return cost;
     }
@@ -66,6 +72,7 @@ class WideBvh::Collapse {
     const float leaf = node.count <= static_cast<uint32_t>(out_.leaf_size_) ? area : INFINITY;
     choice[1] = leaf <= inner;
     cost[1] = std::min(leaf, inner);
+    visits_[index] = area > 0 ? cost[1] / area : 1;
     for (int j = 2; j <= width_; ++j) {
       cost[j] = distribute(j, choice[j]);
       if (cost[j - 1] <= cost[j]) cost[j] = cost[j - 1], choice[j] = 0;
@@ -136,8 +143,9 @@ class WideBvh::Collapse {
   }
 
   /// Arranges the roots in slots (empty ones: no_child) such that every bit of a slot's number, from the highest one
-  /// down, separates its group along one axis, the one of largest separation: 0 is the high half, which a ray in
-  /// positive direction sees last. Returns the order word.
+  /// down, separates its group along one axis, the one of largest separation. Any-hit rays take the highest slot first,
+  /// wherever they go: 1 is the half that is done with sooner, which is the better one to try while nothing is known
+  /// about where hits are. Returns the order word, with which others find their nearest child.
   uint32_t arrange(std::vector<uint32_t>& roots) const {
     struct Group {
       uint32_t slot;
@@ -153,16 +161,23 @@ class WideBvh::Collapse {
         for (Group& group : groups) separation += sort_along(group.roots.begin(), group.roots.end(), candidate);
         if (separation > best) best = separation, axis = candidate;
       }
-      for (uint32_t octant = 0; octant < 8; ++octant)
-        if (octant >> axis & 1) order |= bit << (4 * octant);
-      std::vector<Group> halves;
+      std::vector<Group> high, low;
+      float high_ease = 0, low_ease = 0;
       for (Group& group : groups) {
         sort_along(group.roots.begin(), group.roots.end(), axis);
         const auto middle = group.roots.begin() + static_cast<ptrdiff_t>(group.roots.size() / 2);
-        halves.push_back({group.slot, {group.roots.begin(), middle}});
-        halves.push_back({group.slot | bit, {middle, group.roots.end()}});
+        high.push_back({group.slot, {group.roots.begin(), middle}});
+        low.push_back({group.slot, {middle, group.roots.end()}});
+        for (const uint32_t root : high.back().roots) high_ease += 1 / visits_[root];
+        for (const uint32_t root : low.back().roots) low_ease += 1 / visits_[root];
       }
-      groups = std::move(halves);
+      const bool high_first = high_ease > low_ease;
+      for (Group& group : high_first ? high : low) group.slot |= bit;
+      // A ray in negative direction sees the high half first.
+      for (uint32_t octant = 0; octant < 8; ++octant)
+        if ((octant >> axis & 1) != (high_first ? 1u : 0u)) order |= bit << (4 * octant);
+      groups = std::move(high);
+      groups.insert(groups.end(), low.begin(), low.end());
     }
     roots.assign(static_cast<size_t>(width_), no_child);
     for (const Group& group : groups)
@@ -186,6 +201,7 @@ class WideBvh::Collapse {
   int width_;
   ForkJoin fork_join_;
   std::vector<Choices> choices_;
+  std::vector<float> visits_;  // expected number of nodes and leaf blocks of a subtree that a ray visits which enters it
 };
 
 WideBvh::WideBvh(const BinaryBvh& binary, int width, int leaf_size, unsigned threads)

@@ -95,6 +95,19 @@ void check_against_exact(Tracer& tracer, const Soup& soup, const std::vector<Ray
   }
 }
 
+/// The 12 triangles of an axis-aligned box around the origin.
+Soup box_soup(float half) {
+  Soup soup;
+  for (uint32_t corner = 0; corner < 8; ++corner)
+    soup.add_vertex({corner & 1 ? half : -half, corner & 2 ? half : -half, corner & 4 ? half : -half});
+  const uint32_t faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  for (const auto& face : faces) {
+    soup.triangles.push_back({face[0], face[1], face[2], 0});
+    soup.triangles.push_back({face[0], face[2], face[3], 0});
+  }
+  return soup;
+}
+
 }  // namespace
 
 TEST_CASE("hits agree with a test of all triangles in double precision") {
@@ -191,14 +204,7 @@ TEST_CASE("no ray escapes a closed mesh") {
 
 TEST_CASE("no ray escapes an axis-aligned box along its edges and diagonals") {
   Tracer tracer;
-  Soup soup;
-  for (uint32_t corner = 0; corner < 8; ++corner)
-    soup.add_vertex({corner & 1 ? 1.f : -1.f, corner & 2 ? 1.f : -1.f, corner & 4 ? 1.f : -1.f});
-  const uint32_t faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
-  for (const auto& face : faces) {
-    soup.triangles.push_back({face[0], face[1], face[2], 0});
-    soup.triangles.push_back({face[0], face[2], face[3], 0});
-  }
+  const Soup soup = box_soup(1);
   std::vector<Ray> rays;
   for (int x = -20; x <= 20; ++x)
     for (int y = -20; y <= 20; ++y)
@@ -213,6 +219,34 @@ TEST_CASE("no ray escapes an axis-aligned box along its edges and diagonals") {
     for (size_t i = 0; i < rays.size(); ++i)
       escaped += results.hits[i].triangle == LUCARIUM_NO_HIT || results.occluded[i] != 1;
     CHECK(escaped == 0);
+  }
+}
+
+TEST_CASE("distances are exact close to large triangles") {
+  // Rays that leave one wall of a room near another one: corners are 10⁴ times as far away as the hit.
+  Tracer tracer;
+  const float half = 11.3f;
+  const Soup soup = box_soup(half);
+  std::vector<Ray> rays;
+  Random random(35);
+  for (int i = 0; i < 20000; ++i) {
+    glm::vec3 origin = random.in_cube(half);
+    const uint32_t axis = random.below(3);
+    origin[axis] = half - 1e-3f;
+    origin[(axis + 1) % 3] = -half + std::pow(10.f, random.uniform(-3, 0));
+    rays.push_back(make_ray(origin, random.direction()));
+  }
+  for (const BvhTraversal traversal : traversals) {
+    const Results results = tracer.trace(tracer.make(soup, traversal), rays);
+    double worst = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const glm::dvec3 o(rays[i].origin.xyz()), d(rays[i].direction.xyz());
+      double exact = INFINITY;
+      for (int axis = 0; axis < 3; ++axis)
+        exact = std::min(exact, ((d[axis] > 0 ? double{half} : -double{half}) - o[axis]) / d[axis]);
+      worst = std::max(worst, std::abs(double{results.hits[i].distance} - exact) / exact);
+    }
+    CHECK(worst < 1e-6);
   }
 }
 
