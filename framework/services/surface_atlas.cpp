@@ -7,6 +7,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/scene/emission.h"
 #include "lucarium/services/surface_atlas_geometry.h"
 
 namespace lucarium {
@@ -14,6 +15,23 @@ namespace {
 
 constexpr size_t kLocalSize = 64;
 const char* const kFewerTexels = "ask for fewer atlas texels";
+
+/// Area of all reflecting sides [m²].
+double scene_side_area(const Scene& scene) {
+  double sum = 0;
+  for (const SceneInstance& instance : scene.instances) {
+    const Mesh& mesh = instance.shape(scene);
+    const glm::mat3 linear(instance.world_from_object);
+    double area = 0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::vec3 a = mesh.positions[t.x];
+      const glm::vec3 e1 = linear * (mesh.positions[t.y] - a), e2 = linear * (mesh.positions[t.z] - a);
+      area += 0.5 * static_cast<double>(glm::length(glm::cross(e1, e2)));
+    }
+    sum += area * (is_two_sided(scene.materials[static_cast<size_t>(instance.material)]) ? 2 : 1);
+  }
+  return sum;
+}
 
 void measure_texels(const AtlasLayout& layout, SurfaceAtlasReport& report) {
   report.slots = layout.info.texel_count;
@@ -202,7 +220,9 @@ std::vector<float4> SurfaceAtlas::slot_colors() const {
 
 size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
-  const size_t slots = static_cast<size_t>(options.texel_edge > 0 ? 0 : options.texel_count);
+  const double wanted = options.texel_edge > 0 ? scene_side_area(scene) / (options.texel_edge * options.texel_edge)
+                                               : static_cast<double>(options.texel_count);
+  const size_t slots = static_cast<size_t>(std::min(wanted, 1e12));
   const size_t triangles = static_cast<size_t>(scene.triangle_count());
   const size_t per_slot = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2);
   return slots * (per_slot + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(AtlasPiece) / 2) +

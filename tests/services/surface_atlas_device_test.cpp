@@ -386,6 +386,9 @@ TEST_CASE("memory: refused with numbers, estimated about right") {
   AtlasContext context(scene, 100000);
   const double estimate = double(SurfaceAtlas::estimate_bytes(scene, context.options));
   CHECK(double(context.atlas->report().bytes) == doctest::Approx(estimate).epsilon(0.2));
+  SurfaceAtlasOptions by_edge;
+  by_edge.texel_edge = context.atlas->report().texel_edge;
+  CHECK(double(SurfaceAtlas::estimate_bytes(scene, by_edge)) == doctest::Approx(estimate).epsilon(0.05));
   CHECK(context.atlas->report().slots == context.atlas->info().texel_count);
   CHECK(context.atlas->report().area_p50 == doctest::Approx(1).epsilon(0.05));
   DeviceOptions little;
