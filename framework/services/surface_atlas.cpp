@@ -7,6 +7,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/compute/byte_size.h"
 #include "lucarium/scene/emission.h"
 #include "lucarium/services/surface_atlas_geometry.h"
 
@@ -71,6 +72,7 @@ struct SurfaceAtlas::State {
   }
 
   void build(const Scene& scene);
+  void refuse_if_too_large(const Scene& scene) const;
   void upload(const AtlasLayout& layout);
   void record();
   void run(Schedule& schedule) { scheduler.run_to_end(schedule); }
@@ -98,11 +100,22 @@ struct SurfaceAtlas::State {
   uint64_t generation = 0, scene_generation = 0;
 };
 
+// Before the work, from the estimate: the host would need as much while it lays the atlas out.
+void SurfaceAtlas::State::refuse_if_too_large(const Scene& scene) const {
+  const MemoryAccount& account = device.memory();
+  const size_t least = estimate_bytes(scene, options) / 5 * 4;  // the estimate is good to a fifth
+  if (least <= account.total_bytes() - std::min(account.used_bytes(), account.total_bytes())) return;
+  throw_error(ErrorClass::device, "surface atlas: about {} are needed, but {} of {} are in use; {}",
+              format_bytes(estimate_bytes(scene, options)), format_bytes(account.used_bytes()),
+              format_bytes(account.total_bytes()), kFewerTexels);
+}
+
 void SurfaceAtlas::State::build(const Scene& scene) {
   const auto start = std::chrono::steady_clock::now();
   place = {}, shade = {};
   triangles = {}, table = {}, links = {}, texels = {}, points = {}, materials = {}, ranges = {}, pieces = {};
   two_sided = two_sided_instances(scene);
+  refuse_if_too_large(scene);
   AtlasLayout layout = make_atlas_layout(read_atlas_geometry(scene, buffers, options.use_texcoord1), options);
   report = {};
   measure_texels(layout, report);
@@ -222,7 +235,7 @@ size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
   const double wanted = options.texel_edge > 0 ? scene_side_area(scene) / (options.texel_edge * options.texel_edge)
                                                : static_cast<double>(options.texel_count);
-  const size_t slots = static_cast<size_t>(std::min(wanted, 1e12));
+  const size_t slots = static_cast<size_t>(std::min(wanted, 1e14));
   const size_t triangles = static_cast<size_t>(scene.triangle_count());
   const size_t per_slot = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2);
   return slots * (per_slot + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(AtlasPiece) / 2) +

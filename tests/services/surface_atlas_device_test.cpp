@@ -396,11 +396,15 @@ TEST_CASE("memory: refused with numbers, estimated about right") {
   const std::shared_ptr<Device> device = Device::open(little);
   KernelScheduler scheduler(device);
   const SceneBuffers buffers(*device, scene);
-  try {
-    const SurfaceAtlas atlas(*device, scheduler, scene, buffers, context.options, "test");
-    FAIL("not refused");
-  } catch (const Error& error) {
-    CHECK(error.error_class() == ErrorClass::device);
-    CHECK(std::string(error.what()).find("fewer atlas texels") != std::string::npos);
+  SurfaceAtlasOptions absurd;
+  absurd.texel_edge = 1e-9;
+  for (const SurfaceAtlasOptions& options : {context.options, by_edge, absurd}) {
+    try {
+      const SurfaceAtlas atlas(*device, scheduler, scene, buffers, options, "test");
+      FAIL("not refused");
+    } catch (const Error& error) {
+      CHECK(error.error_class() == ErrorClass::device);
+      CHECK(std::string(error.what()).find("fewer atlas texels") != std::string::npos);
+    }
   }
 }
