@@ -36,6 +36,7 @@ struct MicroParameters {
   int photon_k = 50;
   bool photon_direct = false;
   int light_samples = 1;
+  int direct_samples = 4;
   int unlimited_bounces = 4;
   int batch_gathers = 16384;
   int inspect_x = -1, inspect_y = -1;
@@ -59,7 +60,7 @@ struct MicroParameters {
     v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
-    v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate");
+    v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 a frame is one iteration");
     v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
     v.choice("multibounce", multibounce,
              {{"jacobi", MultiBounce::jacobi}, {"instant_radiosity", MultiBounce::instant_radiosity}, {"photon_map", MultiBounce::photon_map}},
@@ -72,6 +73,7 @@ struct MicroParameters {
     v.flag("photon_direct", photon_direct, "photons stand for direct light too, instead of light samples");
     v.number("depth_bits", depth_bits, 8, 32, "bits", "of the micro-buffers' depth: 8 or 32");
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
+    v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of the layer direct per frame");
     v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces", "bounces that are computed where their number is not limited");
     v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers", "most gathers of one iteration");
     v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels", "column of the pixel whose micro-buffer is shown; -1: none");

@@ -36,6 +36,18 @@ uint2 micro_buffer_sizes(const Scene* scene, const Bsdf* bsdf, uint size) {
   return (uint2)(d, s);
 }
 
+// 30-bit Morton code of a point of the scene.
+uint morton_of(const global SceneInfo* info, float3 position) {
+  const float3 low = info->bounds_min.xyz, extent = info->bounds_max.xyz - low;
+  const float scale = 1024.0f / fmax(max_component(extent), FLT_MIN);
+  uint3 x = convert_uint3(clamp((position - low) * scale, 0.0f, 1023.0f));
+  x = (x | (x << 16)) & 0x030000ffu;
+  x = (x | (x << 8)) & 0x0300f00fu;
+  x = (x | (x << 4)) & 0x030c30c3u;
+  x = (x | (x << 2)) & 0x09249249u;
+  return x.x | (x.y << 1) | (x.z << 2);
+}
+
 // keys: Morton order of the points, or of the pixels; values: the pixels.
 __kernel void mr_list_keys(__global const SceneInfo* restrict scene_info, __global const GBufferPoint* restrict points,
                            const MicroSubImage sub, const uint morton, const uint capacity,
@@ -48,18 +60,7 @@ __kernel void mr_list_keys(__global const SceneInfo* restrict scene_info, __glob
   const uint pixel = sub_image_pixel(sub, i);
   values[i] = pixel;
   if (points[pixel].state != LUCARIUM_GBUFFER_SURFACE) return;
-  if (!morton) {
-    keys[i] = i;
-    return;
-  }
-  const float3 low = scene_info->bounds_min.xyz, extent = scene_info->bounds_max.xyz - low;
-  const float scale = 1024.0f / fmax(max_component(extent), FLT_MIN);
-  uint3 x = convert_uint3(clamp((points[pixel].position.xyz - low) * scale, 0.0f, 1023.0f));
-  x = (x | (x << 16)) & 0x030000ffu;
-  x = (x | (x << 8)) & 0x0300f00fu;
-  x = (x | (x << 4)) & 0x030c30c3u;
-  x = (x | (x << 2)) & 0x09249249u;
-  keys[i] = x.x | (x.y << 1) | (x.z << 2);
+  keys[i] = morton ? morton_of(scene_info, points[pixel].position.xyz) : i;
 }
 
 // Writes the gathers of the sorted pixels; gather_count[0] becomes their number.
@@ -88,12 +89,85 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   gathers[i] = gather;
 }
 
+// ---- gathers at some pixels only
+
+// How alike the surfaces of two pixels are: normals, and distance of the one from the plane of the other.
+float surface_agreement(const global GBufferPoint* a, const global GBufferPoint* b, float sigma) {
+  const float cosine = fmax(dot(a->shading.xyz, b->shading.xyz), 0.0f);
+  const float c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8;
+  const float off = dot(a->shading.xyz, b->position.xyz - a->position.xyz) / sigma;
+  return c16 * c16 * exp(-0.5f * off * off);
+}
+
+float3 mirrored_view(const global GBufferPoint* point) {
+  const float3 n = point->shading.xyz, v = point->view.xyz;
+  return 2.0f * dot(n, v) * n - v;
+}
+
+// Results of all pixels between gathers, from the four around: irradiance by bilateral weights, the specular lobe only
+// from pixels whose lobe is as wide and points the same way. Where the weights sum to less than `least` the pixel gets a
+// key (as mr_list_keys) and gathers itself. Footprint of a pixel: footprint.x · distance + footprint.y [m].
+__kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint width,
+                          const uint height, const uint stride, const float least, const float2 footprint,
+                          const uint morton, __global float4* restrict irradiance, __global float4* restrict specular,
+                          __global MicroStatistics* restrict statistics, __global uint* restrict keys,
+                          __global uint* restrict values, __global uint* restrict failed) {
+  const uint pixel = get_global_id(0);
+  if (pixel >= width * height) return;
+  const uint x = pixel % width, y = pixel / width;
+  keys[pixel] = MICRO_NO_GATHER;
+  values[pixel] = pixel;
+  failed[pixel] = 0u;
+  if (x % stride == 0u && y % stride == 0u) return;
+  const MicroStatistics none = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
+  statistics[pixel] = none;
+  const global GBufferPoint* point = points + pixel;
+  if (point->state != LUCARIUM_GBUFFER_SURFACE) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const Surface surface = gbuffer_surface(&scene, point);
+  const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+  const bool glossy = has_glossy_lobe(&bsdf);
+  const float sigma = 2.0f * (float)stride * (footprint.x * point->position.w + footprint.y);
+  const float3 mirrored = mirrored_view(point);
+  // Lobes agree within a quarter of their width, alpha radians.
+  const float same_way = 1.0f - 0.5f * sqr(0.25f * bsdf.alpha);
+
+  float4 diffuse = (float4)(0.0f), all = (float4)(0.0f), grazing = (float4)(0.0f);
+  const uint x0 = x / stride * stride, y0 = y / stride * stride;
+  const float fx = (float)(x - x0) / (float)stride, fy = (float)(y - y0) / (float)stride;
+  for (uint corner = 0u; corner < 4u; ++corner) {
+    const uint cx = x0 + (corner & 1u) * stride, cy = y0 + (corner >> 1) * stride;
+    if (cx >= width || cy >= height) continue;
+    const uint other = cy * width + cx;
+    if (points[other].state != LUCARIUM_GBUFFER_SURFACE) continue;
+    const float bilinear = (corner & 1u ? fx : 1.0f - fx) * (corner >> 1 ? fy : 1.0f - fy);
+    const float weight = bilinear * surface_agreement(point, points + other, sigma);
+    if (!(weight > 0.0f)) continue;
+    const Surface there = gbuffer_surface(&scene, points + other);
+    const Bsdf lobe = make_bsdf(&scene, &there, 0u);
+    // A pixel that has no such lobe has not gathered for it.
+    if (luminance(lobe.diffuse) > 0.0f) diffuse += weight * (float4)(irradiance[other].xyz, 1.0f);
+    if (!glossy || !has_glossy_lobe(&lobe) || fabs(lobe.alpha - bsdf.alpha) > 0.1f * bsdf.alpha) continue;
+    if (dot(mirrored, mirrored_view(points + other)) < same_way) continue;
+    all += weight * (float4)(specular[2u * other].xyz, 1.0f);
+    grazing += weight * (float4)(specular[2u * other + 1u].xyz, 0.0f);
+  }
+  const bool needs_diffuse = luminance(bsdf.diffuse) > 0.0f;
+  irradiance[pixel] = diffuse.w > 0.0f ? (float4)(diffuse.xyz / diffuse.w, 0.0f) : (float4)(0.0f);
+  specular[2u * pixel] = all.w > 0.0f ? (float4)(all.xyz / all.w, 0.0f) : (float4)(0.0f);
+  specular[2u * pixel + 1u] = all.w > 0.0f ? (float4)(grazing.xyz / all.w, 0.0f) : (float4)(0.0f);
+  if (!(needs_diffuse && diffuse.w < least) && !(glossy && all.w < least)) return;
+  failed[pixel] = 1u;
+  keys[pixel] = morton ? morton_of(scene.scene_info, point->position.xyz) : pixel;
+}
+
 // Adds the light that the pixels of a sub-image reflect: xyz sum, w samples. looks: sums of what the inspection layers
-// show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 0.
+// show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1 where interpolation failed.
 __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                               const MicroSubImage sub, __global const float4* restrict irradiance,
                               __global const float4* restrict specular, __global const MicroStatistics* restrict statistics,
-                              __global float4* restrict indirect, __global float4* restrict looks) {
+                              __global const uint* restrict failed, __global float4* restrict indirect,
+                              __global float4* restrict looks) {
   const uint i = get_global_id(0);
   if (i >= sub.width * sub.height) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -109,16 +183,19 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
     }
     light *= points[pixel].throughput.xyz;
     const MicroStatistics s = statistics[pixel];
-    looks[pixel] += (float4)((float)s.levels / (float)max(s.splats + s.listed, 1u), (float)s.listed, (float)s.visits, 0.0f);
+    looks[pixel] += (float4)((float)s.levels / (float)max(s.splats + s.listed, 1u), (float)s.listed, (float)s.visits, (float)failed[pixel]);
   }
   indirect[pixel] += (float4)(light, 1.0f);
 }
 
-// Adds what is seen itself.
-__kernel void mr_add_emission(__global const GBufferPoint* restrict points, const uint count,
-                              __global float4* restrict emission) {
+// Adds what is seen itself, and the direct light of a frame (xyz sum, w samples).
+__kernel void mr_add_direct(__global const GBufferPoint* restrict points, const uint count,
+                            __global const float4* restrict frame_direct, __global float4* restrict emission,
+                            __global float4* restrict direct) {
   const uint i = get_global_id(0);
-  if (i < count) emission[i] += (float4)(points[i].emission.xyz, 1.0f);
+  if (i >= count) return;
+  emission[i] += (float4)(points[i].emission.xyz, 1.0f);
+  direct[i] += frame_direct[i];
 }
 
 // Sums over runs of `run` pixels of a sub-image.
@@ -138,7 +215,7 @@ __kernel void mr_sum_statistics(__global const GBufferPoint* restrict points, co
     sum.holes += s.holes;
     sum.flushes += s.flushes;
     sum.levels += s.listed > 0u;
-    sum.pad += 1u;
+    sum.pad += s.visits > 0u;
   }
   sums[get_global_id(0)] = sum;
 }

@@ -55,7 +55,7 @@ TechniqueInfo micro_rendering_info() {
   info.capabilities.bias = 0.02;
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
-  info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits", "micro_buffer"};
+  info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits", "upsampling_failed", "micro_buffer"};
   return info;
 }
 
@@ -84,7 +84,7 @@ class MicroRendering : public Technique {
 
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
     const size_t pixels = size_t{settings.width} * settings.height;
-    size_t bytes = GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) + 2 * pixels * sizeof(float4);
+    size_t bytes = GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) + 3 * pixels * sizeof(float4);
     if (bounces(settings) == 0) return bytes;
     const size_t forest = PointForest::estimate_bytes(scene, forest_options());
     const size_t leaves = forest / (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)));
@@ -148,8 +148,8 @@ class MicroRendering : public Technique {
 
   void warm_up() override {
     gbuffer_->warm_up();
-    direct_light_->warm_up(gbuffer_->points(), direct_);
-    context_->scheduler.warm_up(emission_schedule_);
+    direct_light_->warm_up(gbuffer_->points(), frame_direct_);
+    context_->scheduler.warm_up(direct_schedule_);
     if (leaf_light_) leaf_light_->warm_up();
     if (pixels_) pixels_->warm_up();
   }
@@ -199,7 +199,7 @@ class MicroRendering : public Technique {
     KernelScheduler& scheduler = context_->scheduler;
     const SceneBuffers& scene = context_->scene_buffers;
     const RenderSettings& settings = context_->settings;
-    emission_schedule_ = {};
+    direct_schedule_ = {};
     pixels_.reset();
     leaf_light_.reset();
     direct_light_.reset();
@@ -209,10 +209,12 @@ class MicroRendering : public Technique {
     const uint32_t pixels = settings.width * settings.height;
     emission_ = TypedBuffer<float4>(device, kName, "emission", pixels, "lower --size");
     direct_ = TypedBuffer<float4>(device, kName, "direct light", pixels, "lower --size");
-    ScheduleRecorder recorder = scheduler.record("add emission", kName);
-    recorder.pass("add emission", program_, "mr_add_emission").global(pixels).local(64).arg("points", gbuffer_->points())
-        .arg("count", pixels).arg("emission", emission_);
-    emission_schedule_ = recorder.compile();
+    frame_direct_ = TypedBuffer<float4>(device, kName, "direct light of a frame", pixels, "lower --size");
+    ScheduleRecorder recorder = scheduler.record("add emission and direct light", kName);
+    recorder.pass("add emission and direct light", program_, "mr_add_direct").global(pixels).local(64)
+        .arg("points", gbuffer_->points()).arg("count", pixels).arg("frame_direct", frame_direct_).arg("emission", emission_)
+        .arg("direct", direct_);
+    direct_schedule_ = recorder.compile();
     if (forest_) {
       leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, gather_, parameters_,
                                                 bounces(settings), kName);
@@ -227,6 +229,7 @@ class MicroRendering : public Technique {
   void restart() {
     context_->scheduler.finish();
     frame_ = batch_ = 0;
+    if (pixels_) pixels_->set_camera(frame().camera);
     emission_.fill_zero();
     direct_.fill_zero();
     if (pixels_) pixels_->restart();
@@ -241,8 +244,12 @@ class MicroRendering : public Technique {
     }
     if (pixels_ && !pixels_->gather(batch_, frame_, seed)) return false;
     if (batch_ == 0) {
-      if (!direct_light_->accumulate_radiance(gbuffer_->points(), direct_, frame_, seed)) return false;
-      context_->scheduler.run_to_end(emission_schedule_);
+      context_->scheduler.finish();
+      frame_direct_.fill_zero();
+      const auto samples = static_cast<uint32_t>(parameters_.direct_samples);
+      for (uint32_t s = 0; s < samples; ++s)
+        if (!direct_light_->accumulate_radiance(gbuffer_->points(), frame_direct_, frame_ * samples + s, seed)) return false;
+      context_->scheduler.run_to_end(direct_schedule_);
     }
     if (pixels_) pixels_->add(batch_);
     return true;
@@ -270,8 +277,8 @@ class MicroRendering : public Technique {
   std::unique_ptr<DirectLight> direct_light_;
   std::unique_ptr<LeafLight> leaf_light_;
   std::unique_ptr<PixelGather> pixels_;
-  TypedBuffer<float4> emission_, direct_;  ///< xyz sum, w samples
-  Schedule emission_schedule_;
+  TypedBuffer<float4> emission_, direct_, frame_direct_;  ///< xyz sum, w samples
+  Schedule direct_schedule_;
 };
 
 std::unique_ptr<Technique> create_micro_rendering() { return std::make_unique<MicroRendering>(); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <glm/glm.hpp>
 
 #include "lucarium/compute/embedded_sources.h"
 
@@ -40,7 +41,8 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
       points_(points),
       width_(width),
       height_(height),
-      stride_(sub_image_stride(width, height, static_cast<uint32_t>(parameters.batch_gathers))),
+      stride_(parameters.gather_step > 1 ? static_cast<uint32_t>(parameters.gather_step)
+                                         : sub_image_stride(width, height, static_cast<uint32_t>(parameters.batch_gathers))),
       forest_(forest),
       gather_(gather),
       parameters_(parameters),
@@ -53,6 +55,9 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
   if (inside(parameters.inspect_x, width) && inside(parameters.inspect_y, height))
     inspect_ = static_cast<uint32_t>(parameters.inspect_y) * width + static_cast<uint32_t>(parameters.inspect_x);
   results_ = GatherResults(device, owner, "pixels'", pixels, true);
+  added_ = interpolates() ? width * height : capacity_;
+  failed_ = TypedBuffer<uint32_t>(device, owner, "failed interpolations", pixels, kRemedy);
+  failed_count_ = TypedBuffer<uint32_t>(device, owner, "number of failed interpolations", 1);
   gather_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers", 1);
   indirect_ = TypedBuffer<float4>(device, owner, "indirect light", pixels, kRemedy);
   looks_ = TypedBuffer<float4>(device, owner, "inspected sums", pixels, kRemedy);
@@ -65,7 +70,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
 MicroSubImage PixelGather::sub_image(uint32_t batch) const {
   MicroSubImage sub{};
   sub.stride = stride_;
-  for (uint32_t half = stride_ / 2; half > 0; half /= 2, batch /= 4) {
+  for (uint32_t half = stride_ / 2; half > 0 && !interpolates(); half /= 2, batch /= 4) {
     const uint32_t corner = batch % 4;
     sub.offset_x += half * (corner == 1 || corner == 2);
     sub.offset_y += half * (corner == 1 || corner == 3);
@@ -76,9 +81,22 @@ MicroSubImage PixelGather::sub_image(uint32_t batch) const {
   return sub;
 }
 
+/// The pixels that get light by a batch.
+MicroSubImage PixelGather::added_image(uint32_t batch) const {
+  if (!interpolates()) return sub_image(batch);
+  return {0, 0, 1, width_, height_, width_, 0, 0};
+}
+
+void PixelGather::set_camera(const Camera& camera) {
+  if (!interpolates()) return;
+  const auto size = [&](const float4& v) { return 2 * glm::length(v.xyz()) / static_cast<float>(width_); };
+  gather_schedule_.set(footprint_, float2(size(camera.direction_dx) / std::max(glm::length(camera.direction.xyz()), 1e-20f), size(camera.origin_dx)));
+}
+
 bool PixelGather::inspects(uint32_t batch) const {
+  if (inspect_ == LUCARIUM_NONE || interpolates()) return inspect_ != LUCARIUM_NONE;
   const MicroSubImage sub = sub_image(batch);
-  return inspect_ != LUCARIUM_NONE && inspect_ % width_ % stride_ == sub.offset_x && inspect_ / width_ % stride_ == sub.offset_y;
+  return inspect_ % width_ % stride_ == sub.offset_x && inspect_ / width_ % stride_ == sub.offset_y;
 }
 
 void PixelGather::record_gather() {
@@ -87,18 +105,40 @@ void PixelGather::record_gather() {
   settings_ = recorder.variable("settings", MicroSettings{});
   const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", capacity_, kRemedy);
   const BufferRef values = recorder.transient<uint32_t>("sorted pixels", capacity_, kRemedy);
-  const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity_, kRemedy);
   PassBuilder keying = recorder.pass("keys of pixels", program_, "mr_list_keys");
   scene_.bind(keying, program_, "mr_list_keys");
   keying.global(capacity_).local(kLocalSize).arg("points", points_).arg("sub", gather_sub_)
       .arg("morton", parameters_.morton ? 1u : 0u).arg("capacity", capacity_).arg("keys", keys).arg("values", values);
-  primitives_.record_sort_pairs(recorder, "sort pixels", keys, values, capacity_, 31);
+  list_gathers(recorder, keys, values, gather_count_, capacity_);
+  if (interpolates()) record_upsample(recorder);
+  gather_schedule_ = recorder.compile();
+}
+
+/// From keys of pixels to gathers in their order, and the gathers themselves.
+void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys, const BufferRef& values, const BufferRef& count,
+                               uint32_t capacity) {
+  const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity, kRemedy);
+  primitives_.record_sort_pairs(recorder, "sort pixels", keys, values, capacity, 31);
   PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
   scene_.bind(fill, program_, "mr_list_fill");
-  fill.global(capacity_).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity_)
-      .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", gather_count_);
-  gather_.record(recorder, "gather", forest_, gathers, gather_count_, capacity_, settings_, results_);
-  gather_schedule_ = recorder.compile();
+  fill.global(capacity).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity)
+      .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", count);
+  gather_.record(recorder, "gather", forest_, gathers, count, capacity, settings_, results_);
+}
+
+/// Pixels between gathers are interpolated; those where that fails gather themselves.
+void PixelGather::record_upsample(ScheduleRecorder& recorder) {
+  const uint32_t pixels = width_ * height_;
+  footprint_ = recorder.variable("footprint", float2(0, 0));
+  const BufferRef keys = recorder.transient<uint32_t>("keys of failed pixels", pixels, kRemedy);
+  const BufferRef values = recorder.transient<uint32_t>("sorted failed pixels", pixels, kRemedy);
+  PassBuilder pass = recorder.pass("upsample", program_, "mr_upsample");
+  scene_.bind(pass, program_, "mr_upsample");
+  pass.global(pixels).local(kLocalSize).arg("points", points_).arg("width", width_).arg("height", height_).arg("stride", stride_)
+      .arg("least", parameters_.upsample_fail).arg("footprint", footprint_).arg("morton", parameters_.morton ? 1u : 0u)
+      .arg("irradiance", results_.irradiance).arg("specular", results_.specular).arg("statistics", results_.statistics)
+      .arg("keys", keys).arg("values", values).arg("failed", failed_);
+  list_gathers(recorder, keys, values, failed_count_, pixels);
 }
 
 void PixelGather::record_add() {
@@ -106,9 +146,10 @@ void PixelGather::record_add() {
   add_sub_ = recorder.variable("sub_image", MicroSubImage{});
   PassBuilder pass = recorder.pass("add indirect light", program_, "mr_add_indirect");
   scene_.bind(pass, program_, "mr_add_indirect");
-  pass.global(capacity_).local(kLocalSize).arg("points", points_).arg("sub", add_sub_).arg("irradiance", results_.irradiance)
-      .arg("specular", results_.specular).arg("statistics", results_.statistics).arg("indirect", indirect_).arg("looks", looks_);
-  const uint32_t runs = (capacity_ + kRun - 1) / kRun;
+  pass.global(added_).local(kLocalSize).arg("points", points_).arg("sub", add_sub_).arg("irradiance", results_.irradiance)
+      .arg("specular", results_.specular).arg("statistics", results_.statistics).arg("failed", failed_)
+      .arg("indirect", indirect_).arg("looks", looks_);
+  const uint32_t runs = (added_ + kRun - 1) / kRun;
   const BufferRef sums = recorder.transient<MicroStatistics>("sums of statistics", runs);
   recorder.pass("sum statistics", program_, "mr_sum_statistics").global(runs).local(1).arg("points", points_).arg("sub", add_sub_)
       .arg("run", kRun).arg("statistics", results_.statistics).arg("sums", sums);
@@ -144,7 +185,7 @@ bool PixelGather::gather(uint32_t batch, uint32_t frame, uint32_t seed) {
 }
 
 void PixelGather::add(uint32_t batch) {
-  add_schedule_.set(add_sub_, sub_image(batch));
+  add_schedule_.set(add_sub_, added_image(batch));
   scheduler_.run_to_end(add_schedule_);
   if (inspects(batch)) scheduler_.run_to_end(keep_schedule_);
 }
@@ -167,6 +208,7 @@ void PixelGather::resolve(Film& film) const {
   FilmLayer& level = film.layer("cut_level", {"Y"});
   FilmLayer& listed = film.layer("list_length", {"Y"});
   FilmLayer& visits = film.layer("node_visits", {"Y"});
+  FilmLayer* const failures = interpolates() ? &film.layer("upsampling_failed", {"Y"}) : nullptr;
   for (uint32_t y = 0; y < height_; ++y) {
     for (uint32_t x = 0; x < width_; ++x) {
       const size_t pixel = size_t{y} * width_ + x;
@@ -178,6 +220,7 @@ void PixelGather::resolve(Film& film) const {
       level.pixels[pixel] = scale * looks[source].x;
       listed.pixels[pixel] = scale * looks[source].y;
       visits.pixels[pixel] = scale * looks[source].z;
+      if (failures) failures->pixels[pixel] = scale * looks[source].w;
     }
   }
   if (inspect_ != LUCARIUM_NONE) resolve_micro_buffer(film);
@@ -198,8 +241,9 @@ void PixelGather::resolve_micro_buffer(Film& film) const {
 }
 
 size_t PixelGather::estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters) {
-  const size_t pixels = size_t{width} * height, batch = std::min(pixels, static_cast<size_t>(parameters.batch_gathers));
-  return GatherResults::estimate_bytes(pixels, true) + pixels * 2 * sizeof(float4) + kMicroPixels * sizeof(float4) +
+  const size_t pixels = size_t{width} * height;
+  const size_t batch = parameters.gather_step > 1 ? 2 * pixels : std::min(pixels, static_cast<size_t>(parameters.batch_gathers));
+  return GatherResults::estimate_bytes(pixels, true) + pixels * (2 * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
          batch * (4 * sizeof(uint32_t) + sizeof(MicroGather)) + (size_t{1} << 18);
 }
 

@@ -20,23 +20,29 @@ class PixelGather {
               uint32_t width, uint32_t height, const PointForest& forest, const GatherPass& gather,
               const MicroParameters& parameters, const std::string& owner);
 
-  uint32_t batches() const { return stride_ * stride_; }  ///< sub-images of a frame
+  /// Sub-images of a frame; one where only some pixels gather and the others are interpolated.
+  uint32_t batches() const { return interpolates() ? 1 : stride_ * stride_; }
+  void set_camera(const Camera& camera);
   /// Gathers at the pixels of one sub-image. False when cancelled; nothing has changed then that resolve() shows.
   bool gather(uint32_t batch, uint32_t frame, uint32_t seed);
   /// Adds what the last gather() found to the sums; to its end, whatever is cancelled.
   void add(uint32_t batch);
   void restart();
   void warm_up();
-  /// Writes the layers `indirect`, `cut_level`, `list_length`, and `micro_buffer` where a pixel is inspected. Pixels that no
+  /// Writes the layers `indirect`, `cut_level`, `list_length`, `node_visits`, `upsampling_failed` where pixels are interpolated, and `micro_buffer` where a pixel is inspected. Pixels that no
   /// batch has reached yet show the nearest of the sub-images before.
   void resolve(Film& film) const;
   const std::map<std::string, double>& counters() const { return counters_; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters);
 
  private:
+  bool interpolates() const { return parameters_.gather_step > 1; }
   MicroSubImage sub_image(uint32_t batch) const;
+  MicroSubImage added_image(uint32_t batch) const;
   bool inspects(uint32_t batch) const;
   void record_gather();
+  void record_upsample(ScheduleRecorder& recorder);
+  void list_gathers(ScheduleRecorder& recorder, const BufferRef& keys, const BufferRef& values, const BufferRef& count, uint32_t capacity);
   void record_add();
   void count(std::span<const std::byte> sums);
   void resolve_micro_buffer(Film& film) const;
@@ -45,7 +51,7 @@ class PixelGather {
   KernelScheduler& scheduler_;
   const SceneBuffers& scene_;
   TypedBuffer<GBufferPoint> points_;
-  uint32_t width_, height_, stride_ = 1, capacity_ = 0, inspect_ = 0xffffffffu;
+  uint32_t width_, height_, stride_ = 1, capacity_ = 0, added_ = 0, inspect_ = 0xffffffffu;
   const PointForest& forest_;
   const GatherPass& gather_;
   MicroParameters parameters_;
@@ -53,11 +59,12 @@ class PixelGather {
   Program program_;
   Primitives primitives_;
   GatherResults results_;
-  TypedBuffer<uint32_t> gather_count_;
+  TypedBuffer<uint32_t> gather_count_, failed_count_, failed_;
   TypedBuffer<float4> indirect_, looks_, kept_micro_buffer_;
   Schedule gather_schedule_, add_schedule_, keep_schedule_;
   Variable<MicroSubImage> gather_sub_, add_sub_;
   Variable<MicroSettings> settings_;
+  Variable<float2> footprint_;
   std::map<std::string, double> counters_;
 };
 

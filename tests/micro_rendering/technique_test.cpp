@@ -185,3 +185,32 @@ TEST_CASE("after a deformation the picture is that of a fresh start") {
   fresh.run({.iterations = 2});
   CHECK(moved.resolve().image() == fresh.resolve().image());
 }
+
+TEST_CASE("pixels between gathers are interpolated, and gather themselves where that fails") {
+  const auto render = [](const char* step, const char* fail, double* gathers, double* failed) {
+    Scene scene = load_scene("builtin:room");
+    const RenderSettings settings = settings_for(scene, 48, 1);
+    Parameters parameters = small;
+    parameters.emplace_back("gather_step", step);
+    parameters.emplace_back("upsample_fail", fail);
+    RenderSession session(Device::open(), std::move(scene), registry().find("micro_rendering"), settings, parameters);
+    session.run({.iterations = 2});
+    *gathers = session.technique().counters().at("gathers");
+    const Film film = session.resolve();
+    *failed = film.find("upsampling_failed") ? mean(film.find("upsampling_failed")->pixels) : -1;
+    return film.find("indirect")->pixels;
+  };
+  double all, some, few, failed_all, failed_some, failed_few;
+  const std::vector<float> every = render("1", "0.05", &all, &failed_all), second = render("2", "0.05", &some, &failed_some),
+                           never = render("4", "0", &few, &failed_few);
+  CHECK(failed_all == -1);
+  CHECK(failed_some > 0);
+  CHECK(failed_few == 0);
+  CHECK(some == doctest::Approx(all * (0.25 + failed_some)).epsilon(0.03));
+  CHECK(few == doctest::Approx(all / 16).epsilon(0.1));
+  double squares = 0;
+  for (size_t i = 0; i < every.size(); ++i) squares += std::pow(static_cast<double>(every[i] - second[i]), 2);
+  CHECK(std::sqrt(squares / static_cast<double>(every.size())) < 0.1 * mean(every));
+  CHECK(mean(second) == doctest::Approx(mean(every)).epsilon(0.01));
+  CHECK(mean(never) == doctest::Approx(mean(every)).epsilon(0.06));
+}
