@@ -2,8 +2,6 @@
 // Gathers light at points: one work-item per gather, in groups of one.
 #include "micro_rendering/micro_gather.clh"
 
-#define MICRO_SHOWN_ROW 64  // pixels per row of micro_buffer
-
 // The micro-buffer of the inspected slot: radiance and distance [m]; -1: empty.
 void keep_micro_buffer(const MicroWarp* warp, const MicroBuffer* buffer, const global half* radiance, float unit,
                        __global float4* micro_buffer) {
@@ -12,13 +10,13 @@ void keep_micro_buffer(const MicroWarp* warp, const MicroBuffer* buffer, const g
       const ulong key = buffer->key[(y + 1u) * buffer->rows + x + 1u];
       float4 pixel = (float4)(0.0f, 0.0f, 0.0f, -1.0f);
       if (key != MICRO_EMPTY) pixel = (float4)(unit * pixel_radiance(radiance, key), as_float((uint)(key >> 32)));
-      micro_buffer[y * MICRO_SHOWN_ROW + x] = pixel;
+      micro_buffer[y * MICRO_SIZE + x] = pixel;
     }
   }
 }
 
 // Results at the gathers' slots, see MicroStatistics (micro_types.h); every gather overwrites those of its lobes.
-// micro_buffer: of the slot settings.inspect, 64 x 64, its first B x B; of the larger lobe.
+// micro_buffer: of the slot settings.inspect, rows of MICRO_SIZE pixels; of the larger lobe.
 __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tree_count,
                         __global const uint4* restrict nodes, __global const half* restrict radiance,
                         __global const float* restrict radiance_unit, __global const MicroGather* restrict gathers,
