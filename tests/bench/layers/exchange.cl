@@ -5,9 +5,8 @@
 typedef struct Exchange {
   __global const AtlasTriangle* triangles;
   __global const uint* table;
-  __global const half* send;  // per slot: 4 halfs
-  __global float4* received;  // per slot: rgb, count
-  uint texels, double_sided;
+  __global float4* slots;  // two per slot, half a cache line: what it sends (4 halfs); what it received (rgb, count)
+  uint double_sided;  // texels that have a back
 } Exchange;
 
 #include "lucarium/services/layered_raster_atlas.clh"
@@ -43,8 +42,7 @@ void layered_prepare(Exchange* exchange, LayeredRow* row) {
     for (uint lanes = row->lanes[place]; lanes; lanes &= lanes - 1u) {
       const uint lane = layered_first(lanes), texel = exchange->table[payload[lane]];
       payload[lane] = texel;
-      LUCARIUM_PREFETCH(exchange->received + texel);
-      LUCARIUM_PREFETCH(exchange->send + 4u * texel);
+      LUCARIUM_PREFETCH(exchange->slots + 2u * texel);
     }
   }
 }
@@ -61,17 +59,16 @@ void layered_consume(Exchange* exchange, const LayeredRow* row) {
       const uint a = near_key & LAYERED_KEY_TOWARDS ? back_of(exchange, near_texel) : near_texel;
       const uint b = far_key & LAYERED_KEY_TOWARDS ? far_texel : back_of(exchange, far_texel);
       float4 from_a = (float4)(0.0f, 0.0f, 0.0f, 1.0f), from_b = from_a;
-      if (a != 0xffffffffu) from_a = vload_half4(a, exchange->send);
-      if (b != 0xffffffffu) from_b = vload_half4(b, exchange->send);
-      if (a != 0xffffffffu) exchange->received[a] += from_b;
-      if (b != 0xffffffffu) exchange->received[b] += from_a;
+      if (a != 0xffffffffu) from_a = vload_half4(4u * a, (__global const half*)exchange->slots);
+      if (b != 0xffffffffu) from_b = vload_half4(4u * b, (__global const half*)exchange->slots);
+      if (a != 0xffffffffu) exchange->slots[2u * a + 1u] += from_b;
+      if (b != 0xffffffffu) exchange->slots[2u * b + 1u] += from_a;
     }
   }
 }
 
 __kernel void exchange(LAYERED_TILE_PARAMETERS __global const AtlasTriangle* atlas_triangles,
-                       __global const uint* atlas_table, __global const half* send, __global float4* received,
-                       uint texels, uint double_sided) {
-  Exchange consumer = {atlas_triangles, atlas_table, send, received, texels, double_sided};
+                       __global const uint* atlas_table, __global float4* slots, uint double_sided) {
+  Exchange consumer = {atlas_triangles, atlas_table, slots, double_sided};
   LAYERED_RUN_TILES(&consumer);
 }

@@ -7,7 +7,9 @@
 #include <time.h>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
+#include <cstring>
 #include <random>
 
 #include "lucarium/scene/builtin_builder.h"
@@ -117,8 +119,7 @@ class Bench {
         atlas_(scheduler_.device(), scheduler_, scene_, buffers_, atlas_options(settings), "bench"),
         raster_(scheduler_, buffers_, {.max_width = settings.size, .max_height = settings.size}),
         bvh_(scheduler_.device(), scene_, buffers_),
-        views_(scheduler_.device(), "bench", "views", make_views(scene_, settings.directions, settings.size)),
-        received_(scheduler_.device(), "bench", "received", atlas_.info().texel_count) {
+        views_(scheduler_.device(), "bench", "views", make_views(scene_, settings.directions, settings.size)) {
     fmt::print("{}: {} triangles, {} slots, film {} x {}\n", settings.scene, scene_.triangle_count(),
                atlas_.info().texel_count, settings.size, settings.size);
     SourceLibrary library;
@@ -133,20 +134,21 @@ class Bench {
   void run() {
     std::vector<double> ratios;
     Cost best{1e9, 1e9};
-    exchange_all();  // compiles, and grows what is sized by counters
-    const double updates = updates_per_direction();
-    if (settings_.rays) trace_direction(0);
+    const double updates = updates_per_direction();  // compiles, too, and grows what is sized by counters
+    if (settings_.rays) trace(0);
     scheduler_.reset_profile();
     for (uint32_t round = 0; round < settings_.rounds; ++round) {
-      const Cost raster = exchange_all();
-      best.wall = std::min(best.wall, raster.wall);
-      best.processor = std::min(best.processor, raster.processor);
+      const Cost all = exchange(0, settings_.directions, 1);
+      best.wall = std::min(best.wall, all.wall);
+      best.processor = std::min(best.processor, all.processor);
       if (!settings_.rays) continue;
+      // The same two directions for both sides.
+      constexpr uint32_t traced = 2;
+      const Cost raster = exchange(round * traced, traced, 8);
       Cost rays;
       uint64_t hits = 0;
-      constexpr uint32_t traced = 2;
       for (uint32_t i = 0; i < traced; ++i) {
-        const auto [cost, found] = trace_direction((round * traced + i) % settings_.directions);
+        const auto [cost, found] = trace((round * traced + i) % settings_.directions);
         rays.wall += cost.wall / traced;
         rays.processor += cost.processor / traced;
         hits += found;
@@ -156,8 +158,9 @@ class Bench {
                  "{:.1f} times the processor time\n", round, 1e3 * raster.wall, 1e3 * raster.processor, 1e3 * rays.wall,
                  1e3 * rays.processor, 1e-6 * static_cast<double>(hits) / traced, ratios.back());
     }
-    fmt::print("{:.2f} ms per direction, {:.2f} of processor (least of rounds); {:.3f} M receiver updates, {:.0f} M/s\n",
-               1e3 * best.wall, 1e3 * best.processor, 1e-6 * updates, 1e-6 * updates / best.wall);
+    fmt::print("{:.2f} ms per direction, {:.2f} of processor (least of rounds); {:.3f} M receiver updates, {:.0f} M/s "
+               "of processor time\n", 1e3 * best.wall, 1e3 * best.processor, 1e-6 * updates,
+               1e-6 * updates / best.processor);
     if (!ratios.empty()) {
       std::sort(ratios.begin(), ratios.end());
       fmt::print("{:.1f} times as fast as rays (median)\n", ratios[ratios.size() / 2]);
@@ -174,14 +177,14 @@ class Bench {
 
   void record_exchange() {
     // Every slot sends 1 in all channels, and counts 1.
-    std::vector<uint64_t> ones(atlas_.info().texel_count, 0x3c003c003c003c00ull);
-    send_ = TypedBuffer<uint64_t>(scheduler_.device(), "bench", "send", ones);
+    slots_.resize(2 * size_t{atlas_.info().texel_count});
+    for (size_t i = 0; i < slots_.size(); i += 2) slots_[i].x = slots_[i].y = std::bit_cast<float>(0x3c003c00u);
+    slot_buffer_ = TypedBuffer<float4>(scheduler_.device(), "bench", "slots", slots_);
     ScheduleRecorder recorder = scheduler_.record("exchange", "bench");
     view_ = recorder.variable("view", 0u);
     raster_.record_tiles(recorder, "bundle", {views_, view_}, exchange_, "exchange", [&](PassBuilder& pass) {
-      pass.arg("atlas_triangles", atlas_.triangles()).arg("atlas_table", atlas_.table()).arg("send", send_)
-          .arg("received", received_).arg("texels", atlas_.info().texel_count)
-          .arg("double_sided", atlas_.info().double_sided_count);
+      pass.arg("atlas_triangles", atlas_.triangles()).arg("atlas_table", atlas_.table())
+          .arg("slots", slot_buffer_).arg("double_sided", atlas_.info().double_sided_count);
     });
     schedule_ = recorder.compile();
   }
@@ -214,27 +217,29 @@ class Bench {
     }
   }
 
-  /// Per direction.
-  Cost exchange_all() {
+  /// Cost per direction of some directions from `first` on, several times in turns.
+  Cost exchange(uint32_t first, uint32_t count, uint32_t times) {
     const double start = now(), processor = processor_seconds();
-    for (uint32_t i = 0; i < settings_.directions; ++i) {
-      schedule_.set(view_, i);
+    for (uint32_t i = 0; i < count * times; ++i) {
+      schedule_.set(view_, (first + i % count) % settings_.directions);
       scheduler_.run(schedule_);
     }
     scheduler_.finish();
-    return {(now() - start) / settings_.directions, (processor_seconds() - processor) / settings_.directions};
+    const double runs = count * times;
+    return {(now() - start) / runs, (processor_seconds() - processor) / runs};
   }
 
   double updates_per_direction() {
-    received_.fill_zero();
-    exchange_all();
+    slot_buffer_.upload(slots_);
+    exchange(0, settings_.directions, 1);
     double sum = 0;
-    for (const float4& value : received_.download()) sum += value.w;
+    const std::vector<float4> after = slot_buffer_.download();
+    for (size_t i = 1; i < after.size(); i += 2) sum += after[i].w;
     return sum / settings_.directions;
   }
 
   /// Cost and hits.
-  std::pair<Cost, uint32_t> trace_direction(uint32_t view) {
+  std::pair<Cost, uint32_t> trace(uint32_t view) {
     const double start = now(), processor = processor_seconds();
     first_.set(first_view_, view);
     scheduler_.run(first_);
@@ -255,8 +260,8 @@ class Bench {
   LayeredRaster raster_;
   Bvh bvh_;
   TypedBuffer<LayeredView> views_;
-  TypedBuffer<float4> received_;
-  TypedBuffer<uint64_t> send_;
+  std::vector<float4> slots_;
+  TypedBuffer<float4> slot_buffer_;
   TypedBuffer<Ray> ray_buffer_[2];
   TypedBuffer<Hit> hits_;
   TypedBuffer<uint32_t> counter_[2], found_;
