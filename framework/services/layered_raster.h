@@ -28,7 +28,7 @@ enum class LayeredVariant {
 
 struct LayeredStoreOptions {
   LayeredVariant variant = LayeredVariant::tiles;
-  uint32_t keep = 8;            ///< k_buffer: 1 to LAYERED_MAX_LAYERS
+  uint32_t keep = 8;           ///< k_buffer: 1 to LAYERED_MAX_LAYERS
   uint32_t list_capacity = 8;   ///< linked_list: nodes per pixel at first; more when they do not suffice
 };
 
@@ -78,6 +78,7 @@ class LayeredRaster {
                       const BufferRef& triangle) const;
 
  private:
+  class ListStore;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -31,8 +31,6 @@ struct LayeredRaster::State {
   void bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins, const Program& consumer,
                   std::string_view kernel, uint32_t parity) const;
   Stored record_tile_store(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, uint32_t keep) const;
-  Stored record_list_store(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
-                           const LayeredStoreOptions& options) const;
   void record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const BufferRef& depth,
                       const BufferRef& triangle) const;
   /// Compiled when first wanted. `keep` above 0: LAYERED_KEEP.

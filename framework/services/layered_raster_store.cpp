@@ -51,85 +51,110 @@ LayeredRaster::Stored LayeredRaster::State::record_tile_store(ScheduleRecorder& 
   return stored;
 }
 
-LayeredRaster::Stored LayeredRaster::State::record_list_store(ScheduleRecorder& recorder, const std::string& name,
-                                                              const ViewRef& view,
-                                                              const LayeredStoreOptions& chosen) const {
-  const LayeredBins bins = record_bins(recorder, name, view);
-  const Program& lists = consumer("layered_raster_lists");
-  const uint32_t pixels = options.max_width * options.max_height;
-  const size_t items = (std::max(1u, triangles) + records_per_item - 1) / records_per_item;
-  const BufferRef unused = recorder.transient<LayeredFragment>(name + ".unused", 1);
-  recorder.fill_zero(name + ".clear_unused", unused);
-  const auto emit = [&](const std::string& pass_name, uint32_t mode, const BufferRef& capacity, const BufferRef& counts,
-                        const BufferRef& node_count, const BufferRef& fragments, const BufferRef& next) {
-    PassBuilder pass = recorder.pass(name + pass_name, lists, "layered_list_fragments");
-    bind_tiles(pass, view, bins, lists, "layered_list_fragments", 0);
-    pass.global(items).local(1).arg("layered_bounds", bins.bounds).arg("layered_extra_bounds", bins.extra_bounds)
-        .arg("layered_clipped", bins.clipped).arg("mode", mode).arg("capacity_counter", capacity)
-        .arg("counts", counts).arg("node_count", node_count).arg("fragments", fragments).arg("next", next);
-  };
-  Stored stored;
-  stored.dropped = recorder.transient<uint32_t>(name + ".dropped", 1);
-  recorder.fill_zero(name + ".clear_dropped", stored.dropped);
-  stored.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels + 1, smaller_film);
-  const BufferRef total = recorder.transient<uint32_t>(name + ".fragment_count", 1);
-  const auto scan = [&] {
-    primitives.record_exclusive_scan(recorder, name + ".scan", stored.pixel_start, stored.pixel_start, total, pixels + 1);
-    stored.fragments = recorder.transient_sized_by<LayeredFragment>(name + ".fragments", total, 0, 1, smaller_film);
-  };
-  if (chosen.variant == LayeredVariant::exact) {
-    const TypedBuffer<uint32_t> one(scheduler.device(), owner, "one", std::vector<uint32_t>{1});
-    const BufferRef spare = recorder.transient<uint32_t>(name + ".spare", 2);
-    recorder.fill_zero(name + ".clear_spare", spare);
-    recorder.fill_zero(name + ".clear", stored.pixel_start);
-    const BufferRef spare_next = recorder.transient<uint32_t>(name + ".spare_next", 1);
-    recorder.fill_zero(name + ".clear_spare_next", spare_next);
-    emit(".count", LAYERED_MODE_COUNT, one, stored.pixel_start, spare, unused, spare_next);
+/// Records the textbook variants of layered_raster_lists.cl.
+class LayeredRaster::ListStore {
+ public:
+  ListStore(const State& state, ScheduleRecorder& recorder, const std::string& name, const ViewRef& view)
+      : state_(state),
+        recorder_(recorder),
+        name_(name),
+        view_(view),
+        bins_(state.record_bins(recorder, name, view)),
+        lists_(state.consumer("layered_raster_lists")),
+        pixels_(state.options.max_width * state.options.max_height),
+        dummy_(zeroed<uint32_t>("dummy", 1)) {
+    stored_.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels_ + 1, smaller_film);
+    stored_.dropped = zeroed<uint32_t>("dropped", 1);
+  }
+
+  /// Count, scan, fill.
+  Stored counted() {
+    const TypedBuffer<uint32_t> one = constant("one", 1);
+    const BufferRef no_fragments = zeroed<LayeredFragment>("no_fragments", 1), no_nodes = zeroed<uint32_t>("no_nodes", 1);
+    recorder_.fill_zero(name_ + ".clear", stored_.pixel_start);
+    emit("count", LAYERED_MODE_COUNT, one, stored_.pixel_start, no_nodes, no_fragments, dummy_);
     scan();
-    const BufferRef places = recorder.transient<uint32_t>(name + ".places", pixels, smaller_film);
-    recorder.pass(name + ".copy_starts", lists, "layered_copy_starts").global(pixels).local(64)
-        .arg("pixel_start", stored.pixel_start).arg("places", places).arg("pixels", pixels);
-    emit(".fill", LAYERED_MODE_FILL, one, places, spare, stored.fragments, spare_next);
-  } else {
-    // Twice at most: when the nodes do not suffice, once more with as many as were asked for.
-    const uint32_t capacity = static_cast<uint32_t>(
-        std::min<uint64_t>(uint64_t{pixels} * std::max(1u, chosen.list_capacity), LAYERED_AWAY));
-    const TypedBuffer<uint32_t> capacity_counter(scheduler.device(), owner, "capacity", std::vector<uint32_t>{capacity});
-    BufferRef heads[2], next[2], nodes[2], node_count[2];
-    const BufferRef needed = recorder.transient<uint32_t>(name + ".needed", 1);
-    for (int attempt = 0; attempt < 2; ++attempt) {
-      const std::string which = attempt ? ".again" : "";
-      heads[attempt] = recorder.transient<uint32_t>(name + which + ".heads", pixels, smaller_film);
-      node_count[attempt] = recorder.transient<uint32_t>(name + which + ".node_count", 1);
-      recorder.fill_zero(name + which + ".clear_heads", heads[attempt]);
-      recorder.fill_zero(name + which + ".clear_nodes", node_count[attempt]);
-      if (attempt == 0) {
-        next[0] = recorder.transient<uint32_t>(name + ".next", capacity, smaller_film);
-        nodes[0] = recorder.transient<LayeredFragment>(name + ".nodes", capacity, smaller_film);
-        emit(".link", LAYERED_MODE_LINK, capacity_counter, heads[0], node_count[0], nodes[0], next[0]);
-        recorder.pass(name + ".shortage", lists, "layered_list_shortage").global(1).local(1)
-            .arg("node_count", node_count[0]).arg("capacity", capacity).arg("needed", needed);
-      } else {
-        next[1] = recorder.transient_sized_by<uint32_t>(name + ".more_next", needed, 0, 1, smaller_film);
-        nodes[1] = recorder.transient_sized_by<LayeredFragment>(name + ".more_nodes", needed, 0, 1, smaller_film);
-        emit(".link_again", LAYERED_MODE_LINK, needed, heads[1], node_count[1], nodes[1], next[1]);
-      }
-    }
-    recorder.pass(name + ".lengths", lists, "layered_list_lengths").global(pixels + 1).local(64)
-        .arg("heads", heads[0]).arg("next", next[0]).arg("needed", needed).arg("more_heads", heads[1])
-        .arg("more_next", next[1]).arg("pixels", pixels).arg("pixel_counts", stored.pixel_start)
+    const BufferRef places = recorder_.transient<uint32_t>(name_ + ".places", pixels_, smaller_film);
+    recorder_.pass(name_ + ".copy_starts", lists_, "layered_copy_starts").global(pixels_).local(64)
+        .arg("pixel_start", stored_.pixel_start).arg("places", places).arg("pixels", pixels_);
+    emit("fill", LAYERED_MODE_FILL, one, places, no_nodes, stored_.fragments, dummy_);
+    return sorted();
+  }
+
+  /// Lists of `nodes_per_pixel` nodes on average; when they do not suffice, once more with as many as were asked for.
+  Stored linked(uint32_t nodes_per_pixel) {
+    const auto capacity =
+        static_cast<uint32_t>(std::min<uint64_t>(uint64_t{pixels_} * std::max(1u, nodes_per_pixel), LAYERED_AWAY));
+    const BufferRef heads = zeroed<uint32_t>("heads", pixels_), node_count = zeroed<uint32_t>("node_count", 1);
+    const BufferRef next = recorder_.transient<uint32_t>(name_ + ".next", capacity, smaller_film);
+    const BufferRef nodes = recorder_.transient<LayeredFragment>(name_ + ".nodes", capacity, smaller_film);
+    emit("link", LAYERED_MODE_LINK, constant("capacity", capacity), heads, node_count, nodes, next);
+    const BufferRef needed = recorder_.transient<uint32_t>(name_ + ".needed", 1);
+    recorder_.pass(name_ + ".shortage", lists_, "layered_list_shortage").global(1).local(1)
+        .arg("node_count", node_count).arg("capacity", capacity).arg("needed", needed);
+    const BufferRef more_heads = zeroed<uint32_t>("more_heads", pixels_);
+    const BufferRef more_count = zeroed<uint32_t>("more_node_count", 1);
+    const BufferRef more_next = recorder_.transient_sized_by<uint32_t>(name_ + ".more_next", needed, 0, 1, smaller_film);
+    const BufferRef more_nodes =
+        recorder_.transient_sized_by<LayeredFragment>(name_ + ".more_nodes", needed, 0, 1, smaller_film);
+    emit("link_again", LAYERED_MODE_LINK, needed, more_heads, more_count, more_nodes, more_next);
+    recorder_.pass(name_ + ".lengths", lists_, "layered_list_lengths").global(pixels_ + 1).local(64)
+        .arg("heads", heads).arg("next", next).arg("needed", needed).arg("more_heads", more_heads)
+        .arg("more_next", more_next).arg("pixels", pixels_).arg("pixel_counts", stored_.pixel_start)
         .discards("pixel_counts");
     scan();
-    recorder.pass(name + ".collect", lists, "layered_list_collect").global(pixels).local(64)
-        .arg("heads", heads[0]).arg("next", next[0]).arg("nodes", nodes[0]).arg("needed", needed)
-        .arg("more_heads", heads[1]).arg("more_next", next[1]).arg("more_nodes", nodes[1]).arg("pixels", pixels)
-        .arg("pixel_start", stored.pixel_start).arg("fragments", stored.fragments);
+    recorder_.pass(name_ + ".collect", lists_, "layered_list_collect").global(pixels_).local(64)
+        .arg("heads", heads).arg("next", next).arg("nodes", nodes).arg("needed", needed).arg("more_heads", more_heads)
+        .arg("more_next", more_next).arg("more_nodes", more_nodes).arg("pixels", pixels_)
+        .arg("pixel_start", stored_.pixel_start).arg("fragments", stored_.fragments);
+    return sorted();
   }
-  recorder.pass(name + ".sort", lists, "layered_sort_pixels").global(pixels).local(64)
-      .arg("layered_views", view.views).arg("layered_view", view.index).arg("pixels", pixels)
-      .arg("pixel_start", stored.pixel_start).arg("fragments", stored.fragments);
-  return stored;
-}
+
+ private:
+  template <class T>
+  BufferRef zeroed(const std::string& what, size_t count) {
+    const BufferRef buffer = recorder_.transient<T>(name_ + "." + what, count, smaller_film);
+    recorder_.fill_zero(name_ + ".clear_" + what, buffer);
+    return buffer;
+  }
+  TypedBuffer<uint32_t> constant(const std::string& what, uint32_t value) const {
+    return {state_.scheduler.device(), state_.owner, what, std::vector<uint32_t>{value}};
+  }
+
+  void emit(const std::string& what, uint32_t mode, const BufferRef& capacity, const BufferRef& counts,
+            const BufferRef& node_count, const BufferRef& fragments, const BufferRef& next) {
+    PassBuilder pass = recorder_.pass(name_ + "." + what, lists_, "layered_list_fragments");
+    state_.bind_tiles(pass, view_, bins_, lists_, "layered_list_fragments", 0);
+    pass.global((std::max(1u, state_.triangles) + records_per_item - 1) / records_per_item).local(1)
+        .arg("layered_bounds", bins_.bounds).arg("layered_extra_bounds", bins_.extra_bounds)
+        .arg("layered_clipped", bins_.clipped).arg("mode", mode).arg("capacity_counter", capacity)
+        .arg("counts", counts).arg("node_count", node_count).arg("fragments", fragments).arg("next", next);
+  }
+
+  void scan() {
+    const BufferRef total = recorder_.transient<uint32_t>(name_ + ".fragment_count", 1);
+    state_.primitives.record_exclusive_scan(recorder_, name_ + ".scan", stored_.pixel_start, stored_.pixel_start, total,
+                                            pixels_ + 1);
+    stored_.fragments = recorder_.transient_sized_by<LayeredFragment>(name_ + ".fragments", total, 0, 1, smaller_film);
+  }
+
+  Stored sorted() {
+    recorder_.pass(name_ + ".sort", lists_, "layered_sort_pixels").global(pixels_).local(64)
+        .arg("layered_views", view_.views).arg("layered_view", view_.index).arg("pixels", pixels_)
+        .arg("pixel_start", stored_.pixel_start).arg("fragments", stored_.fragments);
+    return stored_;
+  }
+
+  const State& state_;
+  ScheduleRecorder& recorder_;
+  std::string name_;
+  ViewRef view_;
+  LayeredBins bins_;
+  const Program& lists_;
+  uint32_t pixels_;
+  BufferRef dummy_;
+  Stored stored_;
+};
 
 void LayeredRaster::State::record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
                                           const BufferRef& depth, const BufferRef& triangle) const {
@@ -150,7 +175,8 @@ LayeredRaster::Stored LayeredRaster::record_stored(ScheduleRecorder& recorder, c
                 LAYERED_MAX_LAYERS);
   if (limited || options.variant == LayeredVariant::tiles)
     return state_->record_tile_store(recorder, name, view, limited ? options.keep : 0);
-  return state_->record_list_store(recorder, name, view, options);
+  ListStore lists(*state_, recorder, name, view);
+  return options.variant == LayeredVariant::exact ? lists.counted() : lists.linked(options.list_capacity);
 }
 
 void LayeredRaster::record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,

@@ -18,6 +18,8 @@
 #include "lucarium/services/layered_raster.h"
 #include "lucarium/services/surface_atlas.h"
 
+#include "pictures.h"
+
 const lucarium::EmbeddedSources& lucarium_layer_bench_kernels();
 
 namespace {
@@ -28,7 +30,8 @@ struct Settings {
   std::string scene = "room";
   uint32_t size = 1024, directions = 32, rounds = 3;
   uint64_t texels = 1'000'000;
-  bool rays = true, profile = false;
+  bool rays = true, profile = false, variants = false;
+  std::string picture;
 };
 
 /// A closed room of about 70 000 triangles: subdivided walls, spheres and boxes.
@@ -132,8 +135,16 @@ class Bench {
   }
 
   void run() {
+    if (!settings_.picture.empty()) {
+      write_pictures(scheduler_, raster_, views_.download()[0], settings_.picture);
+      return;
+    }
     std::vector<double> ratios;
     Cost best{1e9, 1e9};
+    if (settings_.variants) {
+      measure_variants();
+      return;
+    }
     const double updates = updates_per_direction();  // compiles, too, and grows what is sized by counters
     if (settings_.rays) trace(0);
     scheduler_.reset_profile();
@@ -166,6 +177,29 @@ class Bench {
       fmt::print("{:.1f} times as fast as rays (median)\n", ratios[ratios.size() / 2]);
     }
     if (settings_.profile) fmt::print("{}\n", scheduler_.profile().table());
+  }
+
+  /// Set-up to sorted fragments.
+  void measure_variants() {
+    const std::pair<const char*, LayeredStoreOptions> variants[] = {
+        {"tiles", {}},
+        {"exact (count, scan, fill)", {.variant = LayeredVariant::exact}},
+        {"linked list", {.variant = LayeredVariant::linked_list, .list_capacity = 16}},
+        {"k-buffer, 8", {.variant = LayeredVariant::k_buffer, .keep = 8}}};
+    for (const auto& [name, options] : variants) {
+      ScheduleRecorder recorder = scheduler_.record(name, "bench");
+      view_ = recorder.variable("view", 0u);
+      raster_.record_stored(recorder, "layers", {views_, view_}, options);
+      schedule_ = recorder.compile();
+      exchange(0, settings_.directions, 1);
+      Cost best{1e9, 1e9};
+      for (uint32_t round = 0; round < settings_.rounds; ++round) {
+        const Cost cost = exchange(0, settings_.directions, 1);
+        best.wall = std::min(best.wall, cost.wall);
+        best.processor = std::min(best.processor, cost.processor);
+      }
+      fmt::print("{:26} {:7.2f} ms per direction, {:7.2f} of processor\n", name, 1e3 * best.wall, 1e3 * best.processor);
+    }
   }
 
  private:
@@ -282,6 +316,8 @@ int main(int argc, char** argv) {
   app.add_option("--directions", settings.directions)->capture_default_str();
   app.add_option("--rounds", settings.rounds)->capture_default_str();
   app.add_flag("!--no-rays", settings.rays, "leave out the rays");
+  app.add_option("--picture", settings.picture, "write PREFIX_layers.png and PREFIX_depth.png of the first direction, and end");
+  app.add_flag("--variants", settings.variants, "measure the ways to a stored A-buffer instead");
   app.add_flag("--profile", settings.profile, "print where the time goes");
   CLI11_PARSE(app, argc, argv);
   try {
