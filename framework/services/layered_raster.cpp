@@ -34,6 +34,7 @@ std::map<std::string, std::string> LayeredRaster::State::defines() const {
                                                {"LAYERED_CHUNKS", std::to_string(chunks) + "u"}};
   if (options.perspective) result["LAYERED_PERSPECTIVE"] = "";
   if (options.conservative) result["LAYERED_CONSERVATIVE"] = "";
+  if (options.portable) result["LAYERED_PORTABLE"] = "";
   if (alpha) result["LAYERED_ALPHA"] = "";
   return result;
 }
@@ -59,7 +60,8 @@ void LayeredRaster::State::follow() {
     ScheduleRecorder recorder = scheduler.record("gather triangles", owner);
     PassBuilder pass = recorder.pass("gather triangles", program, "layered_gather_triangles");
     scene.bind(pass, program, "layered_gather_triangles");
-    pass.global(divide_up(std::max(1u, triangles), 16)).local(1).arg("triangles", triangles).arg("layered_geometry", geometry);
+    pass.global(divide_up(std::max(1u, triangles), 16)).local(1)
+        .arg("triangles", triangles).arg("layered_geometry", geometry);
     gather = recorder.compile();
   }
   scheduler.run(gather);
@@ -82,7 +84,8 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       .arg("layered_clip_counts", clip_counts)
       .discards("layered_records").discards("layered_bounds").discards("layered_clip_counts");
   primitives.record_exclusive_scan(recorder, name + ".clip_scan", clip_counts, clip_counts, bins.clipped, blocks);
-  bins.extra = recorder.transient_sized_by<LayeredRecord>(name + ".clip_records", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
+  bins.extra = recorder.transient_sized_by<LayeredRecord>(name + ".clip_records", bins.clipped, 0, LAYERED_CLIP_PARTS,
+                                                          smaller_film);
   bins.clips = recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
   bins.extra_bounds =
       recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);

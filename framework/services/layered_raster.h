@@ -16,6 +16,7 @@ struct LayeredRasterOptions {
   uint32_t max_width = 1024, max_height = 1024;  ///< pixels; views may be smaller; at most LAYERED_MAX_FILM
   bool perspective = false;   ///< what views are; all of one raster are of a kind
   bool conservative = false;  ///< every pixel that a triangle touches, not only those whose centre it covers
+  bool portable = false;      ///< without compiler built-ins; the same results
 };
 
 /// Ways to a stored A-buffer. All but k_buffer give the same fragments; all but tiles are there for comparison.

@@ -41,7 +41,8 @@ LayeredRaster::Stored LayeredRaster::State::record_tile_store(ScheduleRecorder& 
     pass.arg("pixel_counts", stored.pixel_start).arg("dropped", row_dropped);
   });
   stored.dropped = recorder.transient<uint32_t>(name + ".dropped", 1);
-  primitives.record_reduce(recorder, name + ".sum_dropped", Primitives::Reduction::sum_uint, row_dropped, stored.dropped, rows);
+  primitives.record_reduce(recorder, name + ".sum_dropped", Primitives::Reduction::sum_uint, row_dropped, stored.dropped,
+                           rows);
   const BufferRef total = recorder.transient<uint32_t>(name + ".fragment_count", 1);
   primitives.record_exclusive_scan(recorder, name + ".scan", stored.pixel_start, stored.pixel_start, total, pixels + 1);
   stored.fragments = recorder.transient_sized_by<LayeredFragment>(name + ".fragments", total, 0, 1, smaller_film);

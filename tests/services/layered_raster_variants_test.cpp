@@ -73,6 +73,40 @@ TEST_CASE("variants") {
   }
 }
 
+TEST_CASE("without compiler built-ins") {
+  const LayeredView view = pixel_view(width, height);
+  const Scene triangles = scene_of(film_triangles(3000, width, height, 2));
+  LayeredScene native(triangles, {.max_width = width, .max_height = height});
+  LayeredScene portable(triangles, {.max_width = width, .max_height = height, .portable = true});
+  CHECK(same(native.store(view), portable.store(view)));
+}
+
+TEST_CASE("moved triangles, and others") {
+  const LayeredView view = pixel_view(width, height);
+  const auto moved_by = [](float x, uint32_t count) {
+    Scene scene = scene_of(film_triangles(count, width, height, 12));
+    scene.instances[0].world_from_object[3].x = x;
+    return scene;
+  };
+  LayeredScene scene(moved_by(0, 300), {.max_width = width, .max_height = height});
+  const HostLayers before = scene.store(view);
+  SceneChange change;
+  change.moved_instances = {0};
+  change.previous_world_from_object = {glm::mat4(1)};
+  scene.update(moved_by(16, 300), change);
+  LayeredScene fresh(moved_by(16, 300), {.max_width = width, .max_height = height});
+  const HostLayers after = scene.store(view);
+  CHECK_FALSE(same(after, before));
+  CHECK(same(after, fresh.store(view)));
+  const uint64_t generation = scene.raster().generation();
+  change = {};
+  change.topology = true;
+  scene.update(moved_by(0, 500), change);
+  LayeredScene other(moved_by(0, 500), {.max_width = width, .max_height = height});
+  CHECK(scene.raster().generation() > generation);
+  CHECK(same(scene.store(view), other.store(view)));
+}
+
 TEST_CASE("equal depths: fronts along the view first, then by triangle") {
   // The same square four times: seen from behind, from the front, from behind, and one a little nearer than a tie.
   Soup soup;

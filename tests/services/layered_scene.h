@@ -116,6 +116,11 @@ class LayeredScene {
     return {depth.download(), triangle.download()};
   }
 
+  void update(const Scene& scene, const SceneChange& change) {
+    buffers_.update(scene, change);
+    raster_.update();
+  }
+
   KernelScheduler& scheduler() { return scheduler_; }
   const SceneBuffers& buffers() const { return buffers_; }
   const LayeredRaster& raster() const { return raster_; }
