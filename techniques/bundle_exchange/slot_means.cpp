@@ -77,7 +77,8 @@ void SlotMeans::record_senders(const Program& program) {
   ScheduleRecorder recorder = scheduler_->record("senders", kOwner);
   direct_share_ = recorder.variable("direct share", 1.f);
   feedback_share_ = recorder.variable("feedback share", 1.f);
-  if (channels_.self_fed && parameters_.balance && parameters_.interleave == Interleave::sd) {
+  // The balance counts what diffuse senders deliver; where specular ones deliver too it would scale that away.
+  if (channels_.self_fed && parameters_.balance && parameters_.interleave == Interleave::sd && !channels_.hops) {
     recorder.pass("balance of chunks", program, "balance_chunks")
         .global(chunks_)
         .local(1)
