@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 namespace lucarium {
 
@@ -30,9 +32,37 @@ struct Split {
   float cost = INFINITY;
 };
 
+/// The first three lanes of one vector each, so that growing a box takes two instructions.
+using Lanes = float __attribute__((vector_size(16)));
+
+struct LaneBox {
+  Lanes lower, upper;
+
+  LaneBox() = default;  // undefined; see empty()
+  /// Reads the word behind either corner, too: the box's next member, and the triangle's index.
+  explicit LaneBox(const BoundedTriangle& triangle) {
+    const auto* words = reinterpret_cast<const char*>(&triangle);
+    static_assert(offsetof(BoundedTriangle, box) == 0 && offsetof(BoundedTriangle, triangle) == 6 * sizeof(float));
+    std::memcpy(&lower, words, sizeof(lower));
+    std::memcpy(&upper, words + 3 * sizeof(float), sizeof(upper));
+  }
+  static LaneBox empty() {
+    LaneBox box;
+    box.lower = Lanes{1e30f, 1e30f, 1e30f, 0};
+    box.upper = -box.lower;
+    return box;
+  }
+  void add(const LaneBox& other) {
+    lower = other.lower < lower ? other.lower : lower;
+    upper = other.upper > upper ? other.upper : upper;
+  }
+  Box box() const { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
+  float half_area() const { return box().half_area(); }
+};
+
 struct Bin {
-  Box box;
-  uint32_t count = 0;
+  LaneBox box;
+  uint32_t count;
 };
 
 class Builder {
@@ -41,21 +71,23 @@ class Builder {
       : triangles_(triangles), out_(out), fork_join_(threads) {}
 
   void build(uint32_t node, uint32_t first, uint32_t count, int depth) {
-    Box centres;
     BinaryBvh::Node& result = out_.nodes[node];
     result.first = first;
     result.count = count;
+    LaneBox box = LaneBox::empty(), centre_box = LaneBox::empty();
     for (uint32_t i = first; i < first + count; ++i) {
-      const BoundedTriangle& triangle = triangles_[i];
-      result.box.add(triangle.box);
-      for (int axis = 0; axis < 3; ++axis) {
-        const float centre = centre2(triangle, axis);
-        centres.lower[axis] = std::min(centres.lower[axis], centre);
-        centres.upper[axis] = std::max(centres.upper[axis], centre);
-      }
+      const LaneBox triangle(triangles_[i]);
+      box.add(triangle);
+      LaneBox centre;
+      centre.lower = centre.upper = triangle.lower + triangle.upper;
+      centre_box.add(centre);
     }
+    result.box = box.box();
+    const Box centres = centre_box.box();
     if (count == 1) return;
-    const uint32_t left = depth < max_sah_depth ? split(first, count, centres) : halve(first, count, centres);
+    const uint32_t left = count == 2               ? 1
+                          : depth < max_sah_depth ? split(first, count, centres)
+                                                  : halve(first, count, centres);
     fork_join_.run(
         count > parallel_grain, [&] { build(node + 1, first, left, depth + 1); },
         [&] { build(node + 2 * left, first + left, count - left, depth + 1); });
@@ -82,25 +114,29 @@ class Builder {
   }
 
   Split find_split(uint32_t first, uint32_t count, const std::array<BinMap, 3>& maps, int bins) const {
-    Bin bin[3][max_bins];
-    for (uint32_t i = first; i < first + count; ++i)
+    std::array<std::array<Bin, max_bins>, 3> bin;
+    for (auto& of_axis : bin) std::fill_n(of_axis.begin(), bins, Bin{LaneBox::empty(), 0});
+    for (uint32_t i = first; i < first + count; ++i) {
+      const LaneBox box(triangles_[i]);
+      const Lanes centre = box.lower + box.upper;
       for (int axis = 0; axis < 3; ++axis) {
-        Bin& target = bin[axis][maps[axis](centre2(triangles_[i], axis))];
-        target.box.add(triangles_[i].box);
+        Bin& target = bin[axis][maps[axis](centre[axis])];
+        target.box.add(box);
         ++target.count;
       }
+    }
     Split best;
     for (int axis = 0; axis < 3; ++axis) {
       if (maps[axis].scale == 0) continue;
       float right_cost[max_bins];
-      Box box;
+      LaneBox box = LaneBox::empty();
       uint32_t below = 0;
       for (int b = bins - 1; b > 0; --b) {
         box.add(bin[axis][b].box);
         below += bin[axis][b].count;
         right_cost[b] = box.half_area() * static_cast<float>(below);
       }
-      box = {};
+      box = LaneBox::empty();
       below = 0;
       for (int b = 1; b < bins; ++b) {
         box.add(bin[axis][b - 1].box);

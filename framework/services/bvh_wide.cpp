@@ -35,7 +35,7 @@ class WideBvh::Collapse {
   }
 
  private:
-  using Costs = std::array<float, max_width + 1>;  // [j]: with at most j roots, j ≥ 1
+  using Costs = std::array<float, max_width + 1>;  // [j]: with at most j roots, 1 ≤ j ≤ number of triangles below
 
   /// For j ≥ 2: how many of j roots go to the left subtree, 0: j − 1 roots are as good. [1]: 1 for a leaf block.
   /// [0]: how many of `width` roots go left when the node itself becomes a wide node.
@@ -46,12 +46,10 @@ class WideBvh::Collapse {
     const float area = node.box.half_area();
     Choices& choice = choices_[index];
     Costs cost;
-    cost.fill(INFINITY);
     if (node.count == 1) {
-      choice.fill(0);
       choice[1] = 1;
       visits_[index] = 1;
-      std::fill(cost.begin() + 1, cost.end(), area);
+      cost[1] = area;
       return cost;
     }
     const uint32_t left = binary_.left(index), right = binary_.right(index);
@@ -60,20 +58,21 @@ class WideBvh::Collapse {
         node.count > parallel_grain, [&] { left_cost = plan(left); }, [&] { right_cost = plan(right); });
     const int left_most = static_cast<int>(std::min<uint32_t>(binary_.nodes[left].count, max_width));
     const int right_most = static_cast<int>(std::min<uint32_t>(binary_.nodes[right].count, max_width));
+    const int most = std::min(width_, static_cast<int>(std::min<uint32_t>(node.count, max_width)));
     const auto distribute = [&](int roots, uint8_t& best_left) {
       float best = INFINITY;
-      for (int k = 1; k < roots; ++k) {
-        const float total = left_cost[std::min(k, left_most)] + right_cost[std::min(roots - k, right_most)];
+      for (int k = std::max(1, roots - right_most); k <= std::min(roots - 1, left_most); ++k) {
+        const float total = left_cost[k] + right_cost[roots - k];
         if (total < best) best = total, best_left = static_cast<uint8_t>(k);
       }
       return best;
     };
-    const float inner = area + distribute(width_, choice[0]);
+    const float inner = area + distribute(most, choice[0]);
     const float leaf = node.count <= static_cast<uint32_t>(out_.leaf_size_) ? area : INFINITY;
     choice[1] = leaf <= inner;
     cost[1] = std::min(leaf, inner);
     visits_[index] = area > 0 ? cost[1] / area : 1;
-    for (int j = 2; j <= width_; ++j) {
+    for (int j = 2; j <= most; ++j) {
       cost[j] = distribute(j, choice[j]);
       if (cost[j - 1] <= cost[j]) cost[j] = cost[j - 1], choice[j] = 0;
     }
