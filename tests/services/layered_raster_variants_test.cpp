@@ -81,6 +81,19 @@ TEST_CASE("without compiler built-ins") {
   CHECK(same(native.store(view), portable.store(view)));
 }
 
+TEST_CASE("no pass reads what none has written or writes outside its memory") {
+  Soup soup = film_triangles(300, width, height, 5);
+  soup.add_triangle({-1e5f, -2e5f, 0}, {3e5f, 10, 1}, {-1e5f, 2e5f, 2});  // is clipped
+  const LayeredView view = pixel_view(width, height);
+  LayeredScene plain(scene_of(soup), {.max_width = width, .max_height = height});
+  LayeredScene guarded(scene_of(soup), {.max_width = width, .max_height = height}, {}, {.debug_memory = true});
+  for (const LayeredVariant variant : {LayeredVariant::tiles, LayeredVariant::exact, LayeredVariant::linked_list,
+                                       LayeredVariant::k_buffer}) {
+    const LayeredStoreOptions options{.variant = variant, .list_capacity = 2};
+    CHECK(same(plain.store(view, options), guarded.store(view, options)));
+  }
+}
+
 TEST_CASE("moved triangles, and others") {
   const LayeredView view = pixel_view(width, height);
   const auto moved_by = [](float x, uint32_t count) {

@@ -81,8 +81,9 @@ std::vector<T> vector_of(std::span<const std::byte> bytes) {
 /// Device, scene and raster for one set of triangles.
 class LayeredScene {
  public:
-  LayeredScene(const Scene& scene, const LayeredRasterOptions& options, const DeviceOptions& device = {})
-      : scheduler_(Device::open(device)), buffers_(scheduler_.device(), scene), raster_(scheduler_, buffers_, options) {}
+  LayeredScene(const Scene& scene, const LayeredRasterOptions& options, const DeviceOptions& device = {},
+               const SchedulerOptions& scheduling = {})
+      : scheduler_(Device::open(device), scheduling), buffers_(scheduler_.device(), scene), raster_(scheduler_, buffers_, options) {}
 
   HostLayers store(const LayeredView& view, const LayeredStoreOptions& options = {}) {
     const TypedBuffer<LayeredView> views(scheduler_.device(), "test", "views", std::vector<LayeredView>{view});
