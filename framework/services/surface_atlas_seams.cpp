@@ -77,7 +77,10 @@ class SeamLinker {
   std::vector<std::pair<uint32_t, uint32_t>> filled_;  ///< cell, texel; written last, so that order does not matter
 };
 
-dvec2 cell_center(uint32_t cell, uint32_t width) { return {cell % width + 0.5, cell / width + 0.5}; }
+dvec2 cell_center(uint32_t cell, uint32_t width) {
+  const uint32_t x = cell % width, y = cell / width;
+  return {x + 0.5, y + 0.5};
+}
 
 // Empty cells around an edge whose centres lie outside the chart.
 void SeamLinker::offer_cells(const AtlasChart& chart, uint32_t triangle, int edge) {

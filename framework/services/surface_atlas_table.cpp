@@ -111,7 +111,7 @@ uint64_t slot_count(std::span<const AtlasPart> parts) {
   uint64_t sum = 0;
   for (const AtlasPart& part : parts) {
     for (const PlacedChart& chart : part.charts)
-      if (chart.absorbed_by == LUCARIUM_NONE) sum += chart.texel_count * (chart.two_sided ? 2 : 1);
+      if (chart.absorbed_by == LUCARIUM_NONE) sum += uint64_t{chart.texel_count} * (chart.two_sided ? 2 : 1);
   }
   return sum;
 }
