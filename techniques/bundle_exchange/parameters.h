@@ -27,7 +27,7 @@ struct Parameters {
   bool balance = true;
   GlossyBounces glossy_bounces = GlossyBounces::multiple;
   FinalGather final_gather = FinalGather::glossy;
-  float hop_share = 0.25f;
+  float hop_share = 0.5f;
   float stop_error = 0.01f;
 
   template <class V>
