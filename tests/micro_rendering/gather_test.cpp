@@ -108,7 +108,8 @@ TEST_CASE("in a half-lit sphere every point gets the mean; the nearest-node spla
     dark.push_back({-p, p});
   }
   const double sample_bright = mean_over_frames(forest, bright, 8), sample_dark = mean_over_frames(forest, dark, 8);
-  const std::map<std::string, std::string> paper = {{"MICRO_SAMPLE_SPLAT", "0"}, {"MICRO_CONSERVATIVE_CUT", "0"}, {"MICRO_HOLE_FILL", "0"}};
+  const std::map<std::string, std::string> paper = {
+      {"MICRO_SAMPLE_SPLAT", "0"}, {"MICRO_CONSERVATIVE_CUT", "0"}, {"MICRO_HOLE_FILL", "0"}};
   const double nearest_bright = mean_over_frames(forest, bright, 8, paper);
   MESSAGE("sample " << sample_bright / 1.5 << " " << sample_dark / 1.5 << " nearest " << nearest_bright / 1.5);
   CHECK(std::abs(sample_bright / 1.5 - 1) < 0.03);
@@ -121,7 +122,8 @@ TEST_CASE("light behind a thin wall does not leak") {
   // A wall without thickness, dark below and lit on its back, which is a tree of its own, under a lit ceiling.
   test::SyntheticForest forest;
   const auto lit = [](const dvec3&) { return dvec3(1); };
-  auto wall = test::rectangle(3 << 13, dvec3(0, 0, 1), dvec3(0, 1.2, 0), dvec3(1.2, 0, 0), [](const dvec3&) { return dvec3(0); });
+  const auto dark = [](const dvec3&) { return dvec3(0); };
+  auto wall = test::rectangle(3 << 13, dvec3(0, 0, 1), dvec3(0, 1.2, 0), dvec3(1.2, 0, 0), dark);
   const auto ceiling = test::rectangle(1 << 13, dvec3(0, 0, 1.3), dvec3(0, 1, 0), dvec3(1, 0, 0), lit);
   wall.insert(wall.end(), ceiling.begin(), ceiling.end());
   auto back = test::rectangle(1 << 15, dvec3(0, 0, 1), dvec3(1.2, 0, 0), dvec3(0, 1.2, 0), lit);
@@ -184,7 +186,8 @@ TEST_CASE("a glossy lobe in a closed room of radiance 1 reflects its albedo, by 
   };
   for (const char* warp : {"0", "1", "2"}) {
     CAPTURE(warp[0]);
-    const auto result = test::gather(forest, buffers, points, test::default_settings(), gather_program({{"MICRO_WARP", warp}}));
+    const Program& program = gather_program({{"MICRO_WARP", warp}});
+    const auto result = test::gather(forest, buffers, points, test::default_settings(), program);
     double ratio = 0, grazing = 0;
     for (size_t i = 0; i < points.size(); ++i) {
       const double cosine = glm::dot(points[i].normal, points[i].view);

@@ -41,7 +41,8 @@ inline std::vector<SurfacePointLight> sphere_inside(int count, double radius, co
 /// A disc about `center` with unit normal `normal`.
 inline std::vector<SurfacePointLight> disc(int count, const dvec3& center, const dvec3& normal, double radius,
                                            const dvec3& radiance) {
-  const dvec3 t = glm::normalize(std::abs(normal.x) < 0.5 ? glm::cross(normal, dvec3(1, 0, 0)) : glm::cross(normal, dvec3(0, 1, 0)));
+  const dvec3 aside = std::abs(normal.x) < 0.5 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+  const dvec3 t = glm::normalize(glm::cross(normal, aside));
   const dvec3 b = glm::cross(normal, t);
   std::vector<SurfacePointLight> points;
   for (int i = 0; i < count; ++i) {
@@ -102,11 +103,13 @@ class SyntheticForest {
     order(points, 0, n);
     const double leaf_area = area / static_cast<double>(n), radius = disc_scale * std::sqrt(leaf_area / std::numbers::pi);
     for (size_t i = 0; i < n; ++i)
-      nodes[n + i] = {(points[i].position - low) / step, radius / step, points[i].normal, 0, points[i].radiance, points[i].flags};
+      nodes[n + i] = {(points[i].position - low) / step, radius / step,     points[i].normal, 0,
+                      points[i].radiance,                points[i].flags};
     for (size_t i = n - 1; i > 0; --i) nodes[i] = merge(nodes[2 * i], nodes[2 * i + 1]);
     nodes[0] = nodes[1];
     MicroTree tree{};
-    float4* rows[6] = {&tree.grid_row0, &tree.grid_row1, &tree.grid_row2, &tree.world_row0, &tree.world_row1, &tree.world_row2};
+    float4* rows[6] = {&tree.grid_row0,  &tree.grid_row1,  &tree.grid_row2,
+                       &tree.world_row0, &tree.world_row1, &tree.world_row2};
     for (int r = 0; r < 3; ++r) {
       *rows[r] = float4(glm::vec3(axes[r] / step), static_cast<float>(-low[r] / step));
       const dvec3 row = dvec3(axes[0][r], axes[1][r], axes[2][r]);
@@ -191,7 +194,8 @@ class SyntheticForest {
       m.cone = 0.5 * (theta + a.cone + b.cone);
       const double turn = m.cone - a.cone;
       const dvec3 across = b.normal - a.normal * glm::dot(a.normal, b.normal);
-      if (glm::length(across) > 1e-9) m.normal = glm::normalize(a.normal * std::cos(turn) + glm::normalize(across) * std::sin(turn));
+      if (glm::length(across) > 1e-9)
+        m.normal = glm::normalize(a.normal * std::cos(turn) + glm::normalize(across) * std::sin(turn));
     }
     m.cone = std::min(m.cone, std::numbers::pi);
     return m;

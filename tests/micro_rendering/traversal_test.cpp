@@ -44,15 +44,21 @@ TEST_CASE("vectors of any width give bit for bit what single nodes in preorder g
   const test::SyntheticForest forest = make_scene();
   const auto buffers = forest.upload();
   const auto points = make_points();
-  for (const Defines& rules : {Defines{}, Defines{{"MICRO_SAMPLE_SPLAT", "0"}, {"MICRO_CONSERVATIVE_CUT", "0"}}, Defines{{"MICRO_WARP", "1"}},
-                               Defines{{"MICRO_RAYCAST", "0"}, {"MICRO_DEPTH_BITS", "8"}}}) {
+  const std::vector<Defines> all_rules = {{},
+                                          {{"MICRO_SAMPLE_SPLAT", "0"}, {"MICRO_CONSERVATIVE_CUT", "0"}},
+                                          {{"MICRO_WARP", "1"}},
+                                          {{"MICRO_RAYCAST", "0"}, {"MICRO_DEPTH_BITS", "8"}}};
+  const std::vector<Defines> widths = {
+      {{"MICRO_LANES", "4"}}, {{"MICRO_LANES", "8"}}, {{"MICRO_LANES", "8"}, {"MICRO_PORTABLE", "1"}}};
+  for (const Defines& rules : all_rules) {
     const auto run = [&](Defines defines) {
       defines.insert(rules.begin(), rules.end());
-      return test::gather(forest, buffers, points, test::default_settings(), test::micro_program("micro_rendering/micro_gather.cl", defines));
+      const Program program = test::micro_program("micro_rendering/micro_gather.cl", defines);
+      return test::gather(forest, buffers, points, test::default_settings(), program);
     };
     const auto one = run({{"MICRO_LANES", "1"}});
     CHECK(one.total().visits > 40 * 2000);
-    for (const Defines& width : {Defines{{"MICRO_LANES", "4"}}, Defines{{"MICRO_LANES", "8"}}, Defines{{"MICRO_LANES", "8"}, {"MICRO_PORTABLE", "1"}}}) {
+    for (const Defines& width : widths) {
       const auto many = run(width);
       const size_t bytes = points.size() * sizeof(float4);
       CHECK(std::memcmp(one.irradiance.data(), many.irradiance.data(), bytes) == 0);
@@ -76,12 +82,13 @@ TEST_CASE("the walk visits what a recursion visits") {
   const auto buffers = forest.upload();
   MicroSettings settings = test::default_settings();
   settings.kappa = 1e-6f;
-  const auto all = test::gather(forest, buffers, {{dvec3(0), dvec3(0, 0, 1)}}, settings, test::micro_program("micro_rendering/micro_gather.cl"));
+  const Program program = test::micro_program("micro_rendering/micro_gather.cl");
+  const auto all = test::gather(forest, buffers, {{dvec3(0), dvec3(0, 0, 1)}}, settings, program);
   CHECK(all.statistics[0].visits == 2047);
   CHECK(all.statistics[0].listed == 1024);
   CHECK(all.statistics[0].splats == 0);
   CHECK(all.statistics[0].flushes >= 1);
   // Turned away, nothing but the root is looked at.
-  const auto none = test::gather(forest, buffers, {{dvec3(0), dvec3(0, 0, -1)}}, settings, test::micro_program("micro_rendering/micro_gather.cl"));
+  const auto none = test::gather(forest, buffers, {{dvec3(0), dvec3(0, 0, -1)}}, settings, program);
   CHECK(none.statistics[0].visits == 1);
 }

@@ -16,8 +16,10 @@ struct Square {
   std::vector<float2> back;
 };
 
-Square warp_square(const std::map<std::string, std::string>& defines, uint32_t lobe, uint32_t edge, const glm::vec3& view, float alpha) {
-  static std::map<std::map<std::string, std::string>, Program> programs;
+using Defines = std::map<std::string, std::string>;
+
+Square warp_square(const Defines& defines, uint32_t lobe, uint32_t edge, const glm::vec3& view, float alpha) {
+  static std::map<Defines, Program> programs;
   auto [at, added] = programs.try_emplace(defines);
   if (added) at->second = test::micro_program("test_micro_rendering/warp.cl", defines);
   const size_t count = static_cast<size_t>(edge) * edge;
@@ -84,7 +86,8 @@ TEST_CASE("the inverse warp undoes the warp") {
           const Square square = warp_square({{"MICRO_WARP", warp}}, lobe, 64, slanted(angle), alpha);
           double worst = 0;
           for (size_t i = 0; i < square.back.size(); ++i) {
-            if (!(square.directions[i].z > 1e-3f)) continue;  // a warp may reach below the horizon, where there is no inverse
+            // A warp may reach below the horizon, where there is no inverse.
+            if (!(square.directions[i].z > 1e-3f)) continue;
             worst = std::max<double>({worst, std::abs(square.back[i].x), std::abs(square.back[i].y)});
           }
           CHECK(worst < 1e-5);
@@ -109,7 +112,10 @@ TEST_CASE("solid angles of Lambert's micro-pixels") {
 
 TEST_CASE("the mean over the warped pixels is the reflected light") {
   const double diffuse = quadrature([](const dvec3& l) { return l.z / pi * light(l); });
-  for (const char* warp : {"0", "1"}) CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", warp}}, 0, 24, {0, 0, 1}, 1)) / diffuse - 1) < 0.003);
+  for (const char* warp : {"0", "1"}) {
+    const Square square = warp_square({{"MICRO_WARP", warp}}, 0, 24, {0, 0, 1}, 1);
+    CHECK(std::abs(weighted(square) / diffuse - 1) < 0.003);
+  }
   const glm::vec3 v = slanted(60);
   const dvec3 view = v;
   for (const double alpha : {0.5, 0.3, 0.1}) {
@@ -122,7 +128,8 @@ TEST_CASE("the mean over the warped pixels is the reflected light") {
     CAPTURE(exponent);
     const double alpha = std::sqrt(2 / (exponent + 2));
     const double expected = quadrature([&](const dvec3& l) { return phong(view, l, alpha) * light(l); });
-    CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", "1"}, {"LUCARIUM_PHONG", ""}}, 1, 24, v, float(alpha))) / expected - 1) < 0.015);
+    const Square square = warp_square({{"MICRO_WARP", "1"}, {"LUCARIUM_PHONG", ""}}, 1, 24, v, float(alpha));
+    CHECK(std::abs(weighted(square) / expected - 1) < 0.015);
   }
 }
 
@@ -130,7 +137,8 @@ TEST_CASE("coarse tables are wrong for narrow lobes, as known") {
   const glm::vec3 v = slanted(60);
   const dvec3 view = v;
   const double expected = quadrature([&](const dvec3& l) { return ggx(view, l, 0.1) * light(l); });
-  const double coarse = weighted(warp_square({{"MICRO_WARP", "1"}, {"MICRO_TABLE_SIZE", "8"}}, 1, 24, v, 0.1f)) / expected - 1;
+  const Square square = warp_square({{"MICRO_WARP", "1"}, {"MICRO_TABLE_SIZE", "8"}}, 1, 24, v, 0.1f);
+  const double coarse = weighted(square) / expected - 1;
   MESSAGE("8 x 8 cells: " << coarse);
   CHECK(std::abs(coarse) > 0.05);
 }

@@ -61,7 +61,8 @@ std::vector<test::GatherPoint> make_gathers(int count, uint32_t edge, double alp
     p.specular_edge = alpha > 0 ? edge : 0;
   }
   if (morton)
-    std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return morton_code(a.position) < morton_code(b.position); });
+    std::sort(points.begin(), points.end(),
+              [](const auto& a, const auto& b) { return morton_code(a.position) < morton_code(b.position); });
   return points;
 }
 
@@ -88,7 +89,8 @@ int main(int argc, char** argv) {
   options.threads = 1;
   prepare_opencl_environment(options);
   std::map<std::string, std::string> all_defines;
-  for (const std::string& define : defines) all_defines[define.substr(0, define.find('='))] = define.substr(define.find('=') + 1);
+  for (const std::string& define : defines)
+    all_defines[define.substr(0, define.find('='))] = define.substr(define.find('=') + 1);
   std::printf("points size  visits splats listed | Mvisits/s Msplats/s Msamples/s us/gather\n");
   for (const int log2 : points_log2) {
     const test::SyntheticForest forest = make_room(log2);
@@ -110,8 +112,8 @@ int main(int argc, char** argv) {
       }
       const auto total = run.result().total();
       const double n = gathers;
-      std::printf("2^%-4d %4u %7.0f %6.0f %6.1f | %9.1f %9.1f %10.2f %9.1f\n", log2, edge, total.visits / n, total.splats / n,
-                  total.listed / n, total.visits / seconds * 1e-6, total.splats / seconds * 1e-6,
+      std::printf("2^%-4d %4u %7.0f %6.0f %6.1f | %9.1f %9.1f %10.2f %9.1f\n", log2, edge, total.visits / n,
+                  total.splats / n, total.listed / n, total.visits / seconds * 1e-6, total.splats / seconds * 1e-6,
                   n * edge * edge / seconds * 1e-6, seconds / n * 1e6);
     }
   }
