@@ -88,7 +88,8 @@ void BvhForest::lay_out() {
   const size_t words = std::max(size_t{node_count_} * LUCARIUM_BVH_NODE_WORDS(width_) + LUCARIUM_BVH_HEADER_WORDS,
                                 size_t{block_count_} * LUCARIUM_BVH_BLOCK_WORDS(leaf_size_));
   if (words >= LUCARIUM_BVH_LEAF) {
-    throw_error(ErrorClass::device, "hierarchy of {} triangles: it takes {} words and references reach {}; use a scene with fewer triangles",
+    throw_error(ErrorClass::device,
+                "hierarchy of {} triangles: it takes {} words and references reach {}; use a scene with fewer triangles",
                 triangle_count(), words, LUCARIUM_BVH_LEAF);
   }
   nodes_.assign(LUCARIUM_BVH_HEADER_WORDS + size_t{node_count_} * LUCARIUM_BVH_NODE_WORDS(width_), 0);
@@ -130,7 +131,8 @@ void BvhForest::copy_top() {
       uint32_t target = reference;
       if (reference & LUCARIUM_BVH_LEAF) {
         const uint32_t block = reference & ~LUCARIUM_BVH_LEAF;
-        target = trees_[top_.block_words()[block * LUCARIUM_BVH_BLOCK_WORDS(1) + LUCARIUM_BVH_BLOCK_TRIANGLES(1)]].first_node;
+        const uint32_t word = block * LUCARIUM_BVH_BLOCK_WORDS(1) + LUCARIUM_BVH_BLOCK_TRIANGLES(1);
+        target = trees_[top_.block_words()[word]].first_node;
       }
       reference = node_reference(target);
     }

@@ -176,9 +176,10 @@ void run(const Options& options) {
                subject.diffuse.size());
     const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
     const EmbreeScene parallel(subject.vertices, subject.triangles, threads, false);
-    fmt::print("{:.1f} bytes per triangle, SAH cost {:.2f}, built in {:.3f} s of elapsed time on {} threads (Embree: {:.3f} s, on 1: {:.3f} s)\n\n",
-               static_cast<double>(built.bytes) / built.triangles, built.sah_cost, built.build_seconds, threads,
-               parallel.build_seconds(), field.embree.build_seconds());
+    fmt::print("{:.1f} bytes per triangle, SAH cost {:.2f}, ", static_cast<double>(built.bytes) / built.triangles,
+               built.sah_cost);
+    fmt::print("built in {:.3f} s of elapsed time on {} threads (Embree: {:.3f} s, on 1: {:.3f} s)\n\n",
+               built.build_seconds, threads, parallel.build_seconds(), field.embree.build_seconds());
     fmt::print("| scene | rays | kernel | Mrays/s cpu | Mrays/s wall | x Embree | x packets | differ (wrong) |\n");
     fmt::print("|---|---|---|---:|---:|---:|---:|---:|\n");
     for (const RayKind kind : {RayKind::primary, RayKind::diffuse, RayKind::shadow})
