@@ -238,7 +238,7 @@ class BundleExchange : public Technique {
       step_.directions -= count;
     }
     if (!parts.camera.sample()) return false;
-    parts.camera.commit();
+    parts.camera.commit(directions_ > 0 || !exchanges());
     step_ = {};
     return true;
   }

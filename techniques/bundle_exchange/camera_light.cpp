@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera_light.h"
 
+#include <algorithm>
+
 namespace lucarium::bundle {
 namespace {
 
@@ -105,10 +107,12 @@ bool CameraLight::sample() {
          (!chains_ || gather());
 }
 
-void CameraLight::commit() {
+void CameraLight::commit(bool atlas_known) {
   // Sample i counts i²: of a mean over all, ever later ones. The atlas they saw was better, and a late image forgets
   // what an early atlas did not know. i² / Σ i² = 6 i / ((i + 1) (2 i + 1)).
-  const double i = ++samples_;
+  ++samples_;
+  atlas_samples_ = atlas_known ? atlas_samples_ + 1 : 0;
+  const double i = std::max(atlas_samples_, 1u);
   add_.set(atlas_weight_, static_cast<float>(6 * i / ((i + 1) * (2 * i + 1))));
   scheduler_->run_to_end(add_);
 }
@@ -124,7 +128,7 @@ void CameraLight::set_frame(const Frame& frame) {
   frame_.seed = seed;
   gbuffer_.set_frame(frame_);
   for (Buffer* buffer : std::initializer_list<Buffer*>{&emission_, &direct_, &exchanged_, &indirect_}) buffer->fill_zero();
-  samples_ = 0;
+  samples_ = atlas_samples_ = 0;
 }
 
 void CameraLight::warm_up() {

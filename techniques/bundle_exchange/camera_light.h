@@ -25,9 +25,10 @@ class CameraLight {
               const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means, const Frame& frame,
               const Options& options);
 
-  /// The next sample; false when cancelled. commit() then adds it, looking up `shown` as it is then.
+  /// The next sample; false when cancelled. commit() then adds it, looking up the atlas as it is then; what the atlas
+  /// said while it knew nothing is forgotten.
   bool sample();
-  void commit();
+  void commit(bool atlas_known);
   void reset(uint32_t seed);
   void set_frame(const Frame& frame);
   void warm_up();
@@ -44,7 +45,7 @@ class CameraLight {
   KernelScheduler* scheduler_;
   Options options_;
   Frame frame_;
-  uint32_t pixels_, samples_ = 0;
+  uint32_t pixels_, samples_ = 0, atlas_samples_ = 0;
   TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, exchanged_, indirect_;
   GBuffer gbuffer_;
   DirectLight direct_light_;
