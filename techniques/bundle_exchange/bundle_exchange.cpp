@@ -139,6 +139,7 @@ class BundleExchange : public Technique {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
     if (parts_) {
       result["slots"] = parts_->atlas.info().texel_count;
+      result["film_pixels"] = parts_->transfer.film_pixels();
       result["hop_rays"] = static_cast<double>((parts_->hops ? parts_->hops->rays() : 0) + parts_->camera.rays());
       if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
     }
