@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <memory>
 #include <mutex>
 
 #include "lucarium/base/log.h"
@@ -15,9 +14,12 @@ namespace lucarium {
 namespace fs = std::filesystem;
 namespace {
 
-std::unique_ptr<DriverFolder>& private_folder() {
-  static std::unique_ptr<DriverFolder> folder;
-  return folder;
+/// Removed at exit, and null from then on: static objects that outlive it ask whether it is there.
+DriverFolder* private_folder = nullptr;
+
+void remove_private_folder() {
+  delete private_folder;
+  private_folder = nullptr;
 }
 
 std::string environment_value(const char* name) {
@@ -32,8 +34,9 @@ void set_driver_folder(const DeviceOptions& options) {
     if (problem.empty()) return;
     log_warning("POCL_CACHE_DIR={} cannot be used ({}); using a temporary folder", chosen, problem);
   }
-  private_folder() = std::make_unique<DriverFolder>(resolve_cache_dir(options));
-  setenv("POCL_CACHE_DIR", private_folder()->path().c_str(), 1);
+  private_folder = new DriverFolder(resolve_cache_dir(options));
+  std::atexit(remove_private_folder);
+  setenv("POCL_CACHE_DIR", private_folder->path().c_str(), 1);
 }
 
 void set_thread_count(int threads) {
@@ -53,7 +56,7 @@ void prepare_opencl_environment(const DeviceOptions& options) {
   });
 }
 
-const DriverFolder* driver_folder() { return private_folder().get(); }
+const DriverFolder* driver_folder() { return private_folder; }
 
 fs::path resolve_cache_dir(const DeviceOptions& options) {
   if (!options.cache_dir.empty()) return options.cache_dir;

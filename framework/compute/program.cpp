@@ -123,8 +123,9 @@ struct Program::State {
     std::mutex mutex;
     std::set<State*> states;
   };
+  /// Never destroyed: programs that are static objects themselves may outlive whatever was made after them.
   static Registry& registry() {
-    static Registry instance;
+    static Registry& instance = *new Registry;
     return instance;
   }
 
