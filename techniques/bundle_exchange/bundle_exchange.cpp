@@ -71,6 +71,10 @@ class BundleExchange : public Technique {
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
     PathSet set;
     set.max_bounces = settings.max_bounces;
+    if (parameters_.interleave == Interleave::pingpong) {  // a bounce for each block
+      const int blocks = (parameters_.directions + parameters_.block - 1) / parameters_.block;
+      set.max_bounces = set.max_bounces < 0 ? blocks : std::min(set.max_bounces, blocks);
+    }
     set.light_delta = parameters_.glossy_bounces == GlossyBounces::multiple;
     set.secondary_lambert_only = !set.light_delta;
     return set;
@@ -81,6 +85,8 @@ class BundleExchange : public Technique {
     const auto any = [&](auto&& test) { return std::any_of(scene.materials.begin(), scene.materials.end(), test); };
     if (any([](const SceneMaterial& m) { return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance); }))
       result.push_back("bundles are not attenuated inside volumes");
+    if (parameters_.interleave == Interleave::fixed)
+      result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
     if (parameters_.final_gather == FinalGather::off && specular(scene))
       result.push_back("indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
     return result;
@@ -201,8 +207,15 @@ class BundleExchange : public Technique {
   }
 
   bool exchange_done() const {
-    return directions_ >= static_cast<uint64_t>(parameters_.directions) || !exchanges() ||
-           (parameters_.stop_error > 0 && parts_->means.relative_error() < parameters_.stop_error);
+    return directions_ >= static_cast<uint64_t>(parameters_.directions) || !exchanges() || is_accurate();
+  }
+
+  /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before the
+  /// end: both use up their directions.
+  bool is_accurate() const {
+    const bool stoppable = parameters_.interleave == Interleave::sd || parameters_.interleave == Interleave::running;
+    return stoppable && parameters_.stop_error > 0 && parts_->means.carries_all(directions_) &&
+           parts_->means.relative_error() < parameters_.stop_error;
   }
 
   /// Whether bundles carry anything.

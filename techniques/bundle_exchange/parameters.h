@@ -66,7 +66,7 @@ struct Parameters {
              "specular lobes take part in the exchange, or only reflect diffuse light towards the eye");
     v.number("hop_share", hop_share, 0.01f, 1.f, "",
              "probability that a slot which reflects everything specularly traces a ray for a direction; others less");
-    v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance; 0: never");
+    v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance (interleave=sd and running); 0: never");
   }
 };
 

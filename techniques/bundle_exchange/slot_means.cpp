@@ -177,7 +177,7 @@ void SlotMeans::record_errors(const Program& program) {
   recorder.read_back("error", sums_, [this](std::span<const std::byte> bytes) {
     float sums[2];
     std::memcpy(sums, bytes.data(), sizeof sums);
-    relative_error_ = sums[1] > 0 ? sums[0] / sums[1] : 0.0;
+    relative_error_ = sums[1] > 0 ? sums[0] / sums[1] : kUnknown;  // nothing met yet is no accuracy
   });
   measure_ = recorder.compile();
 }
@@ -200,6 +200,10 @@ bool SlotMeans::direct_only(uint64_t first) const {
   return channels_.emission && (first < uint64_t(parameters_.direct_first) || channels_.reflected() == 0);
 }
 
+bool SlotMeans::carries_all(uint64_t directions) const {
+  return !direct_only(directions) || channels_.reflected() == 0;
+}
+
 void SlotMeans::commit(uint64_t first, uint32_t count) {
   SenderWeights::Step step = weights_.next(first, count);
   const bool without_reflection = direct_only(first);
@@ -220,6 +224,13 @@ void SlotMeans::commit(uint64_t first, uint32_t count) {
   if (one_by_one() && directions_ % uint64_t(parameters_.block) == 0)
     scheduler_->run_to_end(settle_);
   if (batches_ % kErrorBatches == 0) scheduler_->run_to_end(measure_);
+  if (without_reflection && !direct_only(directions_)) forget_errors();
+}
+
+void SlotMeans::forget_errors() {
+  scheduler_->finish();
+  statistics_.fill_zero();
+  relative_error_ = kUnknown;
 }
 
 void SlotMeans::clear(bool keep_senders) {

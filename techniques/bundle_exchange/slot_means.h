@@ -31,6 +31,8 @@ class SlotMeans {
   bool make_senders();
   /// Whether the batch that begins with direction `first` carries emission only (direct_first).
   bool direct_only(uint64_t first) const;
+  /// Whether every kind of light is under way after so many directions, so that the error speaks of the image.
+  bool carries_all(uint64_t directions) const;
   /// Adds the records of a batch of `count` directions, of which `first` came before, and renews what is displayed.
   void commit(uint64_t first, uint32_t count);
   void reset();
@@ -60,6 +62,7 @@ class SlotMeans {
   bool one_by_one() const { return parameters_.interleave == Interleave::pingpong && channels_.self_fed; }
   void set_shares();
   void clear(bool keep_senders);
+  void forget_errors();
   KernelScheduler* scheduler_;
   Primitives primitives_;
   Channels channels_;

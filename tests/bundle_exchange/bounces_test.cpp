@@ -39,8 +39,8 @@ TEST_CASE("a furnace of albedo 0.8 fills as the recurrences say") {
   const double sd = furnace_deficit(Interleave::sd, false);
   CHECK(sd < 0);
   CHECK(std::abs(sd) < 0.002);
-  CHECK(furnace_deficit(Interleave::running, false) == doctest::Approx(-0.187).epsilon(0.016));
-  CHECK(furnace_deficit(Interleave::fixed, false) == doctest::Approx(-0.69).epsilon(0.015));
+  CHECK(std::abs(furnace_deficit(Interleave::running, false) + 0.187) < 0.01);
+  CHECK(furnace_deficit(Interleave::fixed, false) == doctest::Approx(-0.69).scale(0).epsilon(0.015));
   CHECK(std::abs(furnace_deficit(Interleave::sd, true)) < 1e-4);  // the balance knows the answer at once
 }
 
@@ -55,7 +55,7 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
     rig.solve(DirectionSequence(parameters, 1, nullptr), 1024);
     double expected = 0;
     for (uint32_t k = 1; k <= bounces; ++k) expected += std::pow(0.5, k);
-    CHECK(rig.mean(rig.indirect()) == doctest::Approx(expected).epsilon(0.004));
+    CHECK(rig.mean(rig.indirect()) == doctest::Approx(expected).scale(0).epsilon(0.004));
   }
   Parameters parameters;
   parameters.interleave = Interleave::pingpong;
@@ -63,17 +63,19 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
   test::BundleRig rig(furnace(0.5f), 384, 0.5f, {}, parameters);
   rig.set_direct(kPi);
   rig.solve(DirectionSequence(parameters, 1, nullptr), 3 * 128);
-  CHECK(rig.mean(rig.indirect()) == doctest::Approx(0.875).epsilon(1e-5));
+  CHECK(rig.mean(rig.indirect()) == doctest::Approx(0.875).scale(0).epsilon(1e-5));
 }
 
 TEST_CASE("a room with a lamp, all light by bundles, against path tracing") {
-  // Albedos: floor 0.6, ceiling 0.7, walls x 0.25 and 0.6, z 0.7 and 0.5; a patch of 0.25 m with L = 20 in the middle of
-  // the ceiling. Path traced: mean E/pi of the walls is 0.2083 direct and 0.2491 indirect.
+  // Albedos: floor 0.6, ceiling 0.7, walls x 0.25 and 0.6, z 0.7 and 0.5; a patch of 0.25 m of the ceiling's albedo with
+  // L = 20 in its middle. All that the patch emits arrives: mean E/pi over the six walls, the patch among them, is
+  // 20 / 16 / 6 direct; path traced, 0.2491 indirect.
   Scene scene;
   std::array<int, 6> walls{};
   const float albedos[6] = {0.25f, 0.6f, 0.6f, 0.7f, 0.7f, 0.5f};
   for (int i = 0; i < 6; ++i) walls[i] = add_lambert(scene, "wall", glm::vec3(albedos[i]));
   const int lamp = add_emitter(scene, "lamp", glm::vec3(20));
+  scene.materials[lamp].base_color = glm::vec4(0.7f, 0.7f, 0.7f, 1);
   scene = test::box_scene(walls, std::move(scene));
   const float y = 0.9999f;
   add_instance(scene, add_mesh(scene, MeshBuilder("lamp").quad({.375f, y, .375f}, {.625f, y, .375f}, {.625f, y, .625f}, {.375f, y, .625f}).take()), lamp);
@@ -87,15 +89,15 @@ TEST_CASE("a room with a lamp, all light by bundles, against path tracing") {
   rig.solve(DirectionSequence(parameters, 2, nullptr), count);
   const std::vector<AtlasMaterial> materials = rig.materials();
   const std::vector<SurfacePoint> points = rig.points();
-  // Neither the lamp nor what is hidden behind it.
+  // Not what is hidden behind the lamp.
   const auto counts = [&](uint32_t slot) {
     const float4& p = points[slot].position;
     const bool behind = p.y > 0.99f && std::abs(p.x - .5f) < .125f && std::abs(p.z - .5f) < .125f;
-    return materials[slot].emission.x == 0 && !behind;
+    return materials[slot].emission.x > 0 || !behind;
   };
   const double tolerance = test::full_run() ? 0.004 : 0.015;
-  CHECK(rig.mean(rig.direct(), counts) == doctest::Approx(0.2083).epsilon(tolerance));
-  CHECK(rig.mean(rig.indirect(), counts) == doctest::Approx(0.2491).epsilon(tolerance));
+  CHECK(rig.mean(rig.direct(), counts) == doctest::Approx(20. / 16 / 6).scale(0).epsilon(tolerance));
+  CHECK(rig.mean(rig.indirect(), counts) == doctest::Approx(0.2491).scale(0).epsilon(tolerance));
   CHECK(rig.relative_error() < 0.15);  // of a slot; the mean is better
   CHECK(rig.relative_error() > 0.01);
 }
@@ -118,6 +120,6 @@ TEST_CASE("a shining box of glossy walls, against path tracing") {
     parameters.hop_share = 1;
     test::BundleRig rig(scene, 1536, 0.5f, channels, parameters, {{"LUCARIUM_PHONG", ""}});
     rig.solve(DirectionSequence(parameters, 3, nullptr), test::full_run() ? 8192 : 512);
-    CHECK(rig.mean(rig.indirect()) == doctest::Approx(expected[bounces - 1]).epsilon(test::full_run() ? 0.005 : 0.01));
+    CHECK(rig.mean(rig.indirect()) == doctest::Approx(expected[bounces - 1]).scale(0).epsilon(test::full_run() ? 0.005 : 0.01));
   }
 }
