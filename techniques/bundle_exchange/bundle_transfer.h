@@ -23,7 +23,6 @@ class BundleTransfer {
   /// Largest film of a direction [pixels].
   double film_pixels() const;
   /// Edge of a film pixel [m].
-  double pixel() const { return pixel_; }
 
  private:
   struct Recorded {

@@ -54,7 +54,7 @@ BundleView make_bundle_view(const Bounds& bounds, const Direction& direction, do
   };
   BundleView result;
   result.pixel_area = p * p;
-  // The lowest coordinate lies within the second pixel, at its jittered place.
+  // The lowest coordinate lies within the first pixel, at its jittered place.
   result.view.row_x = row(x / p, 1 - direction.jitter.x - extent_x.low / p);
   result.view.row_y = row(y / p, 1 - direction.jitter.y - extent_y.low / p);
   const double center = 0.5 * (depth.low + depth.high), range = 1.001 * (depth.high - depth.low) + 1e-6 * bounds.radius();

@@ -39,7 +39,7 @@ struct Parameters {
               {"blocks", Sequence::blocks},
               {"halton", Sequence::halton},
               {"hammersley", Sequence::hammersley}},
-             "directions: independent, Owen-scrambled Sobol points in permuted blocks, Halton, or Hammersley points");
+             "directions: independent, Owen-scrambled Sobol points in blocks, Halton, or Hammersley points");
     v.choice("interleave", interleave,
              {{"sd", Interleave::sd},
               {"running", Interleave::running},

@@ -43,6 +43,4 @@ void SenderWeights::advance() {
   if (log_growth_ > kLargestLogGrowth) log_growth_ = 0;
 }
 
-void SenderWeights::restart_at(uint64_t batch) { batch_ = std::min(batch_, batch); }
-
 }  // namespace lucarium::bundle

@@ -26,8 +26,6 @@ class SenderWeights {
   Step next(uint64_t first, uint32_t count) const;
   /// The batch has been added.
   void advance();
-  /// Senders keep their state as a warm start: the next batch counts as the `batch`-th at most.
-  void restart_at(uint64_t batch);
   uint64_t batches() const { return batch_; }
 
  private:

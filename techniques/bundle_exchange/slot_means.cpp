@@ -10,7 +10,6 @@ namespace {
 
 constexpr size_t kLocalSize = 64;
 constexpr uint32_t kBalanceChunk = 1024;  // BALANCE_CHUNK of senders.cl
-constexpr uint64_t kWarmBatches = 16;     // what senders of a changed scene count for
 constexpr uint64_t kErrorBatches = 16;    // between two measurements of the error
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 const char* const kOwner = "bundle_exchange";
@@ -233,35 +232,20 @@ void SlotMeans::forget_errors() {
   relative_error_ = kUnknown;
 }
 
-void SlotMeans::clear(bool keep_senders) {
-  for (Buffer* buffer : std::initializer_list<Buffer*>{&display_, &settled_, &statistics_, &shown_, &shown_direct_, &radiance_, &visible_})
-    buffer->fill_zero();
-  if (!keep_senders) senders_.fill_zero();
-  scale_.upload({{1, 1, 1, 0}});
-  directions_ = batches_ = 0;
-  relative_error_ = kUnknown;
-  scheduler_->run_to_end(materials_);
-  scheduler_->finish();
-}
-
 void SlotMeans::reset() {
   weights_ = SenderWeights(parameters_);
-  clear(false);
-}
-
-void SlotMeans::restart() {
-  weights_.restart_at(kWarmBatches);
-  clear(true);
+  for (Buffer* buffer : std::initializer_list<Buffer*>{&senders_, &display_, &settled_, &shown_, &shown_direct_, &radiance_, &visible_})
+    buffer->fill_zero();
+  scale_.upload({{1, 1, 1, 0}});
+  directions_ = batches_ = 0;
+  forget_errors();
+  scheduler_->run_to_end(materials_);
+  scheduler_->finish();
 }
 
 void SlotMeans::warm_up() {
   for (Schedule* schedule : {&materials_, &make_senders_, &fold_, &measure_}) scheduler_->warm_up(*schedule);
   if (one_by_one()) scheduler_->warm_up(settle_);
-}
-
-float4 SlotMeans::scale() const {
-  scheduler_->finish();
-  return scale_.download().front();
 }
 
 }  // namespace lucarium::bundle

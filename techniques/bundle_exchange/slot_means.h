@@ -36,8 +36,6 @@ class SlotMeans {
   /// Adds the records of a batch of `count` directions, of which `first` came before, and renews what is displayed.
   void commit(uint64_t first, uint32_t count);
   void reset();
-  /// Keeps senders as a warm start after a change of the scene; all else as reset().
-  void restart();
   void warm_up();
 
   const TypedBuffer<float4>& records() const { return records_; }  ///< per slot 2 · channels float4
@@ -49,8 +47,6 @@ class SlotMeans {
   const Channels& channels() const { return channels_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches.
   double relative_error() const { return relative_error_; }
-  /// Of the last balance: s per channel.
-  float4 scale() const;
   static size_t estimate_bytes(size_t slots, const Channels& channels);
 
  private:
@@ -61,7 +57,6 @@ class SlotMeans {
   /// Bounces are computed one after the other.
   bool one_by_one() const { return parameters_.interleave == Interleave::pingpong && channels_.self_fed; }
   void set_shares();
-  void clear(bool keep_senders);
   void forget_errors();
   KernelScheduler* scheduler_;
   Primitives primitives_;
