@@ -12,7 +12,7 @@ constexpr size_t kLargestBuffer = 64;   // edge of a micro-buffer
 constexpr size_t kGathersPerSlice = 256;  // 20 to 200 ms: how soon a cancellation is felt
 const char* const kRemedy = "lower --size";
 
-std::map<std::string, std::string> definitions(const MicroParameters& p) {
+std::map<std::string, std::string> definitions(const MicroParameters& p, bool sky) {
   const auto flag = [](bool on) { return std::string(on ? "1" : "0"); };
   return {{"MICRO_SIZE", std::to_string(p.micro_size)},
           {"MICRO_CONSERVATIVE_CUT", flag(p.cut_bound == CutBound::conservative)},
@@ -21,31 +21,40 @@ std::map<std::string, std::string> definitions(const MicroParameters& p) {
           {"MICRO_TABLE_SIZE", std::to_string(p.table_size)},
           {"MICRO_HOLE_FILL", flag(p.hole_fill)},
           {"MICRO_RAYCAST", flag(p.raycast)},
-          {"MICRO_DEPTH_BITS", p.depth_bits < 32 ? "8" : "32"}};
+          {"MICRO_DEPTH_BITS", p.depth_bits < 32 ? "8" : "32"},
+          {"MICRO_GATHER_ENV", flag(sky)}};
 }
 
 }  // namespace
 
-GatherResults::GatherResults(Device& device, const std::string& owner, const std::string& what, size_t slots, bool specular_too)
+GatherResults::GatherResults(Device& device, const std::string& owner, const std::string& what, size_t slots, bool specular_too, bool sky_too)
     : irradiance(device, owner, what + " irradiance", slots, kRemedy),
       specular(device, owner, what + " specular", specular_too ? 2 * slots : 2, kRemedy),
       statistics(device, owner, what + " statistics", slots, kRemedy),
-      micro_buffer(device, owner, what + " micro-buffer", kLargestBuffer * kLargestBuffer) {}
-
-size_t GatherResults::estimate_bytes(size_t slots, bool specular_too) {
-  return slots * ((specular_too ? 3 : 1) * sizeof(float4) + sizeof(MicroStatistics)) + kLargestBuffer * kLargestBuffer * sizeof(float4);
+      micro_buffer(device, owner, what + " micro-buffer", kLargestBuffer * kLargestBuffer) {
+  if (sky_too) sky = TypedBuffer<float4>(device, owner, what + " environment", 3 * slots, kRemedy);
 }
 
-GatherPass::GatherPass(Device& device, const MicroParameters& parameters) {
+size_t GatherResults::estimate_bytes(size_t slots, bool specular_too, bool sky_too) {
+  return slots * ((1 + (specular_too ? 2 : 0) + (sky_too ? 3 : 0)) * sizeof(float4) + sizeof(MicroStatistics)) + kLargestBuffer * kLargestBuffer * sizeof(float4);
+}
+
+GatherPass::GatherPass(Device& device, const MicroParameters& parameters, GatherAt at)
+    : sky_(parameters.gather_env && at == GatherAt::pixels) {
   SourceLibrary library;
   library.add(micro_rendering_kernels());
-  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters)});
+  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, sky_)});
 }
 
-void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, const PointForest& forest, const BufferRef& gathers,
+void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
                         const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
                         const GatherResults& results) const {
-  recorder.pass(name, program_, "mr_gather").global(capacity).local(1).slice(kGathersPerSlice)
+  PassBuilder pass = recorder.pass(name, program_, "mr_gather");
+  if (sky_) {
+    scene.bind(pass, program_, "mr_gather");
+    pass.arg("sky", results.sky);
+  }
+  pass.global(capacity).local(1).slice(kGathersPerSlice)
       .arg("trees", forest.tree_records).arg("tree_count", static_cast<uint32_t>(forest.trees().size()))
       .arg("nodes", forest.nodes).arg("radiance", forest.radiance).arg("radiance_unit", forest.radiance_unit)
       .arg("gathers", gathers).arg("gather_count", gather_count).arg("settings", settings)

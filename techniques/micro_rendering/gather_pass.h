@@ -15,25 +15,30 @@ struct GatherResults {
   TypedBuffer<float4> specular;              ///< 2 per slot; 2 elements suffice for diffuse gathers alone
   TypedBuffer<MicroStatistics> statistics;   ///< 1 per slot
   TypedBuffer<float4> micro_buffer;          ///< of the inspected slot, row by row: 64 · 64
+  TypedBuffer<float4> sky;                   ///< 3 per slot where gathers see the environment, else none
 
   GatherResults() = default;
-  GatherResults(Device& device, const std::string& owner, const std::string& what, size_t slots, bool specular_too);
-  static size_t estimate_bytes(size_t slots, bool specular_too);
+  GatherResults(Device& device, const std::string& owner, const std::string& what, size_t slots, bool specular_too, bool sky_too = false);
+  static size_t estimate_bytes(size_t slots, bool specular_too, bool sky_too = false);
 };
+
+/// Who gathers: visible points, or nodes for further bounces. Only the former see the environment.
+enum class GatherAt { pixels, nodes };
 
 /// The gather kernel with the rules that parameters choose.
 class GatherPass {
  public:
   GatherPass() = default;
-  GatherPass(Device& device, const MicroParameters& parameters);
+  GatherPass(Device& device, const MicroParameters& parameters, GatherAt at);
 
   /// Records a pass over gathers [0, gather_count[0]), at most `capacity`.
-  void record(ScheduleRecorder& recorder, const std::string& name, const PointForest& forest, const BufferRef& gathers,
+  void record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
               const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
               const GatherResults& results) const;
 
  private:
   Program program_;
+  bool sky_ = false;
 };
 
 }  // namespace lucarium::micro

@@ -138,7 +138,7 @@ void LeafLight::record_nodes() {
 void LeafLight::record_bounce() {
   ScheduleRecorder recorder = scheduler_.record("bounce", owner_);
   settings_ = recorder.variable("settings", MicroSettings{});
-  gather_.record(recorder, "gather at nodes", forest_, node_gathers_, node_count_, static_cast<uint32_t>(node_gathers_.count()),
+  gather_.record(recorder, "gather at nodes", scene_, forest_, node_gathers_, node_count_, static_cast<uint32_t>(node_gathers_.count()),
                  settings_, node_results_);
   for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
     const ForestTree& tree = forest_.trees()[t];

@@ -2,6 +2,13 @@
 // Gathers light at points: one work-item per gather, in groups of one.
 #include "micro_rendering/micro_gather.clh"
 
+#ifndef MICRO_GATHER_ENV
+#define MICRO_GATHER_ENV 0  // 1: empty micro-pixels see the environment
+#endif
+#if MICRO_GATHER_ENV
+#include "micro_rendering/micro_sky.clh"
+#endif
+
 // The micro-buffer of the inspected slot: radiance and distance [m]; -1: empty.
 void keep_micro_buffer(const MicroWarp* warp, const MicroBuffer* buffer, const global half* radiance, float unit,
                        __global float4* micro_buffer) {
@@ -23,10 +30,16 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
                         __global const uint* restrict gather_count, const MicroSettings settings,
                         __global float4* restrict irradiance, __global float4* restrict specular,
                         __global MicroStatistics* restrict statistics, __global float4* restrict micro_buffer,
+#if MICRO_GATHER_ENV
+                        LUCARIUM_SCENE_PARAMETERS __global float4* restrict sky,
+#endif
                         const uint slice_base) {
   const uint i = slice_base + get_global_id(0);
   if (i >= gather_count[0]) return;
   const float unit = radiance_unit[0];
+#if MICRO_GATHER_ENV
+  LUCARIUM_SCENE_BIND(scene);
+#endif
   MicroForest forest;
   forest.trees = trees;
   forest.tree_count = tree_count;
@@ -52,6 +65,16 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
       specular[2u * point.slot] = (float4)(unit * light.xyz, 0.0f);
       specular[2u * point.slot + 1u] = (float4)(unit * grazing, 0.0f);
     }
+#if MICRO_GATHER_ENV
+    float3 grazing_sky;
+    const float3 plain_sky = micro_sky(&scene, &warp, &point, &buffer, &grazing_sky);
+    if (lobe == MICRO_LOBE_DIFFUSE) {
+      sky[3u * point.slot] = (float4)(M_PI_F * plain_sky, 0.0f);
+    } else {
+      sky[3u * point.slot + 1u] = (float4)(plain_sky, 0.0f);
+      sky[3u * point.slot + 2u] = (float4)(grazing_sky, 0.0f);
+    }
+#endif
     if (point.slot == settings.inspect && edges[lobe] >= edges[1u - lobe])
       keep_micro_buffer(&warp, &buffer, radiance, unit, micro_buffer);
   }

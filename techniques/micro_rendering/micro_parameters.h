@@ -27,6 +27,7 @@ struct MicroParameters {
   Backface backface = Backface::black;
   int gather_step = 1;
   float upsample_fail = 0.05f;
+  bool gather_env = false;
   MultiBounce multibounce = MultiBounce::jacobi;
   int jacobi_level = 12;
   int depth_bits = 32;
@@ -62,6 +63,7 @@ struct MicroParameters {
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
     v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 a frame is one iteration");
     v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
+    v.flag("gather_env", gather_env, "empty micro-pixels see the environment; light samples of the layer direct leave it out");
     v.choice("multibounce", multibounce,
              {{"jacobi", MultiBounce::jacobi}, {"instant_radiosity", MultiBounce::instant_radiosity}, {"photon_map", MultiBounce::photon_map}},
              "how light reaches the points over several bounces");

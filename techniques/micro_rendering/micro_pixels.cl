@@ -5,6 +5,10 @@
 #include "micro_rendering/micro_node.clh"
 #include "micro_rendering/shared/micro_types.h"
 
+#ifndef MICRO_GATHER_ENV
+#define MICRO_GATHER_ENV 0  // as micro_gather.cl
+#endif
+
 #define MICRO_NO_GATHER 0x40000000u  // key of a pixel that gathers nothing: behind all others
 
 uint sub_image_pixel(MicroSubImage sub, uint i) {
@@ -111,7 +115,11 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
                           const uint height, const uint stride, const float least, const float2 footprint,
                           const uint morton, __global float4* restrict irradiance, __global float4* restrict specular,
                           __global MicroStatistics* restrict statistics, __global uint* restrict keys,
-                          __global uint* restrict values, __global uint* restrict failed) {
+                          __global uint* restrict values,
+#if MICRO_GATHER_ENV
+                          __global float4* restrict sky,
+#endif
+                          __global uint* restrict failed) {
   const uint pixel = get_global_id(0);
   if (pixel >= width * height) return;
   const uint x = pixel % width, y = pixel / width;
@@ -133,6 +141,9 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   const float same_way = 1.0f - 0.5f * sqr(0.25f * bsdf.alpha);
 
   float4 diffuse = (float4)(0.0f), all = (float4)(0.0f), grazing = (float4)(0.0f);
+#if MICRO_GATHER_ENV
+  float4 sky_diffuse = (float4)(0.0f), sky_all = (float4)(0.0f), sky_grazing = (float4)(0.0f);
+#endif
   const uint x0 = x / stride * stride, y0 = y / stride * stride;
   const float fx = (float)(x - x0) / (float)stride, fy = (float)(y - y0) / (float)stride;
   for (uint corner = 0u; corner < 4u; ++corner) {
@@ -146,27 +157,52 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
     const Surface there = gbuffer_surface(&scene, points + other);
     const Bsdf lobe = make_bsdf(&scene, &there, 0u);
     // A pixel that has no such lobe has not gathered for it.
-    if (luminance(lobe.diffuse) > 0.0f) diffuse += weight * (float4)(irradiance[other].xyz, 1.0f);
+    if (luminance(lobe.diffuse) > 0.0f) {
+      diffuse += weight * (float4)(irradiance[other].xyz, 1.0f);
+#if MICRO_GATHER_ENV
+      sky_diffuse += weight * sky[3u * other];
+#endif
+    }
     if (!glossy || !has_glossy_lobe(&lobe) || fabs(lobe.alpha - bsdf.alpha) > 0.1f * bsdf.alpha) continue;
     if (dot(mirrored, mirrored_view(points + other)) < same_way) continue;
     all += weight * (float4)(specular[2u * other].xyz, 1.0f);
     grazing += weight * (float4)(specular[2u * other + 1u].xyz, 0.0f);
+#if MICRO_GATHER_ENV
+    sky_all += weight * sky[3u * other + 1u];
+    sky_grazing += weight * sky[3u * other + 2u];
+#endif
   }
   const bool needs_diffuse = luminance(bsdf.diffuse) > 0.0f;
   irradiance[pixel] = diffuse.w > 0.0f ? (float4)(diffuse.xyz / diffuse.w, 0.0f) : (float4)(0.0f);
   specular[2u * pixel] = all.w > 0.0f ? (float4)(all.xyz / all.w, 0.0f) : (float4)(0.0f);
   specular[2u * pixel + 1u] = all.w > 0.0f ? (float4)(grazing.xyz / all.w, 0.0f) : (float4)(0.0f);
+#if MICRO_GATHER_ENV
+  sky[3u * pixel] = diffuse.w > 0.0f ? sky_diffuse / diffuse.w : (float4)(0.0f);
+  sky[3u * pixel + 1u] = all.w > 0.0f ? sky_all / all.w : (float4)(0.0f);
+  sky[3u * pixel + 2u] = all.w > 0.0f ? sky_grazing / all.w : (float4)(0.0f);
+#endif
   if (!(needs_diffuse && diffuse.w < least) && !(glossy && all.w < least)) return;
   failed[pixel] = 1u;
   keys[pixel] = morton ? morton_of(scene.scene_info, point->position.xyz) : pixel;
 }
 
-// Adds the light that the pixels of a sub-image reflect: xyz sum, w samples. looks: sums of what the inspection layers
+// What a point reflects of a gather's results: irradiance, and S and S_w of the specular lobe.
+float3 reflected_light(const Bsdf* bsdf, float3 irradiance, float3 all, float3 grazing) {
+  float3 light = (float3)(0.0f);
+  if (luminance(bsdf->diffuse) > 0.0f) light += bsdf->diffuse * irradiance * M_1_PI_F;
+  if (has_glossy_lobe(bsdf)) light += bsdf->f0 * (all - grazing) + bsdf->f90 * grazing;
+  return light;
+}
+
+// Adds the light that the pixels of a sub-image reflect: xyz sum, w samples; sky_light: of the environment. looks: sums of what the inspection layers
 // show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1 where interpolation failed.
 __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                               const MicroSubImage sub, __global const float4* restrict irradiance,
                               __global const float4* restrict specular, __global const MicroStatistics* restrict statistics,
                               __global const uint* restrict failed, __global float4* restrict indirect,
+#if MICRO_GATHER_ENV
+                              __global const float4* restrict sky, __global float4* restrict sky_light,
+#endif
                               __global float4* restrict looks) {
   const uint i = get_global_id(0);
   if (i >= sub.width * sub.height) return;
@@ -176,12 +212,11 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
   if (points[pixel].state == LUCARIUM_GBUFFER_SURFACE) {
     const Surface surface = gbuffer_surface(&scene, points + pixel);
     const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
-    if (luminance(bsdf.diffuse) > 0.0f) light += bsdf.diffuse * irradiance[pixel].xyz * M_1_PI_F;
-    if (has_glossy_lobe(&bsdf)) {
-      const float3 all = specular[2u * pixel].xyz, grazing = specular[2u * pixel + 1u].xyz;
-      light += bsdf.f0 * (all - grazing) + bsdf.f90 * grazing;
-    }
-    light *= points[pixel].throughput.xyz;
+    const float3 throughput = points[pixel].throughput.xyz;
+    light = throughput * reflected_light(&bsdf, irradiance[pixel].xyz, specular[2u * pixel].xyz, specular[2u * pixel + 1u].xyz);
+#if MICRO_GATHER_ENV
+    sky_light[pixel] += (float4)(throughput * reflected_light(&bsdf, sky[3u * pixel].xyz, sky[3u * pixel + 1u].xyz, sky[3u * pixel + 2u].xyz), 0.0f);
+#endif
     const MicroStatistics s = statistics[pixel];
     looks[pixel] += (float4)((float)s.levels / (float)max(s.splats + s.listed, 1u), (float)s.listed, (float)s.visits, (float)failed[pixel]);
   }

@@ -14,7 +14,7 @@
 //
 // How. PointForest places points on surfaces and keeps the hierarchy; LeafLight puts light onto its leaves, over several
 // bounces where asked; PixelGather gathers at the pixels of a G-buffer, sub-image by sub-image. `emission` and `direct`
-// come from the framework's services, `indirect` is this technique's.
+// come from the framework's services, `indirect` is this technique's; with gather_env so is what `direct` has of the environment.
 //
 // What is counted. Light of all kinds by light samples at the points; behind the first visible non-mirror surface only
 // diffuse lobes and no mirrors or glass. Paths of 2 … max_bounces + 1 counted scatterings are `indirect`.
@@ -98,7 +98,10 @@ class MicroRendering : public Technique {
     SourceLibrary library;
     library.add(micro_rendering_kernels());
     program_ = Program(*context.device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {}});
-    if (bounces(context.settings) > 0) gather_ = GatherPass(*context.device, parameters_);
+    if (bounces(context.settings) > 0) {
+      gather_ = GatherPass(*context.device, parameters_, GatherAt::pixels);
+      node_gather_ = GatherPass(*context.device, parameters_, GatherAt::nodes);
+    }
     make_forest();
     make_passes();
   }
@@ -205,7 +208,9 @@ class MicroRendering : public Technique {
     direct_light_.reset();
     gbuffer_.reset();
     gbuffer_ = std::make_unique<GBuffer>(device, scheduler, scene, context_->bvh(), frame(), kName);
-    direct_light_ = std::make_unique<DirectLight>(device, scheduler, scene, context_->bvh(), kName);
+    const bool gathers_sky = forest_ && parameters_.gather_env;
+    const uint32_t kinds = gathers_sky ? DirectLight::kAllLights & ~(1u << LUCARIUM_LIGHT_ENVIRONMENT) : DirectLight::kAllLights;
+    direct_light_ = std::make_unique<DirectLight>(device, scheduler, scene, context_->bvh(), kName, kinds);
     const uint32_t pixels = settings.width * settings.height;
     emission_ = TypedBuffer<float4>(device, kName, "emission", pixels, "lower --size");
     direct_ = TypedBuffer<float4>(device, kName, "direct light", pixels, "lower --size");
@@ -216,7 +221,7 @@ class MicroRendering : public Technique {
         .arg("direct", direct_);
     direct_schedule_ = recorder.compile();
     if (forest_) {
-      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, gather_, parameters_,
+      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, node_gather_, parameters_,
                                                 bounces(settings), kName);
       pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, gbuffer_->points(), settings.width, settings.height,
                                               *forest_, gather_, parameters_, kName);
@@ -271,7 +276,7 @@ class MicroRendering : public Technique {
   uint32_t frame_ = 0, batch_ = 0;
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;
   Program program_;
-  GatherPass gather_;
+  GatherPass gather_, node_gather_;
   std::unique_ptr<PointForest> forest_;
   std::unique_ptr<GBuffer> gbuffer_;
   std::unique_ptr<DirectLight> direct_light_;

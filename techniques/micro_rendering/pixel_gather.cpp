@@ -17,10 +17,10 @@ constexpr uint32_t kRun = 256;  // pixels whose statistics one work-item sums
 constexpr size_t kMicroPixels = 64 * 64;
 const char* const kRemedy = "lower --size";
 
-Program pixel_program(Device& device) {
+Program pixel_program(Device& device, const MicroParameters& parameters) {
   SourceLibrary library;
   library.add(micro_rendering_kernels());
-  return Program(device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {}});
+  return Program(device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {{"MICRO_GATHER_ENV", parameters.gather_env ? "1" : "0"}}});
 }
 
 /// Distance between the pixels of a sub-image: a power of two that leaves no more than `most` of them.
@@ -47,20 +47,21 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
       gather_(gather),
       parameters_(parameters),
       owner_(owner),
-      program_(pixel_program(device)),
+      program_(pixel_program(device, parameters)),
       primitives_(device) {
   const size_t pixels = size_t{width} * height;
   capacity_ = ((width + stride_ - 1) / stride_) * ((height + stride_ - 1) / stride_);
   const auto inside = [](int x, uint32_t size) { return x >= 0 && static_cast<uint32_t>(x) < size; };
   if (inside(parameters.inspect_x, width) && inside(parameters.inspect_y, height))
     inspect_ = static_cast<uint32_t>(parameters.inspect_y) * width + static_cast<uint32_t>(parameters.inspect_x);
-  results_ = GatherResults(device, owner, "pixels'", pixels, true);
+  results_ = GatherResults(device, owner, "pixels'", pixels, true, parameters.gather_env);
   added_ = interpolates() ? width * height : capacity_;
   failed_ = TypedBuffer<uint32_t>(device, owner, "failed interpolations", pixels, kRemedy);
   failed_count_ = TypedBuffer<uint32_t>(device, owner, "number of failed interpolations", 1);
   gather_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers", 1);
   indirect_ = TypedBuffer<float4>(device, owner, "indirect light", pixels, kRemedy);
   looks_ = TypedBuffer<float4>(device, owner, "inspected sums", pixels, kRemedy);
+  if (parameters.gather_env) sky_ = TypedBuffer<float4>(device, owner, "light of the environment", pixels, kRemedy);
   kept_micro_buffer_ = TypedBuffer<float4>(device, owner, "kept micro-buffer", kMicroPixels);
   record_gather();
   record_add();
@@ -123,7 +124,7 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
   scene_.bind(fill, program_, "mr_list_fill");
   fill.global(capacity).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity)
       .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", count);
-  gather_.record(recorder, "gather", forest_, gathers, count, capacity, settings_, results_);
+  gather_.record(recorder, "gather", scene_, forest_, gathers, count, capacity, settings_, results_);
 }
 
 /// Pixels between gathers are interpolated; those where that fails gather themselves.
@@ -138,6 +139,7 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
       .arg("least", parameters_.upsample_fail).arg("footprint", footprint_).arg("morton", parameters_.morton ? 1u : 0u)
       .arg("irradiance", results_.irradiance).arg("specular", results_.specular).arg("statistics", results_.statistics)
       .arg("keys", keys).arg("values", values).arg("failed", failed_);
+  if (parameters_.gather_env) pass.arg("sky", results_.sky);
   list_gathers(recorder, keys, values, failed_count_, pixels);
 }
 
@@ -149,6 +151,7 @@ void PixelGather::record_add() {
   pass.global(added_).local(kLocalSize).arg("points", points_).arg("sub", add_sub_).arg("irradiance", results_.irradiance)
       .arg("specular", results_.specular).arg("statistics", results_.statistics).arg("failed", failed_)
       .arg("indirect", indirect_).arg("looks", looks_);
+  if (parameters_.gather_env) pass.arg("sky", results_.sky).arg("sky_light", sky_);
   const uint32_t runs = (added_ + kRun - 1) / kRun;
   const BufferRef sums = recorder.transient<MicroStatistics>("sums of statistics", runs);
   recorder.pass("sum statistics", program_, "mr_sum_statistics").global(runs).local(1).arg("points", points_).arg("sub", add_sub_)
@@ -194,6 +197,7 @@ void PixelGather::restart() {
   scheduler_.finish();
   indirect_.fill_zero();
   looks_.fill_zero();
+  if (parameters_.gather_env) sky_.fill_zero();
   kept_micro_buffer_.fill_zero();
 }
 
@@ -204,6 +208,8 @@ void PixelGather::warm_up() {
 void PixelGather::resolve(Film& film) const {
   scheduler_.finish();
   const std::vector<float4> indirect = indirect_.download(), looks = looks_.download();
+  const std::vector<float4> sky = parameters_.gather_env ? sky_.download() : std::vector<float4>();
+  FilmLayer* const direct = sky.empty() ? nullptr : &film.layer("direct", {"R", "G", "B"}, true);
   FilmLayer& light = film.layer("indirect", {"R", "G", "B"}, true);
   FilmLayer& level = film.layer("cut_level", {"Y"});
   FilmLayer& listed = film.layer("list_length", {"Y"});
@@ -217,6 +223,8 @@ void PixelGather::resolve(Film& film) const {
       for (uint32_t s = 2; s <= stride_ && indirect[source].w == 0; s *= 2) source = size_t{y / s * s} * width_ + x / s * s;
       const float scale = indirect[source].w > 0 ? 1 / indirect[source].w : 0;
       for (size_t c = 0; c < 3; ++c) light.pixels[3 * pixel + c] = scale * (&indirect[source].x)[c];
+      if (direct)
+        for (size_t c = 0; c < 3; ++c) direct->pixels[3 * pixel + c] += scale * (&sky[source].x)[c];
       level.pixels[pixel] = scale * looks[source].x;
       listed.pixels[pixel] = scale * looks[source].y;
       visits.pixels[pixel] = scale * looks[source].z;
@@ -243,7 +251,8 @@ void PixelGather::resolve_micro_buffer(Film& film) const {
 size_t PixelGather::estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters) {
   const size_t pixels = size_t{width} * height;
   const size_t batch = parameters.gather_step > 1 ? 2 * pixels : std::min(pixels, static_cast<size_t>(parameters.batch_gathers));
-  return GatherResults::estimate_bytes(pixels, true) + pixels * (2 * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
+  const bool sky = parameters.gather_env;
+  return GatherResults::estimate_bytes(pixels, true, sky) + pixels * ((sky ? 3 : 2) * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
          batch * (4 * sizeof(uint32_t) + sizeof(MicroGather)) + (size_t{1} << 18);
 }
 

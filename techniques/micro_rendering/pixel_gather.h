@@ -29,7 +29,7 @@ class PixelGather {
   void add(uint32_t batch);
   void restart();
   void warm_up();
-  /// Writes the layers `indirect`, `cut_level`, `list_length`, `node_visits`, `upsampling_failed` where pixels are interpolated, and `micro_buffer` where a pixel is inspected. Pixels that no
+  /// Adds what gathers have seen of the environment to the layer `direct`, which exists; writes the layers `indirect`, `cut_level`, `list_length`, `node_visits`, `upsampling_failed` where pixels are interpolated, and `micro_buffer` where a pixel is inspected. Pixels that no
   /// batch has reached yet show the nearest of the sub-images before.
   void resolve(Film& film) const;
   const std::map<std::string, double>& counters() const { return counters_; }
@@ -61,6 +61,7 @@ class PixelGather {
   GatherResults results_;
   TypedBuffer<uint32_t> gather_count_, failed_count_, failed_;
   TypedBuffer<float4> indirect_, looks_, kept_micro_buffer_;
+  TypedBuffer<float4> sky_;  ///< as indirect_, of the environment; with gather_env
   Schedule gather_schedule_, add_schedule_, keep_schedule_;
   Variable<MicroSubImage> gather_sub_, add_sub_;
   Variable<MicroSettings> settings_;

@@ -136,7 +136,7 @@ TEST_CASE("light in a sphere grows bounce by bounce as the closed form says, and
   parameters.micro_size = 16;
   parameters.jacobi_level = 9;
   const PointForest forest(device, scheduler, scene, buffers, {.points_log2 = parameters.points_log2}, "test");
-  const GatherPass gather(device, parameters);
+  const GatherPass gather(device, parameters, micro::GatherAt::nodes);
   constexpr double pi = 3.14159265358979;
   double expected = 0;
   for (int bounces = 2; bounces <= 5; ++bounces) {

@@ -4,50 +4,11 @@
 
 #include <cmath>
 
-#include "lucarium/scene/builtin_builder.h"
-#include "lucarium/scene/load_scene.h"
-#include "lucarium/technique/session.h"
+#include "technique_fixture.h"
 #include "test_support.h"
 
 using namespace lucarium;
-
-namespace {
-
-using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-const TechniqueRegistry& registry() {
-  static const TechniqueRegistry all;
-  return all;
-}
-
-RenderSettings settings_for(const Scene& scene, uint32_t size, int max_bounces) {
-  RenderSettings settings;
-  settings.width = settings.height = size;
-  settings.max_bounces = max_bounces;
-  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;  // so that edges of things are the same in every picture
-  settings.camera = scene.cameras.front();
-  return settings;
-}
-
-/// The layer `indirect` of a scene after some iterations.
-std::vector<float> indirect_light(Scene scene, const std::string& technique, uint32_t size, int max_bounces,
-                                  uint64_t iterations, const Parameters& parameters) {
-  const RenderSettings settings = settings_for(scene, size, max_bounces);
-  RenderSession session(Device::open(), std::move(scene), registry().find(technique), settings, parameters);
-  session.run({.iterations = iterations});
-  return session.resolve().find("indirect")->pixels;
-}
-
-double mean(const std::vector<float>& values) {
-  double sum = 0;
-  for (const float v : values) sum += static_cast<double>(v);
-  return sum / static_cast<double>(values.size());
-}
-
-const Parameters reference = {{"secondary_lambert_only", "on"}, {"light_delta", "off"}, {"samples_per_iteration", "64"}};
-const Parameters small = {{"points_log2", "13"}, {"micro_size", "16"}, {"jacobi_level", "8"}};
-
-}  // namespace
+using namespace lucarium::test;
 
 TEST_CASE("indirect light is the path tracer's, over one and several bounces") {
   for (const char* scene : {"builtin:cornell", "builtin:room"}) {

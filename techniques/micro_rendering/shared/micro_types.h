@@ -88,6 +88,7 @@ LUCARIUM_STRUCT_END(MicroSubImage, 32)
 //   irradiance  float4: xyz E, light arriving times cosine [lx]; w: share of the hemisphere (by mass) that stayed empty
 //   specular    2 float4: xyz of S and S_w [cd/m²]; w: 0. What leaves by the specular lobe is F0 (S - S_w) + F90 S_w,
 //               since Schlick's F = F0 + (F90 - F0) w: S sums L G2 / G1 over the lobe's micro-buffer, S_w that times w.
+//   sky         (MICRO_GATHER_ENV) 3 float4: the same three of the environment seen through empty micro-pixels
 //   statistics  MicroStatistics
 LUCARIUM_STRUCT_BEGIN(MicroStatistics)
   uint visits;      // nodes tested
@@ -105,7 +106,8 @@ LUCARIUM_STRUCT_END(MicroStatistics, 32)
 //                           __global const half* radiance, __global const float* radiance_unit,
 //                           __global const MicroGather* gathers, __global const uint* gather_count,
 //                           MicroSettings settings, __global float4* irradiance, __global float4* specular,
-//                           __global MicroStatistics* statistics, __global float4* micro_buffer, uint slice_base)
+//                           __global MicroStatistics* statistics, __global float4* micro_buffer,
+//                           [MICRO_GATHER_ENV: LUCARIUM_SCENE_PARAMETERS __global float4* sky,] uint slice_base)
 // Work-item i is gather i; it returns when i >= gather_count[0]. What slots hold that no gather has stays as it was.
 // Rules that a program fixes come as definitions (gather_pass.cpp).
 
