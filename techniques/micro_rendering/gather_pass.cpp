@@ -11,8 +11,9 @@ namespace {
 constexpr size_t kLargestBuffer = 64;   // edge of a micro-buffer
 constexpr size_t kGathersPerSlice = 256;  // 20 to 200 ms: how soon a cancellation is felt
 const char* const kRemedy = "lower --size";
+const char* const kRemedyPoints = "lower points_log2";
 
-std::map<std::string, std::string> definitions(const MicroParameters& p, bool sky) {
+std::map<std::string, std::string> definitions(const MicroParameters& p, bool sky, bool dynamic) {
   const auto flag = [](bool on) { return std::string(on ? "1" : "0"); };
   return {{"MICRO_SIZE", std::to_string(p.micro_size)},
           {"MICRO_CONSERVATIVE_CUT", flag(p.cut_bound == CutBound::conservative)},
@@ -22,7 +23,8 @@ std::map<std::string, std::string> definitions(const MicroParameters& p, bool sk
           {"MICRO_HOLE_FILL", flag(p.hole_fill)},
           {"MICRO_RAYCAST", flag(p.raycast)},
           {"MICRO_DEPTH_BITS", p.depth_bits < 32 ? "8" : "32"},
-          {"MICRO_GATHER_ENV", flag(sky)}};
+          {"MICRO_GATHER_ENV", flag(sky)},
+          {"MICRO_DYNAMIC", flag(dynamic)}};
 }
 
 }  // namespace
@@ -39,21 +41,32 @@ size_t GatherResults::estimate_bytes(size_t slots, bool specular_too, bool sky_t
   return slots * ((1 + (specular_too ? 2 : 0) + (sky_too ? 3 : 0)) * sizeof(float4) + sizeof(MicroStatistics)) + kLargestBuffer * kLargestBuffer * sizeof(float4);
 }
 
+DynamicShading::DynamicShading(Device& device, const std::string& owner, size_t leaves)
+    : choices(device, owner, "leaves that nodes stand for", 2 * leaves, kRemedyPoints),
+      leaf_lights(device, owner, "light samples of leaves", leaves, kRemedyPoints),
+      leaf_lobes(device, owner, "lobes of leaves", leaves, kRemedyPoints) {}
+
+size_t DynamicShading::estimate_bytes(size_t leaves) {
+  return leaves * (2 * sizeof(MicroNodeChoice) + sizeof(MicroLeafLight) + sizeof(MicroLeafLobe));
+}
+
 GatherPass::GatherPass(Device& device, const MicroParameters& parameters, GatherAt at)
-    : sky_(parameters.gather_env && at == GatherAt::pixels) {
+    : sky_(parameters.gather_env && at == GatherAt::pixels),
+      dynamic_(parameters.node_shading == NodeShading::dynamic && at == GatherAt::pixels) {
   SourceLibrary library;
   library.add(micro_rendering_kernels());
-  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, sky_)});
+  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, sky_, dynamic_)});
 }
 
 void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
                         const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
-                        const GatherResults& results) const {
+                        const GatherResults& results, const DynamicShading& shading) const {
   PassBuilder pass = recorder.pass(name, program_, "mr_gather");
   if (sky_) {
     scene.bind(pass, program_, "mr_gather");
     pass.arg("sky", results.sky);
   }
+  if (dynamic_) pass.arg("choices", shading.choices).arg("leaf_lights", shading.leaf_lights).arg("leaf_lobes", shading.leaf_lobes);
   pass.global(capacity).local(1).slice(kGathersPerSlice)
       .arg("trees", forest.tree_records).arg("tree_count", static_cast<uint32_t>(forest.trees().size()))
       .arg("nodes", forest.nodes).arg("radiance", forest.radiance).arg("radiance_unit", forest.radiance_unit)

@@ -22,7 +22,19 @@ struct GatherResults {
   static size_t estimate_bytes(size_t slots, bool specular_too, bool sky_too = false);
 };
 
-/// Who gathers: visible points, or nodes for further bounces. Only the former see the environment.
+/// What nodes need beside their stored radiance for node_shading=dynamic; empty without it.
+struct DynamicShading {
+  TypedBuffer<MicroNodeChoice> choices;    ///< by node
+  TypedBuffer<MicroLeafLight> leaf_lights;  ///< by leaf
+  TypedBuffer<MicroLeafLobe> leaf_lobes;    ///< by leaf
+
+  DynamicShading() = default;
+  DynamicShading(Device& device, const std::string& owner, size_t leaves);
+  static size_t estimate_bytes(size_t leaves);
+};
+
+/// Who gathers: visible points, or nodes for further bounces. Only the former see the environment, and
+/// glossy lobes of nodes.
 enum class GatherAt { pixels, nodes };
 
 /// The gather kernel with the rules that parameters choose.
@@ -31,14 +43,14 @@ class GatherPass {
   GatherPass() = default;
   GatherPass(Device& device, const MicroParameters& parameters, GatherAt at);
 
-  /// Records a pass over gathers [0, gather_count[0]), at most `capacity`.
+  /// Records a pass over gathers [0, gather_count[0]), at most `capacity`. `shading` is used at pixels alone.
   void record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
               const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
-              const GatherResults& results) const;
+              const GatherResults& results, const DynamicShading& shading) const;
 
  private:
   Program program_;
-  bool sky_ = false;
+  bool sky_ = false, dynamic_ = false;
 };
 
 }  // namespace lucarium::micro

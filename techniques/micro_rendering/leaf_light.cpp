@@ -17,13 +17,14 @@ const char* const kRemedy = "lower points_log2";
 // Apart from the gathers at pixels, which get the seed itself.
 constexpr uint32_t kNodeSeed = 0x6a61636fu;
 
-Program light_program(Device& device) {
+}  // namespace
+
+Program light_program(Device& device, const MicroParameters& parameters) {
   SourceLibrary library;
   library.add(micro_rendering_kernels());
-  return Program(device, library, {"micro_rendering/light", {"micro_rendering/micro_light.cl"}, {}});
+  const bool dynamic = parameters.node_shading == NodeShading::dynamic;
+  return Program(device, library, {"micro_rendering/light", {"micro_rendering/micro_light.cl"}, {{"MICRO_DYNAMIC", dynamic ? "1" : "0"}}});
 }
-
-}  // namespace
 
 LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
                      const Intersector& intersector, const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
@@ -37,13 +38,17 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
       parameters_(parameters),
       bounces_(bounces),
       owner_(owner),
-      program_(light_program(device)),
+      program_(light_program(device, parameters)),
       primitives_(device) {
   const uint32_t leaves = forest.leaf_count();
   direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kRemedy);
   leaf_count_ = TypedBuffer<uint32_t>(device, owner, "number of leaves", std::vector<uint32_t>{leaves});
+  if (dynamic()) {
+    shading_ = DynamicShading(device, owner, leaves);
+    record_lobes();
+  }
   if (parameters.multibounce != MultiBounce::jacobi)
-    paths_ = std::make_unique<LightPaths>(device, scheduler, host_scene, scene, intersector, forest, parameters, bounces, direct_, owner);
+    paths_ = std::make_unique<LightPaths>(device, scheduler, host_scene, scene, intersector, forest, parameters, bounces, direct_, shading_, owner);
   if (gathers_at_nodes()) {
     irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kRemedy);
     uint32_t slots = 0;
@@ -86,14 +91,15 @@ void LeafLight::record_direct() {
   sample.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("sample_index", sample_)
       .arg("seed", light_seed_).arg("shadow_rays", rays).arg("shadow_light", light);
   intersector_.record_any(recorder, "shadow rays of points", rays, occluded, leaf_count_, 0, leaves);
-  recorder.pass("add light at points", program_, "mr_add_light").global(leaves).local(kLocalSize).arg("count", leaves)
-      .arg("weight", 1.f / static_cast<float>(parameters_.light_samples)).arg("shadow_light", light).arg("occluded", occluded)
-      .arg("irradiance", direct_);
+  PassBuilder add = recorder.pass("add light at points", program_, "mr_add_light");
+  add.global(leaves).local(kLocalSize).arg("count", leaves).arg("weight", 1.f / static_cast<float>(parameters_.light_samples))
+      .arg("shadow_light", light).arg("occluded", occluded).arg("irradiance", direct_);
+  if (dynamic()) add.arg("shadow_rays", rays).arg("number", sample_).arg("leaf_lights", shading_.leaf_lights);
   direct_schedule_ = recorder.compile();
 }
 
 /// From the leaves' irradiance to the radiance of all nodes.
-void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance) {
+void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance, bool choose) {
   const uint32_t leaves = forest_.leaf_count();
   const BufferRef brightness = recorder.transient<float>("brightness of leaves", leaves, kRemedy);
   const BufferRef brightest = recorder.transient<float>("brightest leaf", 1);
@@ -112,11 +118,38 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
           .arg("tree", t).arg("top", top).arg("bottom", bottom).arg("radiance", forest_.radiance).arg("extremes", extremes);
     });
   }
+  if (choose) add_choices(recorder, extremes);
+}
+
+/// The leaf that every node stands for where glossy lobes are asked for.
+void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extremes) {
+  choice_seed_ = recorder.variable("seed", 0u);
+  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
+    const ForestTree& tree = forest_.trees()[t];
+    recorder.pass("choose leaves", program_, "mr_choose_leaves").global(tree.leaves()).local(kLocalSize)
+        .arg("leaf_lights", shading_.leaf_lights).arg("trees", forest_.tree_records).arg("tree", t).arg("count", tree.leaves())
+        .arg("choices", shading_.choices);
+    PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
+      recorder.pass("pull choices", program_, "mr_pull_choices").global(size_t{1} << top).local(1).arg("trees", forest_.tree_records)
+          .arg("tree", t).arg("top", top).arg("bottom", bottom).arg("seed", choice_seed_).arg("extremes", extremes)
+          .arg("choices", shading_.choices);
+    });
+  }
+}
+
+/// Depends on geometry and materials alone.
+void LeafLight::record_lobes() {
+  const uint32_t leaves = forest_.leaf_count();
+  ScheduleRecorder recorder = scheduler_.record("lobes of leaves", owner_);
+  PassBuilder pass = recorder.pass("lobes of leaves", program_, "mr_leaf_lobes");
+  scene_.bind(pass, program_, "mr_leaf_lobes");
+  pass.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("leaf_lobes", shading_.leaf_lobes);
+  lobes_schedule_ = recorder.compile();
 }
 
 void LeafLight::record_pull() {
   ScheduleRecorder recorder = scheduler_.record("pull", owner_);
-  add_pull(recorder, direct_);
+  add_pull(recorder, direct_, dynamic());
   pull_schedule_ = recorder.compile();
 }
 
@@ -139,22 +172,23 @@ void LeafLight::record_bounce() {
   ScheduleRecorder recorder = scheduler_.record("bounce", owner_);
   settings_ = recorder.variable("settings", MicroSettings{});
   gather_.record(recorder, "gather at nodes", scene_, forest_, node_gathers_, node_count_, static_cast<uint32_t>(node_gathers_.count()),
-                 settings_, node_results_);
+                 settings_, node_results_, shading_);
   for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
     const ForestTree& tree = forest_.trees()[t];
     recorder.pass("push", program_, "mr_push").global(tree.leaves()).local(kLocalSize).arg("trees", forest_.tree_records)
         .arg("tree", t).arg("level", level_of(tree)).arg("first_slot", first_slot_[t]).arg("count", tree.leaves())
         .arg("direct", direct_).arg("gathered", node_results_.irradiance).arg("irradiance", irradiance_);
   }
-  add_pull(recorder, irradiance_);
+  add_pull(recorder, irradiance_, false);
   bounce_schedule_ = recorder.compile();
 }
 
-void LeafLight::moved() { nodes_known_ = false; }
+void LeafLight::moved() { nodes_known_ = lobes_known_ = false; }
 
 bool LeafLight::receive(uint32_t frame, uint32_t seed) {
   scheduler_.finish();
   direct_.fill_zero();
+  if (dynamic()) shading_.leaf_lights.fill_zero();
   direct_schedule_.set(light_seed_, seed);
   const bool sampled = parameters_.multibounce != MultiBounce::photon_map || !parameters_.photon_direct;
   for (int s = 0; sampled && s < parameters_.light_samples; ++s) {
@@ -165,6 +199,11 @@ bool LeafLight::receive(uint32_t frame, uint32_t seed) {
 }
 
 bool LeafLight::spread(uint32_t frame, uint32_t seed) {
+  if (dynamic()) {
+    if (!lobes_known_) scheduler_.run_to_end(lobes_schedule_);
+    lobes_known_ = true;
+    pull_schedule_.set(choice_seed_, seed ^ (frame * 0x9e3779b9u));
+  }
   if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
   if (!gathers_at_nodes()) return true;
   if (!nodes_known_) {
@@ -181,7 +220,7 @@ bool LeafLight::spread(uint32_t frame, uint32_t seed) {
 }
 
 void LeafLight::warm_up() {
-  for (Schedule* schedule : {&direct_schedule_, &pull_schedule_, &nodes_schedule_, &bounce_schedule_})
+  for (Schedule* schedule : {&direct_schedule_, &pull_schedule_, &nodes_schedule_, &bounce_schedule_, &lobes_schedule_})
     if (*schedule) scheduler_.warm_up(*schedule);
   if (paths_) paths_->warm_up();
 }
@@ -189,10 +228,11 @@ void LeafLight::warm_up() {
 size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
   const size_t transient = leaves * (sizeof(Ray) + sizeof(float4) + 3 * sizeof(uint32_t) + 2 * sizeof(float4));
   const size_t slots = size_t{2} << parameters.jacobi_level;
+  const size_t shading = parameters.node_shading == NodeShading::dynamic ? DynamicShading::estimate_bytes(leaves) : 0;
   const size_t several = leaves * sizeof(float4) + slots * sizeof(MicroGather) + GatherResults::estimate_bytes(slots, false);
   if (parameters.multibounce != MultiBounce::jacobi)
-    return leaves * sizeof(float4) + 2 * transient + LightPaths::estimate_bytes(parameters, leaves, bounces);
-  return leaves * sizeof(float4) + 2 * transient + (bounces > 1 ? several : 0);
+    return shading + leaves * sizeof(float4) + 2 * transient + LightPaths::estimate_bytes(parameters, leaves, bounces);
+  return shading + leaves * sizeof(float4) + 2 * transient + (bounces > 1 ? several : 0);
 }
 
 }  // namespace lucarium::micro

@@ -26,7 +26,8 @@ class LeafLight {
   bool spread(uint32_t frame, uint32_t seed);
   TypedBuffer<float4>& received() { return direct_; }  ///< by leaf [lx]
   const TypedBuffer<float4>& gathered() const { return node_results_.irradiance; }  ///< of the last bounce, by node [lx]
-  /// Points have moved.
+  const DynamicShading& shading() const { return shading_; }
+  /// Points have moved, or materials have changed.
   void moved();
   void warm_up();
   uint32_t gathers_per_run() const;  ///< at nodes
@@ -38,7 +39,10 @@ class LeafLight {
   void record_pull();
   void record_bounce();
   void record_nodes();
-  void add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance);
+  bool dynamic() const { return parameters_.node_shading == NodeShading::dynamic; }
+  void record_lobes();
+  void add_choices(ScheduleRecorder& recorder, const BufferRef& extremes);
+  void add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance, bool choose);
   uint32_t level_of(const ForestTree& tree) const;
 
   Device& device_;
@@ -54,14 +58,15 @@ class LeafLight {
   Primitives primitives_;
   TypedBuffer<float4> direct_;      ///< irradiance of leaves by direct light [lx]
   TypedBuffer<float4> irradiance_;  ///< the same with what nodes have gathered
+  DynamicShading shading_;
   TypedBuffer<uint32_t> leaf_count_, node_count_;  ///< one element each
   TypedBuffer<MicroGather> node_gathers_;
   GatherResults node_results_;
   std::vector<uint32_t> first_slot_;  ///< by tree, in node_gathers_
-  Schedule direct_schedule_, pull_schedule_, bounce_schedule_, nodes_schedule_;
-  Variable<uint32_t> sample_, light_seed_;
+  Schedule direct_schedule_, pull_schedule_, bounce_schedule_, nodes_schedule_, lobes_schedule_;
+  Variable<uint32_t> sample_, light_seed_, choice_seed_;
   Variable<MicroSettings> settings_;
-  bool nodes_known_ = false;
+  bool nodes_known_ = false, lobes_known_ = false;
   std::unique_ptr<LightPaths> paths_;
 };
 

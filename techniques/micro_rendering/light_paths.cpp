@@ -41,7 +41,8 @@ uint32_t LightPaths::kept_vertices() const {
 
 LightPaths::LightPaths(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
                        const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters,
-                       int bounces, const TypedBuffer<float4>& irradiance, const std::string& owner)
+                       int bounces, const TypedBuffer<float4>& irradiance, const DynamicShading& shading,
+                       const std::string& owner)
     : device_(device),
       scheduler_(scheduler),
       scene_(scene),
@@ -51,10 +52,11 @@ LightPaths::LightPaths(Device& device, KernelScheduler& scheduler, const Scene& 
       parameters_(parameters),
       bounces_(bounces),
       irradiance_(irradiance),
+      shading_(shading),
       owner_(owner),
       paths_(paths_of(parameters)),
       program_(micro_program(device, "micro_rendering/paths", "micro_rendering/micro_paths.cl")),
-      light_program_(micro_program(device, "micro_rendering/light", "micro_rendering/micro_light.cl")),
+      light_program_(light_program(device, parameters)),
       primitives_(device) {
   if (kept_vertices() == 0) return;
   photons_ = TypedBuffer<MicroPhoton>(device, owner, "photons", size_t{paths_} * kept_vertices(), kRemedy);
@@ -104,8 +106,11 @@ void LightPaths::record_virtual_light() {
   pass.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_)
       .arg("light", light_).arg("most", parameters_.vpl_clamp / (radius * radius)).arg("shadow_rays", rays).arg("shadow_light", light);
   intersector_.record_any(recorder, "rays to virtual lights", rays, occluded, leaf_count_, 0, leaves);
-  recorder.pass("add virtual light", light_program_, "mr_add_light").global(leaves).local(kLocalSize).arg("count", leaves)
-      .arg("weight", 1.f).arg("shadow_light", light).arg("occluded", occluded).arg("irradiance", irradiance_);
+  PassBuilder add = recorder.pass("add virtual light", light_program_, "mr_add_light");
+  add.global(leaves).local(kLocalSize).arg("count", leaves).arg("weight", 1.f).arg("shadow_light", light).arg("occluded", occluded)
+      .arg("irradiance", irradiance_);
+  if (parameters_.node_shading == NodeShading::dynamic)
+    add.arg("shadow_rays", rays).arg("number", light_).arg("leaf_lights", shading_.leaf_lights);
   light_schedule_ = recorder.compile();
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "gather_pass.h"
 #include "lucarium/services/intersector.h"
 #include "lucarium/services/primitives.h"
-#include "micro_parameters.h"
-#include "point_forest.h"
 
 namespace lucarium::micro {
+
+/// Kernels of micro_light.cl.
+Program light_program(Device& device, const MicroParameters& parameters);
 
 /// Light of several bounces at the leaves by paths from the lights: virtual point lights, or a photon map.
 class LightPaths {
@@ -13,7 +15,7 @@ class LightPaths {
   /// `bounces` as for LeafLight.
   LightPaths(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
              const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters, int bounces,
-             const TypedBuffer<float4>& irradiance, const std::string& owner);
+             const TypedBuffer<float4>& irradiance, const DynamicShading& shading, const std::string& owner);
 
   /// Traces the paths of a frame and adds their light to the leaves' irradiance. False when cancelled midway.
   bool run(uint32_t frame, uint32_t seed);
@@ -38,6 +40,7 @@ class LightPaths {
   MicroParameters parameters_;
   int bounces_;
   TypedBuffer<float4> irradiance_;
+  const DynamicShading& shading_;
   std::string owner_;
   uint32_t paths_ = 0;
   Program program_, light_program_;

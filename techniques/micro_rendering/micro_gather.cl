@@ -10,13 +10,17 @@
 #endif
 
 // The micro-buffer of the inspected slot: radiance and distance [m]; -1: empty.
-void keep_micro_buffer(const MicroWarp* warp, const MicroBuffer* buffer, const global half* radiance, float unit,
-                       __global float4* micro_buffer) {
+void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const MicroBuffer* buffer, const MicroNodeLight* light,
+                       float unit, __global float4* micro_buffer) {
   for (uint y = 0; y < warp->edge; ++y) {
     for (uint x = 0; x < warp->edge; ++x) {
-      const ulong key = buffer->key[(y + 1u) * buffer->rows + x + 1u];
+      const uint i = (y + 1u) * buffer->rows + x + 1u;
+      const ulong key = buffer->key[i];
       float4 pixel = (float4)(0.0f, 0.0f, 0.0f, -1.0f);
-      if (key != MICRO_EMPTY) pixel = (float4)(unit * pixel_radiance(radiance, key), as_float((uint)(key >> 32)));
+      if (key != MICRO_EMPTY) {
+        const float3 w = (float3)(buffer->x[i], buffer->y[i], buffer->z[i]);
+        pixel = (float4)(unit * pixel_radiance(light, point, w, key), as_float((uint)(key >> 32)));
+      }
       micro_buffer[y * MICRO_SIZE + x] = pixel;
     }
   }
@@ -33,6 +37,11 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
 #if MICRO_GATHER_ENV
                         LUCARIUM_SCENE_PARAMETERS __global float4* restrict sky,
 #endif
+#if MICRO_DYNAMIC
+                        __global const MicroNodeChoice* restrict choices,
+                        __global const MicroLeafLight* restrict leaf_lights,
+                        __global const MicroLeafLobe* restrict leaf_lobes,
+#endif
                         const uint slice_base) {
   const uint i = slice_base + get_global_id(0);
   if (i >= gather_count[0]) return;
@@ -45,6 +54,14 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   forest.tree_count = tree_count;
   forest.nodes = nodes;
   forest.radiance = radiance;
+  MicroNodeLight node_light;
+  node_light.radiance = radiance;
+#if MICRO_DYNAMIC
+  node_light.choices = choices;
+  node_light.leaf_lights = leaf_lights;
+  node_light.leaf_lobes = leaf_lobes;
+  node_light.inverse_unit = 1.0f / unit;
+#endif
   const MicroPoint point = make_micro_point(gathers + i, settings.seed);
   const uint lobes = gathers[i].lobes;
   const uint edges[2] = {min(lobes & 255u, (uint)MICRO_SIZE), min((lobes >> 8) & 255u, (uint)MICRO_SIZE)};
@@ -58,7 +75,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
     make_micro_warp(lobe, edges[lobe], half_value(lobes >> 16), to_local(&point.basis, point.view), settings.kappa, &warp);
     draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
     float3 grazing;
-    const float4 light = micro_light(&warp, &point, &buffer, radiance, &grazing, &counts);
+    const float4 light = micro_light(&warp, &point, &buffer, &node_light, &grazing, &counts);
     if (lobe == MICRO_LOBE_DIFFUSE) {
       irradiance[point.slot] = (float4)(M_PI_F * unit * light.xyz, light.w);
     } else {
@@ -76,7 +93,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
     }
 #endif
     if (point.slot == settings.inspect && edges[lobe] >= edges[1u - lobe])
-      keep_micro_buffer(&warp, &buffer, radiance, unit, micro_buffer);
+      keep_micro_buffer(&warp, &point, &buffer, &node_light, unit, micro_buffer);
   }
   statistics[point.slot] = counts;
 }

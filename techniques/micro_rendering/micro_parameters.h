@@ -9,6 +9,7 @@ enum class CutBound { conservative, centre };
 enum class Splat { sample, nearest };
 enum class Warp { analytic, table, nusselt };
 enum class Backface { black, cull };
+enum class NodeShading { stored, dynamic };
 enum class MultiBounce { jacobi, instant_radiosity, photon_map };
 
 struct MicroParameters {
@@ -28,6 +29,7 @@ struct MicroParameters {
   int gather_step = 1;
   float upsample_fail = 0.05f;
   bool gather_env = false;
+  NodeShading node_shading = NodeShading::stored;
   MultiBounce multibounce = MultiBounce::jacobi;
   int jacobi_level = 12;
   int depth_bits = 32;
@@ -64,6 +66,8 @@ struct MicroParameters {
     v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 a frame is one iteration");
     v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
     v.flag("gather_env", gather_env, "empty micro-pixels see the environment; light samples of the layer direct leave it out");
+    v.choice("node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},
+             "what nodes shine with: their diffuse lobes, stored before, or their glossy ones too, towards each gather");
     v.choice("multibounce", multibounce,
              {{"jacobi", MultiBounce::jacobi}, {"instant_radiosity", MultiBounce::instant_radiosity}, {"photon_map", MultiBounce::photon_map}},
              "how light reaches the points over several bounces");

@@ -17,7 +17,7 @@
 // come from the framework's services, `indirect` is this technique's; with gather_env so is what `direct` has of the environment.
 //
 // What is counted. Light of all kinds by light samples at the points; behind the first visible non-mirror surface only
-// diffuse lobes and no mirrors or glass. Paths of 2 … max_bounces + 1 counted scatterings are `indirect`.
+// diffuse lobes (with node_shading=dynamic glossy ones too, at the second) and no mirrors or glass. Paths of 2 … max_bounces + 1 counted scatterings are `indirect`.
 //
 // Error. Points stand for surfaces: light is smoothed over a leaf's disc, and visibility below a micro-pixel is
 // approximate. Both vanish with more points and smaller cut_kappa; jitter is averaged over frames.
@@ -68,7 +68,8 @@ class MicroRendering : public Technique {
     set.max_bounces = bounces(settings);
     set.indirect = set.max_bounces > 0;
     set.light_delta = false;
-    set.secondary_lambert_only = true;
+    // Of several bounces only the last one before the eye's is glossy: no path set says so.
+    set.secondary_lambert_only = parameters_.node_shading == NodeShading::stored || set.max_bounces > 1;
     return set;
   }
 
@@ -78,6 +79,8 @@ class MicroRendering : public Technique {
     const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
       return m.transmission > 0 || m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
     });
+    if (parameters_.node_shading == NodeShading::dynamic && bounces(settings) > 1)
+      list.push_back("node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples and virtual lights");
     if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
     return list;
   }
@@ -224,7 +227,7 @@ class MicroRendering : public Technique {
       leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, node_gather_, parameters_,
                                                 bounces(settings), kName);
       pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, gbuffer_->points(), settings.width, settings.height,
-                                              *forest_, gather_, parameters_, kName);
+                                              *forest_, gather_, leaf_light_->shading(), parameters_, kName);
     }
     scene_generation_ = scene.generation();
     bvh_generation_ = context_->bvh().generation();

@@ -34,7 +34,8 @@ uint32_t sub_image_stride(uint32_t width, uint32_t height, uint32_t most) {
 
 PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                          const TypedBuffer<GBufferPoint>& points, uint32_t width, uint32_t height, const PointForest& forest,
-                         const GatherPass& gather, const MicroParameters& parameters, const std::string& owner)
+                         const GatherPass& gather, const DynamicShading& shading, const MicroParameters& parameters,
+                         const std::string& owner)
     : device_(device),
       scheduler_(scheduler),
       scene_(scene),
@@ -45,6 +46,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
                                          : sub_image_stride(width, height, static_cast<uint32_t>(parameters.batch_gathers))),
       forest_(forest),
       gather_(gather),
+      shading_(shading),
       parameters_(parameters),
       owner_(owner),
       program_(pixel_program(device, parameters)),
@@ -124,7 +126,7 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
   scene_.bind(fill, program_, "mr_list_fill");
   fill.global(capacity).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity)
       .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", count);
-  gather_.record(recorder, "gather", scene_, forest_, gathers, count, capacity, settings_, results_);
+  gather_.record(recorder, "gather", scene_, forest_, gathers, count, capacity, settings_, results_, shading_);
 }
 
 /// Pixels between gathers are interpolated; those where that fails gather themselves.

@@ -18,7 +18,7 @@ class PixelGather {
  public:
   PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const TypedBuffer<GBufferPoint>& points,
               uint32_t width, uint32_t height, const PointForest& forest, const GatherPass& gather,
-              const MicroParameters& parameters, const std::string& owner);
+              const DynamicShading& shading, const MicroParameters& parameters, const std::string& owner);
 
   /// Sub-images of a frame; one where only some pixels gather and the others are interpolated.
   uint32_t batches() const { return interpolates() ? 1 : stride_ * stride_; }
@@ -54,6 +54,7 @@ class PixelGather {
   uint32_t width_, height_, stride_ = 1, capacity_ = 0, added_ = 0, inspect_ = 0xffffffffu;
   const PointForest& forest_;
   const GatherPass& gather_;
+  const DynamicShading& shading_;
   MicroParameters parameters_;
   std::string owner_;
   Program program_;

@@ -57,6 +57,25 @@ LUCARIUM_STRUCT_BEGIN(MicroPhoton)
   float4 power;     // xyz flux [lm], that arrives or is reflected; w: 1, 0 where the path has no such vertex
 LUCARIUM_STRUCT_END(MicroPhoton, 32)
 
+// Glossy lobe of a leaf (node_shading=dynamic); ideal ones are left out.
+LUCARIUM_STRUCT_BEGIN(MicroLeafLobe)
+  uint normal;      // shading normal, octahedral, 2 x 16 bits
+  uint fresnel[2];  // 4 halfs: f0 per channel, f90
+  float alpha;      // GGX width; 0: none
+LUCARIUM_STRUCT_END(MicroLeafLobe, 16)
+
+// The light sample that a leaf keeps (node_shading=dynamic).
+LUCARIUM_STRUCT_BEGIN(MicroLeafLight)
+  float4 direction;  // xyz unit, towards the light; w: sum of the luminances of all samples' irradiance [lx]
+  float4 color;      // xyz: irradiance of this sample over its luminance
+LUCARIUM_STRUCT_END(MicroLeafLight, 32)
+
+// What a node keeps of the leaves below it (node_shading=dynamic).
+LUCARIUM_STRUCT_BEGIN(MicroNodeChoice)
+  uint leaf;        // one of them, by its number in buffers over all leaves
+  float luminance;  // mean luminance of the irradiance over the area of all of them [lx]
+LUCARIUM_STRUCT_END(MicroNodeChoice, 8)
+
 // How a tree's leaves are derived from the scene.
 LUCARIUM_STRUCT_BEGIN(MicroLeafRules)
   uint tree;           // number of the tree
@@ -107,7 +126,10 @@ LUCARIUM_STRUCT_END(MicroStatistics, 32)
 //                           __global const MicroGather* gathers, __global const uint* gather_count,
 //                           MicroSettings settings, __global float4* irradiance, __global float4* specular,
 //                           __global MicroStatistics* statistics, __global float4* micro_buffer,
-//                           [MICRO_GATHER_ENV: LUCARIUM_SCENE_PARAMETERS __global float4* sky,] uint slice_base)
+//                           [MICRO_GATHER_ENV: LUCARIUM_SCENE_PARAMETERS __global float4* sky,]
+//                           [MICRO_DYNAMIC: __global const MicroNodeChoice* choices,
+//                           __global const MicroLeafLight* leaf_lights, __global const MicroLeafLobe* leaf_lobes,]
+//                           uint slice_base)
 // Work-item i is gather i; it returns when i >= gather_count[0]. What slots hold that no gather has stays as it was.
 // Rules that a program fixes come as definitions (gather_pass.cpp).
 
