@@ -17,8 +17,16 @@ typedef struct Exchange {
 
 #include "lucarium/services/layered_raster_atlas.clh"
 #define LAYERED_CONSUMER Exchange
+#define LAYERED_EARLY
 #define LAYERED_PAYLOAD LayeredAtlasCell
 #include "lucarium/services/layered_raster_tiles.clh"
+
+// What is to be read soon.
+void layered_announce(Exchange* exchange, uint triangle) { LUCARIUM_PREFETCH(exchange->atlas_triangles + triangle); }
+void layered_touch(Exchange* exchange, uint first, uint last) {
+  LUCARIUM_PREFETCH(exchange->atlas_table + first);
+  LUCARIUM_PREFETCH(exchange->atlas_table + last);
+}
 
 LayeredAtlasCell layered_payload(Exchange* exchange, uint triangle, const LayeredPlanes* planes) {
   return layered_atlas_begin(exchange->atlas_triangles, triangle & ~LAYERED_AWAY, planes);
@@ -28,17 +36,14 @@ LayeredUint layered_payload_row(const LayeredAtlasCell* cell, float row, Layered
 }
 // Cells become texels, and what the row will touch is asked for.
 void layered_prepare(Exchange* exchange, LayeredRow* row) {
-  uint* payload = (uint*)row->payload;
-  for (uint layer = 0u; layer < row->count; ++layer)
-    for (uint lanes = layered_present(row, layer); lanes; lanes &= lanes - 1u) {
-      const uint lane = layered_first(lanes);
-      const uint place = (layered_key(row, layer, lane) & LAYERED_KEY_LAYER) * LAYERED_LANES + lane;
-      const uint texel = exchange->atlas_table[payload[place]];
-      payload[place] = texel;
-#ifdef LUCARIUM_HAS_PREFETCH
+  for (uint place = 0u; place < row->count; ++place) {
+    uint* payload = (uint*)(row->payload + place);
+    for (uint lanes = row->lanes[place]; lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes), texel = exchange->atlas_table[payload[lane]];
+      payload[lane] = texel;
       LUCARIUM_PREFETCH(exchange->records + (size_t)texel * BUNDLE_RECORD);
-#endif
     }
+  }
 }
 
 // The slot of a fragment that faces -omega (where the ray comes from), and the one that faces omega.
@@ -65,36 +70,45 @@ void receive(Exchange* exchange, uint receiver, uint sender, float3 end) {
   }
 }
 
-void exchange_lane(Exchange* exchange, const LayeredRow* row, uint lane) {
-  uint key = layered_key(row, 0u, lane);
-  if (key == LAYERED_KEY_NONE) return;
-  uint texel = layered_at(row, 0u, lane);
-  bool towards = key & LAYERED_KEY_TOWARDS;
-  const float3 black = (float3)(0.0f);
-  if (row->part & LAYERED_PART_FIRST)
-    receive(exchange, slot_towards(exchange, texel, towards), LUCARIUM_NONE, exchange->from_near);
-  for (uint layer = 1u; layer < row->count; ++layer) {
-    const uint next_key = layered_key(row, layer, lane);
-    if (next_key == LAYERED_KEY_NONE) break;
-    const uint next_texel = layered_at(row, layer, lane);
-    const bool next_towards = next_key & LAYERED_KEY_TOWARDS;
-    // Surfaces drawn twice in one place are one: nothing lies between them.
-    const bool twice = (key >> LAYERED_KEY_BUCKET) == (next_key >> LAYERED_KEY_BUCKET) && towards == next_towards;
-    if (!twice) {
-      const uint a = slot_away(exchange, texel, towards), b = slot_towards(exchange, next_texel, next_towards);
-      receive(exchange, a, b, black);
-      receive(exchange, b, a, black);
-    }
-    key = next_key;
-    texel = next_texel;
-    towards = next_towards;
-  }
-  if (row->part & LAYERED_PART_LAST)
-    receive(exchange, slot_away(exchange, texel, towards), LUCARIUM_NONE, exchange->from_far);
+// Lanes with a fragment in `layer` and one before it that may see each other. Without double-sided texels that leaves out
+// gaps between two backs, most of them inside solids.
+uint facing_lanes(const Exchange* exchange, const LayeredRow* row, uint layer) {
+  const uint lanes = layered_present(row, layer);
+  if (exchange->double_sided > 0u) return lanes;
+  return lanes & (~layered_towards(row, layer - 1u) | layered_towards(row, layer));
+}
+
+void exchange_neighbours(Exchange* exchange, const LayeredRow* row, uint layer, uint lane) {
+  const uint near_key = layered_key(row, layer - 1u, lane), far_key = layered_key(row, layer, lane);
+  const bool near_towards = near_key & LAYERED_KEY_TOWARDS, far_towards = far_key & LAYERED_KEY_TOWARDS;
+  // Surfaces drawn twice in one place are one: nothing lies between them.
+  if ((near_key >> LAYERED_KEY_BUCKET) == (far_key >> LAYERED_KEY_BUCKET) && near_towards == far_towards) return;
+  const uint a = slot_away(exchange, layered_at(row, layer - 1u, lane), near_towards);
+  const uint b = slot_towards(exchange, layered_at(row, layer, lane), far_towards);
+  receive(exchange, a, b, (float3)(0.0f));
+  receive(exchange, b, a, (float3)(0.0f));
 }
 
 void layered_consume(Exchange* exchange, const LayeredRow* row) {
-  for (uint lane = 0u; lane < LAYERED_LANES; ++lane) exchange_lane(exchange, row, lane);
+  if (row->part & LAYERED_PART_FIRST)
+    for (uint lanes = layered_present(row, 0u); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const bool towards = layered_key(row, 0u, lane) & LAYERED_KEY_TOWARDS;
+      receive(exchange, slot_towards(exchange, layered_at(row, 0u, lane), towards), LUCARIUM_NONE, exchange->from_near);
+    }
+  for (uint layer = 1u; layer < row->count; ++layer)
+    for (uint lanes = facing_lanes(exchange, row, layer); lanes; lanes &= lanes - 1u)
+      exchange_neighbours(exchange, row, layer, layered_first(lanes));
+  if (!(row->part & LAYERED_PART_LAST)) return;
+  for (uint layer = 0u; layer < row->count; ++layer) {
+    uint lanes = layered_present(row, layer);  // that end here
+    if (layer + 1u < row->count) lanes &= ~layered_present(row, layer + 1u);
+    for (; lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const bool towards = layered_key(row, layer, lane) & LAYERED_KEY_TOWARDS;
+      receive(exchange, slot_away(exchange, layered_at(row, layer, lane), towards), LUCARIUM_NONE, exchange->from_far);
+    }
+  }
 }
 
 // ends: radiance that enters along omega, and along -omega.
