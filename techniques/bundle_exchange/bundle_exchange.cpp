@@ -34,8 +34,8 @@
 #include "camera_light.h"
 #include "lucarium/services/bvh.h"
 #include "lucarium/technique/plugin.h"
-#include "slot_hops.h"
 #include "slot_light.h"
+#include "slot_specular.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
@@ -96,7 +96,7 @@ class BundleExchange : public Technique {
     const SurfaceAtlasOptions options = atlas_options(settings);
     const size_t slots = options.texel_count * 5 / 4;
     return SurfaceAtlas::estimate_bytes(scene, options) + SlotMeans::estimate_bytes(slots, channels(scene, settings)) +
-           SlotLight::estimate_bytes(slots) + (specular(scene) ? SlotHops::estimate_bytes(slots, channels(scene, settings)) : 0) +
+           SlotLight::estimate_bytes(slots) + (specular(scene) ? SlotSpecular::estimate_bytes(slots, channels(scene, settings), parameters_) : 0) +
            CameraLight::estimate_bytes(settings.width, settings.height, gather(scene));
   }
 
@@ -127,7 +127,8 @@ class BundleExchange : public Technique {
     seed_ = seed;
     directions_ = 0;
     step_ = {};
-    sequence_ = DirectionSequence(parameters_, seed_, environment());
+    sequence_ = DirectionSequence(sequence_parameters(), seed_, environment(), has_ring());
+    if (parts_->specular) parts_->specular->reset();
     parts_->slot_light.reset(kernel_seed(seed_));
     parts_->means.reset();
     parts_->camera.reset(kernel_seed(seed_));
@@ -136,7 +137,7 @@ class BundleExchange : public Technique {
   void warm_up() override {
     parts_->slot_light.warm_up();
     parts_->means.warm_up();
-    if (parts_->hops) parts_->hops->warm_up();
+    if (parts_->specular) parts_->specular->warm_up();
     parts_->transfer.warm_up();
     parts_->camera.warm_up();
   }
@@ -146,7 +147,7 @@ class BundleExchange : public Technique {
     if (parts_) {
       result["slots"] = parts_->atlas.info().texel_count;
       result["film_pixels"] = parts_->transfer.film_pixels();
-      result["hop_rays"] = static_cast<double>((parts_->hops ? parts_->hops->rays() : 0) + parts_->camera.rays());
+      result["hop_rays"] = static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
       if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
     }
     return result;
@@ -156,12 +157,12 @@ class BundleExchange : public Technique {
   /// Everything that is made for one scene, in the order of dependence.
   struct Parts {
     Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options, const Channels& channels,
-          FinalGather gather);
+          FinalGather gather, bool reflects);
     SurfaceAtlas atlas;
     Program program;
     SlotLight slot_light;
     SlotMeans means;
-    std::unique_ptr<SlotHops> hops;  ///< null where no slot has a specular lobe
+    std::unique_ptr<SlotSpecular> specular;  ///< null where no slot has a specular lobe that takes part
     BundleTransfer transfer;
     CameraLight camera;
   };
@@ -180,6 +181,29 @@ class BundleExchange : public Technique {
     });
   }
 
+  /// Whether slots take part in the exchange by their specular lobes. Direct light needs none of them: they begin behind the
+  /// first scattering.
+  bool reflects(const Scene& scene, const RenderSettings& settings) const {
+    return specular(scene) && settings.max_bounces != 0 && parameters_.glossy_bounces == GlossyBounces::multiple;
+  }
+
+  /// Whether glossy slots are to reflect what light samples bring elsewhere: lamps and the environment.
+  bool ring_of_emission(const Scene& scene, const RenderSettings& settings) const {
+    const bool lamps = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+      return m.emissive_factor.x > 0 || m.emissive_factor.y > 0 || m.emissive_factor.z > 0;
+    });
+    return SlotSpecular::uses_ring(parameters_) && reflects(scene, settings) && (lamps || scene.environment);
+  }
+
+  bool has_ring() const { return parts_ && parts_->specular && parts_->specular->has_ring(); }
+
+  /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at least.
+  Parameters sequence_parameters() const {
+    Parameters result = parameters_;
+    if (has_ring()) result.block = std::max(result.block, 64 * result.glossy_window);
+    return result;
+  }
+
   FinalGather gather(const Scene& scene) const {
     return parameters_.final_gather == FinalGather::glossy && !specular(scene) ? FinalGather::off : parameters_.final_gather;
   }
@@ -188,7 +212,8 @@ class BundleExchange : public Technique {
   Channels channels(const Scene& scene, const RenderSettings& settings) const {
     Channels result;
     result.hops = specular(scene) || parameters_.final_gather == FinalGather::all;
-    result.emission = parameters_.direct_mode == DirectMode::exchange;
+    result.apart = parameters_.direct_mode == DirectMode::nee && ring_of_emission(scene, settings);
+    result.emission = parameters_.direct_mode == DirectMode::exchange || result.apart;
     result.self_fed = settings.max_bounces < 0;
     result.count = (result.self_fed ? 1 : static_cast<uint32_t>(settings.max_bounces)) + (result.emission ? 1 : 0);
     result.count = std::max(1u, result.count);  // direct light by samples alone exchanges nothing
@@ -202,7 +227,7 @@ class BundleExchange : public Technique {
   void build() {
     parts_.reset();  // its memory first
     parts_ = std::make_unique<Parts>(*context_, parameters_, atlas_options(context_->settings), channels(context_->scene, context_->settings),
-                                     gather(context_->scene));
+                                     gather(context_->scene), reflects(context_->scene, context_->settings));
     reset(seed_);
   }
 
@@ -260,12 +285,16 @@ class BundleExchange : public Technique {
   bool run_batch(uint32_t count) {
     if (!parts_->means.make_senders()) return false;
     const bool direct_only = parts_->means.direct_only(directions_);
+    SlotSpecular* specular = direct_only ? nullptr : parts_->specular.get();
+    if (specular) specular->begin_batch(sequence_, directions_, count);
     for (uint32_t i = 0; i < count; ++i) {
       const Direction direction = sequence_.at(directions_ + i);
       const uint32_t seed = (kernel_seed(seed_) ^ static_cast<uint32_t>(directions_ + i + 1) * 0x9e3779b9u) * 0x85ebca6bu;
-      if (parts_->hops && !direct_only && !parts_->hops->find(direction, seed)) return false;
+      if (specular && !specular->send(direction, i, seed)) return false;
       if (!parts_->transfer.exchange(direction, seed, direct_only)) return false;
+      if (specular && !specular->receive(i)) return false;
     }
+    if (specular) specular->commit();
     parts_->means.commit(directions_, count);
     directions_ += count;
     return true;
@@ -312,7 +341,7 @@ Program make_program(Device& device, const Channels& channels) {
   return Program(device, library,
                  {"bundle_exchange/means",
                   {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_light.cl",
-                   "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl"},
+                   "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl"},
                   channels.defines()});
 }
 
@@ -323,20 +352,17 @@ uint32_t sampled_lights(const Scene& scene, const Parameters& parameters) {
 }
 
 BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options,
-                             const Channels& channels, FinalGather gather)
+                             const Channels& channels, FinalGather gather, bool reflects)
     : atlas(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner),
       program(make_program(*c.device, channels)),
       slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, sampled_lights(c.scene, p)),
       means(*c.device, c.scheduler, program, atlas, slot_light.light_samples(), channels, p),
       transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas, means.records(), channels, p.pixel_size),
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, make_frame(c.settings),
-             {gather, !c.scene.lights.empty(), p.glossy_bounces == GlossyBounces::final, channels.emission, c.settings.max_bounces}) {
-  // Direct light needs no chains: they begin behind the first scattering.
-  if (!channels.hops || c.settings.max_bounces == 0 || p.glossy_bounces == GlossyBounces::final) return;
-  const SlotHops::List list = SlotHops::specular_slots(atlas);
-  if (list.slots.empty()) return;
-  hops = std::make_unique<SlotHops>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, list,
-                                    SlotHops::Options{p.hop_share, !c.scene.lights.empty(), c.settings.max_bounces});
+             {gather, !c.scene.lights.empty(), p.glossy_bounces == GlossyBounces::final, channels.exchanged(), c.settings.max_bounces}) {
+  if (!reflects) return;
+  specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, p,
+                                            !c.scene.lights.empty(), c.settings.max_bounces, true);
 }
 
 std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<BundleExchange>(); }

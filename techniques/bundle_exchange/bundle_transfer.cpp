@@ -34,7 +34,7 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       views_(device, kOwner, "view of a direction", 1),
       ends_(device, kOwner, "ends of rays", 2) {
   all_ = record(device, buffers, atlas, records, false);
-  if (channels.emission && channels.reflected() > 0) direct_ = record(device, buffers, atlas, records, true);
+  if (channels.exchanged() && channels.reflected() > 0) direct_ = record(device, buffers, atlas, records, true);
 }
 
 BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,

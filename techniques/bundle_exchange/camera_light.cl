@@ -41,7 +41,7 @@ __kernel void add_camera_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                                        point.u, point.v, point.normal.w == 0.0f);
     const Bsdf bsdf = bsdf_at_point(&scene, &point);
     if (held.w > 0.0f) reflected += point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
-#ifdef BUNDLE_EMISSION
+#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
     const float4 emitted = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct, point.triangle,
                                           point.u, point.v, point.normal.w == 0.0f);
     if (emitted.w > 0.0f) once += point.throughput.xyz * bsdf.diffuse * (emitted.xyz / emitted.w);

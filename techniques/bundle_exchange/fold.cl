@@ -18,7 +18,7 @@ __kernel void fold_batch(uint slots, float sender_scale, float sender_weight, fl
   const global float4* record = records + (size_t)slot * BUNDLE_RECORD;
   const float weight = record[1].w, seen = record[0].w;
   float3 total = (float3)(0.0f);
-#ifdef BUNDLE_EMISSION
+#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
   display[slot] += (float4)(record[1].xyz, weight);
   total = record[1].xyz;
 #endif
@@ -69,7 +69,7 @@ __kernel void make_display(uint slots, float share, __global const float4* restr
     weight = fmax(weight, sums.w);
   }
   shown[slot] = (float4)(total, weight > 0.0f ? 1.0f : 0.0f);
-#ifdef BUNDLE_EMISSION
+#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
   const float4 emitted = display[slot];
   shown_direct[slot] = (float4)(slot_mean(emitted), emitted.w > 0.0f ? 1.0f : 0.0f);
 #endif

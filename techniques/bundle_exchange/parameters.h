@@ -9,6 +9,7 @@ enum class Interleave { sd, running, fixed, pingpong };
 enum class DirectMode { nee, exchange };
 enum class FinalGather { off, glossy, all };
 enum class GlossyBounces { multiple, final };
+enum class GlossyNorm { self, mean };
 
 /// Every parameter of the technique, once: default, range, unit and meaning.
 struct Parameters {
@@ -27,6 +28,9 @@ struct Parameters {
   bool balance = true;
   GlossyBounces glossy_bounces = GlossyBounces::multiple;
   FinalGather final_gather = FinalGather::glossy;
+  int glossy_window = 0;
+  GlossyNorm glossy_norm = GlossyNorm::self;
+  float alpha_ring = 0;
   float hop_share = 0.5f;
   float stop_error = 0.01f;
 
@@ -64,6 +68,13 @@ struct Parameters {
              "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");
     v.choice("glossy_bounces", glossy_bounces, {{"multiple", GlossyBounces::multiple}, {"final", GlossyBounces::final}},
              "specular lobes take part in the exchange, or only reflect diffuse light towards the eye");
+    v.number("glossy_window", glossy_window, 0, 256, "directions",
+             "directions before the next one that glossy slots reflect towards it, instead of tracing rays; 0: all rays, 1: "
+             "as in the paper");
+    v.choice("glossy_norm", glossy_norm, {{"self", GlossyNorm::self}, {"mean", GlossyNorm::mean}},
+             "light of those directions is divided by their weights (self, less noise), or by their number (mean)");
+    v.number("alpha_ring", alpha_ring, 0.f, 1.f, "",
+             "smallest GGX width of slots that reflect directions instead of tracing rays; 0: sqrt(2 / glossy_window)");
     v.number("hop_share", hop_share, 0.01f, 1.f, "",
              "probability that a slot which reflects everything specularly traces a ray for a direction; others less");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance (interleave=sd and running); 0: never");

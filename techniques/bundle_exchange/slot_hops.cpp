@@ -20,19 +20,22 @@ HopTracer::Options tracer_options(uint32_t count, const Channels& channels, cons
 
 }  // namespace
 
-SlotHops::List SlotHops::specular_slots(const SurfaceAtlas& atlas) {
-  List list;
+SlotHops::Lists SlotHops::specular_slots(const SurfaceAtlas& atlas, float alpha_ring) {
+  Lists lists;
   const auto luminance = [](const float4& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; };
   const std::vector<AtlasMaterial> materials = atlas.materials().download();
   for (uint32_t slot = 0; slot < materials.size(); ++slot) {
     // Schlick's Fresnel averaged over the cosine is f0 + (f90 - f0) / 21.
     const float f0 = luminance(materials[slot].f0), f90 = materials[slot].f0.w;
-    const float reflectance = f0 + (f90 - f0) / 21 + luminance(materials[slot].transmission);
+    const float transmittance = luminance(materials[slot].transmission);
+    const float reflectance = f0 + (f90 - f0) / 21 + transmittance;
     if (!(reflectance > 0)) continue;
+    const bool ideal = materials[slot].emission.w > 0, wide = materials[slot].diffuse.w >= alpha_ring;
+    List& list = !ideal && wide && !(transmittance > 0) ? lists.glossy : lists.traced;
     list.slots.push_back(slot);
     list.reflectance.push_back(std::min(reflectance, 1.f));
   }
-  return list;
+  return lists;
 }
 
 SlotHops::SlotHops(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
@@ -108,12 +111,12 @@ bool SlotHops::find(const Direction& direction, uint32_t seed) {
   HopSettings settings{};
   settings.seed = seed;
   settings.first_light = 1;
-  settings.most_hops = kMostHops;
+  settings.most_hops = options_.only_punctual ? 0 : kMostHops;
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces);
   settings.gains = joined_ ? HOP_GAIN_ONE : HOP_GAIN_CHANNELS;
   begin_.set(settings_, settings);
   begin_.set(omega_, float4(direction.direction, 0.f));
-  return scheduler_->run(begin_) == RunResult::done && tracer_.follow(settings) &&
+  return scheduler_->run(begin_) == RunResult::done && (options_.only_punctual || tracer_.follow(settings)) &&
          scheduler_->run(apply_) == RunResult::done;
 }
 

@@ -13,13 +13,18 @@ class SlotHops {
     float share = 1;        ///< probability of a chain of a slot that reflects everything
     bool punctual = false;  ///< there are punctual lights
     int max_bounces = -1;
+    bool only_punctual = false;  ///< no chains: the slots' own reflection of punctual lights
   };
   /// Slots with specular lobes, and roughly how much they reflect of light from everywhere.
   struct List {
     std::vector<uint32_t> slots;
     std::vector<float> reflectance;
   };
-  static List specular_slots(const SurfaceAtlas& atlas);
+  struct Lists {
+    List traced;  ///< mirrors, what transmits, and lobes narrower than `alpha_ring`
+    List glossy;  ///< the rest
+  };
+  static Lists specular_slots(const SurfaceAtlas& atlas, float alpha_ring);
   /// `list` must not be empty.
   SlotHops(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
            const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,

@@ -20,6 +20,7 @@ const char* const kFewerTexels = "lower texels";
 std::map<std::string, std::string> Channels::defines() const {
   std::map<std::string, std::string> result{{"BUNDLE_CHANNELS", std::to_string(count) + "u"}};
   if (emission) result["BUNDLE_EMISSION"] = "";
+  if (apart) result["BUNDLE_EMISSION_APART"] = "";
   if (self_fed) result["BUNDLE_SELF_FED"] = "";
   if (hops) result["BUNDLE_HOPS"] = "";
   return result;
@@ -42,7 +43,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       settled_(device, kOwner, "settled bounces", slots_, kFewerTexels),
       statistics_(device, kOwner, "batch statistics", slots_, kFewerTexels),
       shown_(device, kOwner, "displayed slots", slots_, kFewerTexels),
-      shown_direct_(device, kOwner, "displayed direct light", channels.emission ? slots_ : 1, kFewerTexels),
+      shown_direct_(device, kOwner, "displayed direct light", channels.exchanged() ? slots_ : 1, kFewerTexels),
       diffuse_(device, kOwner, "diffuse senders", channels.hops ? size_t{slots_} * channels.reflected() : 1, kFewerTexels),
       radiance_(device, kOwner, "diffuse radiance", diffuse_.count(), kFewerTexels),
       chunk_sums_(device, kOwner, "balance of chunks", 2 * size_t{chunks_}),
@@ -59,7 +60,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
 }
 
 size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels) {
-  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5 + (channels.emission ? 1 : 0) +
+  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5 + (channels.exchanged() ? 1 : 0) +
                          (channels.hops ? 2 * channels.reflected() : 0);
   return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
 }
@@ -196,7 +197,7 @@ bool SlotMeans::make_senders() {
 }
 
 bool SlotMeans::direct_only(uint64_t first) const {
-  return channels_.emission && (first < uint64_t(parameters_.direct_first) || channels_.reflected() == 0);
+  return channels_.exchanged() && (first < uint64_t(parameters_.direct_first) || channels_.reflected() == 0);
 }
 
 bool SlotMeans::carries_all(uint64_t directions) const {

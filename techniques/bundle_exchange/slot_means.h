@@ -12,9 +12,11 @@ namespace lucarium::bundle {
 /// What travels along the rays at once (exchange_layout.clh).
 struct Channels {
   bool emission = false;  ///< channel 0 carries emitted light
+  bool apart = false;     ///< which only glossy slots take, for a ring: direct light comes from elsewhere
   bool hops = false;      ///< chains of specular vertices are followed
   bool self_fed = true;   ///< one channel of reflected light, all bounces; else one per bounce
   uint32_t count = 1;     ///< all channels
+  bool exchanged() const { return emission && !apart; }  ///< bundles bring direct light
   uint32_t reflected() const { return count - (emission ? 1 : 0); }
   /// Preprocessor definitions for the kernels.
   std::map<std::string, std::string> defines() const;

@@ -8,7 +8,7 @@
 #include "direction_sequence.h"
 #include "lucarium/scene/builtin_builder.h"
 #include "lucarium/services/bvh.h"
-#include "slot_hops.h"
+#include "slot_specular.h"
 #include "slot_means.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
@@ -41,11 +41,9 @@ class BundleRig {
         means_(*device_, scheduler_, program_, atlas_, light_, channels, parameters_),
         transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), channels, pixel_size) {
     if (!channels.hops) return;
-    const bundle::SlotHops::List list = bundle::SlotHops::specular_slots(atlas_);
-    bundle::SlotHops::Options hops;
-    hops.share = parameters.hop_share;
-    hops.max_bounces = channels.self_fed ? -1 : static_cast<int>(channels.reflected());
-    hops_ = std::make_unique<bundle::SlotHops>(*device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, list, hops);
+    specular_ = std::make_unique<bundle::SlotSpecular>(*device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, parameters_,
+                                                       !scene_.lights.empty(),
+                                                       channels.self_fed ? -1 : static_cast<int>(channels.reflected()), true);
   }
 
   // ---- by hand: what slots send in channel 0, and what arrives
@@ -78,11 +76,15 @@ class BundleRig {
     for (uint64_t first = 0; first < count; first += batch) {
       means_.make_senders();
       const bool direct_only = means_.direct_only(first);
+      bundle::SlotSpecular* specular = direct_only ? nullptr : specular_.get();
+      if (specular) specular->begin_batch(sequence, first, static_cast<uint32_t>(batch));
       for (uint64_t i = first; i < first + batch; ++i) {
         const uint32_t seed = static_cast<uint32_t>(i + 1) * 0x9e3779b9u;
-        if (hops_ && !direct_only) hops_->find(sequence.at(i), seed);
+        if (specular) specular->send(sequence.at(i), static_cast<uint32_t>(i - first), seed);
         transfer_.exchange(sequence.at(i), seed, direct_only);
+        if (specular) specular->receive(static_cast<uint32_t>(i - first));
       }
+      if (specular) specular->commit();
       means_.commit(first, static_cast<uint32_t>(batch));
     }
     scheduler_.finish();
@@ -121,7 +123,7 @@ class BundleRig {
     library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
     return Program(device, library,
-                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl"}, defines});
+                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl"}, defines});
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;
@@ -140,7 +142,7 @@ class BundleRig {
   TypedBuffer<float4> light_;
   bundle::SlotMeans means_;
   bundle::BundleTransfer transfer_;
-  std::unique_ptr<bundle::SlotHops> hops_;
+  std::unique_ptr<bundle::SlotSpecular> specular_;
 };
 
 }  // namespace lucarium::test
