@@ -56,7 +56,14 @@ bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hi
   if (is_black(sample.weight) || events == LUCARIUM_PATH_EYE_DELTA_LIMIT) return false;
   point->throughput.xyz *= sample.weight;
   point->throughput.w += 1.0f;
-  point->view.w = as_float(sample.transmitted ? medium_behind(scene, &surface, medium) : medium);
+  const uint next_medium = sample.transmitted ? medium_behind(scene, &surface, medium) : medium;
+  point->view.w = as_float(next_medium);
+  if (events >= LUCARIUM_PATH_EYE_ROULETTE_START) {  // as in shade_surface
+    const float importance = max_component(point->throughput.xyz) * medium_squared_ior(scene, next_medium);
+    const float survival = fmin(1.0f, importance);
+    if (v.roulette >= survival) return false;
+    point->throughput.xyz /= survival;
+  }
   *next_ray = make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 2u * events + 1u)));
   return true;
 }

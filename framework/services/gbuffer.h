@@ -11,7 +11,7 @@
 namespace lucarium {
 
 /// Per-pixel first non-delta surface point: delta events (mirror, ideal refraction) from the eye are followed (they are
-/// free, at most 64), their throughput is kept. One camera sample per pixel and call; sub-pixel positions follow the
+/// free, at most LUCARIUM_PATH_EYE_DELTA_LIMIT), their throughput is kept. One camera sample per pixel and call; sub-pixel positions follow the
 /// frame's pixel_sampling and the sample index, the same for every technique.
 class GBuffer {
  public:

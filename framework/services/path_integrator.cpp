@@ -101,6 +101,7 @@ PathSettings PathIntegrator::State::make_settings() const {
   result.max_scatterings = result.flags & LUCARIUM_PATH_INDIRECT ? limit : set.direct ? 1u : 0u;
   const bool roulette = options.roulette && (set.max_bounces < 0 || set.max_bounces >= 8);
   result.roulette_start = roulette ? static_cast<uint32_t>(options.roulette_start) : LUCARIUM_NONE;
+  result.eye_roulette_start = options.roulette ? LUCARIUM_PATH_EYE_ROULETTE_START : LUCARIUM_NONE;
   result.replicates = options.replicates;
   result.indirect_clamp = static_cast<float>(set.indirect_clamp);
   return result;

@@ -88,11 +88,10 @@ bool count_scattering(PathSettings settings, Walk* walk, bool delta) {
   walk->state.flags = delta ? walk->state.flags | PATH_AFTER_DELTA : walk->state.flags & ~PATH_AFTER_DELTA;
   if (delta && !(settings.flags & (eye_side ? LUCARIUM_PATH_EYE_DELTA : LUCARIUM_PATH_LIGHT_DELTA))) return false;
   if (delta && eye_side) {
-    if (PATH_EYE_DELTAS(walk->state.flags) == LUCARIUM_PATH_EYE_DELTA_LIMIT) {
+    if (walk->state.segment == LUCARIUM_PATH_EYE_DELTA_LIMIT) {  // every vertex so far was such an event
       walk->state.flags |= PATH_EYE_CAPPED;
       return false;
     }
-    walk->state.flags += PATH_EYE_DELTA_ONE;
     return true;
   }
   walk->state.scatterings += 1u;
@@ -118,12 +117,15 @@ bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, con
     walk->state.flags |= PATH_BAD;
     return false;
   }
-  if (walk->state.scatterings >= settings.roulette_start) {
-    const float survival = fmin(0.95f, max_component(walk->throughput));
+  if (sample.transmitted) walk->state.medium = medium_behind(scene, surface, walk->state.medium);
+  const bool eye_side = walk->state.scatterings == 0u;
+  if (eye_side ? walk->state.segment >= settings.eye_roulette_start : walk->state.scatterings >= settings.roulette_start) {
+    // Facets of glass keep light for thousands of events without loss: a bound below 1 would make its variance infinite.
+    const float importance = max_component(walk->throughput) * medium_squared_ior(scene, walk->state.medium);
+    const float survival = fmin(sample.delta ? 1.0f : 0.95f, importance);
     if (u.roulette >= survival) return false;
     walk->throughput /= survival;
   }
-  if (sample.transmitted) walk->state.medium = medium_behind(scene, surface, walk->state.medium);
   *ray = make_ray(surface, sample.direction, path_ray_seed(settings, sampler, 2u * walk->state.segment + 1u));
   walk->state.segment += 1u;
   return true;

@@ -21,8 +21,10 @@
 #define LUCARIUM_PATH_OPAQUE_BLEND 8192u     // BLEND surfaces count as opaque
 
 #define LUCARIUM_PATH_LAYERS 3u
-// Delta events between the eye and the first non-delta vertex: no more than this.
-#define LUCARIUM_PATH_EYE_DELTA_LIMIT 64u
+// Delta events between the eye and the first non-delta vertex: no more than this; reaching it is counted and reported.
+#define LUCARIUM_PATH_EYE_DELTA_LIMIT 4096u
+// Those of them before Russian roulette.
+#define LUCARIUM_PATH_EYE_ROULETTE_START 32u
 // Counted scatterings of an unlimited path: no more than this; reaching it is counted and reported.
 #define LUCARIUM_PATH_SCATTERING_CAP 4096u
 
@@ -30,9 +32,10 @@ LUCARIUM_STRUCT_BEGIN(PathSettings)
   uint flags;            // LUCARIUM_PATH_*
   uint max_scatterings;  // highest layer that is wanted
   uint roulette_start;   // counted scatterings before Russian roulette; LUCARIUM_NONE: none
+  uint eye_roulette_start; // delta events on the eye's side before it
   uint replicates;       // sample n belongs to replicate n mod replicates
   float indirect_clamp;  // upper bound of one sample's indirect light [cd/m²]; 0: none
-  uint pad0, pad1, pad2;
+  uint pad0, pad1;
 LUCARIUM_STRUCT_END(PathSettings, 32)
 
 // Path i of a batch is sample first_sample + i / pixel_count of pixel first_pixel + i mod pixel_count.

@@ -68,6 +68,19 @@ TEST_CASE("glass: a thin wall does not bend, and reflects R") {
   table.check(full_run() ? 5e-4 : 2e-3);
 }
 
+TEST_CASE("glass: a faceted sphere in a furnace loses nothing") {
+  // Total reflection keeps some light within the facets for hundreds of events: no path may end for their number alone.
+  Scene scene;
+  add_triangles(scene, sphere_triangles({0, 0, 0}, 1, 5, false), add_material(scene, glass()));
+  set_environment(scene, 1);
+  PathIntegratorOptions without;
+  without.roulette = false;
+  ClosedForms table;
+  table.add("roulette", estimate(scene, look_orthographic({0, 0, 3}, {0, 0, 0}, 1.1f), {}, effort()), 1);
+  table.add("no roulette", estimate(scene, look_orthographic({0, 0, 3}, {0, 0, 0}, 1.1f), without, effort()), 1);
+  table.check(full_run() ? 5e-4 : 2e-3);
+}
+
 TEST_CASE("glass: delta events on the eye's side can be left out") {
   PathIntegratorOptions options;
   options.path_set.eye_delta = false;

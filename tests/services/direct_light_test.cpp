@@ -179,3 +179,22 @@ TEST_CASE("G-buffer: first surfaces behind mirrors and glass, and what is seen o
   gbuffer.resolve(film);
   for (const char* name : {"Albedo", "P", "N", "Ns"}) CHECK(film.find(name) != nullptr);
 }
+
+TEST_CASE("G-buffer: light that total reflection keeps in facets of glass comes out") {
+  SceneMaterial glass;
+  glass.metallic = glass.roughness = 0;
+  glass.transmission = glass.thickness = 1;
+  Scene scene;
+  add_triangles(scene, sphere_triangles({0, 0, 0}, 1, 5, false), add_material(scene, glass));
+  set_environment(scene, 1);
+  PathIntegratorOptions unused;
+  TestRender context(scene, look_orthographic({0, 0, 3}, {0, 0, 0}, 1.1f), unused, 64);
+  GBuffer gbuffer(*test_device(), context.scheduler, context.buffers, context.bvh, context.frame, "test");
+  for (uint32_t sample = 0; sample < 8; ++sample) {
+    REQUIRE(gbuffer.render(sample));
+    context.scheduler.finish();
+    uint32_t dark = 0;
+    for (const GBufferPoint& point : gbuffer.points().download()) dark += std::abs(point.emission.x - 1) > 1e-5;
+    CHECK(dark == 0);
+  }
+}
