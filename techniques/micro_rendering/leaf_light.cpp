@@ -183,7 +183,20 @@ void LeafLight::record_bounce() {
   bounce_schedule_ = recorder.compile();
 }
 
-void LeafLight::moved() { nodes_known_ = lobes_known_ = false; }
+void LeafLight::changed(bool surfaces) {
+  lit_ = false;
+  if (surfaces) nodes_known_ = lobes_known_ = false;
+}
+
+bool LeafLight::run(uint32_t frame, uint32_t seed) {
+  if (lit_ && lit_frame_ == frame && lit_seed_ == seed) return true;
+  lit_ = false;
+  if (!receive(frame, seed) || !spread(frame, seed)) return false;
+  lit_ = true;
+  lit_frame_ = frame;
+  lit_seed_ = seed;
+  return true;
+}
 
 bool LeafLight::receive(uint32_t frame, uint32_t seed) {
   scheduler_.finish();

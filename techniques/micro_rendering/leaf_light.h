@@ -18,8 +18,9 @@ class LeafLight {
             const Intersector& intersector, const PointForest& forest, const GatherPass& gather, const MicroParameters& parameters, int bounces,
             const std::string& owner);
 
-  /// Lights the forest with samples that belong to `frame`. False when cancelled: radiance is then useless.
-  bool run(uint32_t frame, uint32_t seed) { return receive(frame, seed) && spread(frame, seed); }
+  /// Lights the forest with samples that belong to `frame`, unless that is how it is lit. False when cancelled: radiance is
+  /// then useless.
+  bool run(uint32_t frame, uint32_t seed);
   /// The first part of run(): irradiance of the leaves by all light that needs no gathering.
   bool receive(uint32_t frame, uint32_t seed);
   /// The rest: bounces by gathering at nodes, and the nodes' radiance.
@@ -27,8 +28,8 @@ class LeafLight {
   TypedBuffer<float4>& received() { return direct_; }  ///< by leaf [lx]
   const TypedBuffer<float4>& gathered() const { return node_results_.irradiance; }  ///< of the last bounce, by node [lx]
   const DynamicShading& shading() const { return shading_; }
-  /// Points have moved, or materials have changed.
-  void moved();
+  /// Something that light depends on has changed; `surfaces`: points have moved, or materials have changed.
+  void changed(bool surfaces);
   void warm_up();
   uint32_t gathers_per_run() const;  ///< at nodes
   static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces);
@@ -66,7 +67,8 @@ class LeafLight {
   Schedule direct_schedule_, pull_schedule_, bounce_schedule_, nodes_schedule_, lobes_schedule_;
   Variable<uint32_t> sample_, light_seed_, choice_seed_;
   Variable<MicroSettings> settings_;
-  bool nodes_known_ = false, lobes_known_ = false;
+  bool nodes_known_ = false, lobes_known_ = false, lit_ = false;
+  uint32_t lit_frame_ = 0, lit_seed_ = 0;  ///< of what the nodes shine with, where lit_
   std::unique_ptr<LightPaths> paths_;
 };
 

@@ -123,7 +123,7 @@ class MicroRendering : public Technique {
       return;
     }
     if (change.camera) gbuffer_->set_frame(frame());
-    if (leaf_light_) leaf_light_->moved();
+    if (leaf_light_) leaf_light_->changed(change.geometry() || !change.materials.empty());
     restart();
   }
 

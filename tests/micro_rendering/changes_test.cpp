@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a change of the scene costs: passes are counted.
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+
+#include "technique_fixture.h"
+#include "test_support.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+/// The room, whose box hangs on a node that an animation moves or stretches.
+Scene room_with_moving_box(bool stretched) {
+  Scene scene = load_scene("builtin:room");
+  Node node;
+  node.meshes = {scene.instances.back().mesh};
+  scene.instances.back().node = static_cast<int>(scene.nodes.size());
+  scene.nodes.push_back(node);
+  Animation animation;
+  animation.duration = 1;
+  AnimationChannel channel;
+  channel.node = scene.instances.back().node;
+  if (stretched) channel.path = AnimationPath::scale;
+  channel.times = {0, 1};
+  channel.values = stretched ? std::vector<float>{1, 1.1f, 1, 1.1f, 1.3f, 1} : std::vector<float>{0, 0, 0, 0.1f, 0, 0.1f};
+  animation.channels.push_back(channel);
+  scene.animations.push_back(animation);
+  evaluate(scene, 0);
+  return scene;
+}
+
+class CountedSession {
+ public:
+  CountedSession(Scene scene, int max_bounces)
+      : settings_(settings_for(scene, 24, max_bounces)),
+        session_(Device::open(), std::move(scene), registry().find("micro_rendering"), settings_, small) {
+    session_.run({.iterations = 1});
+  }
+  RenderSession& session() { return session_; }
+  /// How often passes of that name ran since the last call of forget().
+  uint64_t count(const std::string& name) {
+    session_.scheduler().finish();
+    uint64_t sum = 0;
+    for (const PassProfile& pass : session_.scheduler().profile().passes) sum += pass.name == name ? pass.count : 0;
+    return sum;
+  }
+  void forget() {
+    session_.scheduler().finish();
+    session_.scheduler().reset_profile();
+  }
+
+ private:
+  RenderSettings settings_;
+  RenderSession session_;
+};
+
+}  // namespace
+
+TEST_CASE("a camera that moves costs gathers alone") {
+  CountedSession counted(load_scene("builtin:room"), 2);
+  SceneCamera camera = counted.session().settings().camera;
+  camera.world_from_camera[3].x -= 0.1f;
+  counted.forget();
+  counted.session().set_camera(camera);
+  counted.session().run({.iterations = 1});
+  for (const char* pass : {"update leaves", "refit", "albedo of leaves", "sample light at points", "gathers at nodes", "gather at nodes", "pull"}) {
+    CAPTURE(pass);
+    CHECK(counted.count(pass) == 0);
+  }
+  CHECK(counted.count("gather") > 0);
+  CHECK(counted.count("list gathers") > 0);
+  // The picture is that of a fresh start.
+  Scene scene = load_scene("builtin:room");
+  scene.cameras.front() = camera;
+  CountedSession fresh(std::move(scene), 2);
+  CHECK(counted.session().resolve().image() == fresh.session().resolve().image());
+}
+
+TEST_CASE("lights that change cost light and gathers, and no geometry") {
+  CountedSession counted(load_scene("builtin:room"), 2);
+  counted.forget();
+  counted.session().change_scene([](Scene& scene) {
+    scene.lights.front().intensity *= 2.f;
+    SceneChange change;
+    change.lights = true;
+    return change;
+  });
+  counted.session().run({.iterations = 1});
+  for (const char* pass : {"update leaves", "refit", "albedo of leaves", "gathers at nodes"}) {
+    CAPTURE(pass);
+    CHECK(counted.count(pass) == 0);
+  }
+  for (const char* pass : {"sample light at points", "gather at nodes", "pull", "gather"}) {
+    CAPTURE(pass);
+    CHECK(counted.count(pass) > 0);
+  }
+}
+
+TEST_CASE("a rigid object's motion refits nothing; a deformation refits its own tree alone") {
+  for (const bool stretched : {false, true}) {
+    CAPTURE(stretched);
+    CountedSession counted(room_with_moving_box(stretched), 2);
+    CHECK(counted.session().technique().counters().at("trees") == 2);
+    counted.forget();
+    counted.session().set_time(0.7);
+    counted.session().run({.iterations = 1});
+    CHECK(counted.count("update leaves") == (stretched ? 1 : 0));
+    CHECK((counted.count("refit") > 0) == stretched);
+    CHECK(counted.count("albedo of leaves") == 0);
+    CHECK(counted.count("sample light at points") > 0);
+    CHECK(counted.count("gather at nodes") > 0);
+  }
+}
+
+TEST_CASE("an animated character in a room: every frame is that of a fresh start, and only its tree is refitted") {
+  if (shared_scenes().empty()) return skip("third-party scenes");
+  const TemporaryFolder folder;
+  const std::string room = (folder.path() / "room.glb").string(), both = (folder.path() / "both.glb").string();
+  REQUIRE(run_program(lucarium_program() + " scene builtin:room --export " + room).exit_code == 0);
+  const char* const source = std::getenv("LUCARIUM_TEST_SOURCE");
+  if (!source) return skip("the source tree");
+  const std::string merge = std::string("python3 ") + source + "/tools/merge_gltf.py ";
+  if (run_program("python3 --version").exit_code != 0) return skip("python3");
+  REQUIRE(run_program(merge + room + " " + (shared_scenes() / "animated/Fox.glb").string() + " " + both +
+                      " --scale 0.009 --translate=-0.2,0,0.35 --turn 60").exit_code == 0);
+  Scene scene = load_scene(both);
+  evaluate(scene, 0, 2);
+  CountedSession counted(scene, 1);
+  CHECK(counted.session().technique().counters().at("trees") == 2);
+  counted.forget();
+  counted.session().set_time(0.25);
+  counted.session().run({.iterations = 1});
+  CHECK(counted.count("update leaves") == 1);
+  evaluate(scene, 0.25, scene.animation);
+  CountedSession fresh(scene, 1);
+  CHECK(counted.session().resolve().image() == fresh.session().resolve().image());
+}
