@@ -44,6 +44,17 @@ SceneChange paint_box(Scene& scene) {
   return change;
 }
 
+/// The box vanishes, as the scene's only surface that is not opaque, or comes back.
+SceneChange set_mask(Scene& scene, bool on) {
+  const int index = scene.instances[moving].material;
+  SceneMaterial& material = scene.materials[index];
+  material.alpha_mode = on ? AlphaMode::mask : AlphaMode::opaque;
+  material.base_color.a = on ? 0.f : 1.f;
+  SceneChange change;
+  change.materials = {index};
+  return change;
+}
+
 SceneChange dim_lights(Scene& scene) {
   SceneChange change;
   for (SceneLight& light : scene.lights) light.intensity *= glm::vec3(0.25f, 0.5f, 2.f);
@@ -138,6 +149,24 @@ Outcome check_change(CheckContext& context, const std::string& kind) {
   if (!different.empty()) return verdict_of(false, "not the image of a fresh start: " + different);
   return verdict_of(true, difference(old, now).empty() ? "same bits as a fresh start (and as before the change)"
                                                        : "same bits as a fresh start");
+}
+
+Outcome check_alpha_change(CheckContext& context) {
+  if (!context.claims_change("materials")) return {Verdict::not_claimed, "does not follow materials"};
+  if (!context.claims_material("mask")) return {Verdict::not_claimed, "has no mask"};
+  const Scene opaque = context.plain_scene();
+  Scene masked = opaque;
+  set_mask(masked, true);
+  for (const bool on : {true, false}) {
+    RenderSession changed = context.session(on ? opaque : masked), fresh = context.session(on ? masked : opaque);
+    context.run_short(changed);
+    changed.change_scene([on](Scene& scene) { return set_mask(scene, on); });
+    const std::string different = difference(context.run_short(changed), context.run_short(fresh));
+    if (!different.empty()) {
+      return verdict_of(false, fmt::format("{} a mask: not the image of a fresh start: {}", on ? "with" : "without", different));
+    }
+  }
+  return verdict_of(true, "same bits as a fresh start, with and without a mask");
 }
 
 }  // namespace lucarium::check

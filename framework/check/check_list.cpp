@@ -54,6 +54,7 @@ std::vector<Check> make_list(const CheckContext& context) {
   for (const char* kind : {"camera", "transforms", "deformation", "materials", "lights", "topology"}) {
     list.push_back({fmt::format("change/{}", kind), "the image of a fresh start", [kind](CheckContext& c) { return check_change(c, kind); }});
   }
+  list.push_back({"change/alpha", "the image of a fresh start", check_alpha_change});
   list.push_back({"memory/returned", "as before", check_memory});
   list.push_back({"memory/stated", "at most 1.1 times what is stated", check_estimate});
   list.push_back({"budget/iterations", "exactly as asked, and samples are counted", check_iterations});

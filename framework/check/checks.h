@@ -21,6 +21,7 @@ Outcome check_oclgrind(CheckContext& context);
 // ---- what it follows (change_checks.cpp)
 Outcome check_camera_cost(CheckContext& context);
 Outcome check_change(CheckContext& context, const std::string& kind);
+Outcome check_alpha_change(CheckContext& context);
 
 // ---- what it keeps to (limit_checks.cpp)
 Outcome check_memory(CheckContext& context);

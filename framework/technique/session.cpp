@@ -140,7 +140,8 @@ struct RenderSession::State {
       return;
     }
     timed(clocks.upload, [&] { buffers->update(scene, change); });
-    if (bvh && change.geometry()) timed(clocks.bvh, [&] { bvh->update(scene, *buffers, change); });
+    // Materials too: traversal is compiled for whether any is MASK or BLEND.
+    if (bvh && (change.geometry() || !change.materials.empty())) timed(clocks.bvh, [&] { bvh->update(scene, *buffers, change); });
     timed(clocks.prepare, [&] { technique->update(change); });
   }
 

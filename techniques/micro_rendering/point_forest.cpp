@@ -54,6 +54,7 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
       owner_(owner),
       program_(forest_program(device)) {
   place(find_tree_sources(scene, buffers));
+  for (const SceneMaterial& material : scene.materials) placed_opaque_.push_back(material.alpha_mode == AlphaMode::opaque);
   derive_albedo();
   std::vector<size_t> all(trees_.size());
   for (size_t t = 0; t < all.size(); ++t) all[t] = t;
@@ -206,7 +207,8 @@ bool PointForest::too_loose(const ForestTree& tree) const {
 bool PointForest::update(const SceneChange& change) {
   if (change.topology) return false;
   for (const int m : change.materials) {
-    if (scene_.materials[static_cast<size_t>(m)].alpha_mode != AlphaMode::opaque) return false;
+    const size_t i = static_cast<size_t>(m);
+    if (!placed_opaque_[i] || scene_.materials[i].alpha_mode != AlphaMode::opaque) return false;
   }
   const auto tree_of = [&](int instance) {
     return std::find_if(trees_.begin(), trees_.end(), [&](const ForestTree& t) { return t.instance == instance; });

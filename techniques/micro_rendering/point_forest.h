@@ -84,6 +84,7 @@ class PointForest {
   Program program_;
   std::vector<ForestTree> trees_;
   uint32_t leaf_count_ = 0;
+  std::vector<bool> placed_opaque_;  // by material: points were placed without regard to its alpha
   double sampling_seconds_ = 0, ordering_seconds_ = 0;
 };
 

@@ -147,3 +147,34 @@ TEST_CASE("a change of the scene starts anew; one that the technique cannot foll
   CHECK(session.resolve().find("count")->pixels[0] == 2);
   CHECK(session.resolve().metadata.at("scene_time_seconds") == "1");
 }
+
+TEST_CASE("surfaces that become MASK in a running session let rays through") {
+  static const TechniqueRegistry registry({std::filesystem::path(std::getenv("LUCARIUM_TEST_PLUGINS")) / "faulty"});
+  const auto render = [](RenderSession& session) {
+    session.run({.iterations = 2});
+    return session.resolve().image();
+  };
+  const auto open_session = [](const Scene& scene) {
+    RenderSettings settings = small_settings();
+    settings.camera = scene.cameras.front();
+    return RenderSession(Device::open(), scene, registry.find("faulty"), settings, {});
+  };
+  const auto hide_all = [](Scene& scene) {
+    SceneChange change;
+    for (size_t i = 0; i < scene.materials.size(); ++i) {
+      if (scene.materials[i].emits()) continue;
+      scene.materials[i].alpha_mode = AlphaMode::mask;
+      scene.materials[i].base_color.a = 0;
+      change.materials.push_back(static_cast<int>(i));
+    }
+    return change;
+  };
+  const Scene opaque = load_scene("builtin:cornell");
+  Scene hidden = opaque;
+  hide_all(hidden);
+  RenderSession changed = open_session(opaque), fresh = open_session(hidden);
+  const std::vector<float> before = render(changed), expected = render(fresh);
+  CHECK(before != expected);
+  changed.change_scene(hide_all);
+  CHECK(render(changed) == expected);
+}
