@@ -19,12 +19,12 @@ from lucarium import Missing, read_exr
 SCRIPT = Path(__file__).with_name("cycles_render.py")
 
 
-def run(scene_file, size, bounces, samples, seeds, folder, linear_textures=False):
+def run(scene_file, size, bounces, samples, seeds, folder, linear_textures=False, area_lights=True):
     """Renders one image per seed into the folder; returns lists: wall and CPU seconds of each."""
     if shutil.which("blender") is None:
         raise Missing("Blender is not installed (apt-get install --no-install-recommends blender python3-numpy)")
     job = {"scene": str(scene_file), "size": list(size), "bounces": bounces, "samples": samples, "seeds": list(seeds),
-           "output": str(folder), "threads": os.cpu_count(), "linear_textures": linear_textures}
+           "output": str(folder), "threads": os.cpu_count(), "linear_textures": linear_textures, "area_lights": area_lights}
     file, report = Path(folder) / "job.json", Path(folder) / "cycles.json"
     file.write_text(json.dumps(job))
     report.unlink(missing_ok=True)

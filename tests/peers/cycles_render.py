@@ -4,7 +4,7 @@ Cycles once per seed.
 
   blender -b --factory-startup -P cycles_render.py -- JOB.json
 
-JOB.json: scene, size, bounces, samples, seeds, output (folder), threads, linear_textures.
+JOB.json: scene, size, bounces, samples, seeds, output (folder), threads, linear_textures, area_lights.
 """
 
 import json
@@ -162,6 +162,38 @@ def make_mesh(source, material):
     bpy.context.scene.collection.objects.link(bpy.data.objects.new(source.name, mesh))
 
 
+def rectangle(mesh):
+    """Corner and two sides of two triangles that make up a rectangle, front: u x v; None for other meshes."""
+    if len(mesh.triangles) != 2:
+        return None
+    corners = mesh.positions[mesh.triangles].astype(np.float64)
+    a, b, c = corners[0]
+    for origin, p, q in ((a, b, c), (b, c, a), (c, a, b)):
+        u, v = p - origin, q - origin
+        far = np.linalg.norm(corners[1] - (p + v), axis=1).min()
+        if abs(u @ v) < 1e-5 * np.linalg.norm(u) * np.linalg.norm(v) and far < 1e-5 * np.linalg.norm(u + v):
+            return origin, u, v
+    return None
+
+
+def make_rectangle_light(name, corner, u, v, radiance):
+    """Cycles' own area light: of lamps that are meshes it takes samples with too little light (docs/validation.md)."""
+    light = bpy.data.lights.new(name, "AREA")
+    light.shape, light.size, light.size_y = "RECTANGLE", np.linalg.norm(u), np.linalg.norm(v)
+    largest = float(radiance.max())
+    light.color = [float(x) / largest for x in radiance]
+    light.energy = 4 * largest * light.size * light.size_y
+    axes = TO_BLENDER.to_3x3() @ mathutils.Matrix([(x / np.linalg.norm(x)).tolist() for x in (u, -v, -np.cross(u, v))]).transposed()
+    holder = bpy.data.objects.new(name, light)
+    holder.matrix_world = mathutils.Matrix.Translation(
+        TO_BLENDER.to_3x3() @ mathutils.Vector(corner + 0.5 * (u + v))) @ axes.to_4x4()
+    bpy.context.scene.collection.objects.link(holder)
+
+
+def is_plain_lamp(material):
+    return JOB["area_lights"] and material.emission.max() > 0 and material.emission_texture is None and max(material.base_color[:3]) == 0
+
+
 def spot_ramp(light):
     """The squared ramp of KHR_lights_punctual on a point light of the same intensity: Cycles' own spot has another."""
     outer = np.cos(light.outer)
@@ -261,7 +293,11 @@ def main():
     scene = gltf.read(JOB["scene"])
     materials = [make_material(scene, i, output) for i in range(len(scene.materials))]
     for mesh in scene.meshes:
-        make_mesh(mesh, materials[mesh.material])
+        sides = rectangle(mesh) if is_plain_lamp(scene.materials[mesh.material]) else None
+        if sides is None:
+            make_mesh(mesh, materials[mesh.material])
+        else:
+            make_rectangle_light(mesh.name, *sides, scene.materials[mesh.material].emission)
     for index, light in enumerate(scene.lights):
         make_light(index, light)
     make_world(scene.environment)
