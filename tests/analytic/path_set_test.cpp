@@ -2,6 +2,7 @@
 // Limits of the path set: layers are disjoint and complete, and switched-off sources leave nothing behind.
 #include "closed_form.h"
 #include "lucarium/scene/load_scene.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -95,7 +96,7 @@ TEST_CASE("path set: with only diffuse surfaces, Lambert-only secondary vertices
   set.max_bounces = 2;
   const double full = mean_with(scene, set);
   set.secondary_lambert_only = true;
-  CHECK(mean_with(scene, set) == doctest::Approx(full).epsilon(1e-5));
+  CHECK(mean_with(scene, set) == test::relative(full, 1e-5));
 }
 
 TEST_CASE("path set: a clamp bounds the indirect layer and only that") {
@@ -140,7 +141,7 @@ TEST_CASE("path set: geometric normals change smooth surfaces and not flat ones"
   PathSet shading, geometric;
   shading.max_bounces = geometric.max_bounces = 1;
   geometric.geometric_normals = true;
-  CHECK(mean_with(flat, geometric) == doctest::Approx(mean_with(flat, shading)).epsilon(1e-4));
+  CHECK(mean_with(flat, geometric) == test::relative(mean_with(flat, shading), 1e-4));
 
   // One triangle whose vertex normals all lean to one side, lit along its true normal: cos 60 degrees against 1.
   Scene leaning;
@@ -149,8 +150,8 @@ TEST_CASE("path set: geometric normals change smooth surfaces and not flat ones"
   leaning.meshes[0].flat_normals = false;
   for (glm::vec3& normal : leaning.meshes[0].normals) normal = glm::normalize(glm::vec3(std::sqrt(3.f), 1, 0));
   add_light(leaning, LightType::directional, 1, {0, 1, 0}, {0, 0, 0});
-  CHECK(mean_with(leaning, geometric) == doctest::Approx(0.5 / M_PI).epsilon(1e-5));
-  CHECK(mean_with(leaning, shading) == doctest::Approx(0.25 / M_PI).epsilon(1e-5));
+  CHECK(mean_with(leaning, geometric) == test::relative(0.5 / M_PI, 1e-5));
+  CHECK(mean_with(leaning, shading) == test::relative(0.25 / M_PI, 1e-5));
 }
 
 TEST_CASE("path set: BLEND surfaces can be taken as opaque") {
@@ -164,7 +165,7 @@ TEST_CASE("path set: BLEND surfaces can be taken as opaque") {
   add_horizontal(scene, 0, 0.5f, 0, 2, 2, true, add_material(scene, plate));
   add_horizontal(scene, 0, 0, 0, 2, 2, true, add_material(scene, emitter(1)));
   PathSet set;
-  CHECK(mean_with(scene, set) == doctest::Approx(0.75).epsilon(0.02));
+  CHECK(mean_with(scene, set) == test::relative(0.75, 0.02));
   set.blend = false;
   CHECK(mean_with(scene, set) == 0);
 }

@@ -6,6 +6,7 @@
 #include "closed_form.h"
 #include "lucarium/base/error.h"
 #include "lucarium/scene/load_scene.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -138,8 +139,8 @@ TEST_CASE("reproducibility: the layer Variance is that of the mean of the replic
   for (size_t i = 0; i < variance.size(); ++i) {
     const double a = images[0][i], b = images[1][i], c = images[2][i], mean = (a + b + c) / 3;
     const double expected = ((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2 / 3;
-    CHECK(variance[i] == doctest::Approx(expected).epsilon(1e-4));
-    CHECK(image[i] == doctest::Approx((2 * a + b + c) / 4).epsilon(1e-4));
+    CHECK(variance[i] == test::relative(expected, 1e-4));
+    CHECK(image[i] == test::relative((2 * a + b + c) / 4, 1e-4));
     largest = std::max(largest, expected);
   }
   CHECK(largest > 0);

@@ -6,6 +6,7 @@
 
 #include "bundle_rig.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::bundle;
@@ -40,7 +41,7 @@ TEST_CASE("a furnace of albedo 0.8 fills as the recurrences say") {
   CHECK(sd < 0);
   CHECK(std::abs(sd) < 0.002);
   CHECK(std::abs(furnace_deficit(Interleave::running, false) + 0.187) < 0.01);
-  CHECK(furnace_deficit(Interleave::fixed, false) == doctest::Approx(-0.69).scale(0).epsilon(0.015));
+  CHECK(furnace_deficit(Interleave::fixed, false) == test::relative(-0.69, 0.015));
   CHECK(std::abs(furnace_deficit(Interleave::sd, true)) < 1e-4);  // the balance knows the answer at once
 }
 
@@ -55,7 +56,7 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
     rig.solve(DirectionSequence(parameters, 1, nullptr), 1024);
     double expected = 0;
     for (uint32_t k = 1; k <= bounces; ++k) expected += std::pow(0.5, k);
-    CHECK(rig.mean(rig.indirect()) == doctest::Approx(expected).scale(0).epsilon(0.004));
+    CHECK(rig.mean(rig.indirect()) == test::relative(expected, 0.004));
   }
   Parameters parameters;
   parameters.interleave = Interleave::pingpong;
@@ -63,7 +64,7 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
   test::BundleRig rig(furnace(0.5f), 384, 0.5f, {}, parameters);
   rig.set_direct(kPi);
   rig.solve(DirectionSequence(parameters, 1, nullptr), 3 * 128);
-  CHECK(rig.mean(rig.indirect()) == doctest::Approx(0.875).scale(0).epsilon(1e-5));
+  CHECK(rig.mean(rig.indirect()) == test::relative(0.875, 1e-5));
 }
 
 TEST_CASE("a room with a lamp, all light by bundles, against path tracing") {
@@ -96,8 +97,8 @@ TEST_CASE("a room with a lamp, all light by bundles, against path tracing") {
     return materials[slot].emission.x > 0 || !behind;
   };
   const double tolerance = test::full_run() ? 0.004 : 0.015;
-  CHECK(rig.mean(rig.direct(), counts) == doctest::Approx(20. / 16 / 6).scale(0).epsilon(tolerance));
-  CHECK(rig.mean(rig.indirect(), counts) == doctest::Approx(0.2491).scale(0).epsilon(tolerance));
+  CHECK(rig.mean(rig.direct(), counts) == test::relative(20. / 16 / 6, tolerance));
+  CHECK(rig.mean(rig.indirect(), counts) == test::relative(0.2491, tolerance));
   CHECK(rig.relative_error() < 0.15);  // of a slot; the mean is better
   CHECK(rig.relative_error() > 0.01);
 }
@@ -120,6 +121,6 @@ TEST_CASE("a shining box of glossy walls, against path tracing") {
     parameters.hop_share = 1;
     test::BundleRig rig(scene, 1536, 0.5f, channels, parameters, {{"LUCARIUM_PHONG", ""}});
     rig.solve(DirectionSequence(parameters, 3, nullptr), test::full_run() ? 8192 : 512);
-    CHECK(rig.mean(rig.indirect()) == doctest::Approx(expected[bounces - 1]).scale(0).epsilon(test::full_run() ? 0.005 : 0.01));
+    CHECK(rig.mean(rig.indirect()) == test::relative(expected[bounces - 1], test::full_run() ? 0.005 : 0.01));
   }
 }

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "chi2.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::bundle;
@@ -54,7 +55,7 @@ TEST_CASE("every sequence is uniform over the sphere, and W is 2 pi") {
       CHECK(result.p > 1e-4);
     else
       CHECK(result.statistic < 0.5 * result.cells);  // stratified: far more even than independent ones
-    CHECK(sequence.at(5).weight == doctest::Approx(2 * kPi));
+    CHECK(sequence.at(5).weight == test::relative(2 * kPi));
   }
 }
 
@@ -120,12 +121,12 @@ TEST_CASE("guided directions follow the density that W is made of") {
     }
     double total = 0, weight = 0;
     for (const double e : expected) total += e;
-    CHECK(total == doctest::Approx(count).scale(0).epsilon(0.01));
+    CHECK(total == test::relative(count, 0.01));
     for (double& e : expected) e *= count / total;
     const test::Chi2Result result = test::chi2_test(cells, expected);
     if (kind == Sequence::iid) CHECK(result.p > 1e-6);
     // ∫ W q dω over the sphere is half of it: each line serves both ways.
     for (int i = 0; i < count; ++i) weight += sequence.at(i).weight;
-    CHECK(weight / count == doctest::Approx(2 * kPi).scale(0).epsilon(0.01));
+    CHECK(weight / count == test::relative(2 * kPi, 0.01));
   }
 }

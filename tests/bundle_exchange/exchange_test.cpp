@@ -7,6 +7,7 @@
 
 #include "bundle_rig.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::bundle;
@@ -61,10 +62,10 @@ TEST_CASE("in a closed box of radiance 1 every slot holds exactly that, whatever
     flux += sums[slot].x;
     area += texels[slot].area;
   }
-  CHECK(area == doctest::Approx(6).scale(0).epsilon(1e-5));
+  CHECK(area == test::relative(6, 1e-5));
   CHECK(worst < 1e-5);
   // E = W A_p / A_t sum L: over the whole box π per area.
-  CHECK(flux / count / area == doctest::Approx(kPi).scale(0).epsilon(test::full_run() ? 1e-4 : 2e-3));
+  CHECK(flux / count / area == test::relative(kPi, test::full_run() ? 1e-4 : 2e-3));
 }
 
 TEST_CASE("form factors of unit squares") {
@@ -119,8 +120,8 @@ TEST_CASE("a double-sided plate under a sky of radiance 1 + w_y: 5 pi / 3 above,
     }
     const double exact[2] = {kPi / 3, 5 * kPi / 3};
     for (int up = 0; up < 2; ++up) {
-      CHECK(kPi * ratio[up][0] / ratio[up][1] == doctest::Approx(exact[up]).scale(0).epsilon(0.005));
-      CHECK(flux[up] == doctest::Approx(exact[up]).scale(0).epsilon(0.01));
+      CHECK(kPi * ratio[up][0] / ratio[up][1] == test::relative(exact[up], 0.005));
+      CHECK(flux[up] == test::relative(exact[up], 0.01));
     }
   }
 }

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "tolerance.h"
+
 using namespace lucarium::bundle;
 
 namespace {
@@ -36,8 +38,8 @@ double furnace_deficit(const Parameters& parameters, double rho, int directions,
 
 TEST_CASE("forgetting senders leave 0.1 % after 2048 directions") {
   Parameters parameters;
-  CHECK(furnace_deficit(parameters, 0.8, 2048, 1) == doctest::Approx(-0.0010).scale(0).epsilon(0.1));
-  CHECK(furnace_deficit(parameters, 0.8, 2048, 4) == doctest::Approx(-0.008).scale(0).epsilon(0.15));
+  CHECK(furnace_deficit(parameters, 0.8, 2048, 1) == lucarium::test::relative(-0.0010, 0.1));
+  CHECK(furnace_deficit(parameters, 0.8, 2048, 4) == lucarium::test::relative(-0.008, 0.15));
 }
 
 TEST_CASE("a running mean leaves what the gamma function says") {
@@ -46,7 +48,7 @@ TEST_CASE("a running mean leaves what the gamma function says") {
   for (const double rho : {0.5, 0.8}) {
     const int n = 2048;
     const double expected = std::exp(std::lgamma(n + rho) - std::lgamma(rho) - std::lgamma(n + 1.0));
-    CHECK(furnace_deficit(parameters, rho, n, 1) == doctest::Approx(-expected).scale(0).epsilon(0.1));
+    CHECK(furnace_deficit(parameters, rho, n, 1) == lucarium::test::relative(-expected, 0.1));
   }
 }
 
@@ -54,7 +56,7 @@ TEST_CASE("equal shares of the total never reach the limit") {
   Parameters parameters;
   parameters.interleave = Interleave::fixed;
   const double rho = 0.8, limit = (std::exp(rho) - 1) / rho * (1 - rho) - 1;
-  CHECK(furnace_deficit(parameters, rho, 20000, 1, true) == doctest::Approx(limit).scale(0).epsilon(0.01));
+  CHECK(furnace_deficit(parameters, rho, 20000, 1, true) == lucarium::test::relative(limit, 0.01));
 }
 
 TEST_CASE("weights stay in single precision over a million batches and forget as they should") {
@@ -67,6 +69,6 @@ TEST_CASE("weights stay in single precision over a million batches and forget as
     REQUIRE_UNARY(step.sender_weight < 1e27);
     total = total * step.sender_scale + step.sender_weight;
     share = step.sender_weight / total;
-    if (i == 99 || i == 9999 || i == 999999) CHECK(share == doctest::Approx(std::pow(i + 1.0, -0.5)).scale(0).epsilon(1e-6));
+    if (i == 99 || i == 9999 || i == 999999) CHECK(share == lucarium::test::relative(std::pow(i + 1.0, -0.5), 1e-6));
   }
 }

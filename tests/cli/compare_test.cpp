@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "cli_support.h"
+#include "tolerance.h"
 
 using namespace lucarium::test;
 using nlohmann::json;
@@ -67,7 +68,7 @@ TEST_CASE("a comparison writes results that parse, a table and a page") {
   REQUIRE(all["pieces"].size() == 4);
   for (const json& piece : all["pieces"]) {
     // Only red differs, by .05: MSE = .0025 / 3.
-    CHECK(piece["metrics"]["RMSE"].get<double>() == doctest::Approx(std::sqrt(0.0025 / 3)).epsilon(1e-4));
+    CHECK(piece["metrics"]["RMSE"].get<double>() == lucarium::test::relative(std::sqrt(0.0025 / 3), 1e-4));
     CHECK(piece["samples"] == 5);
     CHECK(fs::exists(results / piece["image"].get<std::string>()));
   }
@@ -190,5 +191,5 @@ TEST_CASE("a plan is printed and nothing is written; gates set the exit code; a 
                      " -o " + (folder.path() / "second").string() + " " + plugins).exit_code == 0);
   const json second = json::parse(text_of(folder.path() / "second" / "results.json"));
   REQUIRE(second["baseline"]["changes"].size() >= 2);
-  CHECK(second["baseline"]["changes"][0]["ratio"].get<double>() == doctest::Approx(1));
+  CHECK(second["baseline"]["changes"][0]["ratio"].get<double>() == lucarium::test::relative(1));
 }

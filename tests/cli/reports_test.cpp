@@ -7,6 +7,7 @@
 #include "cli_support.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/version.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -121,8 +122,8 @@ TEST_CASE("diff gives the metrics of two images per layer, and fails above a lim
   const json values = json::parse(result.out);
   // (x - r)² = .01; r² + .01 Ȳ² = .25 · 1.01
   for (const char* layer : {"image", "direct"}) {
-    CHECK(values["layers"][layer]["MSE"].get<double>() == doctest::Approx(0.01));
-    CHECK(values["layers"][layer]["relMSE"].get<double>() == doctest::Approx(0.01 / (0.25 * 1.01)));
+    CHECK(values["layers"][layer]["MSE"].get<double>() == test::relative(0.01));
+    CHECK(values["layers"][layer]["relMSE"].get<double>() == test::relative(0.01 / (0.25 * 1.01)));
   }
   CHECK(values["layers"]["image"]["SSIM"].get<double>() < 1);
   CHECK(values["metrics"]["relMSE"]["lower_is_better"] == true);
@@ -144,7 +145,7 @@ TEST_CASE("diff writes maps of the error, as values and as colours") {
   const std::string a = write_grey(folder, "a.exr", 16, 0.5f), b = write_grey(folder, "b.exr", 16, 0.6f);
   const std::string map = (folder.path() / "map.exr").string(), picture = (folder.path() / "map.png").string();
   REQUIRE(run_lucarium("diff " + b + " " + a + " --map " + map).exit_code == 0);
-  CHECK(read_image(map).image()[0] == doctest::Approx(0.1 / (0.5 + 0.005)));
+  CHECK(read_image(map).image()[0] == test::relative(0.1 / (0.5 + 0.005)));
   check_refused("diff " + b + " " + a + " --map " + map, 2, "exists");
   check_refused("diff " + b + " " + a + " --map map.jpg", 2, ".exr or .png");
   check_refused("diff " + b + " " + a + " --map " + map + " --map-of flop", 2, "--map-of");
@@ -152,8 +153,8 @@ TEST_CASE("diff writes maps of the error, as values and as colours") {
   const ProgramResult result = run_lucarium("diff " + b + " " + a + " --json --overwrite --map-of ldr_flip --map " + map);
   REQUIRE(result.exit_code == 0);
   const double flip = json::parse(result.out)["layers"]["image"]["LDR_FLIP"].get<double>();
-  CHECK(flip == doctest::Approx(0.19621).epsilon(1e-4));
-  CHECK(read_image(map).image()[0] == doctest::Approx(flip).epsilon(1e-5));
+  CHECK(flip == test::relative(0.19621, 1e-4));
+  CHECK(read_image(map).image()[0] == test::relative(flip, 1e-5));
 
   REQUIRE(run_lucarium("diff " + b + " " + a + " --map-of hdr_flip --map " + picture).exit_code == 0);
   CHECK(read_image(picture).width() == 16);
@@ -176,8 +177,8 @@ TEST_CASE("diff subtracts the reference's own error, and says when that is too l
   CAPTURE(result.err);
   REQUIRE(result.exit_code == 0);
   const json own = json::parse(result.out)["reference"];
-  CHECK(own["own_mse"].get<double>() == doctest::Approx(0.01).epsilon(1e-5));
-  CHECK(own["debiased_mse"].get<double>() == doctest::Approx(0).epsilon(1e-6));
+  CHECK(own["own_mse"].get<double>() == test::relative(0.01, 1e-5));
+  CHECK(own["debiased_mse"].get<double>() == test::within(0, 1e-6));
   CHECK(own["mse_resolved"] == false);
   CHECK(contains(run_lucarium("diff " + image + " " + reference).out, "too noisy"));
 }

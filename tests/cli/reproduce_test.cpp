@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "cli_support.h"
+#include "tolerance.h"
 
 using namespace lucarium::test;
 using nlohmann::json;
@@ -82,11 +83,11 @@ TEST_CASE("values and trends are read off the results") {
   const json reproduction = results_of(paper.output()).at("reproduction");
   CHECK(reproduction.at("quick") == false);
   const json& values = reproduction.at("values");
-  CHECK(values[0].at("ours").get<double>() == doctest::Approx(0.25));
-  CHECK(values[0].at("paper").get<double>() == doctest::Approx(0.3));
-  CHECK(values[1].at("ours").get<double>() == doctest::Approx(0.5));
+  CHECK(values[0].at("ours").get<double>() == lucarium::test::relative(0.25));
+  CHECK(values[0].at("paper").get<double>() == lucarium::test::relative(0.3));
+  CHECK(values[1].at("ours").get<double>() == lucarium::test::relative(0.5));
   CHECK(!values[1].contains("paper"));
-  CHECK(values[2].at("ours").get<double>() == doctest::Approx(2));
+  CHECK(values[2].at("ours").get<double>() == lucarium::test::relative(2));
   const json& trends = reproduction.at("trends");
   CHECK(trends[0].at("verdict") == "holds");
   CHECK(trends[1].at("verdict") == "fails");

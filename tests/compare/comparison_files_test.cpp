@@ -11,6 +11,7 @@
 #include "lucarium/compare/error_map.h"
 #include "lucarium/compare/file_lock.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -112,6 +113,6 @@ TEST_CASE("the error map is blue where too dark, red where too bright, white whe
   const std::vector<float> reference = {1, 1, 1, 1, 1, 1, 1, 1, 1}, test = {0, 0, 0, 1, 1, 1, 3, 3, 3};
   const std::vector<float> map = signed_error_map(test, reference);
   CHECK(map[2] > map[0]);  // dark: blue above red
-  CHECK(map[3] == doctest::Approx(map[5]));
+  CHECK(map[3] == test::relative(map[5]));
   CHECK(map[6] > map[8]);  // bright: red above blue
 }

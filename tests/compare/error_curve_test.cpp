@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "tolerance.h"
+
 using namespace lucarium;
 using State = TimeToError::State;
 
@@ -41,10 +43,10 @@ TEST_CASE("a power law is interpolated exactly") {
   for (const double t : {1.1, 3., 40.}) {
     const TimeToError time = time_to_error(power_law(), 3 * std::pow(t, -1.5));
     CHECK(time.state == State::reached);
-    CHECK(time.time == doctest::Approx(t));
-    CHECK(error_at_time(power_law(), t) == doctest::Approx(3 * std::pow(t, -1.5)));
+    CHECK(time.time == test::relative(t));
+    CHECK(error_at_time(power_law(), t) == test::relative(3 * std::pow(t, -1.5)));
   }
-  CHECK(time_to_error(power_law(), power_law()[2].error).time == doctest::Approx(4));
+  CHECK(time_to_error(power_law(), power_law()[2].error).time == test::relative(4));
   CHECK(error_at_time(power_law(), 4) == power_law()[2].error);
 }
 
@@ -60,7 +62,7 @@ TEST_CASE("outside the curve nothing is made up") {
 
 TEST_CASE("the first crossing counts; zeros and NaN do not spoil it") {
   const std::vector<CurvePoint> bumpy = {{1, 8}, {2, 2}, {4, 8}, {8, 1}};
-  CHECK(time_to_error(bumpy, 4).time == doctest::Approx(std::sqrt(2)));
+  CHECK(time_to_error(bumpy, 4).time == test::relative(std::sqrt(2)));
   CHECK(time_to_error({{1, 8}, {2, 0}}, 4).time == 2);
   CHECK(time_to_error({{1, std::nan("")}, {2, 1}}, 4).time == 2);
   CHECK(error_at_time({{1, 8}, {2, 0}}, 1.5) == 0);
@@ -68,10 +70,10 @@ TEST_CASE("the first crossing counts; zeros and NaN do not spoil it") {
 
 TEST_CASE("slope and scale of a power law") {
   const PowerLaw law = fit_power_law(power_law());
-  CHECK(law.slope == doctest::Approx(-1.5));
-  CHECK(law.scale == doctest::Approx(3));
+  CHECK(law.slope == test::relative(-1.5));
+  CHECK(law.scale == test::relative(3));
   CHECK(law.points == 7);
-  CHECK(fit_power_law({{1, 1}, {2, 0}, {4, .25}}).slope == doctest::Approx(-1));
+  CHECK(fit_power_law({{1, 1}, {2, 0}, {4, .25}}).slope == test::relative(-1));
   CHECK(std::isnan(fit_power_law({{1, 1}}).slope));
   CHECK(std::isnan(fit_power_law({{1, 1}, {1, 2}}).slope));
   CHECK(std::isnan(fit_power_law({}).scale));

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "lucarium/base/error.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -104,8 +105,8 @@ TEST_CASE("image test: mean and variance in a film serve as well as the replicat
   const ImageEstimate a = estimate(5), b = estimate(6), wrong = estimate(6, 1.01);
   const ImageTest by_replicates = test_images(a, b), by_film = test_images(film_of(a), film_of(b));
   CHECK(by_film.passed);
-  CHECK(by_film.levels[0].worst_t == doctest::Approx(by_replicates.levels[0].worst_t).epsilon(1e-4));
-  CHECK(by_film.levels[2].ks_statistic == doctest::Approx(by_replicates.levels[2].ks_statistic).epsilon(0.5));
+  CHECK(by_film.levels[0].worst_t == test::relative(by_replicates.levels[0].worst_t, 1e-4));
+  CHECK(by_film.levels[2].ks_statistic == test::relative(by_replicates.levels[2].ks_statistic, 0.5));
   CHECK_FALSE(test_images(film_of(a), film_of(wrong)).passed);
 }
 
@@ -123,8 +124,8 @@ TEST_CASE("image test: what cannot be compared is an error") {
 
 TEST_CASE("image test: Kolmogorov's distribution") {
   // Critical values of the limit: P(K > 1.3581) = .05, P(K > 1.6276) = .01.
-  CHECK(kolmogorov_tail(1.3581 / 1000, 1000000) == doctest::Approx(0.05).epsilon(0.01));
-  CHECK(kolmogorov_tail(1.6276 / 1000, 1000000) == doctest::Approx(0.01).epsilon(0.01));
+  CHECK(kolmogorov_tail(1.3581 / 1000, 1000000) == test::relative(0.05, 0.01));
+  CHECK(kolmogorov_tail(1.6276 / 1000, 1000000) == test::relative(0.01, 0.01));
   CHECK(kolmogorov_tail(0, 10) == 1);
   CHECK(kolmogorov_tail(1, 10) < 1e-6);
 }

@@ -10,6 +10,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/film/image_io.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -54,10 +55,10 @@ TEST_CASE("rounds merge by their samples, and halves tell the error of the whole
     REQUIRE(image.error_known());
     // 9216 values: the mean of their squares has a relative standard deviation of √(2/9216) = 0.0147.
     const double expected = sample_variance / static_cast<double>(total);
-    CHECK(mean_squared_error(image.film()) == doctest::Approx(expected).epsilon(5 * 0.0147));
-    CHECK(image.error().mse == doctest::Approx(expected).epsilon(5 * 0.0147));
-    CHECK(image.error().relmse == doctest::Approx(expected / (truth * truth * 1.01)).epsilon(5 * 0.0147));
-    CHECK(image.film().find("Variance")->pixels[100] == doctest::Approx(expected).epsilon(1e-5));
+    CHECK(mean_squared_error(image.film()) == test::relative(expected, 5 * 0.0147));
+    CHECK(image.error().mse == test::relative(expected, 5 * 0.0147));
+    CHECK(image.error().relmse == test::relative(expected / (truth * truth * 1.01), 5 * 0.0147));
+    CHECK(image.film().find("Variance")->pixels[100] == test::relative(expected, 1e-5));
     CHECK(image.film().metadata.at("samples") == std::to_string(total));
   }
 }
@@ -71,7 +72,7 @@ TEST_CASE("the whole is the weighted mean of the halves") {
   const std::vector<float> whole = image.film().image();
   for (const size_t i : {size_t{0}, size_t{777}, whole.size() - 1}) {
     const double a = image.film().find("HalfA")->pixels[i], b = image.film().find("HalfB")->pixels[i];
-    CHECK(whole[i] == doctest::Approx((48 * a + 16 * b) / 64).epsilon(1e-6));
+    CHECK(whole[i] == test::relative((48 * a + 16 * b) / 64, 1e-6));
   }
 }
 
@@ -100,8 +101,8 @@ TEST_CASE("an image that is no reference is refused; one with a variance layer h
   CHECK_THROWS_WITH_AS(ReferenceImage(film, "x.exr"), doctest::Contains("x.exr: not an image of lucarium reference"), Error);
   ReferenceError error;
   CHECK(estimate_reference_error(film, error));
-  CHECK(error.mse == doctest::Approx(sample_variance / 16));
-  CHECK(error.relmse == doctest::Approx(sample_variance / 16 / (truth * truth * 1.01)).epsilon(0.01));
+  CHECK(error.mse == test::relative(sample_variance / 16));
+  CHECK(error.relmse == test::relative(sample_variance / 16 / (truth * truth * 1.01), 0.01));
   Film bare(4, 4);
   bare.layer("direct", {"R", "G", "B"}, true);
   CHECK_FALSE(estimate_reference_error(bare, error));

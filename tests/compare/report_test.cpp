@@ -10,6 +10,7 @@
 #include "lucarium/compare/report_page.h"
 #include "report_example.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -79,11 +80,11 @@ TEST_CASE("damaged data is an error") {
 }
 
 TEST_CASE("maps keep 8 bits; reduction is a mean, cut at the edges") {
-  CHECK(unpack(pack_unit(2, 1, 1, {0.5f, 1.0f}))[0] == doctest::Approx(0.5).epsilon(0.005));
+  CHECK(unpack(pack_unit(2, 1, 1, {0.5f, 1.0f}))[0] == test::relative(0.5, 0.005));
   const std::vector<float> reduced = reduce_image(3, 2, 1, {1, 3, 7, 5, 7, 9}, 2);
   REQUIRE(reduced.size() == 2);
-  CHECK(reduced[0] == doctest::Approx(4));
-  CHECK(reduced[1] == doctest::Approx(8));
+  CHECK(reduced[0] == test::relative(4));
+  CHECK(reduced[1] == test::relative(8));
 }
 
 TEST_CASE("layers give way before means, means before images") {

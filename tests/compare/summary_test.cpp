@@ -13,6 +13,7 @@
 #include "lucarium/compare/baseline.h"
 #include "lucarium/film/image_io.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -67,16 +68,17 @@ TEST_CASE("a summary has geometric means, debiased error, the curve and its slop
   ComparisonResult result = example();
   const Summary& summary = result.summaries.at({0, 0, 0});
   CHECK(summary.seeds == 3);
-  CHECK(summary.metrics.at("relMSE").mean == doctest::Approx(0.09));
+  CHECK(summary.metrics.at("relMSE").mean == test::relative(0.09));
   // Logarithms are −1, 0, 1 times ln 2 about the mean: s = ln 2, t(2 degrees of freedom, 95 %) = 4.3027.
-  CHECK(summary.metrics.at("relMSE").high == doctest::Approx(0.09 * std::exp(4.3027 * std::log(2.0) / std::sqrt(3.0))).epsilon(1e-4));
-  CHECK(summary.metrics.at("PSNR").mean == doctest::Approx(32));
-  CHECK(summary.debiased_mse == doctest::Approx((0.045 + 0.09 + 0.18) / 3 - 0.002));
+  const double high = 0.09 * std::exp(4.3027 * std::log(2.0) / std::sqrt(3.0));
+  CHECK(summary.metrics.at("relMSE").high == test::relative(high, 1e-4));
+  CHECK(summary.metrics.at("PSNR").mean == test::relative(32));
+  CHECK(summary.debiased_mse == test::relative((0.045 + 0.09 + 0.18) / 3 - 0.002));
   CHECK(summary.resolved);
   REQUIRE(summary.curve.size() == 3);
-  CHECK(summary.curve[1].relmse.mean == doctest::Approx(0.18));
-  CHECK(summary.slope.mean == doctest::Approx(-1));
-  CHECK(summary.iterate_seconds == doctest::Approx(3.5));
+  CHECK(summary.curve[1].relmse.mean == test::relative(0.18));
+  CHECK(summary.slope.mean == test::relative(-1));
+  CHECK(summary.iterate_seconds == test::relative(3.5));
 
   ReferenceResult poor = result.scenes[0].references[0];
   poor.relmse = 0.02;
@@ -87,20 +89,20 @@ TEST_CASE("times to errors are on the curves, and what was not reached says so")
   ComparisonResult result = example();
   const std::vector<SummaryTime>& first = result.summaries.at({0, 0, 0}).times;
   REQUIRE_FALSE(first.empty());
-  CHECK(first.front().relmse == doctest::Approx(0.1));
+  CHECK(first.front().relmse == test::relative(0.1));
   CHECK_FALSE(first.front().seconds);  // seed 3 ends at 0.18
   for (const SummaryTime& time : first) {
-    if (time.relmse != doctest::Approx(0.3)) continue;
+    if (time.relmse != test::relative(0.3)) continue;
     REQUIRE(time.seconds);
     CHECK(time.at_most);  // seed 1 begins at 0.18
   }
   const std::vector<SummaryTime>& second = result.summaries.at({0, 1, 0}).times;
   REQUIRE(second.size() == first.size());
   for (const SummaryTime& time : second) {
-    if (time.relmse != doctest::Approx(1.0)) continue;
+    if (time.relmse != test::relative(1.0)) continue;
     // 1.44 · {½, 1, 2} / t = 1: 1 (at most, the first snapshot), 1.44 and 2.88 s.
     REQUIRE(time.seconds);
-    CHECK(time.seconds->mean == doctest::Approx(std::cbrt(1.0 * 1.44 * 2.88)));
+    CHECK(time.seconds->mean == test::relative(std::cbrt(1.0 * 1.44 * 2.88)));
   }
 }
 
@@ -109,8 +111,8 @@ TEST_CASE("pairs go by seeds: what the seeds have in common cancels") {
   const std::vector<SummaryPair> pairs = make_pairs(result);
   REQUIRE(pairs.size() == 1);
   CHECK(pairs[0].metric == "relMSE");
-  CHECK(pairs[0].ratio.mean == doctest::Approx(0.25));
-  CHECK(pairs[0].ratio.high == doctest::Approx(0.25));
+  CHECK(pairs[0].ratio.mean == test::relative(0.25));
+  CHECK(pairs[0].ratio.high == test::relative(0.25));
   CHECK(pairs[0].different());
 }
 
@@ -136,7 +138,7 @@ TEST_CASE("results survive as JSON, and another run is compared with them") {
   write_file_atomically(folder.path() / "results.json", result.to_json());
   const nlohmann::json json = nlohmann::json::parse(result.to_json());
   CHECK(json["summaries"].size() == 2);
-  CHECK(json["summaries"][0]["metrics"]["relMSE"]["mean"] == doctest::Approx(0.09));
+  CHECK(json["summaries"][0]["metrics"]["relMSE"]["mean"].get<double>() == test::relative(0.09));
   CHECK(json["pieces"].size() == 6);
 
   for (PieceResult& piece : result.pieces) piece.metrics["relMSE"] *= piece.variant == 0 ? 1e-3 : 1;
@@ -144,7 +146,7 @@ TEST_CASE("results survive as JSON, and another run is compared with them") {
   const BaselineComparison comparison = compare_with_baseline(result, folder.path());
   REQUIRE(comparison.changes.size() == 2);  // relMSE and seconds of variant a
   CHECK(comparison.changes[0].metric == "relMSE");
-  CHECK(comparison.changes[0].ratio.mean == doctest::Approx(1e-3));
+  CHECK(comparison.changes[0].ratio.mean == test::relative(1e-3));
   CHECK(comparison.changes[0].verdict == "better");
   CHECK(comparison.changes[1].verdict == "same");
   REQUIRE(comparison.missing.size() == 1);
@@ -165,7 +167,7 @@ TEST_CASE("Welch's ratio holds the truth as often as it says") {
     held += ratio.low <= 2 && 2 <= ratio.high;
   }
   // Welch's approximation is good to about 1 % here; the count's own deviation is 0.0034.
-  CHECK(held / static_cast<double>(runs) == doctest::Approx(0.95).epsilon(0.02));
+  CHECK(held / static_cast<double>(runs) == test::relative(0.95, 0.02));
 }
 
 TEST_CASE("the mean over seeds is written, and its bias told from its variance") {
@@ -190,11 +192,11 @@ TEST_CASE("the mean over seeds is written, and its bias told from its variance")
   reference.image = "reference.exr";
   const BiasAndVariance bias = measure_bias(pieces_of(result, {0, 0, 0}), reference, folder.path());
   // 12288 values: variance 0.01 to √(2/24576), bias² 0.0025 to a few per cent.
-  CHECK(bias.variance == doctest::Approx(0.01).epsilon(0.05));
-  CHECK(bias.bias2 == doctest::Approx(0.0025).epsilon(0.1));
+  CHECK(bias.variance == test::relative(0.01, 0.05));
+  CHECK(bias.bias2 == test::relative(0.0025, 0.1));
   CHECK(bias.standard_errors > 1.2);
   const Film mean = read_image(folder.path() / "means/scene1-variant1-budget1.exr");
   double sum = 0;
   for (const float value : mean.image()) sum += value;
-  CHECK(sum / (64 * 64 * 3) == doctest::Approx(1.05).epsilon(0.003));
+  CHECK(sum / (64 * 64 * 3) == test::relative(1.05, 0.003));
 }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "schedule_fixture.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -174,7 +175,7 @@ TEST_CASE("the profile counts passes, and prints as table, JSON and trace") {
   const auto json = nlohmann::json::parse(profile.json());
   CHECK(json["passes"].size() == 3);
   CHECK(json["passes"][1]["count"] == 40);
-  CHECK(json["wall_seconds"].get<double>() == doctest::Approx(profile.wall_seconds));
+  CHECK(json["wall_seconds"].get<double>() == test::relative(profile.wall_seconds));
   const auto trace = nlohmann::json::parse(profile.chrome_trace());
   REQUIRE(trace["traceEvents"].size() == 4 * 21);
   double traced = 0;
@@ -185,7 +186,7 @@ TEST_CASE("the profile counts passes, and prints as table, JSON and trace") {
     lane_end[event["tid"].get<int>()] = start + duration;
     traced += duration * 1e-6;
   }
-  CHECK(traced == doctest::Approx(busy));
+  CHECK(traced == test::relative(busy));
 
   scheduler.reset_profile();
   CHECK(profile.runs == 0);

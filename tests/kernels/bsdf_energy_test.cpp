@@ -7,6 +7,7 @@
 #include "bsdf_scene.h"
 #include "lucarium/scene/specular_albedo.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -87,9 +88,9 @@ TEST_CASE("the albedo table holds the quadratures") {
   }
   // Exact: a smooth surface, and E1 at normal incidence on the roughest.
   const auto normal = read(1);
-  CHECK(normal[0].z == doctest::Approx(1));
-  CHECK(normal[0].w == doctest::Approx(1.0 / 21).epsilon(1e-6));
-  CHECK(normal[1000].x == doctest::Approx(1 - std::log(2.0)).epsilon(2e-6));
+  CHECK(normal[0].z == test::relative(1));
+  CHECK(normal[0].w == test::relative(1.0 / 21, 1e-6));
+  CHECK(normal[1000].x == test::relative(1 - std::log(2.0), 2e-6));
   CHECK(specular_albedo_table().size() == 2 * (129 + 32 * 32));
 }
 
@@ -173,7 +174,7 @@ TEST_CASE("the Phong test build has the albedo of its lobe") {
   const BsdfProbe probe({{"", metal(0.8f, std::pow(2.f / 7.f, 0.25f))}}, {{"LUCARIUM_PHONG", ""}});
   check_mean(estimate(probe.sample(0, glm::vec3(0, 0, 1), sample_count(), 5, replicates).weights), 0.8);
   const float4 value = probe.evaluate(0, glm::vec3(0, 0, 1), direction_at(0.5, 0.3));
-  CHECK(value.y == doctest::Approx(0.8 * 7 / (2 * 3.14159265) * std::pow(0.5, 5) * 0.5).epsilon(1e-4));
+  CHECK(value.y == test::relative(0.8 * 7 / (2 * 3.14159265) * std::pow(0.5, 5) * 0.5, 1e-4));
 }
 
 TEST_CASE("cosine-averaged albedos never exceed 1, and are 1 for a white dielectric") {
@@ -246,7 +247,7 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
   for (uint i = 0; i < 64; ++i) {
     CHECK(static_cast<int>(mirror.weights[i].w) == 1);
     CHECK(glm::distance(mirror.directions[i].xyz(), glm::vec3(-view.x, -view.y, view.z)) < 1e-6f);
-    CHECK(mirror.weights[i].y == doctest::Approx(0.8 + 0.2 * schlick).epsilon(1e-5));
+    CHECK(mirror.weights[i].y == test::relative(0.8 + 0.2 * schlick, 1e-5));
   }
   CHECK(probe.evaluate(0, view, glm::vec3(-view.x, -view.y, view.z)).y == 0);  // evaluated, an ideal lobe is nothing
 
@@ -258,7 +259,7 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
   for (uint i = 0; i < n; ++i) {
     const bool transmitted = static_cast<int>(outside.weights[i].w) == 3;
     reflected += !transmitted;
-    REQUIRE(outside.weights[i].y == doctest::Approx(transmitted ? 1 / 2.25 : 1.0).epsilon(1e-4));
+    REQUIRE(outside.weights[i].y == test::relative(transmitted ? 1 / 2.25 : 1.0, 1e-4));
     const glm::vec3 d = outside.directions[i].xyz();
     if (transmitted) REQUIRE(glm::distance(glm::vec2(d), -glm::vec2(view) / 1.5f) < 1e-6f);
     REQUIRE((d.z < 0) == transmitted);
@@ -269,8 +270,8 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
   const auto grazing = probe.sample(1, direction_at(-0.7, 0.2), 64, 3);
   for (uint i = 0; i < 64; ++i) {
     CHECK(static_cast<int>(grazing.weights[i].w) == 1);
-    CHECK(grazing.weights[i].y == doctest::Approx(1));
-    CHECK(grazing.directions[i].z == doctest::Approx(-0.7));
+    CHECK(grazing.weights[i].y == test::relative(1));
+    CHECK(grazing.directions[i].z == test::relative(-0.7));
   }
   const double outer_cosine = std::sqrt(1 - 2.25 * (1 - 0.81));
   const auto inside = probe.sample(1, direction_at(-0.9, 0.2), n, 3);
@@ -278,8 +279,8 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
   for (uint i = 0; i < n; ++i) {
     const bool transmitted = static_cast<int>(inside.weights[i].w) == 3;
     reflected += !transmitted;
-    REQUIRE(inside.weights[i].y == doctest::Approx(transmitted ? 2.25 : 1.0).epsilon(1e-4));
-    if (transmitted) REQUIRE(inside.directions[i].z == doctest::Approx(outer_cosine).epsilon(1e-4));
+    REQUIRE(inside.weights[i].y == test::relative(transmitted ? 2.25 : 1.0, 1e-4));
+    if (transmitted) REQUIRE(inside.directions[i].z == test::relative(outer_cosine, 1e-4));
   }
   const double inner = 0.04 + 0.96 * std::pow(1 - outer_cosine, 5);
   CHECK(std::abs(double(reflected) / n - inner) < 5 * std::sqrt(inner / n));
@@ -291,13 +292,13 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
     if (static_cast<int>(thin.weights[i].w) == 3) REQUIRE(glm::distance(thin.directions[i].xyz(), -view) < 1e-6f);
     sum += thin.weights[i].y;
   }
-  CHECK(sum / n == doctest::Approx(fresnel + 0.5 * (1 - fresnel)).epsilon(0.01));
+  CHECK(sum / n == test::relative(fresnel + 0.5 * (1 - fresnel), 0.01));
 
   // The option for secondary vertices keeps the diffuse lobe as it is: no ideal events, no specular light.
   const auto lambert = probe.sample(3, view, 64, 5, 1, 1);
   for (uint i = 0; i < 64; ++i) {
     CHECK(static_cast<int>(lambert.weights[i].w) == 0);
-    CHECK(lambert.weights[i].y == doctest::Approx(0.5 * (1 - (0.04 * (1 - 1.0 / 21) + 1.0 / 21))).epsilon(1e-4));
+    CHECK(lambert.weights[i].y == test::relative(0.5 * (1 - (0.04 * (1 - 1.0 / 21) + 1.0 / 21)), 1e-4));
   }
 }
 
@@ -313,7 +314,7 @@ TEST_CASE("black: backs of single-sided surfaces, unlit materials, directions on
   CHECK(probe.evaluate(0, up, side).y > 0);
   CHECK(probe.evaluate(0, down, -side).y == 0);
   CHECK(probe.evaluate(1, up, side).y == 0);
-  CHECK(probe.evaluate(2, down, -side).y == doctest::Approx(probe.evaluate(2, up, side).y));
+  CHECK(probe.evaluate(2, down, -side).y == test::relative(probe.evaluate(2, up, side).y));
   CHECK(probe.evaluate(2, up, -side).y == 0);
   for (const uint m : {0u, 1u}) {
     const auto samples = probe.sample(m, m == 0 ? down : up, 64, 1);
@@ -340,9 +341,9 @@ TEST_CASE("volumes absorb by Beer's law along segments inside them") {
   };
   const uint air = LUCARIUM_NONE, volume = 0;
   const auto check = [](const float4& got, bool absorbed, float behind) {
-    CHECK(got.x == doctest::Approx(absorbed ? 0.25 : 1));
-    CHECK(got.y == doctest::Approx(absorbed ? 0.0625 : 1));
-    CHECK(got.z == doctest::Approx(1));
+    CHECK(got.x == test::relative(absorbed ? 0.25 : 1));
+    CHECK(got.y == test::relative(absorbed ? 0.0625 : 1));
+    CHECK(got.z == test::relative(1));
     CHECK(got.w == behind);
   };
   check(cross(0, 1, air), false, 1);     // into the volume

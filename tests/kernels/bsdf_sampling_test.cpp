@@ -7,6 +7,7 @@
 #include "bsdf_scene.h"
 #include "chi2.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -125,8 +126,8 @@ TEST_CASE("every sample's density is the one that pdf_bsdf gives for its directi
       const float4 d = samples.directions[i], w = samples.weights[i];
       if (d.w == 0) continue;
       const float4 value = probe.evaluate(m, direction_at(0.6, 0.2), d.xyz());
-      CHECK(value.w == doctest::Approx(d.w).epsilon(1e-3));
-      CHECK(value.y / value.w == doctest::Approx(w.y).epsilon(1e-3));
+      CHECK(value.w == test::relative(d.w, 1e-3));
+      CHECK(value.y / value.w == test::relative(w.y, 1e-3));
     }
   }
 }

@@ -10,6 +10,7 @@
 #include "chi2.h"
 #include "kernel_fixture.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -196,7 +197,7 @@ TEST_CASE("light samples follow the density with which met light is weighted") {
     double total = 0;
     std::vector<double> expected;
     for (const float mass : masses.download()) total += mass, expected.push_back(mass);
-    CHECK(total == doctest::Approx(1).epsilon(2e-3));
+    CHECK(total == test::relative(1, 2e-3));
     for (double& e : expected) e *= n / total;
     const Chi2Result result = chi2_test(observed, expected);
     CHECK(result.stray == 0);
@@ -251,14 +252,14 @@ TEST_CASE("punctual lights: point, directional, spot") {
     const SceneBuffers buffers(kernel_device(), scene);
     const auto values = illuminate(buffers, points);
     for (int i = 0; i < 4; ++i)
-      CHECK(values[i].y * values[i].w * 0.5 / pi == doctest::Approx(expected[i]).epsilon(1e-5));
+      CHECK(values[i].y * values[i].w * 0.5 / pi == test::relative(expected[i], 1e-5));
   }
   scene.lights[0].type = LightType::directional;
   {
     const SceneBuffers buffers(kernel_device(), scene);
     const auto values = illuminate(buffers, points);
-    CHECK(values[2].y * values[2].w * 0.5 / pi == doctest::Approx(15.915494).epsilon(1e-5));
-    CHECK(values[2].w == doctest::Approx(1));
+    CHECK(values[2].y * values[2].w * 0.5 / pi == test::relative(15.915494, 1e-5));
+    CHECK(values[2].w == test::relative(1));
   }
   // Flux of a spot by summing over a unit sphere about it.
   scene.lights[0].type = LightType::spot;
@@ -275,7 +276,7 @@ TEST_CASE("punctual lights: point, directional, spot") {
   const auto values = illuminate(buffers, points);
   double flux = 0;
   for (int i = 0; i < n; ++i) flux += double(values[i].y) * 2 * pi * std::sin(pi * (i + 0.5) / n) * pi / n;
-  CHECK(flux == doctest::Approx(.533211).epsilon(1e-4));
+  CHECK(flux == test::relative(.533211, 1e-4));
 }
 
 TEST_CASE("illuminance of a square light, from one and from two sides, and of environments") {
@@ -386,7 +387,7 @@ TEST_CASE("lights are chosen as the table says; kinds can be left out") {
     share[chosen[i]] += 1.0 / n;
     REQUIRE(pmf[i] == table[chosen[i]].pmf);
   }
-  for (int i = 0; i < 5; ++i) CHECK(share[i] == doctest::Approx(table[i].pmf).epsilon(1e-3));
+  for (int i = 0; i < 5; ++i) CHECK(share[i] == test::relative(table[i].pmf, 1e-3));
 
   const LightSamples no_triangles = sample(buffers, glm::vec3(0), 4096, all_kinds & ~(1u << LUCARIUM_LIGHT_TRIANGLE));
   const LightSamples punctual_only = sample(buffers, glm::vec3(0), 4096, 1u << LUCARIUM_LIGHT_POINT);
@@ -423,19 +424,19 @@ TEST_CASE("what surfaces emit: sides, unlit, textures, coverage") {
   const auto above = [&](int i) {
     return meet(buffers, {place(i) + 0.2f, 0.2f, 2}, std::vector<float4>(64, float4(0, 0, -1, 0)))[0];
   };
-  CHECK(below(0, .2f, .2f).y == doctest::Approx(2));
+  CHECK(below(0, .2f, .2f).y == test::relative(2));
   CHECK(above(0).y == 0);
-  CHECK(below(1, .2f, .2f).y == doctest::Approx(2));
-  CHECK(above(1).y == doctest::Approx(2));
-  CHECK(below(2, .2f, .2f).x == doctest::Approx(0.25));
-  CHECK(below(2, .2f, .2f).z == doctest::Approx(1));
-  CHECK(below(3, .2f, .2f).y == doctest::Approx(4));  // u follows +y here
+  CHECK(below(1, .2f, .2f).y == test::relative(2));
+  CHECK(above(1).y == test::relative(2));
+  CHECK(below(2, .2f, .2f).x == test::relative(0.25));
+  CHECK(below(2, .2f, .2f).z == test::relative(1));
+  CHECK(below(3, .2f, .2f).y == test::relative(4));  // u follows +y here
   CHECK(below(3, .1f, .7f).y == 0);
   CHECK(below(3, .1f, .7f).w > 0);
   // A met surface stands for itself; a light sample accounts for how often it is there.
-  CHECK(below(4, .2f, .2f).y == doctest::Approx(4));
+  CHECK(below(4, .2f, .2f).y == test::relative(4));
   Scene alone = empty_scene();
   add_triangle(alone, blended, {0, 0, 1}, {0, 1, 1}, {1, 0, 1});
   const LightSamples samples = sample(SceneBuffers(kernel_device(), alone), {0.2f, 0.2f, 0}, 64);
-  CHECK(samples.radiances[0].y == doctest::Approx(1));
+  CHECK(samples.radiances[0].y == test::relative(1));
 }

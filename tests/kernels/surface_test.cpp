@@ -11,6 +11,7 @@
 #include "lucarium/scene/texture_sampling.h"
 #include "lucarium/shared/ray.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -134,15 +135,15 @@ TEST_CASE("base colours use factor, transformed texture coordinates of either se
   const float u = 0.3f, v = 0.5f;
   const SurfaceResult s = make_surfaces(buffers, {hit_at(0, u, v)}, {0, 0, -1})[0];
   const glm::vec2 uv = (1 - u - v) * glm::vec2(1, 2) + u * glm::vec2(3, 4) + v * glm::vec2(5, 6);
-  CHECK(s.uvs.z == doctest::Approx(uv.x));
-  CHECK(s.uvs.w == doctest::Approx(uv.y));
-  CHECK(s.uvs.x == doctest::Approx(0.2 * 0.1 + 0.3 * 0.9 + 0.5 * 0.2));
+  CHECK(s.uvs.z == test::relative(uv.x));
+  CHECK(s.uvs.w == test::relative(uv.y));
+  CHECK(s.uvs.x == test::relative(0.2 * 0.1 + 0.3 * 0.9 + 0.5 * 0.2));
   const glm::vec4 color(1 - u - v, u, v, (1 - u - v) + 0.5f * u + 0.25f * v);
   CHECK(near(s.color.xyz(), glm::vec3(color)));
   const glm::vec4 expected =
       scene.materials[0].base_color * color * sample_texture(scene, scene.textures[0], texture_transform(use)(uv));
   CHECK(near(s.base.xyz(), glm::vec3(expected), 1e-4f));
-  CHECK(s.base.w == doctest::Approx(expected.w).epsilon(1e-4));
+  CHECK(s.base.w == test::relative(expected.w, 1e-4));
 }
 
 TEST_CASE("normals turn to the side of view, mirrored instances included") {
@@ -386,12 +387,12 @@ TEST_CASE("heuristics of multiple importance sampling add up to 1") {
     pass.arg("densities", input).arg("count", static_cast<uint>(densities.size())).arg("weights", weights);
   });
   const auto got = weights.download();
-  CHECK(got[0].x == doctest::Approx(0.5));
-  CHECK(got[1].x == doctest::Approx(0.9));
-  CHECK(got[1].x + got[2].x == doctest::Approx(1));
-  CHECK(got[1].y == doctest::Approx(0.75));
+  CHECK(got[0].x == test::relative(0.5));
+  CHECK(got[1].x == test::relative(0.9));
+  CHECK(got[1].x + got[2].x == test::relative(1));
+  CHECK(got[1].y == test::relative(0.75));
   CHECK(got[3].x == 1);
-  CHECK(got[4].x == doctest::Approx(0));
+  CHECK(got[4].x == test::within(0, 1e-6));
   CHECK(got[5].x == 1);
-  CHECK(got[6].x == doctest::Approx(0.5));
+  CHECK(got[6].x == test::relative(0.5));
 }

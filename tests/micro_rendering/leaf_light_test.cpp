@@ -13,6 +13,7 @@
 #include "micro_fixture.h"
 #include "micro_rendering/leaf_light.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::micro;
@@ -163,8 +164,8 @@ TEST_CASE("light in a sphere grows bounce by bounce as the closed form says, and
     // The root holds the mean of what the leaves show: L = received + albedo E.
     const uint2 root = forest.radiance.download(1, 1).front();
     const float unit = forest.radiance_unit.download().front();
-    CHECK(unit * glm::unpackHalf1x16(static_cast<uint16_t>(root.x & 0xffffu)) == doctest::Approx(1 + 0.5 * mean).epsilon(0.002));
-    CHECK(unit * glm::unpackHalf1x16(static_cast<uint16_t>(root.y >> 16)) == doctest::Approx(2).epsilon(0.15));
+    CHECK(unit * glm::unpackHalf1x16(static_cast<uint16_t>(root.x & 0xffffu)) == test::relative(1 + 0.5 * mean, 0.002));
+    CHECK(unit * glm::unpackHalf1x16(static_cast<uint16_t>(root.y >> 16)) == test::relative(2, 0.15));
   }
 }
 

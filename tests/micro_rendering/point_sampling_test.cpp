@@ -12,6 +12,7 @@
 #include "micro_rendering/point_sampling.h"
 #include "micro_rendering/tree_order.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::micro;
@@ -61,13 +62,13 @@ TEST_CASE("points are shared out by area") {
   add_square(sides, 2, 0.5f, 8, true, 2);  // area 1/4, many triangles
   add_square(sides, 3, 0.25f, 1, true, 3);  // area 1/16
   const SampledSurface sampled = sample_surface(sides, 1 << 14, 1, 2);
-  CHECK(sampled.area == doctest::Approx(1.3125));
+  CHECK(sampled.area == test::relative(1.3125));
   double shares[4] = {};
   for (const SampledPoint& p : sampled.points) shares[p.source] += 1.0 / (1 << 14);
   // Strata that lie across two surfaces may give their points to either: at most two per round.
-  CHECK(shares[1] == doctest::Approx(1 / 1.3125).epsilon(0.002));
-  CHECK(shares[2] == doctest::Approx(0.25 / 1.3125).epsilon(0.005));
-  CHECK(shares[3] == doctest::Approx(0.0625 / 1.3125).epsilon(0.02));
+  CHECK(shares[1] == test::relative(1 / 1.3125, 0.002));
+  CHECK(shares[2] == test::relative(0.25 / 1.3125, 0.005));
+  CHECK(shares[3] == test::relative(0.0625 / 1.3125, 0.02));
 }
 
 TEST_CASE("points cover a plane as evenly as best candidates do") {
@@ -76,7 +77,7 @@ TEST_CASE("points cover a plane as evenly as best candidates do") {
   for (const uint32_t count : {1u << 11, 1u << 13}) {
     const std::vector<double> radii = cover_radii(sample_surface(sides, count, 3, 2).points, 1);
     const auto quantile = [&](double q) { return radii[static_cast<size_t>(q * static_cast<double>(radii.size() - 1))]; };
-    CHECK(quantile(0.5) == doctest::Approx(0.73).epsilon(0.05));
+    CHECK(quantile(0.5) == test::relative(0.73, 0.05));
     CHECK(quantile(0.99) < 1.6);
     CHECK(radii.back() < 2.3);
   }
@@ -89,10 +90,10 @@ TEST_CASE("the two sides of a sheet leave each other alone") {
   const SampledSurface sampled = sample_surface(sides, 1 << 12, 3, 2);
   std::vector<SampledPoint> upper;
   for (const SampledPoint& p : sampled.points) {
-    CHECK(p.normal.y == doctest::Approx(p.source == 0 ? 1 : -1));
+    CHECK(p.normal.y == test::relative(p.source == 0 ? 1 : -1));
     if (p.source == 0) upper.push_back(p);
   }
-  CHECK(upper.size() == doctest::Approx(1 << 11).epsilon(0.01));
+  CHECK(upper.size() == test::relative(1 << 11, 0.01));
   const std::vector<double> radii = cover_radii(upper, 1);
   CHECK(radii[static_cast<size_t>(0.99 * static_cast<double>(radii.size()))] < 1.7);
 }
@@ -113,7 +114,7 @@ TEST_CASE("points are where the test says that the surface is") {
   for (SurfaceSide& side : sides) side.coverage = 0.5f;
   const auto half = [](const void*, uint32_t, glm::vec2 weights, float) { return weights.x + weights.y < 0.5f; };
   const SampledSurface sampled = sample_surface(sides, 1 << 10, 3, 1, half, nullptr);
-  CHECK(sampled.area == doctest::Approx(0.5));
+  CHECK(sampled.area == test::relative(0.5));
   for (const SampledPoint& p : sampled.points) CHECK(p.weights.x + p.weights.y < 0.5f);
 }
 

@@ -6,6 +6,7 @@
 
 #include "technique_fixture.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -17,25 +18,28 @@ TEST_CASE("indirect light is the path tracer's, over one and several bounces") {
       CAPTURE(bounces);
       const double mine = mean(indirect_light(load_scene(scene), "micro_rendering", 24, bounces, 8, small));
       const double expected = mean(indirect_light(load_scene(scene), "path_tracing", 24, bounces, 16, reference));
-      CHECK(mine == doctest::Approx(expected).epsilon(0.03));
+      CHECK(mine == test::relative(expected, 0.03));
     }
   }
 }
 
 TEST_CASE("virtual lights and photons bring the light of several bounces") {
   const double expected = mean(indirect_light(load_scene("builtin:room"), "path_tracing", 24, 3, 16, reference));
+  const auto room = [](const Parameters& parameters) {
+    return mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, parameters));
+  };
   Parameters lights = small;
   lights.emplace_back("multibounce", "instant_radiosity");
   lights.emplace_back("vpls", "64");
   lights.emplace_back("vpl_clamp", "1e5");
   lights.emplace_back("points_log2", "11");
-  CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, lights)) == doctest::Approx(expected).epsilon(0.03));
+  CHECK(room(lights) == test::relative(expected, 0.03));
   Parameters photons = small;
   photons.emplace_back("multibounce", "photon_map");
   photons.emplace_back("photons", "50000");
-  CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.03));
+  CHECK(room(photons) == test::relative(expected, 0.03));
   photons.emplace_back("photon_direct", "on");
-  CHECK(mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 3, 8, photons)) == doctest::Approx(expected).epsilon(0.04));
+  CHECK(room(photons) == test::relative(expected, 0.04));
 }
 
 TEST_CASE("pixel by pixel the room is the path tracer's, the better the larger the micro-buffers") {
@@ -167,11 +171,11 @@ TEST_CASE("pixels between gathers are interpolated, and gather themselves where 
   CHECK(failed_all == -1);
   CHECK(failed_some > 0);
   CHECK(failed_few == 0);
-  CHECK(some == doctest::Approx(all * (0.25 + failed_some)).epsilon(0.03));
-  CHECK(few == doctest::Approx(all / 16).epsilon(0.1));
+  CHECK(some == test::relative(all * (0.25 + failed_some), 0.03));
+  CHECK(few == test::relative(all / 16, 0.1));
   double squares = 0;
   for (size_t i = 0; i < every.size(); ++i) squares += std::pow(static_cast<double>(every[i] - second[i]), 2);
   CHECK(std::sqrt(squares / static_cast<double>(every.size())) < 0.1 * mean(every));
-  CHECK(mean(second) == doctest::Approx(mean(every)).epsilon(0.01));
-  CHECK(mean(never) == doctest::Approx(mean(every)).epsilon(0.06));
+  CHECK(mean(second) == test::relative(mean(every), 0.01));
+  CHECK(mean(never) == test::relative(mean(every), 0.06));
 }

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using Image = std::vector<float>;
@@ -79,8 +80,8 @@ TEST_CASE("FLIP is that of flip-evaluator, pixel by pixel") {
     const nlohmann::json peer = peer_values(reference, image, folder.path());
     if (!peer.contains("HDR_FLIP")) return test::skip("Python package flip-evaluator");
     const HdrFlipExposures exposures = hdr_flip_exposures(reference);
-    CHECK(exposures.start == doctest::Approx(peer["start"].get<double>()).epsilon(1e-5));
-    CHECK(exposures.stop == doctest::Approx(peer["stop"].get<double>()).epsilon(1e-5));
+    CHECK(exposures.start == test::relative(peer["start"].get<double>(), 1e-5));
+    CHECK(exposures.stop == test::relative(peer["stop"].get<double>(), 1e-5));
     CHECK(exposures.count == peer["count"].get<uint32_t>());
 
     const ImageMetrics ours = compute_metrics(width, height, image, reference);
@@ -106,6 +107,6 @@ TEST_CASE("SSIM and PSNR are those of scikit-image") {
   const ImageMetrics ours = compute_metrics(width, height, image, reference);
   std::printf("SSIM %.9f (peer %.9f), PSNR %.9f (peer %.9f)\n", ours.ssim, peer["SSIM"].get<double>(), ours.psnr,
               peer["PSNR"].get<double>());
-  CHECK(ours.ssim == doctest::Approx(peer["SSIM"].get<double>()).epsilon(1e-7));
-  CHECK(ours.psnr == doctest::Approx(peer["PSNR"].get<double>()).epsilon(1e-7));
+  CHECK(ours.ssim == test::relative(peer["SSIM"].get<double>(), 1e-7));
+  CHECK(ours.psnr == test::relative(peer["PSNR"].get<double>(), 1e-7));
 }

@@ -6,6 +6,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/scene/load_scene.h"
 #include "scene_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -80,7 +81,7 @@ TEST_CASE("the Cornell box: open towards the camera only, blocks closed, lamp of
   // Walls, ceiling and lamp together lack just the four edges of the open side.
   CHECK(test::count_edges(scene, [&](const Mesh& m) { return !is_block(m); }).second == 4);
   // Footprints by the shoelace formula: 27 633 mm^2 and 27 626.5 mm^2.
-  CHECK(signed_volume(scene, is_block) == doctest::Approx(0.027633 * 0.165 + 0.0276265 * 0.33).epsilon(1e-5));
+  CHECK(signed_volume(scene, is_block) == test::relative(0.027633 * 0.165 + 0.0276265 * 0.33, 1e-5));
   double area = 0;
   for (const SceneInstance& instance : scene.instances) {
     if (!scene.materials[instance.material].emits()) continue;
@@ -90,7 +91,7 @@ TEST_CASE("the Cornell box: open towards the camera only, blocks closed, lamp of
       CHECK(mesh.normals[t.x] == glm::vec3(0, -1, 0));
     }
   }
-  CHECK(area == doctest::Approx(0.130 * 0.105).epsilon(1e-5));
+  CHECK(area == test::relative(0.130 * 0.105, 1e-5));
 }
 
 TEST_CASE("the room is closed, faces inwards and has the golden numbers") {
@@ -99,8 +100,8 @@ TEST_CASE("the room is closed, faces inwards and has the golden numbers") {
   const auto is_wall = [](const Mesh& m) { return m.name != "box"; };
   CHECK(test::count_edges(scene, is_box).second == 0);
   CHECK(test::count_edges(scene, is_wall).second == 0);
-  CHECK(signed_volume(scene, is_wall) == doctest::Approx(-8));
-  CHECK(signed_volume(scene, is_box) == doctest::Approx(0.5 * 0.8 * 0.5));
+  CHECK(signed_volume(scene, is_wall) == test::relative(-8));
+  CHECK(signed_volume(scene, is_box) == test::relative(0.5 * 0.8 * 0.5));
   const Bounds bounds = scene.bounds();
   CHECK(bounds.min == glm::vec3(-1, 0, -1));
   CHECK(bounds.max == glm::vec3(1, 2, 1));
@@ -161,6 +162,6 @@ TEST_CASE("lamps share out the same emitting area") {
   };
   const double one = emitting_area("lamps-1");
   CHECK(one > 0);
-  CHECK(emitting_area("lamps-10") == doctest::Approx(one).epsilon(1e-5));
-  CHECK(emitting_area("lamps-100") == doctest::Approx(one).epsilon(1e-5));
+  CHECK(emitting_area("lamps-10") == test::relative(one, 1e-5));
+  CHECK(emitting_area("lamps-100") == test::relative(one, 1e-5));
 }

@@ -5,6 +5,7 @@
 #include "gltf_builder.h"
 #include "lucarium/base/error.h"
 #include "scene_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using test::GltfBuilder;
@@ -116,7 +117,7 @@ TEST_CASE("Vertex colours of all forms") {
   attributes["COLOR_0"] = builder.add_floats({{1, 0, 0}, {0, 1, 0}, {0, 0, 2}}, "VEC3");
   CHECK(load(builder).meshes.at(0).colors[2] == glm::vec4(0, 0, 1, 1));
   attributes["COLOR_0"] = builder.add(std::vector<uint8_t>{255, 0, 0, 51, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC4", true);
-  CHECK(load(builder).meshes.at(0).colors[0].a == doctest::Approx(0.2));
+  CHECK(load(builder).meshes.at(0).colors[0].a == test::relative(0.2));
   attributes["COLOR_0"] = builder.add(std::vector<uint16_t>{65535, 0, 0, 0, 0, 0, 0, 0, 0}, "VEC3", true);
   CHECK(load(builder).meshes.at(0).colors[0] == glm::vec4(1, 0, 0, 1));
 }
@@ -177,7 +178,7 @@ TEST_CASE("Nodes: hierarchy, matrices, quaternions, negative scale, several scen
   CHECK_FALSE(scene.nodes[2].in_scene);
   evaluate(scene, 0);
   const glm::mat4& m = scene.instances[0].world_from_object;
-  CHECK(glm::determinant(glm::mat3(m)) == doctest::Approx(-8));
+  CHECK(glm::determinant(glm::mat3(m)) == test::relative(-8));
   CHECK(test::largest_difference(glm::vec3(m[3]), {10, 0, 0}) < 1e-5f);  // -2 · 5, turned by 180° about z
   ImportOptions options;
   options.gltf_scene = 1;
@@ -197,7 +198,7 @@ TEST_CASE("EXT_mesh_gpu_instancing makes one node per instance") {
   REQUIRE(scene.instances.size() == 3);
   evaluate(scene, 0);
   CHECK(scene.instances[2].world_from_object[3].x == 6.f);
-  CHECK(scene.instances[1].world_from_object[0].x == doctest::Approx(-2));
+  CHECK(scene.instances[1].world_from_object[0].x == test::relative(-2));
   ImportOptions options;
   options.max_triangles = 2;
   CHECK_THROWS_WITH_AS(load(builder, options), doctest::Contains("more than 2 triangles"), Error);

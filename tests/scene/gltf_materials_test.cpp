@@ -5,6 +5,7 @@
 #include "gltf_builder.h"
 #include "lucarium/base/error.h"
 #include "scene_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using test::GltfBuilder;
@@ -178,11 +179,11 @@ TEST_CASE("Specular-glossiness becomes metallic-roughness") {
   };
   const SceneMaterial plastic = convert(
       {{"diffuseFactor", {0.5, 0.25, 0.1, 1}}, {"specularFactor", {0.04, 0.04, 0.04}}, {"glossinessFactor", 0.25}});
-  CHECK(plastic.metallic == doctest::Approx(0).epsilon(1e-3));
+  CHECK(plastic.metallic == test::within(0, 1e-3));
   CHECK(test::largest_difference(glm::vec3(plastic.base_color), {0.5f, 0.25f, 0.1f}) < 1e-3f);
   CHECK(plastic.roughness == 0.75f);
   const SceneMaterial gold = convert({{"diffuseFactor", {0, 0, 0, 0.5}}, {"specularFactor", {1, 0.76, 0.33}}});
-  CHECK(gold.metallic == doctest::Approx(1));
+  CHECK(gold.metallic == test::relative(1));
   CHECK(test::largest_difference(glm::vec3(gold.base_color), {1, 0.76f, 0.33f}) < 1e-3f);
   CHECK(gold.base_color.a == 0.5f);
   CHECK(gold.roughness == 0.f);

@@ -12,6 +12,7 @@
 #include "lucarium/scene/load_scene.h"
 #include "lucarium/scene/texture_sampling.h"
 #include "scene_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -70,7 +71,7 @@ TEST_CASE("alias tables hold the weights' distribution") {
     const std::vector<AliasEntry> table = make_alias_table(weights);
     const std::vector<double> implied = implied_distribution(table);
     for (size_t i = 0; i < n; ++i) {
-      CHECK(table[i].pmf == doctest::Approx(weights[i] / sum).epsilon(1e-6));
+      CHECK(table[i].pmf == test::relative(weights[i] / sum, 1e-6));
       CHECK(std::abs(implied[i] - weights[i] / sum) < 1e-6 / static_cast<double>(n));
       if (weights[i] == 0) CHECK(implied[i] == 0);
     }
@@ -120,7 +121,7 @@ TEST_CASE("environment densities integrate to 1, match the search's frequencies 
         wasted += brightest == 0 && w > 0;
       }
     }
-    CHECK(integral == doctest::Approx(1).epsilon(1e-6));
+    CHECK(integral == test::relative(1, 1e-6));
     CHECK(missed == 0);
     CHECK(wasted == 0);
   }
@@ -144,7 +145,7 @@ TEST_CASE("environment densities follow luminance times solid angle") {
     sum += mass[cell];
   }
   for (size_t cell = 0; cell < mass.size(); ++cell) {
-    CHECK(static_cast<double>(tables.texels[cell].w) / (16 * 8) == doctest::Approx(mass[cell] / sum).epsilon(2e-4));
+    CHECK(static_cast<double>(tables.texels[cell].w) / (16 * 8) == test::relative(mass[cell] / sum, 2e-4));
   }
 }
 
@@ -188,12 +189,12 @@ TEST_CASE("powers of all kinds of lights, and the mixture") {
   for (int i = 0; i < 5; ++i) {
     CAPTURE(i);
     CHECK(list.lights[i].kind == kinds[i]);
-    CHECK(static_cast<double>(list.lights[i].intensity.w) == doctest::Approx(powers[i]).epsilon(1e-5));
-    CHECK(static_cast<double>(list.table[i].pmf) == doctest::Approx(0.9 * powers[i] / sum + 0.1 / 5).epsilon(1e-5));
+    CHECK(static_cast<double>(list.lights[i].intensity.w) == test::relative(powers[i], 1e-5));
+    CHECK(static_cast<double>(list.table[i].pmf) == test::relative(0.9 * powers[i] / sum + 0.1 / 5, 1e-5));
   }
   CHECK(list.environment_light == 4);
   CHECK(list.triangle_lights == std::vector<uint>{3});
-  CHECK(list.lights[3].position.w == doctest::Approx(3));
+  CHECK(list.lights[3].position.w == test::relative(3));
   for (const AliasEntry& entry : builder.build(scene, radius, LightChoice::uniform).table) CHECK(entry.pmf == 0.2f);
 }
 
@@ -211,7 +212,7 @@ TEST_CASE("spot flux where the ramp is cut off at the axis") {
     const double f = std::clamp((c - low) * static_cast<double>(ramp.x), 0.0, 1.0);
     integral += 2 * pi * f * f * (1 - low) / n;
   }
-  CHECK(spot_solid_angle(spot) == doctest::Approx(integral).epsilon(1e-3));
+  CHECK(spot_solid_angle(spot) == test::relative(integral, 1e-3));
 }
 
 TEST_CASE("a textured emitter has an entry if and only if some point of it shines") {
@@ -248,7 +249,7 @@ TEST_CASE("a textured emitter has an entry if and only if some point of it shine
     }
     scene.images = {image};
     // The part u < 1/2 of the triangle is 3/4 of it.
-    CHECK(lights()[0].intensity.x == doctest::Approx(0.75).epsilon(0.01));
+    CHECK(lights()[0].intensity.x == test::relative(0.75, 0.01));
   }
 }
 
@@ -257,8 +258,8 @@ TEST_CASE("texture transforms scale, turn counter-clockwise in the image, and sh
   use.offset = {0.5f, 0.25f}, use.scale = {2, 3}, use.rotation = glm::radians(90.f);
   // (0.1, 0.2) -> scaled (0.2, 0.6) -> turned (0.6, -0.2) -> shifted (1.1, 0.05).
   const glm::vec2 uv = texture_transform(use)({0.1f, 0.2f});
-  CHECK(uv.x == doctest::Approx(1.1));
-  CHECK(uv.y == doctest::Approx(0.05));
+  CHECK(uv.x == test::relative(1.1));
+  CHECK(uv.y == test::relative(0.05));
 }
 
 TEST_CASE("bilinear lookup wraps, clamps and mirrors") {
@@ -269,8 +270,8 @@ TEST_CASE("bilinear lookup wraps, clamps and mirrors") {
   scene.images.push_back(image);
   SceneTexture texture{0, Wrap::repeat, Wrap::clamp, false, false};
   CHECK(sample_texture(scene, texture, {0.25f, 0.5f}).r == 0);
-  CHECK(sample_texture(scene, texture, {0.5f, 0.5f}).r == doctest::Approx(0.5));
-  CHECK(sample_texture(scene, texture, {0.f, 0.5f}).r == doctest::Approx(0.5));
+  CHECK(sample_texture(scene, texture, {0.5f, 0.5f}).r == test::relative(0.5));
+  CHECK(sample_texture(scene, texture, {0.f, 0.5f}).r == test::relative(0.5));
   texture.wrap_u = Wrap::clamp;
   CHECK(sample_texture(scene, texture, {0.f, 0.5f}).r == 0);
   texture.wrap_u = Wrap::mirror;
@@ -279,5 +280,5 @@ TEST_CASE("bilinear lookup wraps, clamps and mirrors") {
   texture.nearest = true;
   CHECK(sample_texture(scene, texture, {0.49f, 0.5f}).r == 0);
   texture.srgb = true;
-  CHECK(srgb_to_linear_table()[128] == doctest::Approx(0.2158605).epsilon(1e-5));
+  CHECK(srgb_to_linear_table()[128] == test::relative(0.2158605, 1e-5));
 }

@@ -13,6 +13,7 @@
 #include "lucarium/scene/deform.h"
 #include "lucarium/scene/load_scene.h"
 #include "scene_support.h"
+#include "tolerance.h"
 
 extern const lucarium::EmbeddedSources& test_scene_kernels();
 
@@ -269,7 +270,7 @@ TEST_CASE("a scene that does not fit is refused with numbers and the remedy, bef
   }
   const SceneBuffers buffers(*device(), scene);
   CHECK(static_cast<double>(SceneBuffers::estimate_bytes(scene)) ==
-        doctest::Approx(static_cast<double>(buffers.bytes())).epsilon(0.01));
+        test::relative(static_cast<double>(buffers.bytes()), 0.01));
 }
 
 TEST_CASE("scene buffers are bound by the names of a kernel's parameters") {

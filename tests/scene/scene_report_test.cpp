@@ -9,6 +9,7 @@
 
 #include "lucarium/scene/load_scene.h"
 #include "scene_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -26,8 +27,8 @@ bool warns(const Scene& scene, const std::string& text) {
 TEST_CASE("the report of the Cornell box gives its lamp in physical units") {
   const SceneReport report = make_scene_report(load_scene("builtin:cornell"));
   CHECK(report.emissive_triangles == 2);
-  CHECK(report.emissive_area == doctest::Approx(0.130 * 0.105).epsilon(1e-5));
-  CHECK(report.emissive_flux.r == doctest::Approx(glm::pi<double>() * 0.130 * 0.105 * 17).epsilon(1e-5));
+  CHECK(report.emissive_area == test::relative(0.130 * 0.105, 1e-5));
+  CHECK(report.emissive_flux.r == test::relative(glm::pi<double>() * 0.130 * 0.105 * 17, 1e-5));
   CHECK(report.warnings.empty());
   const nlohmann::json json = nlohmann::json::parse(report.json());
   CHECK(json["triangles"] == 2 * 4 + 8 + 2 + 2 * 12);
@@ -42,7 +43,7 @@ TEST_CASE("the report of the Cornell box gives its lamp in physical units") {
 TEST_CASE("the report of the room gives its lamp's flux") {
   const SceneReport report = make_scene_report(load_scene("builtin:room"));
   REQUIRE(report.lamps.size() == 1);
-  CHECK(report.lamps[0].flux.g == doctest::Approx(4 * glm::pi<double>()));
+  CHECK(report.lamps[0].flux.g == test::relative(4 * glm::pi<double>()));
   const nlohmann::json json = nlohmann::json::parse(report.json());
   CHECK(json["lights"]["punctual"][0]["intensity_cd"][0] == 1);
 }
@@ -50,7 +51,7 @@ TEST_CASE("the report of the room gives its lamp's flux") {
 TEST_CASE("the report of the furnace gives its environment") {
   const SceneReport report = make_scene_report(load_scene("builtin:furnace"));
   CHECK(report.has_environment);
-  CHECK(report.environment_radiance.r == doctest::Approx(1));
+  CHECK(report.environment_radiance.r == test::relative(1));
 }
 
 TEST_CASE("warnings name what looks wrong") {

@@ -7,6 +7,7 @@
 
 #include "lucarium/base/error.h"
 #include "test_support.h"
+#include "tolerance.h"
 #include "tracer.h"
 
 using namespace lucarium;
@@ -262,7 +263,7 @@ TEST_CASE("equal distances go to the lower triangle") {
   for (const BvhTraversal traversal : traversals)
     for (const Hit& hit : tracer.trace(tracer.make(soup, traversal), rays).hits) {
       CHECK(hit.triangle == first);
-      CHECK(hit.distance == doctest::Approx(10).epsilon(1e-6));
+      CHECK(hit.distance == test::relative(10, 1e-6));
     }
 }
 
@@ -282,11 +283,11 @@ TEST_CASE("both sides are hit, and only within the length of the ray") {
       CHECK((results.hits[i].triangle == 0) == expected[i]);
       CHECK(missed(results.hits[i]) != expected[i]);
       CHECK(results.occluded[i] == expected[i]);
-      if (expected[i]) CHECK(results.hits[i].distance == doctest::Approx(5).epsilon(1e-6));
+      if (expected[i]) CHECK(results.hits[i].distance == test::relative(5, 1e-6));
     }
     // The hit point is (1 - u - v) a + u b + v c.
-    CHECK(results.hits[7].v == doctest::Approx(0.5f));
-    CHECK(results.hits[7].u == doctest::Approx(0.35f));
+    CHECK(results.hits[7].v == test::relative(0.5f));
+    CHECK(results.hits[7].u == test::relative(0.35f));
   }
 }
 

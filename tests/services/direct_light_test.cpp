@@ -4,6 +4,7 @@
 
 #include "../analytic/closed_form.h"
 #include "lucarium/scene/load_scene.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -168,12 +169,12 @@ TEST_CASE("G-buffer: first surfaces behind mirrors and glass, and what is seen o
   for (const GBufferPoint& point : gbuffer.points().download()) {
     CHECK(point.state == LUCARIUM_GBUFFER_SURFACE);
     CHECK(point.throughput.w == 1);
-    CHECK(point.throughput.x == doctest::Approx(fresnel).epsilon(1e-5));
-    CHECK(point.emission.x == doctest::Approx(2 * fresnel).epsilon(1e-5));
-    CHECK(point.albedo.x == doctest::Approx(0.25).epsilon(1e-5));
-    CHECK(point.position.y == doctest::Approx(3).epsilon(1e-5));
-    CHECK(point.normal.y == doctest::Approx(-1));
-    CHECK(point.position.w == doctest::Approx(8).epsilon(1e-5));
+    CHECK(point.throughput.x == test::relative(fresnel, 1e-5));
+    CHECK(point.emission.x == test::relative(2 * fresnel, 1e-5));
+    CHECK(point.albedo.x == test::relative(0.25, 1e-5));
+    CHECK(point.position.y == test::relative(3, 1e-5));
+    CHECK(point.normal.y == test::relative(-1));
+    CHECK(point.position.w == test::relative(8, 1e-5));
   }
   Film film(16, 16);
   gbuffer.resolve(film);

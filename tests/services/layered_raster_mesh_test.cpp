@@ -6,6 +6,7 @@
 #include "layered_scene.h"
 #include "lucarium/scene/builtin_builder.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -49,7 +50,7 @@ TEST_CASE("a convex closed mesh has a front and a back in every pixel, or nothin
         wrong += !tie && (pixel[0].triangle & LAYERED_AWAY) != 0;
       }
     CHECK(wrong == 0);
-    CHECK(covered == doctest::Approx(3.14159 / 4 * size * size / 1.21).epsilon(0.01));
+    CHECK(covered == test::relative(3.14159 / 4 * size * size / 1.21, 0.01));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "layered_scene.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -186,6 +187,6 @@ TEST_CASE("cube views see a surface around the eye once in every pixel") {
     CHECK(off == 0);
     ++face;
   }
-  CHECK(solid_angle == doctest::Approx(4 * 3.14159265).epsilon(1e-3));
+  CHECK(solid_angle == test::relative(4 * 3.14159265, 1e-3));
   for (const bool seen : axes) CHECK(seen);
 }

@@ -11,6 +11,7 @@
 #include "lucarium/services/surface_atlas_image.h"
 #include "lucarium/technique/technique.h"
 #include "surface_atlas_support.h"
+#include "tolerance.h"
 
 const lucarium::EmbeddedSources& test_services_kernels();
 
@@ -114,16 +115,16 @@ TEST_CASE("slots lie on their triangles and know what the surface does") {
     const bool back = slot >= k && slot < 2 * k;
     const glm::dvec3 n =
         glm::normalize(glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0)));
-    CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), n) == doctest::Approx(back ? -1 : 1).epsilon(1e-5));
+    CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), n) == test::relative(back ? -1 : 1, 1e-5));
     const SceneMaterial& material = context.scene.materials[context.scene.instances[g.instance[t]].material];
     if (material.emits()) {
-      CHECK(materials[slot].emission.x == doctest::Approx(material.emissive_factor.x * material.emissive_strength));
+      CHECK(materials[slot].emission.x == test::relative(material.emissive_factor.x * material.emissive_strength));
     } else {
       CHECK(materials[slot].emission.x == 0.f);
-      CHECK(materials[slot].diffuse.x == doctest::Approx(material.base_color.x).epsilon(1e-4));
+      CHECK(materials[slot].diffuse.x == test::relative(material.base_color.x, 1e-4));
     }
   }
-  CHECK(area == doctest::Approx(side_area(g)).epsilon(1e-6));
+  CHECK(area == test::relative(side_area(g), 1e-6));
 }
 
 namespace {
@@ -186,7 +187,7 @@ InterpolationError interpolation_error(AtlasContext& context) {
   for (uint32_t i = 0; i < count; ++i) {
     const double exact = wave(point_on(g, p.triangles[i], p.points[i].x, p.points[i].y), extent);
     const uint32_t texel = table[atlas_cell(records[p.triangles[i]], p.points[i].x, p.points[i].y)];
-    CHECK(found[i].w == doctest::Approx(1));
+    CHECK(found[i].w == test::relative(1));
     sum += exact, sum2 += exact * exact;
     error2 += (double(found[i].x) - exact) * (double(found[i].x) - exact);
     nearest2 += (double(values[texel].x) - exact) * (double(values[texel].x) - exact);
@@ -226,14 +227,14 @@ void check_follows(const AtlasContext& context) {
     const uint32_t k = context.atlas->info().double_sided_count;
     const bool back = slot >= k && slot < 2 * k;
     CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), glm::normalize(n)) ==
-          doctest::Approx(back ? -1 : 1).epsilon(1e-4));
+          test::relative(back ? -1 : 1, 1e-4));
     double expected = 0;
     for (uint32_t i = ranges[slot].x; i < ranges[slot].x + ranges[slot].y; ++i)
       expected += double(pieces[i].fraction) * area_of(g, pieces[i].triangle);
-    CHECK(double(texels[slot].area) == doctest::Approx(expected).epsilon(1e-4));
+    CHECK(double(texels[slot].area) == test::relative(expected, 1e-4));
     area += double(texels[slot].area);
   }
-  CHECK(area == doctest::Approx(side_area(g)).epsilon(1e-6));
+  CHECK(area == test::relative(side_area(g), 1e-6));
 }
 
 }  // namespace
@@ -257,7 +258,7 @@ TEST_CASE("a rigid motion moves the slots and keeps their areas") {
   check_follows(context);
   const auto after = context.atlas->texels().download();
   for (size_t i = 0; i < after.size(); ++i)
-    CHECK(double(after[i].area) == doctest::Approx(double(before[i].area)).epsilon(1e-4));
+    CHECK(double(after[i].area) == test::relative(double(before[i].area), 1e-4));
 }
 
 TEST_CASE("a deformation: areas follow the triangles, and sum to what a rebuilt atlas has") {
@@ -283,7 +284,7 @@ TEST_CASE("a deformation: areas follow the triangles, and sum to what a rebuilt 
   };
   const SurfaceAtlas rebuilt(*atlas_device(), context.scheduler, context.scene, context.buffers, context.options,
                              "test");
-  CHECK(sum(*context.atlas) == doctest::Approx(sum(rebuilt)).epsilon(1e-6));
+  CHECK(sum(*context.atlas) == test::relative(sum(rebuilt), 1e-6));
 }
 
 TEST_CASE("a change of material is seen; one of its sides rebuilds") {
@@ -302,8 +303,8 @@ TEST_CASE("a change of material is seen; one of its sides rebuilds") {
     uint32_t count = 0;
     for (size_t slot = 0; slot < texels.size(); ++slot) {
       if (context.scene.instances[g.instance[texels[slot].triangle]].material != 0) continue;
-      CHECK(materials[slot].diffuse.x == doctest::Approx(0.25));
-      CHECK(materials[slot].diffuse.z == doctest::Approx(0.75));
+      CHECK(materials[slot].diffuse.x == test::relative(0.25));
+      CHECK(materials[slot].diffuse.z == test::relative(0.75));
       ++count;
     }
     return count;
@@ -337,7 +338,7 @@ TEST_CASE("the sample positions are receivers for DirectLight") {
     if (irradiance[slot].x == 0) continue;
     ++lit;
     CHECK(double(irradiance[slot].x) ==
-          doctest::Approx(double(context.scene.lights[0].intensity.x) * cosine / (d * d)).epsilon(1e-3));
+          test::relative(double(context.scene.lights[0].intensity.x) * cosine / (d * d), 1e-3));
   }
   CHECK(lit > points.size() / 2);
 }
@@ -392,12 +393,12 @@ TEST_CASE("memory: refused with numbers, estimated about right") {
   Scene scene = make_builtin_scene("cornell");
   AtlasContext context(scene, 100000);
   const double estimate = double(SurfaceAtlas::estimate_bytes(scene, context.options));
-  CHECK(double(context.atlas->report().bytes) == doctest::Approx(estimate).epsilon(0.2));
+  CHECK(double(context.atlas->report().bytes) == test::relative(estimate, 0.2));
   SurfaceAtlasOptions by_edge;
   by_edge.texel_edge = context.atlas->report().texel_edge;
-  CHECK(double(SurfaceAtlas::estimate_bytes(scene, by_edge)) == doctest::Approx(estimate).epsilon(0.05));
+  CHECK(double(SurfaceAtlas::estimate_bytes(scene, by_edge)) == test::relative(estimate, 0.05));
   CHECK(context.atlas->report().slots == context.atlas->info().texel_count);
-  CHECK(context.atlas->report().area_p50 == doctest::Approx(1).epsilon(0.05));
+  CHECK(context.atlas->report().area_p50 == test::relative(1, 0.05));
   DeviceOptions little;
   little.memory_limit_bytes = 10 << 20;
   const std::shared_ptr<Device> device = Device::open(little);

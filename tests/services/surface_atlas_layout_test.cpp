@@ -6,6 +6,7 @@
 #include "lucarium/base/error.h"
 #include "surface_atlas_support.h"
 #include "surface_atlas_touch.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -58,7 +59,7 @@ TEST_CASE("built-in scenes") {
       CHECK(bad_texels(g, layout).empty());
       // Thousands of separate parts keep a texel each, however few are wanted.
       if (g.triangles.size() < 1000 || texels > 10000)
-        CHECK(double(layout.info.texel_count) == doctest::Approx(double(texels)).epsilon(0.13));
+        CHECK(double(layout.info.texel_count) == test::relative(double(texels), 0.13));
     }
   }
 }
@@ -83,7 +84,7 @@ TEST_CASE("a texel edge instead of a count") {
   const AtlasLayout layout = make_atlas_layout(soup(corners), options);
   CHECK(layout.info.texel_count == 1200);
   CHECK(layout.info.texel_edge == 0.1f);
-  for (const AtlasTexel& texel : layout.texels) CHECK(double(texel.area) == doctest::Approx(0.01).epsilon(0.01));
+  for (const AtlasTexel& texel : layout.texels) CHECK(double(texel.area) == test::relative(0.01, 0.01));
 }
 
 TEST_CASE("double-sided surfaces have twice the slots, fronts first") {

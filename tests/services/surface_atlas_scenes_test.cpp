@@ -6,6 +6,7 @@
 #include "surface_atlas_support.h"
 #include "surface_atlas_touch.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -29,7 +30,7 @@ void check_scene(const std::string& name, const AtlasGeometry& g, uint64_t texel
   std::printf("%s: %zu triangles, %u slots, %zu charts, %u cells, %zu pieces, area %.2f %.2f %.2f s^2, %.2f s\n",
               name.c_str(), g.triangles.size(), layout.info.texel_count, layout.charts.size(), layout.info.cell_count,
               layout.pieces.size(), percentile(0.05), percentile(0.5), percentile(0.95), seconds);
-  CHECK(double(layout.info.texel_count) == doctest::Approx(double(texels)).epsilon(0.13));
+  CHECK(double(layout.info.texel_count) == test::relative(double(texels), 0.13));
   const std::vector<uint32_t> bad = bad_texels(g, layout);
   CHECK_MESSAGE(bad.empty(), bad.size() << " texels join what does not touch, the first is " << bad.front());
 }

@@ -16,6 +16,7 @@
 #include "lucarium/scene/scene_buffers.h"
 #include "lucarium/services/surface_atlas_geometry.h"
 #include "lucarium/services/surface_atlas_layout.h"
+#include "tolerance.h"
 
 namespace lucarium::test {
 
@@ -77,7 +78,7 @@ inline void check_sums(const AtlasGeometry& g, const AtlasLayout& layout) {
     REQUIRE((texel < info.double_sided_count || (texel >= 2 * info.double_sided_count && texel < info.texel_count)));
   double area = 0;
   for (const AtlasTexel& texel : layout.texels) area += double(texel.area);
-  CHECK(area == doctest::Approx(side_area(g)).epsilon(1e-6));
+  CHECK(area == test::relative(side_area(g), 1e-6));
   std::vector<double> covered(g.triangles.size(), 0);
   for (uint32_t slot = 0; slot < info.texel_count; ++slot) {
     const bool two_sided = slot < 2 * info.double_sided_count;
@@ -90,7 +91,7 @@ inline void check_sums(const AtlasGeometry& g, const AtlasLayout& layout) {
       if (!back) covered[piece.triangle] += double(piece.fraction);
       texel_area += double(piece.fraction) * area_of(g, piece.triangle);
     }
-    CHECK(texel_area == doctest::Approx(double(layout.texels[slot].area)).epsilon(1e-5));
+    CHECK(texel_area == test::relative(double(layout.texels[slot].area), 1e-5));
   }
   for (uint32_t t = 0; t < covered.size(); ++t) CHECK_MESSAGE(std::abs(covered[t] - 1) < 1e-5, "triangle " << t);
 }
