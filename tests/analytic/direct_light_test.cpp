@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct light on a Lambertian floor from every kind of light, against closed forms.
-#include "closed_form.h"
+#include "test_render.h"
 #include "tolerance.h"
 
 using namespace lucarium;
@@ -51,7 +51,7 @@ TEST_CASE("direct light: a point light above a plane, L = rho/pi I h / (h^2 + r^
   const std::pair<float, double> rows[] = {{0.f, 3.978874}, {1.f, 2.847050}, {2.f, 1.406744}, {4.f, 0.355881}};
   for (const auto& [r, exact] : rows)
     table.add("r = " + std::to_string(r), estimate(scene, patch(r, 0), direct_only(), effort()), exact);
-  table.check(5e-4);
+  table.check();
 }
 
 TEST_CASE("direct light: a directional light, L = rho/pi E cos(theta)") {
@@ -62,7 +62,7 @@ TEST_CASE("direct light: a directional light, L = rho/pi E cos(theta)") {
     table.add("cos = " + std::to_string(cosine), estimate(scene, patch(0, 0), direct_only(), effort()),
               15.915494 * cosine);
   }
-  table.check(5e-4);
+  table.check();
 }
 
 TEST_CASE("direct light: flux of a spot of 20 and 30 degrees is 0.533211 sr times its intensity") {
@@ -78,7 +78,7 @@ TEST_CASE("direct light: flux of a spot of 20 and 30 degrees is 0.533211 sr time
   flux.error *= to_flux;
   ClosedForms table;
   table.add("flux", flux, 0.533211);
-  table.check(5e-4);
+  table.check();
 }
 
 TEST_CASE("direct light: a spot inside its cone, on its ramp and beyond, E = I f(theta) cos(theta)^3 / h^2") {
@@ -96,7 +96,7 @@ TEST_CASE("direct light: a spot inside its cone, on its ramp and beyond, E = I f
               estimate(scene, patch(static_cast<float>(std::tan(radians(degrees))), 0), direct_only(), effort()),
               0.5 / M_PI * 100 * falloff * cosine * cosine * cosine);
   }
-  table.check(5e-4);
+  table.check();
 }
 
 TEST_CASE("direct light: a unit-square light at height 1, by every estimator") {
@@ -112,7 +112,7 @@ TEST_CASE("direct light: a unit-square light at height 1, by every estimator") {
       table.add(name + " at " + std::to_string(x) + ", " + std::to_string(z),
                 estimate(scene, patch(x, z), direct_only(estimator), more), exact * 10 * 0.5 / M_PI);
     }
-  table.check(full_run() ? 5e-4 : 2e-3);
+  table.check(2e-3);
 }
 
 TEST_CASE("direct light: a tilted pentagon, by every estimator (Lambert's formula)") {
@@ -139,7 +139,7 @@ TEST_CASE("direct light: a tilted pentagon, by every estimator (Lambert's formul
   add_polygon(scene, sliver, add_material(scene, light));
   table.add("sliver", estimate(scene, patch(-.1f, 0), direct_only(), effort()),
             polygon_irradiance(sliver, {-.1, 0, 0}, {0, 1, 0}) * 5 * 0.8 / M_PI);
-  table.check(full_run() ? 5e-4 : 2e-3);
+  table.check(2e-3);
 }
 
 TEST_CASE("direct light: a sphere, E = pi L (r/d)^2 cos(theta), tessellation summed exactly") {
@@ -171,7 +171,7 @@ TEST_CASE("direct light: a sphere, E = pi L (r/d)^2 cos(theta), tessellation sum
   // The whole sphere is above the horizon.
   for (const double cosine : {0.8, 0.5, 0.3})
     table.add("cos " + std::to_string(cosine), render(cosine, PathEstimator::mis), irradiance(cosine) * 10 * 0.5 / M_PI);
-  table.check(full_run() ? 5e-4 : 4e-3);
+  table.check(4e-3);
 }
 
 TEST_CASE("direct light: environment of radiance max(0, y), E = 2 pi / 3, by every estimator") {
@@ -189,7 +189,7 @@ TEST_CASE("direct light: environment of radiance max(0, y), E = 2 pi / 3, by eve
     more.samples_per_replicate *= 4;
     table.add(name, estimate(scene, patch(0, 0), direct_only(estimator), more), 2 * M_PI / 3 * 0.5 / M_PI);
   }
-  table.check(full_run() ? 5e-4 : 1e-3);
+  table.check(1e-3);
 }
 
 TEST_CASE("direct light: the back of a single-sided surface neither emits nor reflects, and it blocks") {

@@ -2,8 +2,8 @@
 // Every way of estimating the same light has the same mean: Welch's t on replicate means, Sidak over all pairs.
 #include <map>
 
-#include "closed_form.h"
 #include "lucarium/scene/load_scene.h"
+#include "test_render.h"
 
 using namespace lucarium;
 using namespace lucarium::test;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Form factors: a receiver of albedo 1 lit by an emitter of radiance 1 shows F on average. The orthographic camera
 // stands between the two, since the backs of single-sided surfaces are opaque.
-#include "closed_form.h"
+#include "test_render.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -27,7 +27,7 @@ TEST_CASE("form factors: parallel unit squares at distances 1 and 0.5") {
     table.add("distance " + std::to_string(distance),
               estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, 0.5f), direct_only(), effort()), exact);
   }
-  table.check(full_run() ? 5e-4 : 1e-3);
+  table.check(1e-3);
 }
 
 TEST_CASE("form factors: perpendicular unit squares with a common edge") {
@@ -38,7 +38,7 @@ TEST_CASE("form factors: perpendicular unit squares with a common edge") {
   ClosedForms table;
   table.add("perpendicular", estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, 0.5f), direct_only(), effort()),
             .200044);
-  table.check(full_run() ? 5e-4 : 2e-3);
+  table.check(2e-3);
 }
 
 TEST_CASE("form factors: coaxial disks") {
@@ -54,5 +54,5 @@ TEST_CASE("form factors: coaxial disks") {
     mean.error *= to_disk;
     table.add("radius " + std::to_string(radius), mean, exact);
   }
-  table.check(full_run() ? 5e-4 : 2e-3);
+  table.check(2e-3);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Ideal refraction: a plane-parallel slab, whose inner reflections sum to T = (1 - R) / (1 + R) with Schlick's R.
-#include "closed_form.h"
+#include "test_render.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -37,7 +37,7 @@ TEST_CASE("glass: transmittance of a slab of index 1.5") {
   ClosedForms table;
   table.add("0 degrees", estimate(slab_scene(glass()), tilted(1), {}, effort()), .923077);
   table.add("60 degrees", estimate(slab_scene(glass()), tilted(0.5), {}, effort()), .869159);
-  table.check(full_run() ? 5e-4 : 2e-3);
+  table.check(2e-3);
 }
 
 TEST_CASE("glass: Beer's law along the refracted way") {
@@ -53,7 +53,7 @@ TEST_CASE("glass: Beer's law along the refracted way") {
     table.add("cos " + std::to_string(cosine), estimate(slab_scene(tinted), tilted(cosine), {}, effort()),
               (1 - r) * (1 - r) * a / (1 - r * r * a * a));
   }
-  table.check(full_run() ? 5e-4 : 2e-3);
+  table.check(2e-3);
 }
 
 TEST_CASE("glass: a thin wall does not bend, and reflects R") {
@@ -65,7 +65,7 @@ TEST_CASE("glass: a thin wall does not bend, and reflects R") {
   add_horizontal(scene, 0, -1, 0, 60, 60, true, add_material(scene, emitter(1)));
   ClosedForms table;
   table.add("60 degrees", estimate(scene, tilted(0.5), {}, effort()), 1 - (0.04 + 0.96 * std::pow(0.5, 5)));
-  table.check(full_run() ? 5e-4 : 2e-3);
+  table.check(2e-3);
 }
 
 TEST_CASE("glass: a faceted sphere in a furnace loses nothing") {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The image test on renders: two seeds of one scene agree, and a hundredth of the energy does not pass.
-#include "closed_form.h"
 #include "lucarium/compare/image_test.h"
 #include "lucarium/scene/load_scene.h"
+#include "test_render.h"
 
 using namespace lucarium;
 using namespace lucarium::test;

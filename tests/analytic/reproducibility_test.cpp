@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "closed_form.h"
 #include "lucarium/base/error.h"
 #include "lucarium/scene/load_scene.h"
+#include "test_render.h"
 #include "tolerance.h"
 
 using namespace lucarium;

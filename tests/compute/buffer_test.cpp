@@ -12,7 +12,7 @@ using namespace lucarium;
 using namespace lucarium::test;
 
 TEST_CASE("a buffer starts zeroed and keeps what is written") {
-  TypedBuffer<uint32_t> buffer(*open_device(), "test", "numbers", 1000);
+  TypedBuffer<uint32_t> buffer(*test_device(), "test", "numbers", 1000);
   CHECK(buffer.download() == std::vector<uint32_t>(1000, 0));
   std::vector<uint32_t> values(1000);
   std::iota(values.begin(), values.end(), 7);
@@ -26,30 +26,30 @@ TEST_CASE("a buffer starts zeroed and keeps what is written") {
 }
 
 TEST_CASE("copies of a buffer share its memory, and the last one gives it back") {
-  const size_t before = open_device()->memory().used_bytes();
+  const size_t before = test_device()->memory().used_bytes();
   {
-    TypedBuffer<float> buffer(*open_device(), "test", "shared", std::vector<float>{1, 2, 3});
+    TypedBuffer<float> buffer(*test_device(), "test", "shared", std::vector<float>{1, 2, 3});
     const Buffer copy = buffer;
     CHECK(copy.same_memory(buffer));
-    CHECK(open_device()->memory().used_bytes() == before + 64);
+    CHECK(test_device()->memory().used_bytes() == before + 64);
     buffer = TypedBuffer<float>();
-    CHECK(open_device()->memory().by_owner().at("test") == 64);
+    CHECK(test_device()->memory().by_owner().at("test") == 64);
     float value = 0;
     copy.read(&value, sizeof value, 4);
     CHECK(value == 2);
   }
-  CHECK(open_device()->memory().used_bytes() == before);
+  CHECK(test_device()->memory().used_bytes() == before);
 }
 
 TEST_CASE("an empty buffer is usable") {
-  TypedBuffer<float> buffer(*open_device(), "test", "empty", size_t{0});
+  TypedBuffer<float> buffer(*test_device(), "test", "empty", size_t{0});
   CHECK(buffer.handle() != nullptr);
   CHECK(buffer.download().empty());
   CHECK_THROWS_AS(buffer.download(0, 1), Error);
 }
 
 TEST_CASE("a range outside a buffer is refused") {
-  TypedBuffer<uint32_t> buffer(*open_device(), "test", "small", 4);
+  TypedBuffer<uint32_t> buffer(*test_device(), "test", "small", 4);
   const std::vector<uint32_t> two = {1, 2};
   CHECK_THROWS_WITH_AS(buffer.upload(two, 3), "writing 8 bytes at 12 is outside buffer 'small' of test (16 bytes)",
                        Error);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "device_fixture.h"
 #include "lucarium/base/error.h"
 #include "lucarium/compute/buffer.h"
 #include "lucarium/compute/cl_handle.h"
@@ -15,11 +16,6 @@
 #include "test_support.h"
 
 namespace lucarium::test {
-
-inline const std::shared_ptr<Device>& open_device() {
-  static const std::shared_ptr<Device> device = Device::open();
-  return device;
-}
 
 /// Sets an environment variable for one scope.
 class ScopedVariable {

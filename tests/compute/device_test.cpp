@@ -61,10 +61,10 @@ TEST_CASE("OpenCL codes have names and errors say call, subject and device") {
     CAPTURE(code);
     CHECK(has(opencl_error_name(code), "unknown") == gap);
   }
-  const Error error = error_of([] { check_opencl(-5, "clFinish", "kernel shade of probe", *open_device()); });
+  const Error error = error_of([] { check_opencl(-5, "clFinish", "kernel shade of probe", *test_device()); });
   CHECK(error.error_class() == ErrorClass::device);
   CHECK(std::string(error.what()) ==
-        "clFinish failed with CL_OUT_OF_RESOURCES (-5) for kernel shade of probe on " + open_device()->info().name);
+        "clFinish failed with CL_OUT_OF_RESOURCES (-5) for kernel shade of probe on " + test_device()->info().name);
 }
 
 // Cases marked skip() are run by others, each in a process of its own, because drivers read their environment once.
@@ -109,12 +109,12 @@ TEST_CASE("child: open a device with one thread" * doctest::skip()) {
 }
 
 TEST_CASE("the number of threads can be chosen") {
-  if (!open_device()->info().is_pocl) return skip("PoCL");
+  if (!test_device()->info().is_pocl) return skip("PoCL");
   CHECK(run_case("child: open a device with one thread").exit_code == 0);
 }
 
 TEST_CASE("PoCL's files lie in a folder of the process that goes with it") {
-  if (!open_device()->info().is_pocl) return skip("PoCL");
+  if (!test_device()->info().is_pocl) return skip("PoCL");
   REQUIRE(driver_folder());
   CHECK(fs::is_directory(driver_folder()->path()));
   const ProgramResult result = run_case(open_case);
@@ -125,7 +125,7 @@ TEST_CASE("PoCL's files lie in a folder of the process that goes with it") {
 }
 
 TEST_CASE("a usable POCL_CACHE_DIR is respected, a useless one replaced with a warning") {
-  if (!open_device()->info().is_pocl) return skip("PoCL");
+  if (!test_device()->info().is_pocl) return skip("PoCL");
   const TemporaryFolder folder;
   const ProgramResult kept = run_case(open_case, "POCL_CACHE_DIR=" + folder.path().string());
   CHECK(kept.exit_code == 0);
@@ -147,7 +147,7 @@ TEST_CASE("child: open a device and be killed" * doctest::skip()) {
 }
 
 TEST_CASE("the folder of a killed process is removed by the next one") {
-  if (!open_device()->info().is_pocl) return skip("PoCL");
+  if (!test_device()->info().is_pocl) return skip("PoCL");
   const ProgramResult killed = run_case("child: open a device and be killed");
   CHECK(killed.exit_code != 0);
   CAPTURE(killed.out);

@@ -83,15 +83,15 @@ TEST_CASE("the caps can be set in the environment, and options win") {
 }
 
 TEST_CASE("a CPU device never promises more than the host has") {
-  if (open_device()->info().type != DeviceType::cpu) return skip("a CPU device");
+  if (test_device()->info().type != DeviceType::cpu) return skip("a CPU device");
   CHECK(available_host_memory() > 0);
-  CHECK(open_device()->memory().total_bytes() <= open_device()->info().global_memory_bytes);
+  CHECK(test_device()->memory().total_bytes() <= test_device()->info().global_memory_bytes);
   CHECK(map_host_memory(std::numeric_limits<size_t>::max() / 2) == nullptr);
 }
 
 TEST_CASE("memory that the system refuses is an error, not an abort") {
-  if (open_device()->info().type != DeviceType::cpu) return skip("a CPU device");
-  const size_t before = open_device()->memory().used_bytes();
+  if (test_device()->info().type != DeviceType::cpu) return skip("a CPU device");
+  const size_t before = test_device()->memory().used_bytes();
   rlimit old{};
   getrlimit(RLIMIT_AS, &old);
   std::ifstream statistics("/proc/self/statm");
@@ -101,11 +101,11 @@ TEST_CASE("memory that the system refuses is an error, not an abort") {
   tight.rlim_cur = pages * static_cast<size_t>(getpagesize()) + (size_t{64} << 20);
   setrlimit(RLIMIT_AS, &tight);
   const Error error =
-      error_of([] { Buffer(*open_device(), "scene", "vertices", size_t{512} << 20, "simplify the scene"); });
+      error_of([] { Buffer(*test_device(), "scene", "vertices", size_t{512} << 20, "simplify the scene"); });
   setrlimit(RLIMIT_AS, &old);
   CHECK(std::string(error.what()) ==
         "not enough host memory: the system refuses 512.0 MiB for vertices of scene; simplify the scene");
-  CHECK(open_device()->memory().used_bytes() == before);
+  CHECK(test_device()->memory().used_bytes() == before);
 }
 
 TEST_CASE("numbers of bytes are read and written") {

@@ -18,7 +18,7 @@ Program build(const std::string& text, std::map<std::string, std::string> define
                                    {"probe/wrong.clh", "float twice(float x) {\n  return 2 * y;\n}\n"}};
   SourceLibrary library;
   library.add(sources);
-  return Program(*open_device(), library, {"probe", {"probe/main.cl"}, std::move(defines), mad_enable});
+  return Program(*test_device(), library, {"probe", {"probe/main.cl"}, std::move(defines), mad_enable});
 }
 
 /// Checks what the compiler says of every kind of argument.

@@ -146,7 +146,7 @@ TEST_CASE("slice_base is bound by the schedule") {
 }
 
 TEST_CASE("compile() names schedule, pass and kernel") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto buffer = make_buffer("numbers", Uints(64, 1));
   ScheduleRecorder recorder = scheduler.record("sums", "test");
   CHECK(contains(error_message([&] { recorder.pass("p", schedule_program(), "mix_im"); }), "mix_in"));
@@ -161,7 +161,7 @@ TEST_CASE("compile() names schedule, pass and kernel") {
 }
 
 TEST_CASE("compile() refuses sizes that cannot work") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto buffer = make_buffer("numbers", Uints(64, 1));
   ScheduleRecorder recorder = scheduler.record("sizes", "test");
   const auto compile_error = [&] { return error_message([&] { recorder.compile(); }); };
@@ -171,7 +171,7 @@ TEST_CASE("compile() refuses sizes that cannot work") {
   CHECK(contains(compile_error(), "local size 64x1x1, but the kernel requires 32x1x1"));
   recorder.pass("p", schedule_program(), "needs_32").global(64).local(0).arg("out", buffer);
   CHECK(contains(compile_error(), "local size 0x1x1 is empty"));
-  const size_t too_much = schedule_device()->info().local_memory_bytes + 4;
+  const size_t too_much = test_device()->info().local_memory_bytes + 4;
   recorder.pass("p", schedule_program(), "use_local").global(64).local_memory("scratch", too_much).arg("out", buffer);
   CHECK(contains(compile_error(), "bytes of local memory"));
   recorder.pass("p", schedule_program(), "needs_32").global(64).arg("out", buffer);
@@ -187,7 +187,7 @@ TEST_CASE("compile() refuses sizes that cannot work") {
 }
 
 TEST_CASE("transients and variables of another schedule are refused, and so is reading what nobody wrote") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto buffer = make_buffer("numbers", Uints(64, 1));
   ScheduleRecorder first = scheduler.record("first", "test"), second = scheduler.record("second", "test");
   const BufferRef foreign = first.transient<uint32_t>("foreign", 64);

@@ -7,20 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "device_fixture.h"
 #include "lucarium/base/error.h"
-#include "lucarium/compute/scheduler.h"
 
 const lucarium::EmbeddedSources& test_compute_kernels();
 
 namespace lucarium::test {
 
 using Uints = std::vector<uint32_t>;
-
-/// The device of the scheduler's tests, opened once.
-inline const std::shared_ptr<Device>& schedule_device() {
-  static const std::shared_ptr<Device> device = Device::open();
-  return device;
-}
 
 /// tests/compute/schedule_kernels.cl.
 inline const Program& schedule_program() {
@@ -30,13 +24,13 @@ inline const Program& schedule_program() {
     ProgramSpec spec;
     spec.name = "schedule_kernels";
     spec.files = {"test_compute/schedule_kernels.cl"};
-    return Program(*schedule_device(), library, spec);
+    return Program(*test_device(), library, spec);
   }();
   return program;
 }
 
 inline TypedBuffer<uint32_t> make_buffer(const std::string& name, const Uints& values) {
-  return TypedBuffer<uint32_t>(*schedule_device(), "test", name, values);
+  return TypedBuffer<uint32_t>(*test_device(), "test", name, values);
 }
 
 /// The message of the Error that `action` throws, or "nothing was thrown".

@@ -21,9 +21,9 @@ void add_to_counter(ScheduleRecorder& recorder, const BufferRef& counter, uint32
 
 TEST_CASE("a launch that the device refuses stops the schedule and names pass, kernel, sizes and device") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     const auto counter = make_buffer("counter", {0}), out = make_buffer("out", Uints(16, 7));
-    const size_t too_many = 4 * schedule_device()->info().max_work_group_size;
+    const size_t too_many = 4 * test_device()->info().max_work_group_size;
     ScheduleRecorder recorder = scheduler.record("doomed", "test");
     add_to_counter(recorder, counter, 1);
     recorder.pass("bad launch", schedule_program(), "write_pattern")
@@ -36,9 +36,9 @@ TEST_CASE("a launch that the device refuses stops the schedule and names pass, k
     Schedule schedule = recorder.compile();
     const std::string message = error_message([&] { scheduler.run(schedule); });
     CHECK(contains(message, "schedule 'doomed': pass 'bad launch' (kernel 'write_pattern')"));
-    CHECK(contains(message, schedule_device()->info().name));
+    CHECK(contains(message, test_device()->info().name));
     CHECK(contains(message, "CL_INVALID_WORK_GROUP_SIZE"));
-    CHECK(contains(message, std::to_string(schedule_device()->info().max_work_group_size)));
+    CHECK(contains(message, std::to_string(test_device()->info().max_work_group_size)));
     CHECK(counter.download() == Uints{1});  // drained, and nothing behind the failure ran
     CHECK(out.download() == Uints(16, 7));
     CHECK(contains(error_message([&] { scheduler.run(schedule); }),
@@ -54,7 +54,7 @@ TEST_CASE("a launch that the device refuses stops the schedule and names pass, k
 }
 
 TEST_CASE("what a host step throws comes out, and the schedule has failed") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto counter = make_buffer("counter", {0});
   ScheduleRecorder recorder = scheduler.record("doomed", "test");
   add_to_counter(recorder, counter, 1);
@@ -66,7 +66,7 @@ TEST_CASE("what a host step throws comes out, and the schedule has failed") {
 
 TEST_CASE("a host step sees what passes before it wrote, also in earlier runs") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     auto counter = make_buffer("counter", {0});
     Uints seen;
     ScheduleRecorder recorder = scheduler.record("watched", "test");
@@ -87,7 +87,7 @@ TEST_CASE("a host step sees what passes before it wrote, also in earlier runs") 
 }
 
 TEST_CASE("a host step waits for earlier runs, not only when it happens to use the same queue") {
-  const std::shared_ptr<Device>& device = schedule_device();
+  const std::shared_ptr<Device>& device = test_device();
   KernelScheduler scheduler(device, {QueueMode::in_order, true, false});
   const auto data = make_buffer("data", Uints(4096, 1));
   uint32_t seen = 0;
@@ -109,7 +109,7 @@ TEST_CASE("a host step waits for earlier runs, not only when it happens to use t
 }
 
 TEST_CASE("cancellation is felt between passes; the schedule can run again") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   auto counter = make_buffer("counter", {0});
   bool stop = false;
   int consumed = 0;
@@ -133,7 +133,7 @@ TEST_CASE("cancellation is felt between passes; the schedule can run again") {
 }
 
 TEST_CASE("passes known to be long are not all enqueued ahead, so that cancellation is felt") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto data = make_buffer("data", Uints(4096, 1));
   ScheduleRecorder recorder = scheduler.record("long", "test");
   for (int i = 0; i < 8; ++i) {
@@ -157,7 +157,7 @@ TEST_CASE("passes known to be long are not all enqueued ahead, so that cancellat
 }
 
 TEST_CASE("budgets count iterations, and seconds end them") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto counter = make_buffer("counter", {0});
   ScheduleRecorder recorder = scheduler.record("loop", "test");
   add_to_counter(recorder, counter, 1);
@@ -175,7 +175,7 @@ TEST_CASE("budgets count iterations, and seconds end them") {
 
 TEST_CASE("a sliced pass gives the result of the whole one, and can be cancelled inside") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     const uint32_t count = 1000;
     const auto out = make_buffer("out", Uints(count, 1));
     ScheduleRecorder recorder = scheduler.record("sliced", "test");
@@ -215,7 +215,7 @@ TEST_CASE("who follows a sliced pass waits for all of its slices") {
   const uint32_t count = 1024;
   std::vector<Uints> results;
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     const auto out = make_buffer("out", Uints(count, 1)), copy = make_buffer("copy", Uints(count, 0));
     ScheduleRecorder recorder = scheduler.record("sliced", "test");
     recorder.pass("slices", schedule_program(), "add_index_late")
@@ -241,7 +241,7 @@ TEST_CASE("who follows a sliced pass waits for all of its slices") {
 }
 
 TEST_CASE("a schedule may be destroyed while it runs, and an empty one runs") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto data = make_buffer("data", Uints(4096, 1));
   {
     ScheduleRecorder recorder = scheduler.record("short-lived", "test");

@@ -101,7 +101,7 @@ struct CountedSchedule {
 
 TEST_CASE("transients whose lives do not meet share memory, and the result is right in every mode") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap, QueueMode::automatic}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     const auto result = make_buffer("result", Uints(element_count, 9));
     Schedule schedule = chain(scheduler, result, 12);
     CHECK(schedule.transient_bytes() == element_count * sizeof(uint32_t));
@@ -117,19 +117,19 @@ TEST_CASE("transients whose lives do not meet share memory, and the result is ri
 }
 
 TEST_CASE("the account knows the transients and gets them back") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto result = make_buffer("result", Uints(element_count, 9));
-  const auto before = schedule_device()->memory().used_bytes();
+  const auto before = test_device()->memory().used_bytes();
   {
     Schedule schedule = chain(scheduler, result, 4);
-    CHECK(schedule_device()->memory().used_bytes() == before + schedule.transient_bytes());
+    CHECK(test_device()->memory().used_bytes() == before + schedule.transient_bytes());
     scheduler.run(schedule);
   }
-  CHECK(schedule_device()->memory().used_bytes() == before);
+  CHECK(test_device()->memory().used_bytes() == before);
 }
 
 TEST_CASE("a discarded transient may lie elsewhere afterwards") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto result = make_buffer("result", Uints(element_count, 0));
   ScheduleRecorder recorder = scheduler.record("lives", "test");
   const BufferRef first = recorder.transient<uint32_t>("first", element_count);
@@ -153,7 +153,7 @@ TEST_CASE("a discarded transient may lie elsewhere afterwards") {
 TEST_CASE("a transient sized by a counter of the same run grows to its high-water mark and loses nothing") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
     for (const bool debug : {false, true}) {
-      KernelScheduler scheduler(schedule_device(), {mode, true, debug});
+      KernelScheduler scheduler(test_device(), {mode, true, debug});
       CountedSchedule counted(scheduler);
       size_t high_water = 0;
       for (const uint32_t step : {16u, 4u, 1000u, 1u, 2u, 3u}) {
@@ -169,7 +169,7 @@ TEST_CASE("a transient sized by a counter of the same run grows to its high-wate
 }
 
 TEST_CASE("growth sets the arguments once; a run within the high-water mark sets none") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   CountedSchedule counted(scheduler);
   scheduler.run(counted.schedule);
   const auto set_arguments = [&] {
@@ -184,7 +184,7 @@ TEST_CASE("growth sets the arguments once; a run within the high-water mark sets
 }
 
 TEST_CASE("a count of zero leaves the pass out") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   const auto counter = make_buffer("counter", {0}), out = make_buffer("out", {1, 2, 3});
   ScheduleRecorder recorder = scheduler.record("nothing", "test");
   recorder.pass("fill", schedule_program(), "write_pattern")
@@ -202,7 +202,7 @@ TEST_CASE("a count of zero leaves the pass out") {
 }
 
 TEST_CASE("who follows a pass that was left out waits for what that one would have waited for") {
-  KernelScheduler scheduler(schedule_device(), {QueueMode::overlap, true, false});
+  KernelScheduler scheduler(test_device(), {QueueMode::overlap, true, false});
   const auto counter = make_buffer("counter", {0}), data = make_buffer("data", Uints(element_count, 1));
   const auto copy = make_buffer("copy", Uints(element_count, 0));
   ScheduleRecorder recorder = scheduler.record("gap", "test");
@@ -232,7 +232,7 @@ TEST_CASE("who follows a pass that was left out waits for what that one would ha
 }
 
 TEST_CASE("what does not fit fails the run with the numbers and the remedy, and the schedule then refuses") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   CountedSchedule counted(scheduler, size_t{1} << 36);
   const std::string message = error_message([&] { scheduler.run(counted.schedule); });
   CHECK(contains(message, "list"));
@@ -242,7 +242,7 @@ TEST_CASE("what does not fit fails the run with the numbers and the remedy, and 
 
 TEST_CASE("debug mode finds writes outside of a transient and names the pass") {
   for (const int index : {-1, static_cast<int>(element_count)}) {
-    KernelScheduler scheduler(schedule_device(), {QueueMode::automatic, true, true});
+    KernelScheduler scheduler(test_device(), {QueueMode::automatic, true, true});
     ScheduleRecorder recorder = scheduler.record("faulty", "test");
     const BufferRef victim = recorder.transient<uint32_t>("victim", element_count);
     write_pattern(recorder, victim, 1);
@@ -261,7 +261,7 @@ TEST_CASE("debug mode finds writes outside of a transient and names the pass") {
 }
 
 TEST_CASE("debug mode shares nothing and poisons what nobody wrote") {
-  KernelScheduler scheduler(schedule_device(), {QueueMode::automatic, true, true});
+  KernelScheduler scheduler(test_device(), {QueueMode::automatic, true, true});
   const auto result = make_buffer("result", Uints(element_count, 0));
   Schedule schedule = chain(scheduler, result, 3);
   CHECK(schedule.transient_bytes() > schedule.transient_bytes_unshared());

@@ -156,7 +156,7 @@ std::unique_ptr<Graph> make_graph(KernelScheduler& scheduler, const std::vector<
 }
 
 void check_random_graphs(const SchedulerOptions& options, unsigned seed, int trials) {
-  KernelScheduler scheduler(schedule_device(), options);
+  KernelScheduler scheduler(test_device(), options);
   std::mt19937 random(seed);
   for (int trial = 0; trial < trials; ++trial) {
     const size_t real = 3, transients = 6;
@@ -192,7 +192,7 @@ TEST_CASE("random graphs give the serial result on an in-order queue") {
 }
 
 TEST_CASE("random graphs give the serial result when passes overlap") {
-  REQUIRE(schedule_device()->overlap_queue() != nullptr);
+  REQUIRE(test_device()->overlap_queue() != nullptr);
   check_random_graphs({QueueMode::overlap, true, false}, 12, trials());
 }
 
@@ -206,7 +206,7 @@ TEST_CASE("random graphs give the serial result in debug mode") {
 
 TEST_CASE("runs that nobody waits for keep their order among themselves and with other work") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     auto a = make_buffer("a", Uints(element_count, 1)), b = make_buffer("b", Uints(element_count, 2));
     const auto mix = [&](const char* name, const BufferRef& target, const BufferRef& source) {
       ScheduleRecorder recorder = scheduler.record(name, "test");

@@ -56,7 +56,7 @@ Calls calls_of_a_run(KernelScheduler& scheduler, Schedule& schedule) {
 }  // namespace
 
 TEST_CASE("a replay on the in-order queue makes one enqueue per pass, one flush, and sets no argument") {
-  KernelScheduler scheduler(schedule_device(), {QueueMode::in_order, true, false});
+  KernelScheduler scheduler(test_device(), {QueueMode::in_order, true, false});
   TwoChains chains(scheduler, false);
   for (int i = 0; i < 3; ++i) scheduler.run(chains.schedule);  // until durations are known
   scheduler.finish();
@@ -76,7 +76,7 @@ TEST_CASE("a replay on the in-order queue makes one enqueue per pass, one flush,
 
 TEST_CASE("a read-back adds one copy and one wait; overlap adds a barrier before and one behind") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     TwoChains chains(scheduler, true);
     for (int i = 0; i < 3; ++i) scheduler.run(chains.schedule);
     const Calls calls = calls_of_a_run(scheduler, chains.schedule);
@@ -88,7 +88,7 @@ TEST_CASE("a read-back adds one copy and one wait; overlap adds a barrier before
 }
 
 TEST_CASE("the graph of two chains has no edge between them") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   TwoChains chains(scheduler, false);
   CHECK(chains.schedule.pass_count() == 20);
   const auto edges = chains.schedule.edges();
@@ -103,7 +103,7 @@ TEST_CASE("the graph of two chains has no edge between them") {
 TEST_CASE("the same schedule gives the same bits in every mode, again and again") {
   std::vector<Uints> results;
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap, QueueMode::automatic, QueueMode::overlap}) {
-    KernelScheduler scheduler(schedule_device(), {mode, true, false});
+    KernelScheduler scheduler(test_device(), {mode, true, false});
     TwoChains chains(scheduler, false);
     for (uint32_t i = 0; i < 20; ++i) {
       chains.schedule.set(chains.factor, i);
@@ -115,7 +115,7 @@ TEST_CASE("the same schedule gives the same bits in every mode, again and again"
 }
 
 TEST_CASE("warm_up touches no caller's buffer and runs no host step, and the first run is right") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   TwoChains chains(scheduler, true);
   const auto counter = make_buffer("counter", {0}), out = make_buffer("out", {1, 2, 3});
   int host_steps = 0, read_backs = 0;
@@ -130,10 +130,10 @@ TEST_CASE("warm_up touches no caller's buffer and runs no host step, and the fir
   recorder.read_back("read", out, [&](std::span<const std::byte>) { ++read_backs; });
   Schedule schedule = recorder.compile();
   const ApiCalls before = scheduler.api_calls();
-  const size_t used = schedule_device()->memory().used_bytes();
+  const size_t used = test_device()->memory().used_bytes();
   scheduler.warm_up(schedule);
   scheduler.warm_up(chains.schedule);
-  CHECK(schedule_device()->memory().used_bytes() == used);
+  CHECK(test_device()->memory().used_bytes() == used);
   CHECK(scheduler.api_calls().enqueues == before.enqueues);
   CHECK(scheduler.profile().runs == 0);
   CHECK(host_steps + read_backs == 0);
@@ -148,7 +148,7 @@ TEST_CASE("warm_up touches no caller's buffer and runs no host step, and the fir
 }
 
 TEST_CASE("the profile counts passes, and prints as table, JSON and trace") {
-  KernelScheduler scheduler(schedule_device());
+  KernelScheduler scheduler(test_device());
   TwoChains chains(scheduler, true);
   for (int i = 0; i < 4; ++i) scheduler.run(chains.schedule);
   const Profile& profile = scheduler.profile();
@@ -195,7 +195,7 @@ TEST_CASE("the profile counts passes, and prints as table, JSON and trace") {
 }
 
 TEST_CASE("without profiling nothing is kept") {
-  KernelScheduler scheduler(schedule_device(), {QueueMode::automatic, false, false});
+  KernelScheduler scheduler(test_device(), {QueueMode::automatic, false, false});
   TwoChains chains(scheduler, true);
   scheduler.run(chains.schedule);
   CHECK(scheduler.profile().passes.empty());

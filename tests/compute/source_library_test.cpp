@@ -80,7 +80,7 @@ TEST_CASE("an include inside #if does not swallow a later one outside it") {
   };
   SourceLibrary library;
   library.add(sources);
-  const Program program(*open_device(), library, {"conditional", {"main.cl"}, {}});
+  const Program program(*test_device(), library, {"conditional", {"main.cl"}, {}});
   CHECK(launch(program, "fill", 2, 1) == std::vector<uint32_t>{7, 7});
 }
 
@@ -126,6 +126,6 @@ TEST_CASE("files under LUCARIUM_KERNEL_PATH win, the first root first, and messa
   CHECK(!has(text, "embedded"));
   SourceLibrary library;
   library.add(sources);
-  const Error error = error_of([&] { Program(*open_device(), library, {"probe", {"main.cl"}, {}}); });
+  const Error error = error_of([&] { Program(*test_device(), library, {"probe", {"main.cl"}, {}}); });
   CHECK(has(error.what(), "program probe does not compile: " + (first.path() / "x/one.clh").string() + ":2:"));
 }

@@ -3,8 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <string>
 
+#include "albedo_values.h"
 #include "bsdf_scene.h"
+#include "closed_forms.h"
 #include "lucarium/scene/specular_albedo.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -15,51 +18,18 @@ using namespace lucarium::test;
 namespace {
 
 constexpr uint replicates = 16;
-/// Quantile of Student's t, 15 degrees of freedom, for 1 % over 60 two-sided rows.
-constexpr double t_quantile = 5.0;
 
-struct Estimate {
-  double mean = 0, error = 0;  ///< standard error
-};
-
-/// Mean of the green weights with its error from the spread of the replicates (sample i belongs to i mod 16).
+/// Mean of the green weights (sample i belongs to replicate i mod 16).
 Estimate estimate(const std::vector<float4>& weights) {
-  double sums[replicates] = {}, mean = 0, variance = 0;
-  for (size_t i = 0; i < weights.size(); ++i) sums[i % replicates] += weights[i].y;
-  for (double& sum : sums) sum /= static_cast<double>(weights.size()) / replicates, mean += sum / replicates;
-  for (const double sum : sums) variance += (sum - mean) * (sum - mean) / (replicates - 1);
-  return {mean, std::sqrt(variance / replicates)};
-}
-
-void check_mean(const Estimate& e, double exact) {
-  CAPTURE(e.mean);
-  CAPTURE(e.error);
-  CAPTURE(exact);
-  CHECK(std::abs(e.mean - exact) <= t_quantile * e.error + 2e-4 * exact);
-  CHECK(e.error <= 5e-4 * exact + 1e-9);
+  return interleaved_estimate(weights.size(), [&](size_t i) { return weights[i].y; });
 }
 
 uint sample_count() { return full_run() ? 1u << 20 : 1u << 17; }
 
-/// Quadratures of the lobe with F = 1 (E1) and F = (1 - v.h)^5 (B), height-correlated Smith; rows mu.
-constexpr double cosines[] = {1, .8, .6, .4, .2, .1};
-struct Row {
-  float roughness;
-  double values[6];
-};
-constexpr Row e1_rows[] = {
-    {.1f, {.99990, .99987, .99981, .99962, .99859, .99412}}, {.2f, {.99830, .99778, .99664, .99324, .97515, .92899}},
-    {.3f, {.99067, .98768, .98129, .96456, .91403, .88432}}, {.5f, {.91581, .89727, .87172, .84427, .84816, .89162}},
-    {.7f, {.69775, .69055, .69455, .72107, .79272, .86191}}, {1.f, {.30685, .35126, .41150, .49889, .64165, .76021}}};
-constexpr Row b_rows[] = {{.2f, {.00000, .00046, .01113, .07729, .29695, .46966}},
-                          {.5f, {.00003, .00151, .01095, .04019, .09826, .13969}},
-                          {1.f, {.00003, .00043, .00169, .00508, .01403, .02387}}};
-struct Average {
-  float roughness;
-  double e1, b, dielectric;  ///< cosine averages, and Ebar for F0 = .04
-};
-constexpr Average averages[] = {{.1f, .99949, .0471, .0852}, {.2f, .99406, .0431, .0812}, {.3f, .97651, .0354, .0731},
-                                {.5f, .88232, .0187, .0532}, {.7f, .70743, .0086, .0365}, {1.f, .40914, .0028, .0190}};
+/// Names a row.
+std::string at(float roughness, double cosine) {
+  return "r = " + std::to_string(roughness) + ", cos = " + std::to_string(cosine);
+}
 
 }  // namespace
 
@@ -75,11 +45,13 @@ TEST_CASE("the albedo table holds the quadratures") {
     return values.download();
   };
   for (int k = 0; k < 6; ++k) {
-    const auto values = read(cosines[k]);
+    const auto values = read(albedo_cosines[k]);
     // Directional entries are interpolated; the averages almost exact.
-    for (const Row& row : e1_rows) CHECK(std::abs(values[std::lround(row.roughness * 1000)].x - row.values[k]) < 5e-3);
-    for (const Row& row : b_rows) CHECK(std::abs(values[std::lround(row.roughness * 1000)].y - row.values[k]) < 5e-3);
-    for (const Average& a : averages) {
+    for (const AlbedoRow& row : e1_rows)
+      CHECK(std::abs(values[std::lround(row.roughness * 1000)].x - row.values[k]) < 5e-3);
+    for (const AlbedoRow& row : b_rows)
+      CHECK(std::abs(values[std::lround(row.roughness * 1000)].y - row.values[k]) < 5e-3);
+    for (const AverageAlbedo& a : average_albedos) {
       const float4 v = values[std::lround(a.roughness * 1000)];
       CHECK(std::abs(v.z - a.e1) < 2e-5);
       CHECK(std::abs(v.w - a.b) < 1e-4);
@@ -96,83 +68,75 @@ TEST_CASE("the albedo table holds the quadratures") {
 
 TEST_CASE("the sampled albedo of a white metal is E1") {
   std::vector<NamedMaterial> list;
-  for (const Row& row : e1_rows) list.push_back({"", metal(1, row.roughness)});
+  for (const AlbedoRow& row : e1_rows) list.push_back({"", metal(1, row.roughness)});
   const BsdfProbe probe(list);
-  for (uint m = 0; m < 6; ++m) {
+  ClosedForms table;
+  for (uint m = 0; m < 6; ++m)
     for (int k = 0; k < 6; ++k) {
-      CAPTURE(e1_rows[m].roughness);
-      CAPTURE(cosines[k]);
-      const auto samples = probe.sample(m, direction_at(cosines[k], 0.15), sample_count(), 7, replicates);
-      check_mean(estimate(samples.weights), e1_rows[m].values[k]);
+      const auto samples = probe.sample(m, direction_at(albedo_cosines[k], 0.15), sample_count(), 7, replicates);
+      table.add(at(e1_rows[m].roughness, albedo_cosines[k]), estimate(samples.weights), e1_rows[m].values[k]);
     }
-  }
+  table.check();
 }
 
 TEST_CASE("the sampled albedo of a dielectric is c (1 - Ebar) + F0 (E1 - B) + B") {
   std::vector<NamedMaterial> list;
-  for (const Row& row : b_rows) list.push_back({"", dielectric(0.5f, row.roughness)});
+  for (const AlbedoRow& row : b_rows) list.push_back({"", dielectric(0.5f, row.roughness)});
   const BsdfProbe probe(list);
-  for (uint m = 0; m < 3; ++m) {
-    const Row* e1 = nullptr;
-    const Average* average = nullptr;
-    for (const Row& row : e1_rows) e1 = row.roughness == b_rows[m].roughness ? &row : e1;
-    for (const Average& a : averages) average = a.roughness == b_rows[m].roughness ? &a : average;
+  ClosedForms table;
+  for (uint m = 0; m < 3; ++m)
     for (int k = 0; k < 6; ++k) {
-      CAPTURE(b_rows[m].roughness);
-      CAPTURE(cosines[k]);
-      const double exact =
-          0.5 * (1 - average->dielectric) + 0.04 * (e1->values[k] - b_rows[m].values[k]) + b_rows[m].values[k];
-      check_mean(estimate(probe.sample(m, direction_at(cosines[k], 0.4), 8 * sample_count(), 3, replicates).weights),
-                 exact);
+      const float roughness = b_rows[m].roughness;
+      const auto samples = probe.sample(m, direction_at(albedo_cosines[k], 0.4), 8 * sample_count(), 3, replicates);
+      table.add(at(roughness, albedo_cosines[k]), estimate(samples.weights), dielectric_albedo(0.5, roughness, k));
     }
-  }
+  table.check();
 }
 
 TEST_CASE("the sampled albedos of white, black and plastic surfaces, averaged over the cosine, are the table's") {
   std::vector<NamedMaterial> list;
-  for (const Average& a : averages) {
+  for (const AverageAlbedo& a : average_albedos) {
     list.push_back({"E1", metal(1, a.roughness)});
     list.push_back({"B", metal(0, a.roughness)});
     list.push_back({"plastic", dielectric(0, a.roughness)});
   }
   const BsdfProbe probe(list);
   const uint n = 4 * sample_count();
+  ClosedForms table;
   for (uint m = 0; m < list.size(); ++m) {
-    const Average& a = averages[m / 3];
+    const AverageAlbedo& a = average_albedos[m / 3];
     const double exact[] = {a.e1, a.b, a.dielectric};
-    // E1 has five digits; B, and with it the dielectric, was quadrature to 1e-4 from r = 0.3 up, to 5e-4 below.
-    const double slack = m % 3 == 0 ? 1e-5 : a.roughness < 0.3f ? 5e-4 : 1.5e-4;
+    // B, and with it the dielectric, was quadrature to 1e-4 from r = 0.3 up and to 5e-4 below, rounded to four digits.
+    const double slack = m % 3 == 0 ? albedo_rounding : a.roughness < 0.3f ? 5e-4 : 1.5e-4;
     const auto weights = test_buffer<float4>(n);
     probe.run("sample_cosine_views", n, 64, [&](PassBuilder& pass) {
       pass.arg("triangle", m).arg("back", 0u).arg("seed", 13u).arg("replicates", replicates).arg("count", n);
       pass.arg("weights", weights);
     });
-    const Estimate e = estimate(weights.download());
-    CAPTURE(list[m].name);
-    CAPTURE(a.roughness);
-    CAPTURE(e.mean);
-    CAPTURE(e.error);
-    CHECK(std::abs(e.mean - exact[m % 3]) <= t_quantile * e.error + 2e-4 * exact[m % 3] + slack);
-    CHECK(e.error <= std::max(5e-4 * exact[m % 3], slack / 3));
+    table.add(list[m].name + ", r = " + std::to_string(a.roughness), estimate(weights.download()), exact[m % 3], slack);
   }
+  table.check();
 }
 
 TEST_CASE("the separable test build gives the albedos of other renderers") {
   const BsdfProbe probe({{"", metal(1, 0.5f)}, {"", metal(1, 1)}}, {{"LUCARIUM_GGX_SEPARABLE", ""}});
   const double exact[2][3] = {{.91581, .87061, .83146}, {.30685, .38357, .51142}};
   const double mu[] = {1, .6, .2};
-  for (uint m = 0; m < 2; ++m) {
+  ClosedForms table;
+  for (uint m = 0; m < 2; ++m)
     for (int k = 0; k < 3; ++k) {
-      check_mean(estimate(probe.sample(m, direction_at(mu[k], 0.1), sample_count(), 5, replicates).weights),
-                 exact[m][k]);
+      const auto samples = probe.sample(m, direction_at(mu[k], 0.1), sample_count(), 5, replicates);
+      table.add(at(m == 0 ? 0.5f : 1.f, mu[k]), estimate(samples.weights), exact[m][k]);
     }
-  }
+  table.check();
 }
 
 TEST_CASE("the Phong test build has the albedo of its lobe") {
   // At normal incidence the integral of k (n + 2) / 2 pi cos^n cos over the hemisphere is k.
   const BsdfProbe probe({{"", metal(0.8f, std::pow(2.f / 7.f, 0.25f))}}, {{"LUCARIUM_PHONG", ""}});
-  check_mean(estimate(probe.sample(0, glm::vec3(0, 0, 1), sample_count(), 5, replicates).weights), 0.8);
+  ClosedForms table;
+  table.add("k", estimate(probe.sample(0, glm::vec3(0, 0, 1), sample_count(), 5, replicates).weights), 0.8);
+  table.check();
   const float4 value = probe.evaluate(0, glm::vec3(0, 0, 1), direction_at(0.5, 0.3));
   CHECK(value.y == test::relative(0.8 * 7 / (2 * 3.14159265) * std::pow(0.5, 5) * 0.5, 1e-4));
 }
@@ -194,6 +158,8 @@ TEST_CASE("cosine-averaged albedos never exceed 1, and are 1 for a white dielect
   const bool exactly_one[] = {true, true, true, true, false, true, true, false, true, true, false, false, true};
   const BsdfProbe probe(list);
   const uint n = sample_count();
+  const double t = student_t_quantile(sidak_level(0.01, 2 * list.size()), replicates - 1);
+  ClosedForms table;
   for (uint m = 0; m < list.size(); ++m) {
     for (const uint back : {0u, 1u}) {
       CAPTURE(list[m].name);
@@ -204,10 +170,11 @@ TEST_CASE("cosine-averaged albedos never exceed 1, and are 1 for a white dielect
         pass.arg("weights", weights);
       });
       const Estimate e = estimate(weights.download());
-      CHECK(e.mean <= 1 + t_quantile * e.error + 2e-4);
-      if (exactly_one[m]) check_mean(e, 1);
+      CHECK(e.mean <= 1 + t * e.error + 2e-4);
+      if (exactly_one[m]) table.add(list[m].name + (back ? ", back" : ", front"), e, 1);
     }
   }
+  table.check();
 }
 
 TEST_CASE("the BSDF is reciprocal, with squared indices for refraction") {
@@ -286,13 +253,12 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
   CHECK(std::abs(double(reflected) / n - inner) < 5 * std::sqrt(inner / n));
 
   // A thin wall goes straight on, tinted.
-  double sum = 0;
   const auto thin = probe.sample(2, view, n, 4);
-  for (uint i = 0; i < n; ++i) {
+  for (uint i = 0; i < n; ++i)
     if (static_cast<int>(thin.weights[i].w) == 3) REQUIRE(glm::distance(thin.directions[i].xyz(), -view) < 1e-6f);
-    sum += thin.weights[i].y;
-  }
-  CHECK(sum / n == test::relative(fresnel + 0.5 * (1 - fresnel), 0.01));
+  ClosedForms tinted;
+  tinted.add("thin wall", estimate(thin.weights), fresnel + 0.5 * (1 - fresnel));
+  tinted.check(2e-3);
 
   // The option for secondary vertices keeps the diffuse lobe as it is: no ideal events, no specular light.
   const auto lambert = probe.sample(3, view, 64, 5, 1, 1);

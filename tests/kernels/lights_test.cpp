@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/lights.clh, environment.clh: samples follow their densities, densities agree with those of met light, closed
-// forms of illuminance, sides and kinds.
+// kernels/lights.clh, environment.clh: the environment's look-up, closed forms of illuminance, what surfaces emit.
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <numbers>
-#include <random>
 
-#include "chi2.h"
-#include "kernel_fixture.h"
+#include "closed_forms.h"
+#include "light_scenes.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -17,128 +14,21 @@ using namespace lucarium::test;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
-constexpr uint replicates = 16;
-constexpr uint all_kinds = 31;
-
-const Program& program() {
-  static const Program instance = kernel_program("lights");
-  return instance;
-}
-
-SceneMaterial emitter(float radiance, bool double_sided = false) {
-  SceneMaterial m;
-  m.base_color = glm::vec4(0, 0, 0, 1);
-  m.metallic = 0;
-  m.emissive_factor = glm::vec3(1);
-  m.emissive_strength = radiance;
-  m.double_sided = double_sided;
-  return m;
-}
-
-void add_triangle(Scene& scene, const SceneMaterial& material, const glm::vec3& a, const glm::vec3& b,
-                  const glm::vec3& c) {
-  Mesh mesh;
-  mesh.positions = {a, b, c};
-  mesh.normals.assign(3, glm::normalize(glm::cross(b - a, c - a)));
-  mesh.uv[0] = {{0, 0}, {1, 0}, {0, 1}};
-  mesh.triangles = {{0, 1, 2}};
-  SceneInstance instance;
-  instance.mesh = static_cast<int>(scene.meshes.size());
-  instance.material = static_cast<int>(scene.materials.size());
-  scene.meshes.push_back(mesh);
-  scene.materials.push_back(material);
-  scene.instances.push_back(instance);
-}
-
-Scene empty_scene() {
-  Scene scene;
-  scene.source = "test";
-  return scene;
-}
-
-/// 32 x 16 texels, many black, one 3000 times the others, turned in all axes.
-Scene environment_scene() {
-  Scene scene = empty_scene();
-  Environment e;
-  e.width = 32, e.height = 16;
-  std::mt19937 random(5);
-  std::uniform_real_distribution<float> uniform(0, 1);
-  for (uint32_t i = 0; i < e.width * e.height; ++i) {
-    const uint32_t column = i % e.width, row = i / e.width;
-    const bool black = (column > 8 && column < 17) || (row > 10 && column < 22) || row < 2;
-    e.radiance.push_back(black ? glm::vec3(0) : glm::vec3(uniform(random), uniform(random), uniform(random)));
-  }
-  e.radiance[5 * e.width + 27] = glm::vec3(3000, 2000, 1000);
-  e.factor = glm::vec3(1, 2, 0.5f);
-  e.environment_from_world = glm::mat3(glm::mat4_cast(glm::normalize(glm::quat(0.8f, 0.3f, -0.4f, 0.2f))));
-  scene.environment = e;
-  return scene;
-}
-
-/// A single-sided triangle above the origin, its black back on another side of it, and a double-sided one seen from
-/// its back.
-Scene triangle_scene() {
-  Scene scene = empty_scene();
-  add_triangle(scene, emitter(2), {-1, -1, 2}, {0.5f, 1.5f, 2}, {1.5f, -1, 2.5f});
-  add_triangle(scene, emitter(1, true), {3, -1, -0.5f}, {3, 1.5f, -0.8f}, {2, -0.5f, -2});
-  add_triangle(scene, emitter(3), {-3, 1, -1}, {-3, -1, 1}, {-3, -1, -1});
-  return scene;
-}
-
-struct LightSamples {
-  std::vector<float4> directions, radiances, ends;
-};
-
-LightSamples sample(const SceneBuffers& buffers, const glm::vec3& position, uint count, uint kinds = all_kinds,
-                    uint seed = 1) {
-  const auto directions = test_buffer<float4>(count), radiances = test_buffer<float4>(count),
-             ends = test_buffer<float4>(count);
-  run_kernel(program(), "sample_lights", count, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, program(), "sample_lights");
-    pass.arg("position", float4(position, 0.f)).arg("kinds", kinds).arg("seed", seed).arg("count", count);
-    pass.arg("directions", directions).arg("radiances", radiances).arg("ends", ends);
-  });
-  return {directions.download(), radiances.download(), ends.download()};
-}
-
-/// Radiance (xyz) and density (w) met along the directions from a point.
-std::vector<float4> meet(const SceneBuffers& buffers, const glm::vec3& position,
-                         const std::vector<float4>& directions) {
-  const auto rays = test_buffer(directions), values = test_buffer<float4>(directions.size());
-  run_kernel(program(), "meet_lights", directions.size(), 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, program(), "meet_lights");
-    pass.arg("position", float4(position, 0.f)).arg("directions", rays);
-    pass.arg("count", static_cast<uint>(directions.size())).arg("values", values);
-  });
-  return values.download();
-}
-
 std::vector<float4> illuminate(const SceneBuffers& buffers, const std::vector<float4>& positions) {
   const auto points = test_buffer(positions), values = test_buffer<float4>(positions.size());
-  run_kernel(program(), "illuminate_points", positions.size(), 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, program(), "illuminate_points");
+  run_kernel(light_program(), "illuminate_points", positions.size(), 64, [&](PassBuilder& pass) {
+    buffers.bind(pass, light_program(), "illuminate_points");
     pass.arg("positions", points).arg("count", static_cast<uint>(positions.size())).arg("values", values);
   });
   return values.download();
 }
 
-/// Checks the mean of radiance cos / pdf (green; normal +z) against the exact illuminance: 16 replicates.
-void check_illuminance(const LightSamples& samples, double exact) {
-  double sums[replicates] = {}, mean = 0, variance = 0;
-  const size_t n = samples.directions.size();
-  for (size_t i = 0; i < n; ++i) {
+/// The mean of radiance cos / pdf (green; normal +z) over 16 replicates.
+Estimate illuminance(const LightSamples& samples) {
+  return interleaved_estimate(samples.directions.size(), [&](size_t i) {
     const float4 d = samples.directions[i];
-    if (d.w > 0 && d.z > 0)
-      sums[i % replicates] += double(samples.radiances[i].y) * d.z / d.w / (double(n) / replicates);
-  }
-  for (const double sum : sums) mean += sum / replicates;
-  for (const double sum : sums) variance += (sum - mean) * (sum - mean) / (replicates - 1);
-  const double error = std::sqrt(variance / replicates);
-  CAPTURE(mean);
-  CAPTURE(exact);
-  CHECK(std::abs(mean - exact) <= 5 * error + 2e-4 * exact);
-  CHECK(error <= 5e-4 * exact + 1e-9);
+    return d.w > 0 && d.z > 0 ? double(samples.radiances[i].y) * d.z / d.w : 0;
+  });
 }
 
 /// The host's own bilinear lookup, in double precision.
@@ -158,59 +48,12 @@ glm::dvec3 environment_reference(const Environment& e, const glm::vec3& world) {
 
 }  // namespace
 
-TEST_CASE("light samples follow the density with which met light is weighted") {
-  const int columns = full_run() ? 101 : 32, rows = full_run() ? 202 : 64;
-  const uint n = full_run() ? 1u << 20 : 1u << 17;
-  const std::pair<Scene, glm::vec3> cases[] = {{environment_scene(), glm::vec3(0)},
-                                               {triangle_scene(), glm::vec3(0)},
-                                               {triangle_scene(), glm::vec3(0.5f, 0.2f, 0.7f)}};
-  for (const auto& [scene, position] : cases) {
-    const SceneBuffers buffers(kernel_device(), scene);
-    const auto masses = test_buffer<float>(columns * rows);
-    run_kernel(program(), "integrate_light_density", columns * rows, 1, [&](PassBuilder& pass) {
-      buffers.bind(pass, program(), "integrate_light_density");
-      pass.arg("position", float4(position, 0.f)).arg("columns", static_cast<uint>(columns));
-      pass.arg("rows", static_cast<uint>(rows)).arg("masses", masses);
-    });
-    const LightSamples samples = sample(buffers, position, n);
-    const std::vector<float4> met = meet(buffers, position, samples.directions);
-    std::vector<uint64_t> observed(columns * rows);
-    uint64_t different_density = 0, different_light = 0, lost = 0;
-    for (uint i = 0; i < n; ++i) {
-      const float4 d = samples.directions[i];
-      if (!(d.w > 0)) {
-        ++lost;
-        continue;
-      }
-      const double turns = std::atan2(double(d.y), double(d.x)) / (2 * pi);
-      const int a = std::clamp(static_cast<int>((1 - double(d.z)) * 0.5 * columns), 0, columns - 1);
-      const int b = std::clamp(static_cast<int>((turns < 0 ? turns + 1 : turns) * rows), 0, rows - 1);
-      ++observed[a * rows + b];
-      different_density += !(std::abs(met[i].w - d.w) <= 2e-3f * d.w);
-      const float green = samples.radiances[i].y;
-      different_light += !(std::abs(met[i].y - green) <= 2e-3f * green + 1e-4f);
-    }
-    CHECK(lost == 0);
-    // Directions on the edge of a texel or triangle may fall on its other side.
-    CHECK(different_density <= n / 2000);
-    CHECK(different_light <= n / 2000);
-    double total = 0;
-    std::vector<double> expected;
-    for (const float mass : masses.download()) total += mass, expected.push_back(mass);
-    CHECK(total == test::relative(1, 2e-3));
-    for (double& e : expected) e *= n / total;
-    const Chi2Result result = chi2_test(observed, expected);
-    CHECK(result.stray == 0);
-    CHECK(result.p >= sidak(0.01, 3));
-  }
-}
-
 TEST_CASE("the environment is looked up as its definition says") {
   // No peak, whose slope would need more digits than a direction has, and one colour at the pole, which has no azimuth.
   Scene scene = environment_scene();
   for (uint32_t i = 0; i < 32; ++i) scene.environment->radiance[15 * 32 + i] = glm::vec3(0.3f);
   scene.environment->radiance[5 * 32 + 27] = glm::vec3(3, 2, 1);
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   std::mt19937 random(1);
   std::normal_distribution<float> normal;
   std::vector<float4> directions;
@@ -225,8 +68,8 @@ TEST_CASE("the environment is looked up as its definition says") {
   }
   directions.resize(4160, directions[0]);
   const auto rays = test_buffer(directions), values = test_buffer<float4>(directions.size());
-  run_kernel(program(), "lookup_environment", directions.size(), 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, program(), "lookup_environment");
+  run_kernel(light_program(), "lookup_environment", directions.size(), 64, [&](PassBuilder& pass) {
+    buffers.bind(pass, light_program(), "lookup_environment");
     pass.arg("directions", rays).arg("count", static_cast<uint>(directions.size())).arg("values", values);
   });
   const auto got = values.download();
@@ -249,14 +92,13 @@ TEST_CASE("punctual lights: point, directional, spot") {
   for (const double r : radii) points.emplace_back(static_cast<float>(r), 0.f, 0.f, 0.f);
   points.resize(64, points[0]);
   {
-    const SceneBuffers buffers(kernel_device(), scene);
+    const SceneBuffers buffers(*test_device(), scene);
     const auto values = illuminate(buffers, points);
-    for (int i = 0; i < 4; ++i)
-      CHECK(values[i].y * values[i].w * 0.5 / pi == test::relative(expected[i], 1e-5));
+    for (int i = 0; i < 4; ++i) CHECK(values[i].y * values[i].w * 0.5 / pi == test::relative(expected[i], 1e-5));
   }
   scene.lights[0].type = LightType::directional;
   {
-    const SceneBuffers buffers(kernel_device(), scene);
+    const SceneBuffers buffers(*test_device(), scene);
     const auto values = illuminate(buffers, points);
     CHECK(values[2].y * values[2].w * 0.5 / pi == test::relative(15.915494, 1e-5));
     CHECK(values[2].w == test::relative(1));
@@ -272,7 +114,7 @@ TEST_CASE("punctual lights: point, directional, spot") {
     const double theta = pi * (i + 0.5) / n;
     points.emplace_back(static_cast<float>(std::sin(theta)), 0.f, static_cast<float>(2 - std::cos(theta)), 0.f);
   }
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   const auto values = illuminate(buffers, points);
   double flux = 0;
   for (int i = 0; i < n; ++i) flux += double(values[i].y) * 2 * pi * std::sin(pi * (i + 0.5) / n) * pi / n;
@@ -281,24 +123,27 @@ TEST_CASE("punctual lights: point, directional, spot") {
 
 TEST_CASE("illuminance of a square light, from one and from two sides, and of environments") {
   const uint n = full_run() ? 1u << 18 : 1u << 15;
+  ClosedForms table;
   for (const bool double_sided : {false, true}) {
     Scene scene = empty_scene();
     const float h = 0.5f;
-    add_triangle(scene, emitter(1, double_sided), {-h, -h, 1}, {-h, h, 1}, {h, h, 1});
-    add_triangle(scene, emitter(1, double_sided), {-h, -h, 1}, {h, h, 1}, {h, -h, 1});
-    const SceneBuffers buffers(kernel_device(), scene);
-    check_illuminance(sample(buffers, {0, 0, 0}, n), .752275);
-    check_illuminance(sample(buffers, {.5f, .5f, 0}, n), .435210);
-    check_illuminance(sample(buffers, {2, 0, 0}, n), .0437426);
-    // From behind: turn the normal over, since check_illuminance faces +z.
+    const SceneMaterial material = double_sided ? two_sided(emitter(1)) : emitter(1);
+    add_triangle(scene, material, {-h, -h, 1}, {-h, h, 1}, {h, h, 1});
+    add_triangle(scene, material, {-h, -h, 1}, {h, h, 1}, {h, -h, 1});
+    const SceneBuffers buffers(*test_device(), scene);
+    table.add("below the centre", illuminance(sample(buffers, {0, 0, 0}, n)), .752275);
+    table.add("below a corner", illuminance(sample(buffers, {.5f, .5f, 0}, n)), .435210);
+    table.add("beside", illuminance(sample(buffers, {2, 0, 0}, n)), .0437426);
+    // From behind: turn the normal over, since the receiver faces +z.
     LightSamples behind = sample(buffers, {0, 0, 2}, n);
     for (float4& d : behind.directions) d.z = -d.z;
-    check_illuminance(behind, double_sided ? .752275 : 0);
+    table.add("behind", illuminance(behind), double_sided ? .752275 : 0);
   }
   Scene scene = empty_scene();
   scene.environment = Environment{};
   scene.environment->factor = glm::vec3(2);
-  check_illuminance(sample(SceneBuffers(kernel_device(), scene), glm::vec3(0), n), 2 * pi);
+  const SceneBuffers constant(*test_device(), scene);
+  table.add("constant environment", illuminance(sample(constant, glm::vec3(0), n)), 2 * pi);
   // The map against a plain sum over directions.
   scene = environment_scene();
   double exact = 0;
@@ -310,97 +155,9 @@ TEST_CASE("illuminance of a square light, from one and from two sides, and of en
     }
   }
   exact *= 2 * pi / (4.0 * steps * steps);
-  check_illuminance(sample(SceneBuffers(kernel_device(), scene), glm::vec3(0), 8 * n), exact);
-}
-
-TEST_CASE("shadow rays end in front of the light's surface") {
-  const SceneBuffers buffers(kernel_device(), triangle_scene());
-  const auto triangles = buffers.scene_triangles.download();
-  const auto vertices = buffers.scene_vertices.download();
-  const LightSamples samples = sample(buffers, glm::vec3(0), 4096);
-  for (size_t i = 0; i < samples.ends.size(); ++i) {
-    double nearest = 1e30;
-    for (const Triangle& t : triangles) {
-      const glm::dvec3 a(vertices[t.v0].position.xyz()), b(vertices[t.v1].position.xyz()),
-          c(vertices[t.v2].position.xyz());
-      const glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
-      // Height of the end over the plane, positive on the origin's side; only of the plane it belongs to.
-      const double height =
-          glm::dot(glm::dvec3(samples.ends[i].xyz()) - a, normal) * (glm::dot(-a, normal) > 0 ? 1 : -1);
-      if (std::abs(height) < std::abs(nearest)) nearest = height;
-    }
-    REQUIRE(nearest > 0);
-    REQUIRE(nearest < 1e-3);
-  }
-}
-
-// A float's 24 bits leave 64 places inside each of 2^18 columns; these intensities put the alias threshold where rounding to
-// them favoured the dim light by 3 %.
-TEST_CASE("dim lights among a quarter of a million are chosen no more often than the table says") {
-  Scene scene = triangle_scene();
-  scene.lights.resize(1 << 18);
-  for (size_t i = 0; i < scene.lights.size(); ++i) {
-    scene.lights[i].intensity = glm::vec3(i % 2 ? 1.0f : 9.766f);
-    scene.lights[i].world_from_light[3] = glm::vec4(0, 0, 1, 1);
-  }
-  const SceneBuffers buffers(kernel_device(), scene);
-  const uint n = 1 << 22;
-  const auto lights = test_buffer<uint>(n);
-  run_kernel(program(), "choose_lights_at_random", n, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, program(), "choose_lights_at_random");
-    pass.arg("count", n).arg("lights", lights);
-  });
-  const auto table = buffers.scene_light_table.download();
-  const auto is_dim = [&](uint light) { return table[light].pmf < 1.0f / static_cast<float>(table.size()); };
-  const double threshold = 64.0 * table[scene.lights.size() - 1].probability;
-  REQUIRE(threshold - std::floor(threshold) < 0.25);
-  double expected = 0, chosen = 0;
-  for (uint i = 0; i < table.size(); ++i) expected += is_dim(i) ? table[i].pmf : 0;
-  for (const uint light : lights.download()) chosen += is_dim(light) ? 1 : 0;
-  REQUIRE(expected > 0.05);
-  REQUIRE(expected < 0.5);
-  const double standard_error = std::sqrt(expected * (1 - expected) / n);
-  CHECK(std::abs(chosen / n - expected) < 4 * standard_error);
-}
-
-TEST_CASE("lights are chosen as the table says; kinds can be left out") {
-  Scene scene = triangle_scene();
-  SceneLight light;
-  light.intensity = glm::vec3(30);
-  light.world_from_light[3] = glm::vec4(0, 0, 1, 1);
-  scene.lights = {light};
-  scene.environment = Environment{};
-  const SceneBuffers buffers(kernel_device(), scene);
-  const uint n = 1 << 16;
-  const auto lights = test_buffer<uint>(n);
-  const auto pmfs = test_buffer<float>(n);
-  run_kernel(program(), "choose_lights", n, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, program(), "choose_lights");
-    pass.arg("count", n).arg("lights", lights).arg("pmfs", pmfs);
-  });
-  const auto table = buffers.scene_light_table.download();
-  const auto chosen = lights.download();
-  const auto pmf = pmfs.download();
-  REQUIRE(buffers.info().light_count == 5);
-  std::vector<double> share(5);
-  for (uint i = 0; i < n; ++i) {
-    share[chosen[i]] += 1.0 / n;
-    REQUIRE(pmf[i] == table[chosen[i]].pmf);
-  }
-  for (int i = 0; i < 5; ++i) CHECK(share[i] == test::relative(table[i].pmf, 1e-3));
-
-  const LightSamples no_triangles = sample(buffers, glm::vec3(0), 4096, all_kinds & ~(1u << LUCARIUM_LIGHT_TRIANGLE));
-  const LightSamples punctual_only = sample(buffers, glm::vec3(0), 4096, 1u << LUCARIUM_LIGHT_POINT);
-  uint punctual = 0, infinite = 0, finite_area = 0, others = 0;
-  for (size_t i = 0; i < 4096; ++i) {
-    const int flags = static_cast<int>(no_triangles.radiances[i].w);
-    if (no_triangles.directions[i].w > 0) ++(flags == 1 ? punctual : flags == 2 ? infinite : finite_area);
-    others += punctual_only.directions[i].w > 0 && static_cast<int>(punctual_only.radiances[i].w) != 1;
-  }
-  CHECK(punctual > 0);
-  CHECK(infinite > 0);
-  CHECK(finite_area == 0);
-  CHECK(others == 0);
+  const SceneBuffers map(*test_device(), scene);
+  table.add("environment", illuminance(sample(map, glm::vec3(0), 8 * n)), exact);
+  table.check();
 }
 
 TEST_CASE("what surfaces emit: sides, unlit, textures, coverage") {
@@ -411,13 +168,13 @@ TEST_CASE("what surfaces emit: sides, unlit, textures, coverage") {
   unlit.unlit = true, unlit.emissive_factor = glm::vec3(0), unlit.base_color = glm::vec4(0.25f, 0.5f, 1, 1);
   textured.emissive_texture.texture = 0;
   blended.alpha_mode = AlphaMode::blend, blended.base_color.a = 0.25f;
-  const SceneMaterial materials[] = {emitter(2), emitter(2, true), unlit, textured, blended};
+  const SceneMaterial materials[] = {emitter(2), two_sided(emitter(2)), unlit, textured, blended};
   // Five triangles side by side at z = 1 that face the points below them.
   const auto place = [](int i) { return 3 * static_cast<float>(i); };
   for (int i = 0; i < 5; ++i) {
     add_triangle(scene, materials[i], {place(i), 0, 1}, {place(i), 1, 1}, {place(i) + 1, 0, 1});
   }
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   const auto below = [&](int i, float x, float y) {
     return meet(buffers, {place(i) + x, y, 0}, std::vector<float4>(64, float4(0, 0, 1, 0)))[0];
   };
@@ -437,6 +194,6 @@ TEST_CASE("what surfaces emit: sides, unlit, textures, coverage") {
   CHECK(below(4, .2f, .2f).y == test::relative(4));
   Scene alone = empty_scene();
   add_triangle(alone, blended, {0, 0, 1}, {0, 1, 1}, {1, 0, 1});
-  const LightSamples samples = sample(SceneBuffers(kernel_device(), alone), {0.2f, 0.2f, 0}, 64);
+  const LightSamples samples = sample(SceneBuffers(*test_device(), alone), {0.2f, 0.2f, 0}, 64);
   CHECK(samples.radiances[0].y == test::relative(1));
 }

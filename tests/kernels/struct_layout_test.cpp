@@ -118,7 +118,7 @@ TEST_CASE("the device lays out shared structs as the host does") {
   ProgramSpec spec;
   spec.name = "report_layout";
   spec.files = {"test_kernels/report_layout.cl"};
-  const Program program(test::kernel_device(), library, spec);
+  const Program program(*test::test_device(), library, spec);
   const auto out = test::test_buffer<uint>(count);
   test::run_kernel(program, "report", 1, 1, [&](PassBuilder& pass) { pass.arg("out", out); });
 

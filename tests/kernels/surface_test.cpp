@@ -91,7 +91,7 @@ TEST_CASE("textures are looked up as on the host, for every wrap mode and filter
       }
     }
   }
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-3, 3);
   std::vector<float2> uvs;
@@ -131,7 +131,7 @@ TEST_CASE("base colours use factor, transformed texture coordinates of either se
   TextureUse& use = scene.materials[0].base_color_texture;
   use.texture = 0, use.uv_set = 1, use.offset = {0.3f, -0.2f}, use.scale = {0.4f, 0.7f}, use.rotation = 0.6f;
   scene.materials[0].base_color = glm::vec4(0.5f, 0.25f, 1, 0.75f);
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   const float u = 0.3f, v = 0.5f;
   const SurfaceResult s = make_surfaces(buffers, {hit_at(0, u, v)}, {0, 0, -1})[0];
   const glm::vec2 uv = (1 - u - v) * glm::vec2(1, 2) + u * glm::vec2(3, 4) + v * glm::vec2(5, 6);
@@ -151,7 +151,7 @@ TEST_CASE("normals turn to the side of view, mirrored instances included") {
                                                         glm::vec4(0, 0, 3, 0), glm::vec4(5, 6, 7, 1))};
   for (const glm::mat4& matrix : matrices) {
     Scene scene = attribute_scene(matrix);
-    const SceneBuffers buffers(kernel_device(), scene);
+    const SceneBuffers buffers(*test_device(), scene);
     const glm::vec3 front(0, 0, 1);
     const float u = 0.25f, v = 0.25f;
     // A mirrored instance's triangles swap two vertices, so that they stay counter-clockwise.
@@ -186,7 +186,7 @@ TEST_CASE("normal maps tilt towards tangent and bitangent by their scale") {
     scene.textures = {{0, Wrap::repeat, Wrap::repeat, false, false}};
     scene.materials[0].normal_texture.texture = 0;
     scene.materials[0].normal_texture.strength = 0.5f;
-    const SceneBuffers buffers(kernel_device(), scene);
+    const SceneBuffers buffers(*test_device(), scene);
     const float x = 0.5f * (191 / 255.f * 2 - 1), y = 0.5f * (223 / 255.f * 2 - 1);
     const glm::vec3 expected = glm::normalize(glm::vec3(mirror * x, y, 1));
     CHECK(near(make_surfaces(buffers, {hit_at(0, 0.3f, 0.3f)}, {0, 0, -1})[0].n_s_offset.xyz(), expected));
@@ -216,18 +216,18 @@ TEST_CASE("MASK cuts at the cutoff, BLEND lets its share of the seeds through") 
   // Alpha is .8 at the first vertex, .4 at the second, .2 at the third.
   const double alpha = 0.8 * (0.5 * 1 + 0.25 * 0.5 + 0.25 * 0.25);
   {
-    const SceneBuffers buffers(kernel_device(), scene);
+    const SceneBuffers buffers(*test_device(), scene);
     CHECK(passes(buffers, 1, 0, 1, 64) == 64);  // opaque: alpha means nothing
   }
   scene.materials[0].alpha_mode = AlphaMode::mask;
   scene.materials[0].alpha_cutoff = 0.39f;
   {
-    const SceneBuffers buffers(kernel_device(), scene);
+    const SceneBuffers buffers(*test_device(), scene);
     CHECK(passes(buffers, 0.99f, 0, 1, 64) == 64);
     CHECK(passes(buffers, 0, 0.99f, 1, 64) == 0);
   }
   scene.materials[0].alpha_mode = AlphaMode::blend;
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   const double share = passes(buffers, 0.25f, 0.25f, 1, n) / double(n);
   CHECK(std::abs(share - alpha) < 5 * std::sqrt(alpha * (1 - alpha) / n));
   CHECK(passes(buffers, 0.25f, 0.25f, 0, 1) == 1);  // LUCARIUM_SEED_OPAQUE
@@ -260,7 +260,7 @@ TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far fr
   SceneInstance instance;
   instance.mesh = 0, instance.material = 0;
   scene.instances.push_back(instance);
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   std::vector<Hit> hits;
   for (int i = 0; i < triangles; ++i) {
     const float u = positive(random), v = (1 - u) * positive(random);
@@ -304,7 +304,7 @@ TEST_CASE("ray origins keep off the edges of their triangle as far as off the tr
   SceneInstance instance;
   instance.mesh = 0, instance.material = 0;
   scene.instances.push_back(instance);
-  const SceneBuffers buffers(kernel_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   std::vector<Hit> hits;
   const float weights[][2] = {{0, 0}, {1, 0}, {0, 1}, {0, .4f}, {.7f, 0}, {.5f, .5f}, {.2f, 1e-4f}, {.3f, .3f}, {.5f, .2f}};
   for (const uint triangle : {0u, 1u})

@@ -76,7 +76,7 @@ TEST_CASE("nodes contain what is below them, also after a deformation, and the t
   add_instance(scene, add_mesh(scene, ball.take()), grey);
   add_instance(scene, add_mesh(scene, MeshBuilder("floor").box({-3, -2, -3}, {3, -1, 3}).take()), grey);
   scene.instances[0].pose = std::make_shared<Mesh>(scene.meshes[0]);
-  Device& device = test::micro_device();
+  Device& device = *test::test_device();
   KernelScheduler scheduler(device.shared_from_this());
   SceneBuffers buffers(device, scene);
   PointForest forest(device, scheduler, scene, buffers, {.points_log2 = 13}, "test");
@@ -109,7 +109,7 @@ TEST_CASE("a pose that folds neighbours apart asks for a new tree") {
     for (int i = 0; i < 16; ++i) sheet.quad({i, 0, j}, {i, 0, j + 1}, {i + 1, 0, j + 1}, {i + 1, 0, j});
   add_instance(scene, add_mesh(scene, sheet.take()), add_lambert(scene, "grey", glm::vec3(0.5f)));
   scene.instances[0].pose = std::make_shared<Mesh>(scene.meshes[0]);
-  Device& device = test::micro_device();
+  Device& device = *test::test_device();
   KernelScheduler scheduler(device.shared_from_this());
   SceneBuffers buffers(device, scene);
   PointForest forest(device, scheduler, scene, buffers, {.points_log2 = 12}, "test");
@@ -128,7 +128,7 @@ TEST_CASE("light in a sphere grows bounce by bounce as the closed form says, and
   // Inside a sphere every point sees every other with the same form factor: E / pi is the mean radiance. With L = 2 in one
   // half, 0 in the other, and albedo 1/2, it is 1, 1 + 1/2, 1 + 1/2 + 1/4, …
   const Scene scene = make_hollow_sphere();
-  Device& device = test::micro_device();
+  Device& device = *test::test_device();
   KernelScheduler scheduler(device.shared_from_this());
   SceneBuffers buffers(device, scene);
   Bvh bvh(device, scene, buffers);
@@ -173,7 +173,7 @@ TEST_CASE("refits take time in proportion to the points") {
   if (!test::full_run()) return;
   Scene scene = make_hollow_sphere();
   scene.instances[0].pose = std::make_shared<Mesh>(scene.meshes[0]);
-  Device& device = test::micro_device();
+  Device& device = *test::test_device();
   KernelScheduler scheduler(device.shared_from_this());
   SceneBuffers buffers(device, scene);
   SceneChange change;

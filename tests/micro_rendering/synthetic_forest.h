@@ -271,7 +271,7 @@ class GatherRun {
  public:
   GatherRun(const SyntheticForest& forest, const SyntheticForest::Buffers& buffers, const std::vector<GatherPoint>& points,
             const Program& program, const std::string& kernel = "mr_gather")
-      : scheduler_(micro_device().shared_from_this()), unit_(test_buffer(std::vector<float>{1})),
+      : scheduler_(test_device()), unit_(test_buffer(std::vector<float>{1})),
         gathers_(pack_gathers(points)), count_(test_buffer(std::vector<uint32_t>{static_cast<uint32_t>(points.size())})),
         irradiance_(test_buffer<float4>(points.size())), specular_(test_buffer<float4>(2 * points.size())),
         shown_(test_buffer<float4>(64 * 64)), statistics_(test_buffer<MicroStatistics>(points.size())) {

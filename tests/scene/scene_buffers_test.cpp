@@ -8,8 +8,8 @@
 #include <glm/gtc/packing.hpp>
 #include <random>
 
+#include "device_fixture.h"
 #include "lucarium/base/error.h"
-#include "lucarium/compute/scheduler.h"
 #include "lucarium/scene/deform.h"
 #include "lucarium/scene/load_scene.h"
 #include "scene_support.h"
@@ -21,11 +21,6 @@ using namespace lucarium;
 using test::largest_difference;
 
 namespace {
-
-std::shared_ptr<Device> device() {
-  static const auto instance = Device::open();
-  return instance;
-}
 
 Mesh random_mesh(unsigned seed, int triangles) {
   std::mt19937 random(seed);
@@ -99,7 +94,7 @@ void check_same(const SceneBuffers& a, const SceneBuffers& b) {
 
 TEST_CASE("derived vertices and triangles equal the host's, mirrored and flattened instances included") {
   const Scene scene = test_scene();
-  const SceneBuffers buffers(*device(), scene);
+  const SceneBuffers buffers(*test::test_device(), scene);
   const std::vector<Vertex> vertices = buffers.scene_vertices.download();
   const std::vector<Triangle> triangles = buffers.scene_triangles.download();
   REQUIRE(triangles.size() == scene.triangle_count());
@@ -155,7 +150,7 @@ TEST_CASE("normals of a flattened instance stay perpendicular to it") {
 
 TEST_CASE("after a rigid motion the buffers equal new ones, and nothing was replaced") {
   Scene scene = test_scene();
-  SceneBuffers buffers(*device(), scene);
+  SceneBuffers buffers(*test::test_device(), scene);
   const uint64_t generation = buffers.generation();
   const std::vector<Vertex> before = buffers.scene_vertices.download();
   scene.nodes[1].matrix = glm::translate(glm::mat4(1.f), glm::vec3(0, -3, 0)) * *scene.nodes[1].matrix;
@@ -164,7 +159,7 @@ TEST_CASE("after a rigid motion the buffers equal new ones, and nothing was repl
   REQUIRE(change.moved_instances == std::vector<int>{1, 4});
   buffers.update(scene, change);
   CHECK(buffers.generation() == generation);
-  check_same(buffers, SceneBuffers(*device(), scene));
+  check_same(buffers, SceneBuffers(*test::test_device(), scene));
   // Instances 0, 2 and 3 kept their bits.
   const std::vector<Vertex> after = buffers.scene_vertices.download();
   size_t first_changed = after.size(), last_changed = 0;
@@ -179,7 +174,7 @@ TEST_CASE("after a rigid motion the buffers equal new ones, and nothing was repl
 
 TEST_CASE("lights, materials, environment and topology are updated in place") {
   Scene scene = test_scene();
-  SceneBuffers buffers(*device(), scene);
+  SceneBuffers buffers(*test::test_device(), scene);
   SceneChange change;
   SUBCASE("lights") {
     scene.lights[0].intensity = glm::vec3(5);
@@ -200,7 +195,7 @@ TEST_CASE("lights, materials, environment and topology are updated in place") {
     change.topology = true;
   }
   buffers.update(scene, change);
-  check_same(buffers, SceneBuffers(*device(), scene));
+  check_same(buffers, SceneBuffers(*test::test_device(), scene));
 }
 
 TEST_CASE("deformed instances have their own object-space vertices") {
@@ -211,7 +206,7 @@ TEST_CASE("deformed instances have their own object-space vertices") {
   scene.nodes[0].morph_weights = {0};
   scene.nodes[1].morph_weights = {1};
   evaluate(scene, 0);
-  SceneBuffers buffers(*device(), scene);
+  SceneBuffers buffers(*test::test_device(), scene);
   CHECK(buffers.scene_mesh_vertices.count() == 150 + 150 + 21);
   CHECK(buffers.scene_mesh_triangles.count() == 57);
   scene.nodes[0].morph_weights = {0.5f};
@@ -219,7 +214,7 @@ TEST_CASE("deformed instances have their own object-space vertices") {
   CHECK(change.deformed_instances == std::vector<int>{0});
   CHECK(change.moved_instances.empty());
   buffers.update(scene, change);
-  check_same(buffers, SceneBuffers(*device(), scene));
+  check_same(buffers, SceneBuffers(*test::test_device(), scene));
   const glm::vec3 expected(scene.instances[0].world_from_object *
                            glm::vec4(scene.meshes[0].positions[0] + glm::vec3(0, 5, 0), 1));
   CHECK(largest_difference(buffers.scene_vertices.download(0, 1)[0].position.xyz(), expected) < 2e-6f);
@@ -233,7 +228,7 @@ TEST_CASE("textures share images; texels, flags and transforms arrive") {
   scene.images = {image, image};
   scene.textures = {{1, Wrap::mirror, Wrap::clamp, true, true}, {1, Wrap::repeat, Wrap::repeat, false, false}};
   scene.materials[0].normal_texture = {1, 1, {0.5f, 0}, {2, 3}, 0, 0.7f};
-  const SceneBuffers buffers(*device(), scene);
+  const SceneBuffers buffers(*test::test_device(), scene);
   CHECK(buffers.scene_texels.download() == std::vector<uint>{0x04030201u, 0x08070605u});  // image 0 is not used
   const std::vector<Texture> textures = buffers.scene_textures.download();
   REQUIRE(textures.size() == 2);
@@ -268,20 +263,20 @@ TEST_CASE("a scene that does not fit is refused with numbers and the remedy, bef
     CHECK_THROWS_WITH_AS(SceneBuffers(*small, scene), doctest::Contains("--texture-size"), Error);
     CHECK(small->memory().used_bytes() == 0);
   }
-  const SceneBuffers buffers(*device(), scene);
+  const SceneBuffers buffers(*test::test_device(), scene);
   CHECK(static_cast<double>(SceneBuffers::estimate_bytes(scene)) ==
         test::relative(static_cast<double>(buffers.bytes()), 0.01));
 }
 
 TEST_CASE("scene buffers are bound by the names of a kernel's parameters") {
   const Scene scene = test_scene();
-  const SceneBuffers buffers(*device(), scene);
+  const SceneBuffers buffers(*test::test_device(), scene);
   SourceLibrary library;
   library.add(test_scene_kernels());
-  const Program program(*device(), library, {"test/probe", {"test_scene/scene_probe.cl"}, {}});
-  KernelScheduler scheduler(device());
+  const Program program(*test::test_device(), library, {"test/probe", {"test_scene/scene_probe.cl"}, {}});
+  KernelScheduler scheduler(test::test_device());
   ScheduleRecorder recorder = scheduler.record("probe", "test");
-  TypedBuffer<uint> result(*device(), "test", "result", 4);
+  TypedBuffer<uint> result(*test::test_device(), "test", "result", 4);
   PassBuilder pass = recorder.pass("probe", program, "probe").global(1).local(1).arg("result", result);
   buffers.bind(pass, program, "probe");
   Schedule schedule = recorder.compile();

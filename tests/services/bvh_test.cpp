@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+// Hits of random, coherent and degenerate rays; all traversals agree to the bit.
 #include <doctest/doctest.h>
 
-#include <bit>
 #include <cstring>
 #include <limits>
 
-#include "lucarium/base/error.h"
 #include "test_support.h"
 #include "tolerance.h"
 #include "tracer.h"
@@ -50,24 +49,6 @@ Exact intersect_all(const Soup& soup, const Ray& ray) {
   return best;
 }
 
-std::vector<Ray> random_rays(uint32_t count, uint32_t seed, float half = 12) {
-  std::vector<Ray> rays;
-  Random random(seed);
-  for (uint32_t i = 0; i < count; ++i) {
-    Ray ray = make_ray(random.in_cube(half), random.direction());
-    if (i % 3 == 0) ray.direction.w = random.uniform(0, half);
-    if (i % 7 == 0) {  // along an axis, with zeros of both signs
-      const uint32_t axis = random.below(3);
-      glm::vec3 d(0.f);
-      d[axis] = i & 1 ? 1.f : -1.f;
-      d[(axis + 1) % 3] = -0.f;
-      ray.direction = float4(d, ray.direction.w);
-    }
-    rays.push_back(ray);
-  }
-  return rays;
-}
-
 void check_against_exact(Tracer& tracer, const Soup& soup, const std::vector<Ray>& rays) {
   for (const BvhTraversal traversal : traversals) {
     CAPTURE(static_cast<int>(traversal));
@@ -94,19 +75,6 @@ void check_against_exact(Tracer& tracer, const Soup& soup, const std::vector<Ray
     CHECK(doubtful < rays.size() / 10);
     if (soup.triangles.size() > 100) CHECK(hit > rays.size() / 20);
   }
-}
-
-/// The 12 triangles of an axis-aligned box around the origin.
-Soup box_soup(float half) {
-  Soup soup;
-  for (uint32_t corner = 0; corner < 8; ++corner)
-    soup.add_vertex({corner & 1 ? half : -half, corner & 2 ? half : -half, corner & 4 ? half : -half});
-  const uint32_t faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
-  for (const auto& face : faces) {
-    soup.triangles.push_back({face[0], face[1], face[2], 0});
-    soup.triangles.push_back({face[0], face[2], face[3], 0});
-  }
-  return soup;
 }
 
 }  // namespace
@@ -162,92 +130,6 @@ TEST_CASE("runs of coherent rays, traced as packets, give the same bits as singl
     const Results packets = tracer.trace(tracer.make(soup, traversal), rays);
     CHECK(std::memcmp(packets.hits.data(), single.hits.data(), rays.size() * sizeof(Hit)) == 0);
     CHECK(packets.occluded == single.occluded);
-  }
-}
-
-TEST_CASE("no ray escapes a closed mesh") {
-  Tracer tracer;
-  const int batches = full_run() ? 25 : 1;  // 10⁸ rays in all: two meshes, two traversals
-  // At the origin, and far from it, where coordinates are coarse.
-  for (const glm::vec3 offset : {glm::vec3(0), glm::vec3(300, -200, 1000)}) {
-    const Soup soup = rough_sphere(50, 64, 21, offset);
-    const Bvh bvhs[] = {tracer.make(soup, BvhTraversal::wide), tracer.make(soup, BvhTraversal::scalar)};
-    Random random(22);
-    for (int batch = 0; batch < batches; ++batch) {
-      std::vector<Ray> rays;
-      for (uint32_t i = 0; i < 1000000; ++i) {
-        // Half of the rays aim at points on edges, and at corners.
-        const Triangle& t = soup.triangles[random.below(static_cast<uint32_t>(soup.triangles.size()))];
-        const glm::vec3 a = soup.corner(t.v0), b = soup.corner(t.v1);
-        const glm::vec3 origin = offset + random.in_cube(0.15f);
-        const glm::vec3 target = i % 8 == 0 ? a : glm::mix(a, b, random.uniform());
-        rays.push_back(make_ray(origin, i % 2 ? random.direction() : glm::normalize(target - origin)));
-        // Runs of coherent rays: 16 through the neighbourhood of one point.
-        if (i / 16 % 4 == 0 && i % 16 != 0) {
-          const Ray& lead = rays[i - i % 16];
-          rays.back() = make_ray(lead.origin.xyz(), glm::normalize(lead.direction.xyz() + random.in_cube(0.02f)));
-        }
-      }
-      for (const Bvh& bvh : bvhs) {
-        const Results results = tracer.trace(bvh, rays);
-        size_t escaped = 0, bad = 0;
-        for (size_t i = 0; i < rays.size(); ++i) {
-          const Hit& hit = results.hits[i];
-          escaped += hit.triangle == LUCARIUM_NO_HIT || results.occluded[i] != 1;
-          bad += !(hit.distance > 0.2f && hit.distance < 1.9f && hit.u >= 0 && hit.v >= 0 && hit.u + hit.v < 1.00001f);
-        }
-        CHECK(escaped == 0);
-        CHECK(bad == 0);
-      }
-    }
-  }
-}
-
-TEST_CASE("no ray escapes an axis-aligned box along its edges and diagonals") {
-  Tracer tracer;
-  const Soup soup = box_soup(1);
-  std::vector<Ray> rays;
-  for (int x = -20; x <= 20; ++x)
-    for (int y = -20; y <= 20; ++y)
-      for (int z = -20; z <= 20; ++z)
-        if (x || y || z) {
-          rays.push_back(make_ray({0, 0, 0}, glm::normalize(glm::vec3(x, y, z))));
-          rays.push_back(make_ray({0.25f, 0, -0.f}, glm::normalize(glm::vec3(x, y, z))));
-        }
-  for (const BvhTraversal traversal : traversals) {
-    const Results results = tracer.trace(tracer.make(soup, traversal), rays);
-    size_t escaped = 0;
-    for (size_t i = 0; i < rays.size(); ++i)
-      escaped += results.hits[i].triangle == LUCARIUM_NO_HIT || results.occluded[i] != 1;
-    CHECK(escaped == 0);
-  }
-}
-
-TEST_CASE("distances are exact close to large triangles") {
-  // Rays that leave one wall of a room near another one: corners are 10⁴ times as far away as the hit.
-  Tracer tracer;
-  const float half = 11.3f;
-  const Soup soup = box_soup(half);
-  std::vector<Ray> rays;
-  Random random(35);
-  for (int i = 0; i < 20000; ++i) {
-    glm::vec3 origin = random.in_cube(half);
-    const uint32_t axis = random.below(3);
-    origin[axis] = half - 1e-3f;
-    origin[(axis + 1) % 3] = -half + std::pow(10.f, random.uniform(-3, 0));
-    rays.push_back(make_ray(origin, random.direction()));
-  }
-  for (const BvhTraversal traversal : traversals) {
-    const Results results = tracer.trace(tracer.make(soup, traversal), rays);
-    double worst = 0;
-    for (size_t i = 0; i < rays.size(); ++i) {
-      const glm::dvec3 o(rays[i].origin.xyz()), d(rays[i].direction.xyz());
-      double exact = INFINITY;
-      for (int axis = 0; axis < 3; ++axis)
-        exact = std::min(exact, ((d[axis] > 0 ? double{half} : -double{half}) - o[axis]) / d[axis]);
-      worst = std::max(worst, std::abs(double{results.hits[i].distance} - exact) / exact);
-    }
-    CHECK(worst < 1e-6);
   }
 }
 
@@ -329,50 +211,6 @@ TEST_CASE("a scene without triangles, or with none that can be hit, is all misse
     }
 }
 
-TEST_CASE("after an update the hits are those of a new hierarchy") {
-  Tracer tracer;
-  const std::vector<Ray> rays = random_rays(5000, 61);
-  for (const BvhTraversal traversal : traversals) {
-    Soup soup = random_soup(2000, 62);
-    const uint32_t vertex = soup.triangles.back().v0;
-    const float4 kept = soup.vertices[vertex].position;
-    soup.vertices[vertex].position.x = std::numeric_limits<float>::quiet_NaN();
-    Bvh bvh = tracer.make(soup, traversal);
-    const auto same_as_new = [&](bool topology) {
-      const uint64_t before = bvh.generation();
-      bvh.update(soup.vertices, soup.triangles, topology);
-      const Results updated = tracer.trace(bvh, rays), fresh = tracer.trace(tracer.make(soup, traversal), rays);
-      CHECK(std::memcmp(updated.hits.data(), fresh.hits.data(), rays.size() * sizeof(Hit)) == 0);
-      CHECK(updated.occluded == fresh.occluded);
-      return bvh.generation() != before;
-    };
-    // A small motion is refitted in place.
-    for (Vertex& v : soup.vertices) v.position.y = 0.9f * v.position.y + 0.1f * v.position.z;
-    CHECK_FALSE(same_as_new(false));
-    // A triangle that could not be hit when the hierarchy was built comes to life.
-    soup.vertices[vertex].position = kept;
-    same_as_new(false);
-    CHECK(bvh.statistics().ignored_triangles == 0);
-    // A triangle dies.
-    soup.vertices[vertex].position.z = INFINITY;
-    same_as_new(false);
-    // Everything moves somewhere else: the cost leaves the limit and the hierarchy is built again.
-    const double cost = bvh.statistics().sah_cost;
-    Random random(63);
-    for (const Triangle& t : soup.triangles) {
-      const glm::vec3 shift = random.in_cube(10);
-      for (const uint32_t v : {t.v0, t.v1, t.v2})
-        soup.vertices[v].position = float4(soup.corner(v) + shift, 0.f);
-    }
-    same_as_new(false);
-    CHECK(bvh.statistics().sah_cost < 1.5 * cost);
-    // More triangles do not fit into the buffers.
-    const Soup more = random_soup(5000, 64);
-    soup = more;
-    CHECK(same_as_new(true));
-  }
-}
-
 TEST_CASE("deep hierarchies get the stack they need") {
   // Sizes that shrink geometrically make surface-area splits peel off one triangle at a time.
   Tracer tracer;
@@ -394,49 +232,5 @@ TEST_CASE("deep hierarchies get the stack they need") {
     size_t wrong = 0;
     for (size_t i = 0; i < rays.size(); ++i) wrong += results.hits[i].triangle != expected[i] || !results.occluded[i];
     CHECK(wrong == 0);
-  }
-}
-
-TEST_CASE("the traversal can be chosen by environment") {
-  Tracer tracer;
-  const Soup soup = random_soup(10, 71);
-  const auto chosen = [&](const char* value) {
-    setenv("LUCARIUM_BVH", value, 1);
-    const Bvh bvh(tracer.device(), soup.vertices, soup.triangles);
-    unsetenv("LUCARIUM_BVH");
-    return bvh.traversal();
-  };
-  CHECK(chosen("wide") == BvhTraversal::wide);
-  CHECK(chosen("wide-portable") == BvhTraversal::wide_portable);
-  CHECK(chosen("scalar") == BvhTraversal::scalar);
-  CHECK(chosen("") == (tracer.device().info().type == DeviceType::cpu ? BvhTraversal::wide : BvhTraversal::scalar));
-  try {
-    chosen("quick");
-    FAIL("accepted");
-  } catch (const Error& error) {
-    CHECK(error.error_class() == ErrorClass::usage);
-    CHECK(std::string(error.what()).find("wide, wide-portable or scalar") != std::string::npos);
-  }
-  unsetenv("LUCARIUM_BVH");
-}
-
-TEST_CASE("memory is stated, counted under 'bvh' and given back") {
-  Tracer tracer;
-  const Soup soup = random_soup(20000, 81);
-  {
-    const Bvh bvh = tracer.make(soup);
-    CHECK(tracer.device().memory().by_owner()["bvh"] == bvh.statistics().bytes);
-    CHECK(bvh.statistics().triangles == 20000);
-    CHECK(bvh.statistics().sah_cost > 1);
-  }
-  CHECK(tracer.device().memory().by_owner()["bvh"] == 0);
-  DeviceOptions small;
-  small.memory_limit_bytes = 1 << 20;
-  const std::shared_ptr<Device> device = Device::open(small);
-  try {
-    const Bvh bvh(*device, soup.vertices, soup.triangles, BvhTraversal::wide);
-    FAIL("fits");
-  } catch (const Error& error) {
-    CHECK(error.error_class() == ErrorClass::device);
   }
 }

@@ -2,8 +2,8 @@
 // G-buffer and DirectLight together are the path tracer's emission and direct layers.
 #include "lucarium/services/direct_light.h"
 
-#include "../analytic/closed_form.h"
 #include "lucarium/scene/load_scene.h"
+#include "test_render.h"
 #include "tolerance.h"
 
 using namespace lucarium;
@@ -115,6 +115,7 @@ TEST_CASE("direct light: irradiance at surface points, against closed forms") {
   add_light(lamps, LightType::point, 100, {0, 2, 0}, {0, 0, 0});
   add_horizontal(square, 0, 1, 0, 1, 1, false, add_material(square, emitter(10)));
   set_environment(sky, 1);
+  const uint32_t samples = full_run() ? 256 : 64;
   ClosedForms table;
   struct Row {
     const Scene* scene;
@@ -141,7 +142,7 @@ TEST_CASE("direct light: irradiance at surface points, against closed forms") {
     std::vector<double> means;
     for (uint32_t seed = 1; seed <= 8; ++seed) {
       sums.fill_zero();
-      for (uint32_t sample = 0; sample < 64; ++sample) REQUIRE(direct.accumulate_irradiance(points, sums, sample, seed));
+      for (uint32_t sample = 0; sample < samples; ++sample) REQUIRE(direct.accumulate_irradiance(points, sums, sample, seed));
       context.scheduler.finish();
       double mean = 0;
       for (const float4& sum : sums.download()) mean += sum.x / sum.w / static_cast<double>(copies.size());

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compute/scheduler.h"
+#include "device_fixture.h"
 #include "lucarium/scene/load_scene.h"
 #include "lucarium/scene/scene_buffers.h"
 #include "lucarium/services/surface_atlas_geometry.h"
@@ -20,13 +20,8 @@
 
 namespace lucarium::test {
 
-inline std::shared_ptr<Device> atlas_device() {
-  static const std::shared_ptr<Device> device = Device::open();
-  return device;
-}
-
 inline AtlasGeometry geometry_of(const Scene& scene, bool use_texcoord1 = false) {
-  const SceneBuffers buffers(*atlas_device(), scene);
+  const SceneBuffers buffers(*test_device(), scene);
   return read_atlas_geometry(scene, buffers, use_texcoord1);
 }
 

@@ -17,6 +17,25 @@ struct Results {
   std::vector<uint32_t> occluded;
 };
 
+/// Rays from within ±half: all directions, one in three of finite length, one in seven along an axis.
+inline std::vector<Ray> random_rays(uint32_t count, uint32_t seed, float half = 12) {
+  std::vector<Ray> rays;
+  Random random(seed);
+  for (uint32_t i = 0; i < count; ++i) {
+    Ray ray = make_ray(random.in_cube(half), random.direction());
+    if (i % 3 == 0) ray.direction.w = random.uniform(0, half);
+    if (i % 7 == 0) {  // along an axis, with zeros of both signs
+      const uint32_t axis = random.below(3);
+      glm::vec3 d(0.f);
+      d[axis] = i & 1 ? 1.f : -1.f;
+      d[(axis + 1) % 3] = -0.f;
+      ray.direction = float4(d, ray.direction.w);
+    }
+    rays.push_back(ray);
+  }
+  return rays;
+}
+
 /// Device, scheduler and the two passes over a ray buffer.
 class Tracer {
  public:

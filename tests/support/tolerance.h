@@ -13,7 +13,7 @@ struct Tolerance {
   double expected, allowed;
 
   template <class T>
-    requires std::is_arithmetic_v<T>
+  requires std::is_arithmetic_v<T>
   friend bool operator==(T value, const Tolerance& t) {
     return std::abs(static_cast<double>(value) - t.expected) <= t.allowed;  // false for NaN
   }

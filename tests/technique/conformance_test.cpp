@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "device_fixture.h"
 #include "lucarium/base/error.h"
 #include "test_support.h"
 
@@ -20,14 +21,13 @@ using Parameters = std::vector<std::pair<std::string, std::string>>;
 fs::path plugin_folder(const std::string& name) { return fs::path(std::getenv("LUCARIUM_TEST_PLUGINS")) / name; }
 
 std::vector<CheckResult> check_plugin(const std::string& name, const Parameters& parameters, const std::vector<std::string>& only) {
-  static const std::shared_ptr<Device> device = Device::open();
   const TechniqueRegistry registry({plugin_folder(name)});
   ConformanceOptions options;
   options.parameters = parameters;
   options.only = only;
   options.program = std::getenv("LUCARIUM_TEST_PROGRAM");
   options.arguments = {"--technique-path", plugin_folder(name).string()};
-  return check_technique(device, registry, registry.find(name), options);
+  return check_technique(test::test_device(), registry, registry.find(name), options);
 }
 
 /// The verdict of the checks whose names begin with `only`; all must agree.

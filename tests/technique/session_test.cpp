@@ -6,6 +6,7 @@
 
 #include <cstdlib>
 
+#include "device_fixture.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/scene/load_scene.h"
@@ -30,10 +31,9 @@ RenderSettings small_settings() {
 }
 
 RenderSession make_session(const Parameters& parameters = {}, RenderSettings settings = small_settings()) {
-  static const std::shared_ptr<Device> device = Device::open();
   Scene scene = load_scene("builtin:cornell");
   settings.camera = scene.cameras.front();
-  return RenderSession(device, std::move(scene), constant_type(), settings, parameters);
+  return RenderSession(test::test_device(), std::move(scene), constant_type(), settings, parameters);
 }
 
 struct Failure {

@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the closed-form tests share: scenes made by hand, an estimate with its standard error, and the criterion
-//   |mean - exact| <= t SE + 2e-4 exact
-// with the t-quantile of the replicates, Sidak-corrected over all rows of a table, so that a whole table fails by
-// chance once in a hundred seeds (and seeds are fixed).
+// Scenes made by hand: flat polygons, boxes, spheres, lights and cameras.
 #pragma once
-#include <doctest/doctest.h>
-
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <string>
+#include <utility>
 #include <vector>
 
-#include "lucarium/compare/student_t.h"
 #include "lucarium/scene/scene.h"
-#include "lucarium/services/bvh.h"
-#include "lucarium/services/path_integrator.h"
-#include "test_support.h"
 
 namespace lucarium::test {
-
-// ---- scenes
 
 /// No Fresnel interface (ior 1): exactly Lambertian with albedo `rho`.
 inline SceneMaterial lambert(float rho) {
@@ -102,7 +91,7 @@ inline void add_box(Scene& scene, const glm::vec3& low, const glm::vec3& high, b
 }
 
 /// Triangles of an octahedron subdivided `levels` times and pushed out to the sphere; flat.
-std::vector<glm::vec3> inline sphere_triangles(const glm::vec3& center, float radius, int levels, bool faces_inward) {
+inline std::vector<glm::vec3> sphere_triangles(const glm::vec3& center, float radius, int levels, bool faces_inward) {
   std::vector<glm::dvec3> positions;
   for (int octant = 0; octant < 8; ++octant) {
     const glm::dvec3 x(octant & 1 ? -1 : 1, 0, 0), y(0, octant & 2 ? -1 : 1, 0), z(0, 0, octant & 4 ? -1 : 1);
@@ -156,103 +145,5 @@ inline SceneCamera look_perspective(const glm::vec3& eye, const glm::vec3& targe
   camera.yfov = yfov;
   return camera;
 }
-
-// ---- estimates
-
-std::shared_ptr<Device> inline test_device() {
-  static const std::shared_ptr<Device> device = Device::open();
-  return device;
-}
-
-/// How much to render. All pixels of one estimate share an exact value (or their mean has one).
-struct Effort {
-  uint32_t side = 32;               ///< pixels per image side
-  uint32_t replicates = 16;
-  uint32_t samples_per_replicate = 16;
-};
-
-/// Mean over the image of the first channel, and its standard error from the replicates.
-struct Estimate {
-  double mean = 0, error = 0;
-  uint32_t replicates = 0;
-};
-
-inline Estimate estimate_of(const std::vector<double>& means) {
-  Estimate result;
-  result.replicates = static_cast<uint32_t>(means.size());
-  for (const double m : means) result.mean += m / static_cast<double>(means.size());
-  double squares = 0;
-  for (const double m : means) squares += (m - result.mean) * (m - result.mean);
-  const double count = static_cast<double>(means.size());
-  result.error = std::sqrt(squares / (count - 1) / count);
-  return result;
-}
-
-/// Everything an integrator needs to render one scene.
-struct TestRender {
-  TestRender(const Scene& scene, const SceneCamera& camera, const PathIntegratorOptions& options, uint32_t side,
-             uint64_t seed = 1)
-      : scheduler(test_device()), buffers(*test_device(), scene), bvh(*test_device(), scene, buffers) {
-    frame.camera = make_camera(camera, 1);
-    frame.width = frame.height = side;
-    integrator = std::make_unique<PathIntegrator>(*test_device(), scheduler, buffers, bvh, frame, options, "test");
-    integrator->reset(seed);
-  }
-  KernelScheduler scheduler;
-  SceneBuffers buffers;
-  Bvh bvh;
-  Frame frame{};
-  std::unique_ptr<PathIntegrator> integrator;
-};
-
-inline std::vector<double> replicate_means(const Scene& scene, const SceneCamera& camera, PathIntegratorOptions options,
-                                           const Effort& effort, uint64_t seed = 1) {
-  options.replicates = effort.replicates;
-  options.samples_per_iteration = effort.replicates * effort.samples_per_replicate;
-  TestRender render(scene, camera, options, effort.side, seed);
-  REQUIRE(render.integrator->iterate());
-  std::vector<double> means;
-  for (const std::vector<float>& image : render.integrator->replicate_images()) {
-    double sum = 0;
-    for (size_t p = 0; p < image.size(); p += 3) sum += image[p];
-    means.push_back(sum / (static_cast<double>(image.size()) / 3));
-  }
-  return means;
-}
-
-inline Estimate estimate(const Scene& scene, const SceneCamera& camera, const PathIntegratorOptions& options,
-                         const Effort& effort, uint64_t seed = 1) {
-  return estimate_of(replicate_means(scene, camera, options, effort, seed));
-}
-
-// ---- the criterion
-
-/// Rows of one table of closed forms.
-class ClosedForms {
- public:
-  /// `slack`: what the exact value itself is uncertain by (rounded tables, tessellation), absolute.
-  void add(const std::string& name, const Estimate& estimate, double exact, double slack = 0) {
-    rows_.push_back({name, estimate, exact, slack});
-  }
-  /// `most_error`: largest standard error relative to the exact value with which the test still means something; where
-  /// the exact value has a slack, an error of that size is small enough.
-  void check(double most_error) const {
-    for (const Row& row : rows_) {
-      const double t = student_t_quantile(sidak_level(0.01, rows_.size()), row.estimate.replicates - 1);
-      const double allowed = t * row.estimate.error + 2e-4 * row.exact + row.slack;
-      INFO(row.name, ": mean ", row.estimate.mean, " +- ", row.estimate.error, ", exact ", row.exact, ", allowed ", allowed);
-      CHECK(std::abs(row.estimate.mean - row.exact) <= allowed);
-      CHECK(row.estimate.error <= std::max(most_error * row.exact, row.slack));
-    }
-  }
-
- private:
-  struct Row {
-    std::string name;
-    Estimate estimate;
-    double exact, slack;
-  };
-  std::vector<Row> rows_;
-};
 
 }  // namespace lucarium::test

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes of single lights, and what tests/kernels/lights.cl samples and meets in them.
+#pragma once
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "kernel_fixture.h"
+#include "made_scene.h"
+
+namespace lucarium::test {
+
+inline constexpr double pi = std::numbers::pi;
+inline constexpr uint all_kinds = 31;
+
+inline const Program& light_program() {
+  static const Program instance = kernel_program("lights");
+  return instance;
+}
+
+inline SceneMaterial two_sided(SceneMaterial material) {
+  material.double_sided = true;
+  return material;
+}
+
+inline void add_triangle(Scene& scene, const SceneMaterial& material, const glm::vec3& a, const glm::vec3& b,
+                         const glm::vec3& c) {
+  Mesh mesh;
+  mesh.positions = {a, b, c};
+  mesh.normals.assign(3, glm::normalize(glm::cross(b - a, c - a)));
+  mesh.uv[0] = {{0, 0}, {1, 0}, {0, 1}};
+  mesh.triangles = {{0, 1, 2}};
+  SceneInstance instance;
+  instance.mesh = static_cast<int>(scene.meshes.size());
+  instance.material = static_cast<int>(scene.materials.size());
+  scene.meshes.push_back(mesh);
+  scene.materials.push_back(material);
+  scene.instances.push_back(instance);
+}
+
+inline Scene empty_scene() {
+  Scene scene;
+  scene.source = "test";
+  return scene;
+}
+
+/// 32 x 16 texels, many black, one 3000 times the others, turned in all axes.
+inline Scene environment_scene() {
+  Scene scene = empty_scene();
+  Environment e;
+  e.width = 32, e.height = 16;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (uint32_t i = 0; i < e.width * e.height; ++i) {
+    const uint32_t column = i % e.width, row = i / e.width;
+    const bool black = (column > 8 && column < 17) || (row > 10 && column < 22) || row < 2;
+    e.radiance.push_back(black ? glm::vec3(0) : glm::vec3(uniform(random), uniform(random), uniform(random)));
+  }
+  e.radiance[5 * e.width + 27] = glm::vec3(3000, 2000, 1000);
+  e.factor = glm::vec3(1, 2, 0.5f);
+  e.environment_from_world = glm::mat3(glm::mat4_cast(glm::normalize(glm::quat(0.8f, 0.3f, -0.4f, 0.2f))));
+  scene.environment = e;
+  return scene;
+}
+
+struct LightSamples {
+  std::vector<float4> directions, radiances, ends;
+};
+
+inline LightSamples sample(const SceneBuffers& buffers, const glm::vec3& position, uint count, uint kinds = all_kinds,
+                           uint seed = 1) {
+  const auto directions = test_buffer<float4>(count), radiances = test_buffer<float4>(count),
+             ends = test_buffer<float4>(count);
+  run_kernel(light_program(), "sample_lights", count, 64, [&](PassBuilder& pass) {
+    buffers.bind(pass, light_program(), "sample_lights");
+    pass.arg("position", float4(position, 0.f)).arg("kinds", kinds).arg("seed", seed).arg("count", count);
+    pass.arg("directions", directions).arg("radiances", radiances).arg("ends", ends);
+  });
+  return {directions.download(), radiances.download(), ends.download()};
+}
+
+/// Radiance (xyz) and density (w) met along the directions from a point.
+inline std::vector<float4> meet(const SceneBuffers& buffers, const glm::vec3& position,
+                                const std::vector<float4>& directions) {
+  const auto rays = test_buffer(directions), values = test_buffer<float4>(directions.size());
+  run_kernel(light_program(), "meet_lights", directions.size(), 64, [&](PassBuilder& pass) {
+    buffers.bind(pass, light_program(), "meet_lights");
+    pass.arg("position", float4(position, 0.f)).arg("directions", rays);
+    pass.arg("count", static_cast<uint>(directions.size())).arg("values", values);
+  });
+  return values.download();
+}
+
+}  // namespace lucarium::test
