@@ -7,6 +7,7 @@
 
 #include "bundle_rig.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::bundle;
@@ -54,8 +55,8 @@ TEST_CASE("a shining box of Phong walls, by directions that reflect those before
   const int directions = test::full_run() ? 32768 : 4096;
   const double tolerance = test::full_run() ? 0.005 : 0.015;
   Parameters parameters = ring(32, GlossyNorm::mean);
-  CHECK(mean_light(scene, parameters, 1, directions, true) == doctest::Approx(0.5465).scale(0).epsilon(tolerance));
-  CHECK(mean_light(scene, parameters, 2, directions, true) == doctest::Approx(0.8392).scale(0).epsilon(tolerance));
+  CHECK(mean_light(scene, parameters, 1, directions, true) == test::relative(0.5465, tolerance));
+  CHECK(mean_light(scene, parameters, 2, directions, true) == test::relative(0.8392, tolerance));
   // Successive Halton points are no pairs of independent directions.
   parameters = ring(1, GlossyNorm::mean);
   parameters.sequence = Sequence::halton;
@@ -73,7 +74,7 @@ TEST_CASE("metal walls: chains of rays and the ring agree") {
       if (norm == GlossyNorm::mean && bounces == 0) continue;
       CAPTURE(static_cast<int>(norm));
       CHECK(mean_light(scene, ring(32, norm), bounces, test::full_run() ? 16384 : 2048, false) ==
-            doctest::Approx(expected).scale(0).epsilon(test::full_run() ? 0.005 : 0.015));
+            test::relative(expected, test::full_run() ? 0.005 : 0.015));
     }
   }
 }
