@@ -26,6 +26,12 @@ struct Box {
     const float x = upper[0] - lower[0], y = upper[1] - lower[1], z = upper[2] - lower[2];
     return x < 0 ? 0.f : x * y + y * z + z * x;
   }
+  /// Longest side; 0 when empty.
+  float size() const {
+    float longest = 0;
+    for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, upper[axis] - lower[axis]);
+    return longest;
+  }
   /// Largest absolute coordinate; 0 when empty.
   float extent() const {
     float largest = 0;

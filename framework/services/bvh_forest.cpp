@@ -107,6 +107,7 @@ void BvhForest::write(std::span<const size_t> parts) {
   }
   const Box& bounds = has_top() ? top_.bounds() : trees_[0].tree.bounds();
   nodes_[LUCARIUM_BVH_HEADER_EXTENT] = std::bit_cast<uint32_t>(bounds.extent());
+  nodes_[LUCARIUM_BVH_HEADER_SIZE] = std::bit_cast<uint32_t>(bounds.size());
   changed_nodes_.emplace_back(0, LUCARIUM_BVH_HEADER_WORDS);
 }
 

@@ -256,7 +256,6 @@ void WideBvh::fit_boxes(LeafBox&& leaf_box) {
   bounds_ = boxes[0];
   const double root_area = static_cast<double>(bounds_.half_area());
   sah_cost_ = root_area > 0 ? 1 + cost / root_area : 1;
-  nodes_[LUCARIUM_BVH_HEADER_EXTENT] = std::bit_cast<uint32_t>(bounds_.extent());
 }
 
 void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles) {

@@ -7,6 +7,7 @@
 // The node buffer begins with a header of 16 words.
 #define LUCARIUM_BVH_HEADER_WORDS 16u
 #define LUCARIUM_BVH_HEADER_EXTENT 0u  // float: largest absolute coordinate of any triangle [m]
+#define LUCARIUM_BVH_HEADER_SIZE 1u    // float: longest side of the box around all triangles [m]
 
 // Node n starts at word HEADER + n · NODE_WORDS: W lower x, W lower y, W lower z, W upper x, W upper y, W upper z
 // (floats [m]; empty slots hold an inverted box), then W references, then the order word and unused ones. Node 0 is the
