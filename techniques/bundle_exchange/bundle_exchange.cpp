@@ -30,8 +30,8 @@
 
 #include <algorithm>
 
+#include "bundle_plan.h"
 #include "bundle_transfer.h"
-#include "camera_light.h"
 #include "lucarium/services/bvh.h"
 #include "lucarium/technique/plugin.h"
 #include "slot_light.h"
@@ -87,17 +87,13 @@ class BundleExchange : public Technique {
       result.push_back("bundles are not attenuated inside volumes");
     if (parameters_.interleave == Interleave::fixed)
       result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
-    if (parameters_.final_gather == FinalGather::off && specular(scene))
+    if (parameters_.final_gather == FinalGather::off && has_specular_lobes(scene))
       result.push_back("indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
     return result;
   }
 
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
-    const SurfaceAtlasOptions options = atlas_options(settings);
-    const size_t slots = options.texel_count * 5 / 4;
-    return SurfaceAtlas::estimate_bytes(scene, options) + SlotMeans::estimate_bytes(slots, channels(scene, settings)) +
-           SlotLight::estimate_bytes(slots) + (specular(scene) ? SlotSpecular::estimate_bytes(slots, channels(scene, settings), parameters_) : 0) +
-           CameraLight::estimate_bytes(settings.width, settings.height, gather(scene));
+    return bundle::estimate_bytes(make_plan(parameters_, scene, settings), parameters_, scene, settings);
   }
 
   void prepare(const TechniqueContext& context) override {
@@ -113,7 +109,11 @@ class BundleExchange : public Technique {
       parts_->camera.set_frame(make_frame(context_->settings));
       return;
     }
-    build();
+    if (parameters_.warm_start && parts_ && forgets()) {
+      build_from(change);
+    } else {
+      build();
+    }
   }
 
   IterationResult iterate() override {
@@ -125,7 +125,7 @@ class BundleExchange : public Technique {
 
   void reset(uint64_t seed) override {
     seed_ = seed;
-    directions_ = 0;
+    directions_ = gathers_ = 0;
     step_ = {};
     sequence_ = DirectionSequence(sequence_parameters(), seed_, environment(), has_ring());
     if (parts_->specular) parts_->specular->reset();
@@ -145,7 +145,7 @@ class BundleExchange : public Technique {
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
     if (parts_) {
-      result["slots"] = parts_->atlas.info().texel_count;
+      result["slots"] = parts_->atlas->info().texel_count;
       result["film_pixels"] = parts_->transfer.film_pixels();
       result["hop_rays"] = static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
       if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
@@ -156,44 +156,15 @@ class BundleExchange : public Technique {
  private:
   /// Everything that is made for one scene, in the order of dependence.
   struct Parts {
-    Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options, const Channels& channels,
-          FinalGather gather, bool reflects);
-    SurfaceAtlas atlas;
+    Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, std::unique_ptr<SurfaceAtlas> kept_atlas);
+    std::unique_ptr<SurfaceAtlas> atlas;
     Program program;
     SlotLight slot_light;
     SlotMeans means;
     std::unique_ptr<SlotSpecular> specular;  ///< null where no slot has a specular lobe that takes part
-    BundleTransfer transfer;
     CameraLight camera;
+    BundleTransfer transfer;
   };
-
-  SurfaceAtlasOptions atlas_options(const RenderSettings& settings) const {
-    SurfaceAtlasOptions options;
-    const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 2048, 262144);
-    options.texel_count = parameters_.texels > 0 ? static_cast<uint64_t>(parameters_.texels) : automatic;
-    return options;
-  }
-
-  /// Whether some material may reflect or transmit otherwise than diffusely.
-  static bool specular(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-      return std::abs(m.ior - 1) >= 1e-3f || m.metallic > 0 || m.transmission > 0;
-    });
-  }
-
-  /// Whether slots take part in the exchange by their specular lobes. Direct light needs none of them: they begin behind the
-  /// first scattering.
-  bool reflects(const Scene& scene, const RenderSettings& settings) const {
-    return specular(scene) && settings.max_bounces != 0 && parameters_.glossy_bounces == GlossyBounces::multiple;
-  }
-
-  /// Whether glossy slots are to reflect what light samples bring elsewhere: lamps and the environment.
-  bool ring_of_emission(const Scene& scene, const RenderSettings& settings) const {
-    const bool lamps = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-      return m.emissive_factor.x > 0 || m.emissive_factor.y > 0 || m.emissive_factor.z > 0;
-    });
-    return SlotSpecular::uses_ring(parameters_) && reflects(scene, settings) && (lamps || scene.environment);
-  }
 
   bool has_ring() const { return parts_ && parts_->specular && parts_->specular->has_ring(); }
 
@@ -204,31 +175,30 @@ class BundleExchange : public Technique {
     return result;
   }
 
-  FinalGather gather(const Scene& scene) const {
-    return parameters_.final_gather == FinalGather::glossy && !specular(scene) ? FinalGather::off : parameters_.final_gather;
-  }
-
-  /// Unlimited bounces feed one channel back to itself; finite ones have a channel each.
-  Channels channels(const Scene& scene, const RenderSettings& settings) const {
-    Channels result;
-    result.hops = specular(scene) || parameters_.final_gather == FinalGather::all;
-    result.apart = parameters_.direct_mode == DirectMode::nee && ring_of_emission(scene, settings);
-    result.emission = parameters_.direct_mode == DirectMode::exchange || result.apart;
-    result.self_fed = settings.max_bounces < 0;
-    result.count = (result.self_fed ? 1 : static_cast<uint32_t>(settings.max_bounces)) + (result.emission ? 1 : 0);
-    result.count = std::max(1u, result.count);  // direct light by samples alone exchanges nothing
-    return result;
-  }
-
   const Environment* environment() const {
     return context_->scene.environment ? &*context_->scene.environment : nullptr;
   }
 
-  void build() {
+  void build(std::unique_ptr<SurfaceAtlas> atlas = nullptr) {
     parts_.reset();  // its memory first
-    parts_ = std::make_unique<Parts>(*context_, parameters_, atlas_options(context_->settings), channels(context_->scene, context_->settings),
-                                     gather(context_->scene), reflects(context_->scene, context_->settings));
+    const BundlePlan plan = make_plan(parameters_, context_->scene, context_->settings);
+    parts_ = std::make_unique<Parts>(*context_, parameters_, plan, std::move(atlas));
     reset(seed_);
+  }
+
+  /// Senders forget, so that what they knew before a change does no harm.
+  bool forgets() const { return parameters_.interleave == Interleave::sd || parameters_.interleave == Interleave::running; }
+
+  /// Texels stay what they are, and senders know what they knew, where the atlas can follow the change.
+  void build_from(const SceneChange& change) {
+    SlotMeans::Kept kept = parts_->means.keep();
+    std::unique_ptr<SurfaceAtlas> atlas = std::move(parts_->atlas);
+    parts_.reset();
+    const uint64_t generation = atlas->generation();
+    atlas->refit(context_->scene, change);
+    const bool same = atlas->generation() == generation;
+    build(std::move(atlas));
+    if (same) parts_->means.start_from(std::move(kept));
   }
 
   bool exchange_done() const {
@@ -264,7 +234,9 @@ class BundleExchange : public Technique {
   /// changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
   bool run_steps() {
     Parts& parts = *parts_;
-    if (!step_.begun) step_ = {true, false, directions_per_iteration()};
+    if (!step_.begun) step_ = {true, false, false, directions_per_iteration()};
+    if (!step_.seen && !parts.camera.begin_sample()) return false;
+    step_.seen = true;
     if (!step_.lit && context_->settings.max_bounces != 0 && !parts.slot_light.exhausted()) {
       if (!parts.slot_light.sample()) return false;
       parts.slot_light.commit();
@@ -272,9 +244,9 @@ class BundleExchange : public Technique {
     step_.lit = true;
     while (step_.directions > 0 && lit()) {
       const uint32_t count = std::min(next_batch(), step_.directions);
-      if (count == 0) break;
-      if (!run_batch(count)) return false;
-      step_.directions -= count;
+      if (count == 0 && !parts.camera.pixel_gather()) break;
+      if (!(count > 0 ? run_batch(count) : run_gather())) return false;
+      step_.directions -= std::max(1u, count);
     }
     if (!parts.camera.sample()) return false;
     parts.camera.commit(directions_ > 0 || !exchanges());
@@ -286,18 +258,41 @@ class BundleExchange : public Technique {
     if (!parts_->means.make_senders()) return false;
     const bool direct_only = parts_->means.direct_only(directions_);
     SlotSpecular* specular = direct_only ? nullptr : parts_->specular.get();
+    PixelGather* gather = direct_only ? nullptr : parts_->camera.pixel_gather();
     if (specular) specular->begin_batch(sequence_, directions_, count);
     for (uint32_t i = 0; i < count; ++i) {
       const Direction direction = sequence_.at(directions_ + i);
-      const uint32_t seed = (kernel_seed(seed_) ^ static_cast<uint32_t>(directions_ + i + 1) * 0x9e3779b9u) * 0x85ebca6bu;
+      const uint32_t seed = direction_seed(directions_ + i);
       if (specular && !specular->send(direction, i, seed)) return false;
-      if (!parts_->transfer.exchange(direction, seed, direct_only)) return false;
+      if (!(direct_only ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed))) return false;
       if (specular && !specular->receive(i)) return false;
+      if (gather && !parts_->transfer.gather(direction, seed, i == 0)) return false;
     }
     if (specular) specular->commit();
+    if (gather) gather->commit(count);
     parts_->means.commit(directions_, count);
     directions_ += count;
     return true;
+  }
+
+  /// When slots have received enough: a direction for pixels only.
+  bool run_gather() {
+    if (!parts_->means.make_senders()) return false;
+    const uint64_t index = directions_ + gathers_;
+    const Direction direction = sequence_.at(index);
+    const uint32_t seed = direction_seed(index);
+    if (parts_->specular) {
+      parts_->specular->begin_batch(sequence_, index, 1);
+      if (!parts_->specular->send(direction, 0, seed)) return false;
+    }
+    if (!parts_->transfer.gather(direction, seed, true)) return false;
+    parts_->camera.pixel_gather()->commit(1);
+    ++gathers_;
+    return true;
+  }
+
+  uint32_t direction_seed(uint64_t index) const {
+    return (kernel_seed(seed_) ^ static_cast<uint32_t>(index + 1) * 0x9e3779b9u) * 0x85ebca6bu;
   }
 
   /// Whether slots know the direct light that they are to send.
@@ -320,7 +315,7 @@ class BundleExchange : public Technique {
 
   /// Where an iteration is.
   struct Step {
-    bool begun = false, lit = false;
+    bool begun = false, seen = false, lit = false;
     uint32_t directions = 0;  ///< left to do
   };
 
@@ -329,7 +324,7 @@ class BundleExchange : public Technique {
   Parameters parameters_;
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;
-  uint64_t seed_ = 1, directions_ = 0;
+  uint64_t seed_ = 1, directions_ = 0, gathers_ = 0;
   Step step_;
   DirectionSequence sequence_{parameters_, 1, nullptr};
   std::unique_ptr<Parts> parts_;
@@ -341,28 +336,26 @@ Program make_program(Device& device, const Channels& channels) {
   return Program(device, library,
                  {"bundle_exchange/means",
                   {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_light.cl",
-                   "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl"},
+                   "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/pixel_gather.cl"},
                   channels.defines()});
 }
 
-/// Kinds of lights that slots get light samples of.
-uint32_t sampled_lights(const Scene& scene, const Parameters& parameters) {
-  if (parameters.direct_mode == DirectMode::nee) return DirectLight::kAllLights;
-  return scene.lights.empty() ? 0 : DirectLight::kPunctualLights;
+std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, const SurfaceAtlasOptions& options) {
+  return std::make_unique<SurfaceAtlas>(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner);
 }
 
-BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const SurfaceAtlasOptions& options,
-                             const Channels& channels, FinalGather gather, bool reflects)
-    : atlas(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner),
-      program(make_program(*c.device, channels)),
-      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, sampled_lights(c.scene, p)),
-      means(*c.device, c.scheduler, program, atlas, slot_light.light_samples(), channels, p),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas, means.records(), channels, p.pixel_size),
-      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, make_frame(c.settings),
-             {gather, !c.scene.lights.empty(), p.glossy_bounces == GlossyBounces::final, channels.exchanged(), c.settings.max_bounces}) {
-  if (!reflects) return;
-  specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), atlas, means, p,
-                                            !c.scene.lights.empty(), c.settings.max_bounces, true);
+BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan,
+                             std::unique_ptr<SurfaceAtlas> kept_atlas)
+    : atlas(kept_atlas ? std::move(kept_atlas) : make_atlas(c, plan.atlas)),
+      program(make_program(*c.device, plan.channels)),
+      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, plan.light_kinds),
+      means(*c.device, c.scheduler, program, *atlas, slot_light.light_samples(), plan.channels, p),
+      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, make_frame(c.settings), plan.camera),
+      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), plan.channels,
+               {p.pixel_size, p.transfer, camera.pixel_gather()}) {
+  if (!plan.reflects) return;
+  specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
+                                            !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
 }
 
 std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<BundleExchange>(); }

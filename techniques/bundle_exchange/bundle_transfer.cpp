@@ -6,6 +6,7 @@ const lucarium::EmbeddedSources& bundle_exchange_kernels();
 namespace lucarium::bundle {
 namespace {
 
+constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 
 LayeredRasterOptions raster_options(uint32_t side) {
@@ -24,32 +25,32 @@ Program make_program(Device& device, const char* file, std::map<std::string, std
 
 BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
                                const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const Channels& channels,
-                               float pixel_size)
+                               const Options& options)
     : scheduler_(&scheduler),
       channels_(channels),
+      options_(options),
       bounds_(scene.bounds()),
-      pixel_(pixel_size * static_cast<double>(atlas.info().texel_edge)),
+      pixel_(options.pixel_size * static_cast<double>(atlas.info().texel_edge)),
       side_(film_side(bounds_, pixel_)),
       raster_(scheduler, buffers, raster_options(side_), kOwner),
       views_(device, kOwner, "view of a direction", 1),
       ends_(device, kOwner, "ends of rays", 2) {
-  all_ = record(device, buffers, atlas, records, false);
-  if (channels.exchanged() && channels.reflected() > 0) direct_ = record(device, buffers, atlas, records, true);
+  all_ = record(device, buffers, atlas, records, What::all);
+  if (channels.exchanged() && channels.reflected() > 0) emission_ = record(device, buffers, atlas, records, What::emission);
+  if (options.gather) gather_ = record(device, buffers, atlas, records, What::gather);
 }
 
 BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                                                const TypedBuffer<float4>& records, bool direct_only) {
+                                                const TypedBuffer<float4>& records, What what) {
+  const char* const names[] = {"exchange", "exchange of emission", "gather"};
   const Program begin_program = make_program(device, "begin_direction", {});
-  std::map<std::string, std::string> defines = raster_.defines();
-  for (const auto& [name, value] : channels_.defines()) defines[name] = value;
-  if (direct_only) defines["BUNDLE_ACTIVE"] = "1u";
-  const Program program = make_program(device, "exchange_rows", defines);
+  const bool by_texels = options_.transfer == Transfer::texel;
   Recorded result;
-  ScheduleRecorder recorder = scheduler_->record(direct_only ? "exchange of emission" : "exchange", kOwner);
+  ScheduleRecorder recorder = scheduler_->record(names[static_cast<int>(what)], kOwner);
   result.view = recorder.variable("view", LayeredView{});
   result.omega = recorder.variable("omega", float4(0, 0, 1, 0));
   result.weight = recorder.variable("weight", 1.f);
-  const Variable<uint32_t> first_view = recorder.variable("view index", 0u);
+  const LayeredRaster::ViewRef view{views_, recorder.variable("view index", 0u)};
   PassBuilder begin = recorder.pass("begin direction", begin_program, "begin_direction");
   buffers.bind(begin, begin_program, "begin_direction");
   begin.global(1)
@@ -59,26 +60,63 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
       .arg("emission", channels_.emission ? 1u : 0u)
       .arg("views", views_)
       .arg("ends", ends_);
-  raster_.record_tiles(recorder, "exchange", {views_, first_view}, program, "exchange_rows", [&](PassBuilder& pass) {
-    atlas.bind(pass, program, "exchange_rows");
-    pass.arg("weight", result.weight).arg("ends", ends_).arg("records", records);
-  });
+  if (what == What::gather) {
+    result.first = recorder.variable("first", 1u);
+    options_.gather->record(recorder, raster_.record_stored(recorder, "fragments", view), views_, ends_, result.first,
+                            result.weight);
+  } else {
+    std::map<std::string, std::string> defines = channels_.defines();
+    if (what == What::emission) defines["BUNDLE_ACTIVE"] = "1u";
+    const char* const kernel = by_texels ? "exchange_texels" : "exchange_rows";
+    if (!by_texels) defines.merge(raster_.defines());
+    const Program program = make_program(device, kernel, defines);
+    const auto bind = [&](PassBuilder& pass) {
+      atlas.bind(pass, program, kernel);
+      pass.arg("weight", result.weight).arg("ends", ends_).arg("records", records);
+    };
+    if (by_texels) {
+      const LayeredRaster::Stored stored = raster_.record_stored(recorder, "fragments", view);
+      PassBuilder pass = recorder.pass("exchange", program, kernel);
+      buffers.bind(pass, program, kernel);
+      bind(pass);
+      pass.global(atlas.info().texel_count)
+          .local(kLocalSize)
+          .arg("slots", atlas.info().texel_count)
+          .arg("views", views_)
+          .arg("pixel_start", stored.pixel_start)
+          .arg("fragments", stored.fragments);
+    } else {
+      raster_.record_tiles(recorder, "exchange", view, program, kernel, bind);
+    }
+  }
   result.schedule = recorder.compile();
   return result;
 }
 
-bool BundleTransfer::exchange(const Direction& direction, uint32_t seed, bool direct_only) {
+bool BundleTransfer::run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray) {
   const BundleView view = make_bundle_view(bounds_, direction, pixel_, seed);
-  Recorded& recorded = direct_only && direct_.schedule ? direct_ : all_;
   recorded.schedule.set(recorded.view, view.view);
   recorded.schedule.set(recorded.omega, float4(direction.direction, 0.f));
-  recorded.schedule.set(recorded.weight, static_cast<float>(direction.weight * view.pixel_area));
+  recorded.schedule.set(recorded.weight, static_cast<float>(direction.weight * (per_ray ? view.pixel_area : 1.0)));
   return scheduler_->run(recorded.schedule) == RunResult::done;
 }
 
+bool BundleTransfer::exchange(const Direction& direction, uint32_t seed) {
+  return run(all_, direction, seed, options_.transfer == Transfer::ray);
+}
+
+bool BundleTransfer::exchange_emission(const Direction& direction, uint32_t seed) {
+  return run(emission_.schedule ? emission_ : all_, direction, seed, options_.transfer == Transfer::ray);
+}
+
+bool BundleTransfer::gather(const Direction& direction, uint32_t seed, bool first) {
+  gather_.schedule.set(gather_.first, first ? 1u : 0u);
+  return run(gather_, direction, seed, false);
+}
+
 void BundleTransfer::warm_up() {
-  scheduler_->warm_up(all_.schedule);
-  if (direct_.schedule) scheduler_->warm_up(direct_.schedule);
+  for (Recorded* recorded : {&all_, &emission_, &gather_})
+    if (recorded->schedule) scheduler_->warm_up(recorded->schedule);
 }
 
 double BundleTransfer::film_pixels() const { return static_cast<double>(side_) * side_; }

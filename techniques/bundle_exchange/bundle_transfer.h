@@ -3,26 +3,34 @@
 #include "bundle_view.h"
 #include "lucarium/services/layered_raster.h"
 #include "lucarium/services/surface_atlas.h"
+#include "pixel_gather.h"
 #include "slot_means.h"
 
 namespace lucarium::bundle {
 
-/// Exchange along all rays of one direction: the scene is drawn orthographically with every fragment, and consecutive
-/// fragments of a pixel give each other what they send (exchange_rows.cl).
+/// Exchange along all rays of one direction: the scene is drawn orthographically with every fragment. Either consecutive
+/// fragments of a pixel give each other what they send (exchange_rows.cl), or slots look themselves up in the film
+/// (exchange_texels.cl).
 class BundleTransfer {
  public:
-  /// `pixel_size`: edge of a film pixel in texel edges.
+  struct Options {
+    float pixel_size = 0.5f;  ///< edge of a film pixel in texel edges
+    Transfer transfer = Transfer::ray;
+    const PixelGather* gather = nullptr;  ///< must outlive this; null: pixels gather nothing
+  };
   BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
                  const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const Channels& channels,
-                 float pixel_size);
+                 const Options& options);
 
-  /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND. `direct_only`: only the
-  /// channel of emission.
-  bool exchange(const Direction& direction, uint32_t seed, bool direct_only = false);
+  /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND.
+  bool exchange(const Direction& direction, uint32_t seed);
+  /// Only the channel of emission.
+  bool exchange_emission(const Direction& direction, uint32_t seed);
+  /// What pixels gather along the direction; `first` of a batch.
+  bool gather(const Direction& direction, uint32_t seed, bool first);
   void warm_up();
   /// Largest film of a direction [pixels].
   double film_pixels() const;
-  /// Edge of a film pixel [m].
 
  private:
   struct Recorded {
@@ -30,18 +38,22 @@ class BundleTransfer {
     Variable<LayeredView> view;
     Variable<float4> omega;
     Variable<float> weight;
+    Variable<uint32_t> first;
   };
+  enum class What { all, emission, gather };
   Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                  const TypedBuffer<float4>& records, bool direct_only);
+                  const TypedBuffer<float4>& records, What what);
+  bool run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray);
   KernelScheduler* scheduler_;
   Channels channels_;
+  Options options_;
   Bounds bounds_;
   double pixel_;
   uint32_t side_;
   LayeredRaster raster_;
   TypedBuffer<LayeredView> views_;
   TypedBuffer<float4> ends_;
-  Recorded all_, direct_;  ///< exchanging all channels, or that of emission only
+  Recorded all_, emission_, gather_;
 };
 
 }  // namespace lucarium::bundle

@@ -20,13 +20,13 @@ Bsdf bsdf_at_point(const Scene* scene, const GBufferPoint* point) {
 // `atlas_weight` of the mean (later ones count more), while emission and light samples are plain sums (w: samples).
 // shown, shown_direct (BUNDLE_EMISSION): irradiance over pi of slots, w 1, or 0 where it is not known. gathered: light of
 // chains that begin at the pixels, scattered once and more often; they bring all there is where they are `whole`.
-// exchanged: direct light that bundles have carried.
+// bundled: the same, sums over the directions whose number is in w. exchanged: direct light that bundles have carried.
 __kernel void add_camera_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                                __global const AtlasTriangle* restrict atlas_triangles,
                                __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                                __global const GBufferPoint* restrict points, uint count, float atlas_weight, uint whole,
                                __global const float4* restrict shown, __global const float4* restrict shown_direct,
-                               __global const float4* restrict gathered, __global const float4* restrict direct_sample,
+                               __global const float4* restrict bundled, __global const float4* restrict gathered, __global const float4* restrict direct_sample,
                                __global float4* restrict emission, __global float4* restrict direct,
                                __global float4* restrict exchanged, __global float4* restrict indirect) {
   const uint i = get_global_id(0);
@@ -36,6 +36,11 @@ __kernel void add_camera_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   emission[i] += (float4)(point.emission.xyz, 1.0f);
   direct[i] += direct_sample[i];
   float3 once = gathered[2u * i].xyz, reflected = gathered[2u * i + 1u].xyz;
+  const float directions = bundled[2u * i].w;
+  if (directions > 0.0f) {
+    once += bundled[2u * i].xyz / directions;
+    reflected += bundled[2u * i + 1u].xyz / directions;
+  }
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE) {
     const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
                                        point.u, point.v, point.normal.w == 0.0f);

@@ -2,6 +2,7 @@
 #include "camera_light.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace lucarium::bundle {
 namespace {
@@ -19,7 +20,7 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
       options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      no_gains_(device, kOwner, "nothing gathered", options.gather == FinalGather::off ? 2 * size_t{pixels_} : 1, kLowerSize),
+      no_gains_(device, kOwner, "nothing gathered", 2 * size_t{pixels_}, kLowerSize),
       direct_sample_(device, kOwner, "sample of direct light", pixels_, kLowerSize),
       emission_(device, kOwner, "emission", pixels_, kLowerSize),
       direct_(device, kOwner, "direct", pixels_, kLowerSize),
@@ -28,6 +29,9 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
       gbuffer_(device, scheduler, scene, intersector, frame, kOwner),
       direct_light_(device, scheduler, scene, intersector, kOwner,
                     options.exchanged ? DirectLight::kPunctualLights : DirectLight::kAllLights) {
+  if (options.gather != FinalGather::off && options.by_bundles)
+    bundles_ = std::make_unique<PixelGather>(device, scheduler, program, scene, intersector, atlas, means, gbuffer_.points(),
+                                             PixelGather::Options{pixels_, whole(), options.alpha_least});
   if (options.gather != FinalGather::off) {
     HopTracer::Options chains;
     chains.targets = pixels_;
@@ -40,10 +44,10 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
   record(program, scene, atlas, means);
 }
 
-size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather) {
+size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles) {
   const size_t pixels = size_t{width} * height;
   const size_t chains = gather == FinalGather::off ? 2 * pixels * sizeof(float4) : HopTracer::estimate_bytes(pixels, 2);
-  return chains + 5 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
+  return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + 5 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
 }
 
 void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
@@ -61,9 +65,10 @@ void CameraLight::record(const Program& program, const SceneBuffers& scene, cons
       .arg("points", gbuffer_.points())
       .arg("count", pixels_)
       .arg("atlas_weight", atlas_weight_)
-      .arg("whole", options_.gather == FinalGather::all ? 1u : 0u)
+      .arg("whole", whole() ? 1u : 0u)
       .arg("shown", means.shown())
       .arg("shown_direct", means.shown_direct())
+      .arg("bundled", bundles_ ? bundles_->gathered() : no_gains_)
       .arg("gathered", chains_ ? chains_->gain() : no_gains_)
       .arg("direct_sample", direct_sample_)
       .arg("emission", emission_)
@@ -82,7 +87,8 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
       .local(kLocalSize)
       .arg("points", gbuffer_.points())
       .arg("count", pixels_)
-      .arg("whole", options_.gather == FinalGather::all ? 1u : 0u)
+      .arg("whole", whole() && !bundles_ ? 1u : 0u)
+      .arg("alpha_most", bundles_ ? options_.alpha_least : std::numeric_limits<float>::infinity())
       .arg("settings", settings_);
   begin.arg("gain", chains_->gain()).arg("hops", chains_->hops()).arg("rays", chains_->first_rays());
   begin.arg("queue", chains_->queue()).arg("active", chains_->active());
@@ -100,10 +106,14 @@ bool CameraLight::gather() {
   return scheduler_->run(begin_) == RunResult::done && chains_->follow(settings);
 }
 
+bool CameraLight::begin_sample() {
+  if (bundles_) bundles_->restart();
+  return gbuffer_.render(samples_);
+}
+
 bool CameraLight::sample() {
   if (scheduler_->run(clear_) == RunResult::cancelled) return false;
-  return gbuffer_.render(samples_) &&
-         direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed) &&
+  return direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed) &&
          (!chains_ || gather());
 }
 
@@ -135,6 +145,7 @@ void CameraLight::warm_up() {
   scheduler_->warm_up(clear_);
   gbuffer_.warm_up();
   direct_light_.warm_up(gbuffer_.points(), direct_sample_);
+  if (bundles_) bundles_->warm_up();
   if (chains_) {
     scheduler_->warm_up(begin_);
     chains_->warm_up();

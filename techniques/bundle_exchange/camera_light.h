@@ -6,6 +6,7 @@
 #include "lucarium/services/direct_light.h"
 #include "lucarium/services/gbuffer.h"
 #include "lucarium/services/surface_atlas.h"
+#include "pixel_gather.h"
 
 namespace lucarium::bundle {
 
@@ -20,13 +21,16 @@ class CameraLight {
     bool single = false;     ///< chains end behind their first vertex
     bool exchanged = false;  ///< bundles carry emitted light: light samples are of punctual lights only
     int max_bounces = -1;
+    bool by_bundles = false;  ///< rays of `gather` are those of bundles, but for lobes narrower than alpha_least
+    float alpha_least = 0;
   };
   CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
               const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means, const Frame& frame,
               const Options& options);
 
-  /// The next sample; false when cancelled. commit() then adds it, looking up the atlas as it is then; what the atlas
-  /// said while it knew nothing is forgotten.
+  /// The next sample, in two steps, between which bundles may gather for its points (pixel_gather()); false when cancelled.
+  /// commit() then adds it, looking up the atlas as it is then; what the atlas said while it knew nothing is forgotten.
+  bool begin_sample();
   bool sample();
   void commit(bool atlas_known);
   void reset(uint32_t seed);
@@ -34,14 +38,16 @@ class CameraLight {
   void warm_up();
   uint32_t samples() const { return samples_; }
   void resolve(Film& film) const;
+  PixelGather* pixel_gather() { return bundles_.get(); }  ///< null where bundles gather nothing
   uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
-  static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather);
+  static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles);
 
  private:
   void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
               const SlotMeans& means);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
+  bool whole() const { return options_.gather == FinalGather::all; }
   KernelScheduler* scheduler_;
   Options options_;
   Frame frame_;
@@ -50,6 +56,7 @@ class CameraLight {
   GBuffer gbuffer_;
   DirectLight direct_light_;
   std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered
+  std::unique_ptr<PixelGather> bundles_;
   Schedule clear_, begin_, add_;
   Variable<HopSettings> settings_;
   Variable<float> atlas_weight_;

@@ -3,6 +3,7 @@
 // the atlas gives the diffuse light, so a chain only follows specular lobes. Each target has one chain at a time.
 #include "bundle_exchange/exchange_layout.clh"
 #include "bundle_exchange/hop_chain.clh"
+#include "bundle_exchange/pixel_lobes.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/gbuffer.h"
 #include "lucarium/surface_atlas.clh"
@@ -63,9 +64,10 @@ __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   shadow_light[i] = (float4)(light, as_float(1u));
 }
 
-// Work-item i: pixel i. `whole`: the diffuse lobe is sampled too, instead of being looked up at the pixel.
+// Work-item i: pixel i. `whole`: the diffuse lobe is sampled too, instead of being looked up at the pixel. alpha_most:
+// bundles gather for reflection lobes from this width on, so that no chain begins there.
 __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
-                               uint whole, HopSettings settings, __global float4* restrict gain,
+                               uint whole, float alpha_most, HopSettings settings, __global float4* restrict gain,
                                __global Hop* restrict hops, __global Ray* restrict rays, __global uint* restrict queue,
                                __global uint* restrict active) {
   const uint i = get_global_id(0);
@@ -85,7 +87,7 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
     const Surface surface = make_surface(&scene, hit, -point.view.xyz, 0u);
     const Bsdf full = make_bsdf(&scene, &surface, 0u);
     Bsdf bsdf = full;
-    if (!whole) bsdf = specular_part(full);
+    if (!whole) bsdf = lobe_is_wide(&full, alpha_most) ? black_bsdf(&surface) : specular_part(full);
     Hop hop;
     hop.throughput = (float4)(point.throughput.xyz, 0.0f);
     hop.target = i;

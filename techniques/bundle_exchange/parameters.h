@@ -9,6 +9,8 @@ enum class Interleave { sd, running, fixed, pingpong };
 enum class DirectMode { nee, exchange };
 enum class FinalGather { off, glossy, all };
 enum class GlossyBounces { multiple, final };
+enum class Transfer { ray, texel };
+enum class PixelRays { traced, bundle };
 enum class GlossyNorm { self, mean };
 
 /// Every parameter of the technique, once: default, range, unit and meaning.
@@ -32,6 +34,9 @@ struct Parameters {
   GlossyNorm glossy_norm = GlossyNorm::self;
   float alpha_ring = 0;
   float hop_share = 0.5f;
+  Transfer transfer = Transfer::ray;
+  PixelRays pixel_rays = PixelRays::traced;
+  bool warm_start = false;
   float stop_error = 0.01f;
 
   template <class V>
@@ -77,7 +82,28 @@ struct Parameters {
              "smallest GGX width of slots that reflect directions instead of tracing rays; 0: sqrt(2 / glossy_window)");
     v.number("hop_share", hop_share, 0.01f, 1.f, "",
              "probability that a slot which reflects everything specularly traces a ray for a direction; others less");
+    v.choice("transfer", transfer, {{"ray", Transfer::ray}, {"texel", Transfer::texel}},
+             "who meets whom: all film pixels' fragments each other, or each texel, projected into the film, its neighbour there "
+             "(texel, as in the paper)");
+    v.choice("pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
+             "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below alpha_ring are traced)");
+    v.flag("warm_start", warm_start,
+           "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and running)");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance (interleave=sd and running); 0: never");
+    v.presets({{"paper",
+                {{"batch", "1"},
+                 {"sequence", "halton"},
+                 {"interleave", "running"},
+                 {"direct_mode", "exchange"},
+                 {"avg_exp", "0"},
+                 {"balance", "off"},
+                 {"glossy_window", "1"},
+                 {"glossy_norm", "mean"},
+                 {"alpha_ring", "0.001"},
+                 {"transfer", "texel"},
+                 {"pixel_rays", "bundle"},
+                 {"stop_error", "0"}}}},
+              "paper: the variants of Hermes et al. 2010");
   }
 };
 

@@ -43,4 +43,11 @@ void SenderWeights::advance() {
   if (log_growth_ > kLargestLogGrowth) log_growth_ = 0;
 }
 
+double SenderWeights::forget(uint64_t batches) {
+  const uint64_t before = batch_;
+  batch_ = std::min(batch_, batches);
+  // Growing weights say by themselves how much of S a batch is; plain ones do not.
+  return plain_ && before > 0 ? static_cast<double>(batch_) / static_cast<double>(before) : 1.0;
+}
+
 }  // namespace lucarium::bundle

@@ -10,6 +10,7 @@ namespace {
 
 constexpr size_t kLocalSize = 64;
 constexpr uint32_t kBalanceChunk = 1024;  // BALANCE_CHUNK of senders.cl
+constexpr uint64_t kKeptBatches = 16;     // that what was known before a change counts for at most
 constexpr uint64_t kErrorBatches = 16;    // between two measurements of the error
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 const char* const kOwner = "bundle_exchange";
@@ -242,6 +243,20 @@ void SlotMeans::reset() {
   forget_errors();
   scheduler_->run_to_end(materials_);
   scheduler_->finish();
+}
+
+SlotMeans::Kept SlotMeans::keep() const {
+  scheduler_->finish();
+  return {senders_.download(), weights_, slots_, channels_};
+}
+
+bool SlotMeans::start_from(Kept kept) {
+  if (kept.slots != slots_ || !(kept.channels == channels_) || kept.weights.batches() == 0) return false;
+  const float share = static_cast<float>(kept.weights.forget(kKeptBatches));
+  for (float4& sums : kept.senders) sums = float4(sums.x * share, sums.y * share, sums.z * share, sums.w * share);
+  senders_.upload(kept.senders);
+  weights_ = kept.weights;
+  return true;
 }
 
 void SlotMeans::warm_up() {

@@ -14,6 +14,7 @@ struct Channels {
   bool emission = false;  ///< channel 0 carries emitted light
   bool apart = false;     ///< which only glossy slots take, for a ring: direct light comes from elsewhere
   bool hops = false;      ///< chains of specular vertices are followed
+  bool operator==(const Channels&) const = default;
   bool self_fed = true;   ///< one channel of reflected light, all bounces; else one per bounce
   uint32_t count = 1;     ///< all channels
   bool exchanged() const { return emission && !apart; }  ///< bundles bring direct light
@@ -39,6 +40,17 @@ class SlotMeans {
   void commit(uint64_t first, uint32_t count);
   void reset();
   void warm_up();
+
+  /// What senders know, for a start in a scene that has changed little: it counts as a few batches.
+  struct Kept {
+    std::vector<float4> senders;
+    SenderWeights weights;
+    uint32_t slots = 0;
+    Channels channels;
+  };
+  Kept keep() const;
+  /// After reset(). False where it does not fit: nothing has changed then.
+  bool start_from(Kept kept);
 
   const TypedBuffer<float4>& records() const { return records_; }  ///< per slot 2 · channels float4
   const TypedBuffer<float4>& shown() const { return shown_; }      ///< per slot irradiance / π of indirect light

@@ -7,6 +7,8 @@
 namespace lucarium::bundle {
 namespace {
 
+constexpr int kUsualWindow = 32;
+
 SlotRing::Options ring_options(const Parameters& parameters) {
   SlotRing::Options options;
   options.window = static_cast<uint32_t>(parameters.glossy_window);
@@ -17,15 +19,16 @@ SlotRing::Options ring_options(const Parameters& parameters) {
 
 }  // namespace
 
-float SlotSpecular::alpha_ring(const Parameters& parameters) {
-  if (!uses_ring(parameters)) return std::numeric_limits<float>::infinity();
-  return parameters.alpha_ring > 0 ? parameters.alpha_ring : std::sqrt(2.f / static_cast<float>(parameters.glossy_window));
+float SlotSpecular::alpha_least(const Parameters& parameters) {
+  const int window = uses_ring(parameters) ? parameters.glossy_window : kUsualWindow;
+  return parameters.alpha_ring > 0 ? parameters.alpha_ring : std::sqrt(2.f / static_cast<float>(window));
 }
 
 SlotSpecular::SlotSpecular(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
                            const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
                            const Parameters& parameters, bool punctual, int max_bounces, bool by_area) {
-  const SlotHops::Lists lists = SlotHops::specular_slots(atlas, alpha_ring(parameters));
+  const float least = uses_ring(parameters) ? alpha_least(parameters) : std::numeric_limits<float>::infinity();
+  const SlotHops::Lists lists = SlotHops::specular_slots(atlas, least);
   SlotHops::Options hops;
   hops.share = parameters.hop_share;
   hops.punctual = punctual;

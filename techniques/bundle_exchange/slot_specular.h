@@ -16,9 +16,10 @@ class SlotSpecular {
                const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
                const Parameters& parameters, bool punctual, int max_bounces, bool by_area);
 
-  /// Whether the parameters ask for a ring; its least GGX width.
+  /// Whether the parameters ask for a ring; the least GGX width of lobes that bundles meet often enough (without a ring:
+  /// those of pixels).
   static bool uses_ring(const Parameters& parameters) { return parameters.glossy_window > 0; }
-  static float alpha_ring(const Parameters& parameters);
+  static float alpha_least(const Parameters& parameters);
   /// Whether some slot reflects directions, which then must be independent of each other.
   bool has_ring() const { return ring_ != nullptr; }
 

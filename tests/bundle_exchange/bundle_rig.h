@@ -39,11 +39,12 @@ class BundleRig {
         program_(make_program(*device_, channels, std::move(defines))),
         light_(*device_, "test", "light samples", atlas_.info().texel_count),
         means_(*device_, scheduler_, program_, atlas_, light_, channels, parameters_),
-        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), channels, pixel_size) {
+        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), channels, {pixel_size, parameters.transfer, nullptr}) {
     if (!channels.hops) return;
     specular_ = std::make_unique<bundle::SlotSpecular>(*device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, parameters_,
                                                        !scene_.lights.empty(),
-                                                       channels.self_fed ? -1 : static_cast<int>(channels.reflected()), true);
+                                                       channels.self_fed ? -1 : static_cast<int>(channels.reflected()),
+                                                       parameters.transfer == bundle::Transfer::ray);
   }
 
   // ---- by hand: what slots send in channel 0, and what arrives
@@ -81,7 +82,7 @@ class BundleRig {
       for (uint64_t i = first; i < first + batch; ++i) {
         const uint32_t seed = static_cast<uint32_t>(i + 1) * 0x9e3779b9u;
         if (specular) specular->send(sequence.at(i), static_cast<uint32_t>(i - first), seed);
-        transfer_.exchange(sequence.at(i), seed, direct_only);
+        direct_only ? transfer_.exchange_emission(sequence.at(i), seed) : transfer_.exchange(sequence.at(i), seed);
         if (specular) specular->receive(static_cast<uint32_t>(i - first));
       }
       if (specular) specular->commit();

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_plan.h"
+
+#include <algorithm>
+
+#include "slot_light.h"
+#include "slot_specular.h"
+
+namespace lucarium::bundle {
+namespace {
+
+bool has_lamps(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return m.emissive_factor.x > 0 || m.emissive_factor.y > 0 || m.emissive_factor.z > 0;
+  });
+}
+
+/// Unlimited bounces feed one channel back to itself; finite ones have a channel each.
+Channels make_channels(const Parameters& parameters, const Scene& scene, const RenderSettings& settings, bool reflects) {
+  Channels result;
+  result.hops = has_specular_lobes(scene) || parameters.final_gather == FinalGather::all;
+  // Glossy slots that trace no rays get what lamps and the environment send along the bundles.
+  result.apart = parameters.direct_mode == DirectMode::nee && SlotSpecular::uses_ring(parameters) && reflects &&
+                 (has_lamps(scene) || scene.environment);
+  result.emission = parameters.direct_mode == DirectMode::exchange || result.apart;
+  result.self_fed = settings.max_bounces < 0;
+  result.count = (result.self_fed ? 1 : static_cast<uint32_t>(settings.max_bounces)) + (result.emission ? 1 : 0);
+  result.count = std::max(1u, result.count);  // direct light by samples alone exchanges nothing
+  return result;
+}
+
+}  // namespace
+
+bool has_specular_lobes(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return std::abs(m.ior - 1) >= 1e-3f || m.metallic > 0 || m.transmission > 0;
+  });
+}
+
+BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  BundlePlan plan;
+  const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
+  const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 2048, 262144);
+  plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
+  // Direct light needs no lobes of slots: they begin behind the first scattering.
+  plan.reflects = specular && settings.max_bounces != 0 && parameters.glossy_bounces == GlossyBounces::multiple;
+  plan.channels = make_channels(parameters, scene, settings, plan.reflects);
+  const bool idle = parameters.final_gather == FinalGather::glossy && !specular;
+  plan.camera.gather = idle ? FinalGather::off : parameters.final_gather;
+  plan.camera.punctual = punctual;
+  plan.camera.single = parameters.glossy_bounces == GlossyBounces::final;
+  plan.camera.exchanged = plan.channels.exchanged();
+  plan.camera.max_bounces = settings.max_bounces;
+  plan.camera.by_bundles = parameters.pixel_rays == PixelRays::bundle && settings.max_bounces != 0;
+  plan.camera.alpha_least = SlotSpecular::alpha_least(parameters);
+  plan.light_kinds = DirectLight::kAllLights;
+  if (parameters.direct_mode == DirectMode::exchange) plan.light_kinds = punctual ? DirectLight::kPunctualLights : 0;
+  return plan;
+}
+
+size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  const size_t slots = plan.atlas.texel_count * 5 / 4;
+  return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels) +
+         SlotLight::estimate_bytes(slots) +
+         (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
+         CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles);
+}
+
+}  // namespace lucarium::bundle

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "camera_light.h"
+#include "lucarium/technique/technique.h"
+#include "slot_means.h"
+
+namespace lucarium::bundle {
+
+/// What parameters, scene and settings ask for, before anything is built.
+struct BundlePlan {
+  SurfaceAtlasOptions atlas;
+  Channels channels;
+  CameraLight::Options camera;
+  bool reflects = false;  ///< specular lobes of slots take part in the exchange
+  uint32_t light_kinds = 0;  ///< of lights that slots get light samples of (LUCARIUM_LIGHT_* bits)
+};
+BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
+
+/// Whether some material may reflect or transmit otherwise than diffusely.
+bool has_specular_lobes(const Scene& scene);
+
+/// Expected device memory [bytes].
+size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
+
+}  // namespace lucarium::bundle

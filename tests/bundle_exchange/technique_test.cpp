@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// The whole technique where the parts alone say little: rays of pixels, preset of the paper, warm starts.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "lucarium/scene/load_scene.h"
+#include "lucarium/technique/session.h"
+#include "test_support.h"
+
+using namespace lucarium;
+
+namespace {
+
+using Options = std::vector<std::pair<std::string, std::string>>;
+
+const TechniqueRegistry& registry() {
+  static const TechniqueRegistry all;
+  return all;
+}
+
+std::unique_ptr<RenderSession> session(const std::string& technique, Scene scene, int max_bounces, const Options& options) {
+  RenderSettings settings;
+  settings.width = settings.height = 24;
+  settings.max_bounces = max_bounces;
+  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  settings.camera = scene.cameras.front();
+  return std::make_unique<RenderSession>(Device::open(), std::move(scene), registry().find(technique), settings, options);
+}
+
+std::vector<float> indirect(RenderSession& session) { return session.resolve().find("indirect")->pixels; }
+
+double mean(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float v : values) sum += static_cast<double>(v);
+  return sum / static_cast<double>(values.size());
+}
+
+double indirect_mean(const std::string& technique, const char* scene, int max_bounces, uint64_t iterations, const Options& options) {
+  const auto run = session(technique, load_scene(scene), max_bounces, options);
+  run->run({.iterations = iterations});
+  return mean(indirect(*run));
+}
+
+/// Half the light of every lamp.
+SceneChange dim(Scene& scene) {
+  SceneChange change;
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    if (scene.materials[i].emissive_factor == glm::vec3(0)) continue;
+    scene.materials[i].emissive_factor *= 0.5f;
+    change.materials.push_back(static_cast<int>(i));
+  }
+  return change;
+}
+
+const Options few = {{"texels", "2048"}, {"batch", "1"}, {"stop_error", "0"}};
+
+Options with(Options options, const Options& more) {
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("pixels that gather by bundles, transfers and the ring see the path tracer's light") {
+  const Options paths = {{"samples_per_iteration", "64"}};
+  for (const int bounces : {1, 2}) {
+    CAPTURE(bounces);
+    const double expected = indirect_mean("path_tracing", "builtin:cornell", bounces, 16, paths);
+    for (const Options& more : {Options{{"final_gather", "all"}, {"pixel_rays", "bundle"}}, Options{{"transfer", "texel"}}}) {
+      CAPTURE(more.back().first);
+      CHECK(indirect_mean("bundle_exchange", "builtin:cornell", bounces, 64, with(few, more)) ==
+            doctest::Approx(expected).scale(0).epsilon(0.03));
+    }
+  }
+  const double expected = indirect_mean("path_tracing", "builtin:spheres", 2, 128, paths);
+  // The spheres cast caustics of about the size of a texel of 2048: with so few, chains and ring alike are 4 % too dark.
+  const Options ring = with(few, {{"texels", "16384"}, {"glossy_window", "32"}, {"alpha_ring", "0.1"}});
+  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 32, ring) == doctest::Approx(expected).scale(0).epsilon(0.03));
+  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 32, with(ring, {{"pixel_rays", "bundle"}})) ==
+        doctest::Approx(expected).scale(0).epsilon(0.03));
+}
+
+TEST_CASE("the paper's variants bring diffuse light of all bounces, if slowly") {
+  const double expected = indirect_mean("path_tracing", "builtin:cornell", 3, 16, {{"samples_per_iteration", "64"}});
+  const double paper = indirect_mean("bundle_exchange", "builtin:cornell", 3, 64, {{"preset", "paper"}, {"texels", "2048"}});
+  MESSAGE("preset paper: ", paper, ", path tracing: ", expected);
+  CHECK(paper == doctest::Approx(expected).scale(0).epsilon(0.05));
+}
+
+TEST_CASE("a change begins anew with the bits of a fresh start, or with what senders knew when that is asked for") {
+  const auto after_change = [](bool warm, uint64_t iterations) {
+    const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(few, {{"warm_start", warm ? "on" : "off"}}));
+    run->run({.iterations = 24});
+    run->change_scene(dim);
+    run->run({.iterations = iterations});
+    return indirect(*run);
+  };
+  Scene dimmed = load_scene("builtin:cornell");
+  dim(dimmed);
+  const auto fresh = session("bundle_exchange", std::move(dimmed), -1, few);
+  fresh->run({.iterations = 2});
+  CHECK(after_change(false, 2) == indirect(*fresh));
+  CHECK(after_change(true, 2) != indirect(*fresh));
+  // What was known of twice the light fades.
+  fresh->run({.iterations = 22});
+  CHECK(mean(after_change(true, 24)) == doctest::Approx(mean(indirect(*fresh))).scale(0).epsilon(0.03));
+}
