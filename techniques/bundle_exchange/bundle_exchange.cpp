@@ -87,6 +87,8 @@ class BundleExchange : public Technique {
       result.push_back("bundles are not attenuated inside volumes");
     if (parameters_.interleave == Interleave::fixed)
       result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
+    if (parameters_.interleave == Interleave::pingpong && SlotSpecular::uses_ring(parameters_) && has_specular_lobes(scene))
+      result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
     if (parameters_.final_gather == FinalGather::off && has_specular_lobes(scene))
       result.push_back("indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
     return result;
@@ -249,7 +251,7 @@ class BundleExchange : public Technique {
       step_.directions -= std::max(1u, count);
     }
     if (!parts.camera.sample()) return false;
-    parts.camera.commit(directions_ > 0 || !exchanges());
+    parts.camera.commit(shows_all());
     step_ = {};
     return true;
   }
@@ -294,6 +296,9 @@ class BundleExchange : public Technique {
   uint32_t direction_seed(uint64_t index) const {
     return (kernel_seed(seed_) ^ static_cast<uint32_t>(index + 1) * 0x9e3779b9u) * 0x85ebca6bu;
   }
+
+  /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before.
+  bool shows_all() const { return !exchanges() || (directions_ > 0 && parts_->means.carries_all(directions_ - 1)); }
 
   /// Whether slots know the direct light that they are to send.
   bool lit() const { return parts_->slot_light.complete() || context_->settings.max_bounces == 0; }
