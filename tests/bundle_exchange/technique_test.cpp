@@ -73,7 +73,7 @@ TEST_CASE("pixels that gather by bundles, transfers and the ring see the path tr
             doctest::Approx(expected).scale(0).epsilon(0.03));
     }
   }
-  const double expected = indirect_mean("path_tracing", "builtin:spheres", 2, 128, paths);
+  const double expected = indirect_mean("path_tracing", "builtin:spheres", 2, 64, paths);
   // The spheres cast caustics of about the size of a texel of 2048: with so few, chains and ring alike are 4 % too dark.
   const Options ring = with(few, {{"texels", "16384"}, {"glossy_window", "32"}, {"alpha_ring", "0.1"}});
   CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 16, ring) == doctest::Approx(expected).scale(0).epsilon(0.03));
