@@ -13,9 +13,9 @@ constexpr size_t kGathersPerSlice = 256;  // 20 to 200 ms: how soon a cancellati
 const char* const kRemedy = "lower --size";
 const char* const kRemedyPoints = "lower points_log2";
 
-std::map<std::string, std::string> definitions(const MicroParameters& p, bool sky, bool dynamic) {
+std::map<std::string, std::string> definitions(const MicroParameters& p, int edge, bool sky, bool dynamic, bool levels) {
   const auto flag = [](bool on) { return std::string(on ? "1" : "0"); };
-  return {{"MICRO_SIZE", std::to_string(p.micro_size)},
+  return {{"MICRO_SIZE", std::to_string(edge)},
           {"MICRO_CONSERVATIVE_CUT", flag(p.cut_bound == CutBound::conservative)},
           {"MICRO_SAMPLE_SPLAT", flag(p.splat == Splat::sample)},
           {"MICRO_WARP", p.warp == Warp::analytic ? "0" : p.warp == Warp::table ? "1" : "2"},
@@ -24,7 +24,9 @@ std::map<std::string, std::string> definitions(const MicroParameters& p, bool sk
           {"MICRO_RAYCAST", flag(p.raycast)},
           {"MICRO_DEPTH_BITS", p.depth_bits < 32 ? "8" : "32"},
           {"MICRO_GATHER_ENV", flag(sky)},
-          {"MICRO_DYNAMIC", flag(dynamic)}};
+          {"MICRO_DYNAMIC", flag(dynamic)},
+          {"MICRO_ERROR_CUT", flag(p.cut_error > 0)},
+          {"MICRO_LEVELS", flag(levels)}};
 }
 
 }  // namespace
@@ -52,10 +54,15 @@ size_t DynamicShading::estimate_bytes(size_t leaves) {
 
 GatherPass::GatherPass(Device& device, const MicroParameters& parameters, GatherAt at)
     : sky_(parameters.gather_env && at == GatherAt::pixels),
-      dynamic_(parameters.node_shading == NodeShading::dynamic && at == GatherAt::pixels) {
+      dynamic_(parameters.node_shading == NodeShading::dynamic && at == GatherAt::pixels),
+      levels_(parameters.keeps_levels() && at == GatherAt::pixels) {
   SourceLibrary library;
   library.add(micro_rendering_kernels());
-  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, sky_, dynamic_)});
+  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, at == GatherAt::pixels ? parameters.largest_edge() : parameters.micro_size, sky_, dynamic_, levels_)});
+}
+
+MicroSettings GatherPass::settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect) {
+  return {parameters.cut_kappa, parameters.splat_radius, seed, inspect, parameters.cut_error, 0, 0, 0};
 }
 
 void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
@@ -66,6 +73,7 @@ void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, con
     scene.bind(pass, program_, "mr_gather");
     pass.arg("sky", results.sky);
   }
+  if (levels_) pass.arg("levels", results.levels);
   if (dynamic_) pass.arg("choices", shading.choices).arg("leaf_lights", shading.leaf_lights).arg("leaf_lobes", shading.leaf_lobes);
   pass.global(capacity).local(1).slice(kGathersPerSlice)
       .arg("trees", forest.tree_records).arg("tree_count", static_cast<uint32_t>(forest.trees().size()))

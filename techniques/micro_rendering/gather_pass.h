@@ -15,6 +15,7 @@ struct GatherResults {
   TypedBuffer<float4> specular;              ///< 2 per slot; 2 elements suffice for diffuse gathers alone
   TypedBuffer<MicroStatistics> statistics;   ///< 1 per slot
   TypedBuffer<float4> micro_buffer;          ///< of the inspected slot, row by row: 64 · 64
+  TypedBuffer<float4> levels;                ///< 1 per slot, at pixels with cut_error
   TypedBuffer<float4> sky;                   ///< 3 per slot where gathers see the environment, else none
 
   GatherResults() = default;
@@ -43,6 +44,9 @@ class GatherPass {
   GatherPass() = default;
   GatherPass(Device& device, const MicroParameters& parameters, GatherAt at);
 
+  /// What all passes of these parameters have in common.
+  static MicroSettings settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect);
+
   /// Records a pass over gathers [0, gather_count[0]), at most `capacity`. `shading` is used at pixels alone.
   void record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
               const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
@@ -50,7 +54,7 @@ class GatherPass {
 
  private:
   Program program_;
-  bool sky_ = false, dynamic_ = false;
+  bool sky_ = false, dynamic_ = false, levels_ = false;
 };
 
 }  // namespace lucarium::micro

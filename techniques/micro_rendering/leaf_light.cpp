@@ -225,8 +225,7 @@ bool LeafLight::spread(uint32_t frame, uint32_t seed) {
   }
   for (int bounce = 1; bounce < bounces_; ++bounce) {
     const uint32_t number = frame * static_cast<uint32_t>(bounces_) + static_cast<uint32_t>(bounce);
-    bounce_schedule_.set(settings_, MicroSettings{parameters_.cut_kappa, parameters_.splat_radius,
-                                                  seed ^ kNodeSeed ^ (number * 0x9e3779b9u), LUCARIUM_NONE});
+    bounce_schedule_.set(settings_, GatherPass::settings(parameters_, seed ^ kNodeSeed ^ (number * 0x9e3779b9u), LUCARIUM_NONE));
     if (scheduler_.run(bounce_schedule_) == RunResult::cancelled) return false;
   }
   return true;

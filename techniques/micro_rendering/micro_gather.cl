@@ -2,6 +2,9 @@
 // Gathers light at points: one work-item per gather, in groups of one.
 #include "micro_rendering/micro_gather.clh"
 
+#ifndef MICRO_LEVELS
+#define MICRO_LEVELS 0  // 1: what the frames before have found is known (MICRO_ERROR_CUT)
+#endif
 #ifndef MICRO_GATHER_ENV
 #define MICRO_GATHER_ENV 0  // 1: empty micro-pixels see the environment
 #endif
@@ -34,6 +37,9 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
                         __global const uint* restrict gather_count, const MicroSettings settings,
                         __global float4* restrict irradiance, __global float4* restrict specular,
                         __global MicroStatistics* restrict statistics, __global float4* restrict micro_buffer,
+#if MICRO_LEVELS
+                        __global const float4* restrict levels,
+#endif
 #if MICRO_GATHER_ENV
                         LUCARIUM_SCENE_PARAMETERS __global float4* restrict sky,
 #endif
@@ -67,12 +73,22 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   const uint edges[2] = {min(lobes & 255u, (uint)MICRO_SIZE), min((lobes >> 8) & 255u, (uint)MICRO_SIZE)};
   MicroStatistics counts;
   counts.visits = counts.splats = counts.listed = counts.disc_tests = counts.holes = counts.flushes = counts.levels =
-      counts.pad = 0u;
+      counts.uneven = 0u;
+#if MICRO_LEVELS
+  const float4 level = levels[point.slot];
+#else
+  const float4 level = (float4)(0.0f);
+#endif
+  const bool flat = MICRO_ERROR_CUT && level.w < 0.0f;
+  const float kappa = settings.kappa * (flat ? MICRO_FLAT_KAPPA : 1.0f);
   MicroBuffer buffer;
   MicroWarp warp;
   for (uint lobe = MICRO_LOBE_DIFFUSE; lobe <= MICRO_LOBE_SPECULAR; ++lobe) {
     if (edges[lobe] == 0u) continue;
-    make_micro_warp(lobe, edges[lobe], half_value(lobes >> 16), to_local(&point.basis, point.view), settings.kappa, &warp);
+    make_micro_warp(lobe, edges[lobe], half_value(lobes >> 16), to_local(&point.basis, point.view), kappa, &warp);
+#if MICRO_ERROR_CUT
+    tolerate_error(&forest, settings, (lobe == MICRO_LOBE_DIFFUSE ? level.x : level.y) / unit, flat, &warp);
+#endif
     draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
     float3 grazing;
     const float4 light = micro_light(&warp, &point, &buffer, &node_light, &grazing, &counts);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parameters of the technique; names and defaults as in the specification, section 3.
 #pragma once
+#include <algorithm>
+
 #include "lucarium/technique/parameters.h"
 
 namespace lucarium::micro {
@@ -17,6 +19,7 @@ struct MicroParameters {
   int micro_size = 24;
   float cut_kappa = 1;
   CutBound cut_bound = CutBound::conservative;
+  float cut_error = 0;
   Splat splat = Splat::sample;
   float splat_radius = 1.35f;
   float disc_scale = 1.6f;
@@ -26,6 +29,7 @@ struct MicroParameters {
   bool raycast = true;
   bool morton = true;
   Backface backface = Backface::black;
+  float adaptive = 0;
   int gather_step = 1;
   float upsample_fail = 0.05f;
   bool gather_env = false;
@@ -44,6 +48,11 @@ struct MicroParameters {
   int batch_gathers = 16384;
   int inspect_x = -1, inspect_y = -1;
 
+  /// Longest edge of a micro-buffer.
+  int largest_edge() const { return adaptive > 0 ? std::min(64, micro_size * 3 / 2) : micro_size; }
+  /// Whether gathers at pixels know what the frames before have found.
+  bool keeps_levels() const { return cut_error > 0 || adaptive > 0; }
+
   template <class V>
   void describe(V& v) {
     v.number("points_log2", points_log2, 10, 23, "log2", "points on the scene's surfaces: leaves of the hierarchy");
@@ -51,6 +60,8 @@ struct MicroParameters {
     v.number("cut_kappa", cut_kappa, 0.25f, 4, "micro-pixels", "solid angle above which a node is split");
     v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"centre", CutBound::centre}},
              "size of a micro-pixel that a node is compared with: the smallest over the node, or that at its centre");
+    v.number("cut_error", cut_error, 0, 1, "",
+             "share of a micro-buffer's mean that a node may err by: uneven ones are split, to cut_kappa / 4; where all are even the cut is 4 times as coarse; 0: off");
     v.choice("splat", splat, {{"sample", Splat::sample}, {"nearest", Splat::nearest}},
              "which micro-pixels a node covers: those whose sample direction meets its disc, or the one at its centre");
     v.number("splat_radius", splat_radius, 0.8f, 1.7f, "", "radius of a splat over that of the disc of the node's area");
@@ -63,6 +74,8 @@ struct MicroParameters {
     v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
+    v.number("adaptive", adaptive, 0, 1, "",
+             "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long; 0: off");
     v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 a frame is one iteration");
     v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
     v.flag("gather_env", gather_env, "empty micro-pixels see the environment; light samples of the layer direct leave it out");

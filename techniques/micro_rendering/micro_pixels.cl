@@ -8,6 +8,9 @@
 #ifndef MICRO_GATHER_ENV
 #define MICRO_GATHER_ENV 0  // as micro_gather.cl
 #endif
+#ifndef MICRO_LEVELS
+#define MICRO_LEVELS 0  // as micro_gather.cl
+#endif
 
 #define MICRO_NO_GATHER 0x40000000u  // key of a pixel that gathers nothing: behind all others
 
@@ -67,10 +70,22 @@ __kernel void mr_list_keys(__global const SceneInfo* restrict scene_info, __glob
   keys[i] = morton ? morton_of(scene_info, points[pixel].position.xyz) : i;
 }
 
+#if MICRO_LEVELS
+// Whether frames differ by more than `adaptive` of their mean; below 0 all do, at 0 none.
+bool needs_more(float4 level, float adaptive) {
+  const float frames = fabs(level.w);
+  return adaptive < 0.0f || (adaptive > 0.0f && frames > 1.5f && level.z > sqr(adaptive * (level.x + level.y)) * (frames - 1.0f));
+}
+#endif
+
 // Writes the gathers of the sorted pixels; gather_count[0] becomes their number.
 __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                            __global const uint* restrict keys, __global const uint* restrict values, const uint count,
-                           const uint micro_size, __global MicroGather* restrict gathers,
+                           const uint micro_size,
+#if MICRO_LEVELS
+                           __global const float4* restrict levels, const float adaptive, const uint larger,
+#endif
+                           __global MicroGather* restrict gathers,
                            __global uint* restrict gather_count) {
   const uint i = get_global_id(0);
   if (i >= count) return;
@@ -81,7 +96,11 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   LUCARIUM_SCENE_BIND(scene);
   const Surface surface = gbuffer_surface(&scene, points + values[i]);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
-  const uint2 sizes = micro_buffer_sizes(&scene, &bsdf, micro_size);
+  uint size = micro_size;
+#if MICRO_LEVELS
+  if (needs_more(levels[values[i]], adaptive)) size = larger;
+#endif
+  const uint2 sizes = micro_buffer_sizes(&scene, &bsdf, size);
   ushort alpha;
   vstore_half(bsdf.alpha, 0, (half*)&alpha);
   MicroGather gather;
@@ -200,6 +219,9 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
                               const MicroSubImage sub, __global const float4* restrict irradiance,
                               __global const float4* restrict specular, __global const MicroStatistics* restrict statistics,
                               __global const uint* restrict failed, __global float4* restrict indirect,
+#if MICRO_LEVELS
+                              __global float4* restrict levels,
+#endif
 #if MICRO_GATHER_ENV
                               __global const float4* restrict sky, __global float4* restrict sky_light,
 #endif
@@ -218,6 +240,16 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
     sky_light[pixel] += (float4)(throughput * reflected_light(&bsdf, sky[3u * pixel].xyz, sky[3u * pixel + 1u].xyz, sky[3u * pixel + 2u].xyz), 0.0f);
 #endif
     const MicroStatistics s = statistics[pixel];
+#if MICRO_LEVELS
+    if (s.visits > 0u) {
+      const float2 now = (float2)(M_1_PI_F * max_component(irradiance[pixel].xyz), max_component(specular[2u * pixel].xyz));
+      const float4 before = levels[pixel];
+      const float frames = fabs(before.w) + 1.0f;
+      const float2 mean = mix(before.xy, now, 1.0f / frames);
+      const float squares = (now.x + now.y - before.x - before.y) * (now.x + now.y - mean.x - mean.y);  // Welford 1962
+      levels[pixel] = (float4)(mean, before.z + squares, s.uneven ? frames : -frames);
+    }
+#endif
     looks[pixel] += (float4)((float)s.levels / (float)max(s.splats + s.listed, 1u), (float)s.listed, (float)s.visits, (float)failed[pixel]);
   }
   indirect[pixel] += (float4)(light, 1.0f);
@@ -250,7 +282,7 @@ __kernel void mr_sum_statistics(__global const GBufferPoint* restrict points, co
     sum.holes += s.holes;
     sum.flushes += s.flushes;
     sum.levels += s.listed > 0u;
-    sum.pad += s.visits > 0u;
+    sum.uneven += s.visits > 0u;
   }
   sums[get_global_id(0)] = sum;
 }

@@ -20,7 +20,7 @@ const char* const kRemedy = "lower --size";
 Program pixel_program(Device& device, const MicroParameters& parameters) {
   SourceLibrary library;
   library.add(micro_rendering_kernels());
-  return Program(device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {{"MICRO_GATHER_ENV", parameters.gather_env ? "1" : "0"}}});
+  return Program(device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {{"MICRO_GATHER_ENV", parameters.gather_env ? "1" : "0"}, {"MICRO_LEVELS", parameters.keeps_levels() ? "1" : "0"}}});
 }
 
 /// Distance between the pixels of a sub-image: a power of two that leaves no more than `most` of them.
@@ -57,6 +57,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
   if (inside(parameters.inspect_x, width) && inside(parameters.inspect_y, height))
     inspect_ = static_cast<uint32_t>(parameters.inspect_y) * width + static_cast<uint32_t>(parameters.inspect_x);
   results_ = GatherResults(device, owner, "pixels'", pixels, true, parameters.gather_env);
+  if (parameters.keeps_levels()) results_.levels = TypedBuffer<float4>(device, owner, "levels of micro-buffers", pixels, kRemedy);
   added_ = interpolates() ? width * height : capacity_;
   failed_ = TypedBuffer<uint32_t>(device, owner, "failed interpolations", pixels, kRemedy);
   failed_count_ = TypedBuffer<uint32_t>(device, owner, "number of failed interpolations", 1);
@@ -112,20 +113,22 @@ void PixelGather::record_gather() {
   scene_.bind(keying, program_, "mr_list_keys");
   keying.global(capacity_).local(kLocalSize).arg("points", points_).arg("sub", gather_sub_)
       .arg("morton", parameters_.morton ? 1u : 0u).arg("capacity", capacity_).arg("keys", keys).arg("values", values);
-  list_gathers(recorder, keys, values, gather_count_, capacity_);
+  list_gathers(recorder, keys, values, gather_count_, capacity_, false);
   if (interpolates()) record_upsample(recorder);
   gather_schedule_ = recorder.compile();
 }
 
-/// From keys of pixels to gathers in their order, and the gathers themselves.
+/// From keys of pixels to gathers in their order, and the gathers themselves. `failed`: where interpolation failed.
 void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys, const BufferRef& values, const BufferRef& count,
-                               uint32_t capacity) {
+                               uint32_t capacity, bool failed) {
   const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity, kRemedy);
   primitives_.record_sort_pairs(recorder, "sort pixels", keys, values, capacity, 31);
   PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
   scene_.bind(fill, program_, "mr_list_fill");
   fill.global(capacity).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity)
       .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", count);
+  if (parameters_.keeps_levels())
+    fill.arg("levels", results_.levels).arg("adaptive", failed ? -1.f : parameters_.adaptive).arg("larger", static_cast<uint32_t>(parameters_.largest_edge()));
   gather_.record(recorder, "gather", scene_, forest_, gathers, count, capacity, settings_, results_, shading_);
 }
 
@@ -142,7 +145,7 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
       .arg("irradiance", results_.irradiance).arg("specular", results_.specular).arg("statistics", results_.statistics)
       .arg("keys", keys).arg("values", values).arg("failed", failed_);
   if (parameters_.gather_env) pass.arg("sky", results_.sky);
-  list_gathers(recorder, keys, values, failed_count_, pixels);
+  list_gathers(recorder, keys, values, failed_count_, pixels, true);
 }
 
 void PixelGather::record_add() {
@@ -154,6 +157,7 @@ void PixelGather::record_add() {
       .arg("specular", results_.specular).arg("statistics", results_.statistics).arg("failed", failed_)
       .arg("indirect", indirect_).arg("looks", looks_);
   if (parameters_.gather_env) pass.arg("sky", results_.sky).arg("sky_light", sky_);
+  if (parameters_.keeps_levels()) pass.arg("levels", results_.levels);
   const uint32_t runs = (added_ + kRun - 1) / kRun;
   const BufferRef sums = recorder.transient<MicroStatistics>("sums of statistics", runs);
   recorder.pass("sum statistics", program_, "mr_sum_statistics").global(runs).local(1).arg("points", points_).arg("sub", add_sub_)
@@ -178,14 +182,13 @@ void PixelGather::count(std::span<const std::byte> sums) {
     counters_["holes"] += s.holes;
     counters_["list flushes"] += s.flushes;
     counters_["gathers with a list"] += s.levels;
-    counters_["gathers"] += s.pad;
+    counters_["gathers"] += s.uneven;
   }
 }
 
 bool PixelGather::gather(uint32_t batch, uint32_t frame, uint32_t seed) {
   gather_schedule_.set(gather_sub_, sub_image(batch));
-  gather_schedule_.set(settings_, MicroSettings{parameters_.cut_kappa, parameters_.splat_radius, seed ^ (frame * 0x85ebca6bu),
-                                                inspects(batch) ? inspect_ : LUCARIUM_NONE});
+  gather_schedule_.set(settings_, GatherPass::settings(parameters_, seed ^ (frame * 0x85ebca6bu), inspects(batch) ? inspect_ : LUCARIUM_NONE));
   return scheduler_.run(gather_schedule_) == RunResult::done;
 }
 
@@ -200,6 +203,7 @@ void PixelGather::restart() {
   indirect_.fill_zero();
   looks_.fill_zero();
   if (parameters_.gather_env) sky_.fill_zero();
+  if (parameters_.keeps_levels()) results_.levels.fill_zero();
   kept_micro_buffer_.fill_zero();
 }
 
@@ -239,7 +243,7 @@ void PixelGather::resolve(Film& film) const {
 /// The micro-buffer in the upper left corner of a layer, enlarged as far as the image allows.
 void PixelGather::resolve_micro_buffer(Film& film) const {
   const std::vector<float4> buffer = kept_micro_buffer_.download();
-  const auto edge = static_cast<uint32_t>(parameters_.micro_size);
+  const auto edge = static_cast<uint32_t>(parameters_.largest_edge());
   const uint32_t enlarged = std::max(1u, std::min(width_, height_) / edge);
   FilmLayer& layer = film.layer("micro_buffer");
   for (uint32_t y = 0; y < std::min(height_, edge * enlarged); ++y) {
@@ -253,8 +257,8 @@ void PixelGather::resolve_micro_buffer(Film& film) const {
 size_t PixelGather::estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters) {
   const size_t pixels = size_t{width} * height;
   const size_t batch = parameters.gather_step > 1 ? 2 * pixels : std::min(pixels, static_cast<size_t>(parameters.batch_gathers));
-  const bool sky = parameters.gather_env;
-  return GatherResults::estimate_bytes(pixels, true, sky) + pixels * ((sky ? 3 : 2) * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
+  const bool sky = parameters.gather_env, levels = parameters.keeps_levels();
+  return GatherResults::estimate_bytes(pixels, true, sky) + pixels * ((2 + sky + levels) * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
          batch * (4 * sizeof(uint32_t) + sizeof(MicroGather)) + (size_t{1} << 18);
 }
 

@@ -42,7 +42,8 @@ class PixelGather {
   bool inspects(uint32_t batch) const;
   void record_gather();
   void record_upsample(ScheduleRecorder& recorder);
-  void list_gathers(ScheduleRecorder& recorder, const BufferRef& keys, const BufferRef& values, const BufferRef& count, uint32_t capacity);
+  void list_gathers(ScheduleRecorder& recorder, const BufferRef& keys, const BufferRef& values, const BufferRef& count, uint32_t capacity,
+                    bool failed);
   void record_add();
   void count(std::span<const std::byte> sums);
   void resolve_micro_buffer(Film& film) const;

@@ -108,6 +108,9 @@ LUCARIUM_STRUCT_END(MicroSubImage, 32)
 //   specular    2 float4: xyz of S and S_w [cd/m²]; w: 0. What leaves by the specular lobe is F0 (S - S_w) + F90 S_w,
 //               since Schlick's F = F0 + (F90 - F0) w: S sums L G2 / G1 over the lobe's micro-buffer, S_w that times w.
 //   sky         (MICRO_GATHER_ENV) 3 float4: the same three of the environment seen through empty micro-pixels
+//   levels      (MICRO_LEVELS, read) float4: x y running means of the diffuse and the specular micro-buffer, brightest
+//               channel [cd/m²], 0: none yet; z: sum of their sum's squared deviations from its mean; w: of how many
+//               frames, below 0 where the last cut was flat
 //   statistics  MicroStatistics
 LUCARIUM_STRUCT_BEGIN(MicroStatistics)
   uint visits;      // nodes tested
@@ -117,7 +120,7 @@ LUCARIUM_STRUCT_BEGIN(MicroStatistics)
   uint holes;       // micro-pixels that stayed empty, before they were filled
   uint flushes;     // lists that were full
   uint levels;      // sum of the levels of the nodes of the cut
-  uint pad;
+  uint uneven;      // 1: some node was not flat enough for a coarse cut (MICRO_ERROR_CUT)
 LUCARIUM_STRUCT_END(MicroStatistics, 32)
 
 // The gather kernel, micro_gather.cl, is bound by gather_pass.cpp by these names:
@@ -126,6 +129,7 @@ LUCARIUM_STRUCT_END(MicroStatistics, 32)
 //                           __global const MicroGather* gathers, __global const uint* gather_count,
 //                           MicroSettings settings, __global float4* irradiance, __global float4* specular,
 //                           __global MicroStatistics* statistics, __global float4* micro_buffer,
+//                           [MICRO_LEVELS: __global const float4* levels,]
 //                           [MICRO_GATHER_ENV: LUCARIUM_SCENE_PARAMETERS __global float4* sky,]
 //                           [MICRO_DYNAMIC: __global const MicroNodeChoice* choices,
 //                           __global const MicroLeafLight* leaf_lights, __global const MicroLeafLobe* leaf_lobes,]
@@ -139,6 +143,8 @@ LUCARIUM_STRUCT_BEGIN(MicroSettings)
   float splat_radius;  // c_s: radius of a splat in those of the disc of the node's area
   uint seed;           // of the jitter and of the frames; another one for every iteration
   uint inspect;        // slot whose micro-buffer is wanted, LUCARIUM_NONE: none
-LUCARIUM_STRUCT_END(MicroSettings, 16)
+  float cut_error;     // share of a micro-buffer's mean that a node may err by (MICRO_ERROR_CUT)
+  float pad0, pad1, pad2;
+LUCARIUM_STRUCT_END(MicroSettings, 32)
 
 #endif
