@@ -70,6 +70,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
 #endif
   const MicroPoint point = make_micro_point(gathers + i, settings.seed);
   const uint lobes = gathers[i].lobes;
+  const float eta = gathers[i].eta;
   const uint edges[2] = {min(lobes & 255u, (uint)MICRO_SIZE), min((lobes >> 8) & 255u, (uint)MICRO_SIZE)};
   MicroStatistics counts;
   counts.visits = counts.splats = counts.listed = counts.disc_tests = counts.holes = counts.flushes = counts.levels =
@@ -85,7 +86,8 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   MicroWarp warp;
   for (uint lobe = MICRO_LOBE_DIFFUSE; lobe <= MICRO_LOBE_SPECULAR; ++lobe) {
     if (edges[lobe] == 0u) continue;
-    make_micro_warp(lobe, edges[lobe], half_value(lobes >> 16), to_local(&point.basis, point.view), kappa, &warp);
+    const uint kind = lobe == MICRO_LOBE_SPECULAR && eta > 0.0f ? MICRO_LOBE_REFRACTED : lobe;
+    make_micro_warp(kind, edges[lobe], half_value(lobes >> 16), eta, to_local(&point.basis, point.view), kappa, &warp);
 #if MICRO_ERROR_CUT
     tolerate_error(&forest, settings, (lobe == MICRO_LOBE_DIFFUSE ? level.x : level.y) / unit, flat, &warp);
 #endif

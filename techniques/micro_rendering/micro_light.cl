@@ -184,6 +184,7 @@ __kernel void mr_node_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf
   gather.geometric = pack_direction(surface.n_g);
   gather.view = gather.geometric;
   gather.lobes = micro_size;
+  gather.eta = 0.0f;
   gathers[first_slot + i] = gather;
 }
 

@@ -30,6 +30,10 @@ Surface gbuffer_surface(const Scene* scene, const global GBufferPoint* point) {
 
 bool has_glossy_lobe(const Bsdf* bsdf) { return bsdf->p_reflect > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION); }
 
+bool has_rough_transmission(const Bsdf* bsdf) {
+  return bsdf->p_transmit > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION);
+}
+
 // Edges of the micro-buffers: a lobe alone gets all of `size`; two share its pixels by luminance, at least 8 x 8 each.
 uint2 micro_buffer_sizes(const Scene* scene, const Bsdf* bsdf, uint size) {
   const float diffuse = luminance(bsdf->diffuse);
@@ -55,19 +59,32 @@ uint morton_of(const global SceneInfo* info, float3 position) {
   return x.x | (x.y << 1) | (x.z << 2);
 }
 
-// keys: Morton order of the points, or of the pixels; values: the pixels.
-__kernel void mr_list_keys(__global const SceneInfo* restrict scene_info, __global const GBufferPoint* restrict points,
-                           const MicroSubImage sub, const uint morton, const uint capacity,
+// keys: Morton order of the points, or of the pixels; values: the slots. Slots are pixels, and behind `pixels` of them the
+// far sides of surfaces that transmit: entry i + capacity is that of entry i, where sides is 2.
+__kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
+                           const MicroSubImage sub, const uint morton, const uint capacity, const uint pixels,
+                           const uint sides, __global MicroStatistics* restrict statistics,
                            __global uint* restrict keys, __global uint* restrict values) {
   const uint i = get_global_id(0);
   if (i >= capacity) return;
-  keys[i] = MICRO_NO_GATHER;
-  values[i] = 0u;
+  for (uint side = 0; side < sides; ++side) {
+    keys[i + side * capacity] = MICRO_NO_GATHER;
+    values[i + side * capacity] = 0u;
+  }
   if (i >= sub.width * sub.height) return;
+  LUCARIUM_SCENE_BIND(scene);
   const uint pixel = sub_image_pixel(sub, i);
-  values[i] = pixel;
+  const MicroStatistics none = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
+  for (uint side = 0; side < sides; ++side) statistics[pixel + side * pixels] = none;
   if (points[pixel].state != LUCARIUM_GBUFFER_SURFACE) return;
+  values[i] = pixel;
   keys[i] = morton ? morton_of(scene_info, points[pixel].position.xyz) : i;
+  if (sides == 1u) return;
+  const Surface surface = gbuffer_surface(&scene, points + pixel);
+  const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+  if (!has_rough_transmission(&bsdf)) return;
+  values[i + capacity] = pixel + pixels;
+  keys[i + capacity] = keys[i];
 }
 
 #if MICRO_LEVELS
@@ -81,7 +98,7 @@ bool needs_more(float4 level, float adaptive) {
 // Writes the gathers of the sorted pixels; gather_count[0] becomes their number.
 __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                            __global const uint* restrict keys, __global const uint* restrict values, const uint count,
-                           const uint micro_size,
+                           const uint pixels, const uint micro_size,
 #if MICRO_LEVELS
                            __global const float4* restrict levels, const float adaptive, const uint larger,
 #endif
@@ -94,21 +111,25 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   if (mine && (i + 1u == count || keys[i + 1u] >= MICRO_NO_GATHER)) gather_count[0] = i + 1u;
   if (!mine) return;
   LUCARIUM_SCENE_BIND(scene);
-  const Surface surface = gbuffer_surface(&scene, points + values[i]);
+  const uint pixel = values[i] % pixels;
+  const bool through = values[i] >= pixels;
+  const Surface surface = gbuffer_surface(&scene, points + pixel);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   uint size = micro_size;
 #if MICRO_LEVELS
-  if (needs_more(levels[values[i]], adaptive)) size = larger;
+  if (needs_more(levels[pixel], adaptive)) size = larger;
 #endif
-  const uint2 sizes = micro_buffer_sizes(&scene, &bsdf, size);
+  const uint2 sizes = through ? (uint2)(0u, size) : micro_buffer_sizes(&scene, &bsdf, size);
   ushort alpha;
   vstore_half(bsdf.alpha, 0, (half*)&alpha);
   MicroGather gather;
   gather.position = (float4)(surface.position, as_float(values[i]));
-  gather.normal = pack_direction(surface.n_s);
-  gather.geometric = pack_direction(surface.n_g);
-  gather.view = pack_direction(surface.view);
+  const float3 n_s = through ? -surface.n_s : surface.n_s;
+  gather.normal = pack_direction(n_s);
+  gather.geometric = pack_direction(through ? -surface.n_g : surface.n_g);
+  gather.view = pack_direction(through ? surface.view - 2.0f * dot(surface.n_s, surface.view) * surface.n_s : surface.view);
   gather.lobes = sizes.x | (sizes.y << 8) | ((uint)alpha << 16);
+  gather.eta = through && !(bsdf.flags & LUCARIUM_BSDF_THIN) ? bsdf.eta : 0.0f;
   gathers[i] = gather;
 }
 
@@ -133,21 +154,23 @@ float3 mirrored_view(const global GBufferPoint* point) {
 __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint width,
                           const uint height, const uint stride, const float least, const float2 footprint,
                           const uint morton, __global float4* restrict irradiance, __global float4* restrict specular,
-                          __global MicroStatistics* restrict statistics, __global uint* restrict keys,
-                          __global uint* restrict values,
+                          __global MicroStatistics* restrict statistics, const uint sides,
+                          __global uint* restrict keys, __global uint* restrict values,
 #if MICRO_GATHER_ENV
                           __global float4* restrict sky,
 #endif
                           __global uint* restrict failed) {
-  const uint pixel = get_global_id(0);
-  if (pixel >= width * height) return;
+  const uint pixel = get_global_id(0), pixels = width * height;
+  if (pixel >= pixels) return;
   const uint x = pixel % width, y = pixel / width;
-  keys[pixel] = MICRO_NO_GATHER;
-  values[pixel] = pixel;
+  for (uint side = 0; side < sides; ++side) {
+    keys[pixel + side * pixels] = MICRO_NO_GATHER;
+    values[pixel + side * pixels] = pixel + side * pixels;
+  }
   failed[pixel] = 0u;
   if (x % stride == 0u && y % stride == 0u) return;
   const MicroStatistics none = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
-  statistics[pixel] = none;
+  for (uint side = 0; side < sides; ++side) statistics[pixel + side * pixels] = none;
   const global GBufferPoint* point = points + pixel;
   if (point->state != LUCARIUM_GBUFFER_SURFACE) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -200,9 +223,12 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   sky[3u * pixel + 1u] = all.w > 0.0f ? sky_all / all.w : (float4)(0.0f);
   sky[3u * pixel + 2u] = all.w > 0.0f ? sky_grazing / all.w : (float4)(0.0f);
 #endif
-  if (!(needs_diffuse && diffuse.w < least) && !(glossy && all.w < least)) return;
+  // What shines through is as sharp as what is mirrored, and is not interpolated.
+  const bool through = sides == 2u && has_rough_transmission(&bsdf);
+  if (!through && !(needs_diffuse && diffuse.w < least) && !(glossy && all.w < least)) return;
   failed[pixel] = 1u;
   keys[pixel] = morton ? morton_of(scene.scene_info, point->position.xyz) : pixel;
+  if (through) keys[pixel + pixels] = keys[pixel];
 }
 
 // What a point reflects of a gather's results: irradiance, and S and S_w of the specular lobe.
@@ -213,12 +239,18 @@ float3 reflected_light(const Bsdf* bsdf, float3 irradiance, float3 all, float3 g
   return light;
 }
 
+// What it transmits, from the same of its far side.
+float3 transmitted_light(const Bsdf* bsdf, float3 all, float3 grazing) {
+  return bsdf->transmission * ((1.0f - bsdf->dielectric_f0) * all - (bsdf->dielectric_f90 - bsdf->dielectric_f0) * grazing);
+}
+
 // Adds the light that the pixels of a sub-image reflect: xyz sum, w samples; sky_light: of the environment. looks: sums of what the inspection layers
 // show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1 where interpolation failed.
 __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                               const MicroSubImage sub, __global const float4* restrict irradiance,
                               __global const float4* restrict specular, __global const MicroStatistics* restrict statistics,
-                              __global const uint* restrict failed, __global float4* restrict indirect,
+                              __global const uint* restrict failed, const uint pixels, const uint sides,
+                              __global float4* restrict indirect,
 #if MICRO_LEVELS
                               __global float4* restrict levels,
 #endif
@@ -235,9 +267,15 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
     const Surface surface = gbuffer_surface(&scene, points + pixel);
     const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
     const float3 throughput = points[pixel].throughput.xyz;
-    light = throughput * reflected_light(&bsdf, irradiance[pixel].xyz, specular[2u * pixel].xyz, specular[2u * pixel + 1u].xyz);
+    const uint far = pixel + pixels;
+    const bool through = sides == 2u && has_rough_transmission(&bsdf);
+    light = reflected_light(&bsdf, irradiance[pixel].xyz, specular[2u * pixel].xyz, specular[2u * pixel + 1u].xyz);
+    if (through) light += transmitted_light(&bsdf, specular[2u * far].xyz, specular[2u * far + 1u].xyz);
+    light *= throughput;
 #if MICRO_GATHER_ENV
-    sky_light[pixel] += (float4)(throughput * reflected_light(&bsdf, sky[3u * pixel].xyz, sky[3u * pixel + 1u].xyz, sky[3u * pixel + 2u].xyz), 0.0f);
+    float3 from_sky = reflected_light(&bsdf, sky[3u * pixel].xyz, sky[3u * pixel + 1u].xyz, sky[3u * pixel + 2u].xyz);
+    if (through) from_sky += transmitted_light(&bsdf, sky[3u * far + 1u].xyz, sky[3u * far + 2u].xyz);
+    sky_light[pixel] += (float4)(throughput * from_sky, 0.0f);
 #endif
     const MicroStatistics s = statistics[pixel];
 #if MICRO_LEVELS
@@ -267,22 +305,24 @@ __kernel void mr_add_direct(__global const GBufferPoint* restrict points, const 
 
 // Sums over runs of `run` pixels of a sub-image.
 __kernel void mr_sum_statistics(__global const GBufferPoint* restrict points, const MicroSubImage sub, const uint run,
-                                __global const MicroStatistics* restrict statistics,
-                                __global MicroStatistics* restrict sums) {
+                                __global const MicroStatistics* restrict statistics, const uint pixels,
+                                const uint sides, __global MicroStatistics* restrict sums) {
   const uint first = get_global_id(0) * run, end = min(first + run, sub.width * sub.height);
   MicroStatistics sum = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
   for (uint i = first; i < end; ++i) {
     const uint pixel = sub_image_pixel(sub, i);
     if (points[pixel].state != LUCARIUM_GBUFFER_SURFACE) continue;
-    const MicroStatistics s = statistics[pixel];
-    sum.visits += s.visits;
-    sum.splats += s.splats;
-    sum.listed += s.listed;
-    sum.disc_tests += s.disc_tests;
-    sum.holes += s.holes;
-    sum.flushes += s.flushes;
-    sum.levels += s.listed > 0u;
-    sum.uneven += s.visits > 0u;
+    for (uint side = 0; side < sides; ++side) {
+      const MicroStatistics s = statistics[pixel + side * pixels];
+      sum.visits += s.visits;
+      sum.splats += s.splats;
+      sum.listed += s.listed;
+      sum.disc_tests += s.disc_tests;
+      sum.holes += s.holes;
+      sum.flushes += s.flushes;
+      sum.levels += s.listed > 0u;
+      sum.uneven += s.visits > 0u;
+    }
   }
   sums[get_global_id(0)] = sum;
 }

@@ -50,7 +50,7 @@ TechniqueInfo micro_rendering_info() {
       "T. Ritschel, T. Engelhardt, T. Grosch, H.-P. Seidel, J. Kautz and C. Dachsbacher, Micro-Rendering for Scalable, "
       "Parallel Final Gathering, SIGGRAPH Asia 2009";
   info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "mask", "blend", "normal_map"};
+  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
   info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
   info.capabilities.bias = 0.02;
   info.capabilities.pixel_sampling = {};
@@ -92,7 +92,7 @@ class MicroRendering : public Technique {
     const size_t forest = PointForest::estimate_bytes(scene, forest_options());
     const size_t leaves = forest / (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)));
     return bytes + forest + LeafLight::estimate_bytes(parameters_, leaves, bounces(settings)) +
-           PixelGather::estimate_bytes(settings.width, settings.height, parameters_);
+           PixelGather::estimate_bytes(settings.width, settings.height, parameters_, transmits(scene));
   }
 
   void prepare(const TechniqueContext& context) override {
@@ -118,7 +118,7 @@ class MicroRendering : public Technique {
     }
     const bool rebuilt = forest_ && !forest_->update(change);
     if (rebuilt) make_forest();
-    if (rebuilt || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
+    if (rebuilt || transmits(context_->scene) != transmits_ || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
       make_passes();
       return;
     }
@@ -172,6 +172,11 @@ class MicroRendering : public Technique {
   }
 
  private:
+  /// Whether some surface is rough and lets light through.
+  static bool transmits(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) { return m.transmission > 0 && m.roughness >= LUCARIUM_MIRROR_ROUGHNESS; });
+  }
+
   int bounces(const RenderSettings& settings) const {
     return settings.max_bounces < 0 ? parameters_.unlimited_bounces : settings.max_bounces;
   }
@@ -205,6 +210,7 @@ class MicroRendering : public Technique {
     KernelScheduler& scheduler = context_->scheduler;
     const SceneBuffers& scene = context_->scene_buffers;
     const RenderSettings& settings = context_->settings;
+    transmits_ = transmits(context_->scene);
     direct_schedule_ = {};
     pixels_.reset();
     leaf_light_.reset();
@@ -227,7 +233,7 @@ class MicroRendering : public Technique {
       leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, node_gather_, parameters_,
                                                 bounces(settings), kName);
       pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, gbuffer_->points(), settings.width, settings.height,
-                                              *forest_, gather_, leaf_light_->shading(), parameters_, kName);
+                                              *forest_, gather_, leaf_light_->shading(), parameters_, transmits_, kName);
     }
     scene_generation_ = scene.generation();
     bvh_generation_ = context_->bvh().generation();
@@ -277,6 +283,7 @@ class MicroRendering : public Technique {
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1;
   uint32_t frame_ = 0, batch_ = 0;
+  bool transmits_ = false;
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;
   Program program_;
   GatherPass gather_, node_gather_;

@@ -34,7 +34,7 @@ uint32_t sub_image_stride(uint32_t width, uint32_t height, uint32_t most) {
 
 PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                          const TypedBuffer<GBufferPoint>& points, uint32_t width, uint32_t height, const PointForest& forest,
-                         const GatherPass& gather, const DynamicShading& shading, const MicroParameters& parameters,
+                         const GatherPass& gather, const DynamicShading& shading, const MicroParameters& parameters, bool transmits,
                          const std::string& owner)
     : device_(device),
       scheduler_(scheduler),
@@ -53,10 +53,11 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
       primitives_(device) {
   const size_t pixels = size_t{width} * height;
   capacity_ = ((width + stride_ - 1) / stride_) * ((height + stride_ - 1) / stride_);
+  sides_ = transmits ? 2 : 1;
   const auto inside = [](int x, uint32_t size) { return x >= 0 && static_cast<uint32_t>(x) < size; };
   if (inside(parameters.inspect_x, width) && inside(parameters.inspect_y, height))
     inspect_ = static_cast<uint32_t>(parameters.inspect_y) * width + static_cast<uint32_t>(parameters.inspect_x);
-  results_ = GatherResults(device, owner, "pixels'", pixels, true, parameters.gather_env);
+  results_ = GatherResults(device, owner, "pixels'", sides_ * pixels, true, parameters.gather_env);
   if (parameters.keeps_levels()) results_.levels = TypedBuffer<float4>(device, owner, "levels of micro-buffers", pixels, kRemedy);
   added_ = interpolates() ? width * height : capacity_;
   failed_ = TypedBuffer<uint32_t>(device, owner, "failed interpolations", pixels, kRemedy);
@@ -107,13 +108,14 @@ void PixelGather::record_gather() {
   ScheduleRecorder recorder = scheduler_.record("gather at pixels", owner_);
   gather_sub_ = recorder.variable("sub_image", MicroSubImage{});
   settings_ = recorder.variable("settings", MicroSettings{});
-  const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", capacity_, kRemedy);
-  const BufferRef values = recorder.transient<uint32_t>("sorted pixels", capacity_, kRemedy);
+  const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", size_t{sides_} * capacity_, kRemedy);
+  const BufferRef values = recorder.transient<uint32_t>("sorted pixels", size_t{sides_} * capacity_, kRemedy);
   PassBuilder keying = recorder.pass("keys of pixels", program_, "mr_list_keys");
   scene_.bind(keying, program_, "mr_list_keys");
   keying.global(capacity_).local(kLocalSize).arg("points", points_).arg("sub", gather_sub_)
-      .arg("morton", parameters_.morton ? 1u : 0u).arg("capacity", capacity_).arg("keys", keys).arg("values", values);
-  list_gathers(recorder, keys, values, gather_count_, capacity_, false);
+      .arg("morton", parameters_.morton ? 1u : 0u).arg("capacity", capacity_).arg("pixels", width_ * height_)
+      .arg("sides", sides_).arg("statistics", results_.statistics).arg("keys", keys).arg("values", values);
+  list_gathers(recorder, keys, values, gather_count_, sides_ * capacity_, false);
   if (interpolates()) record_upsample(recorder);
   gather_schedule_ = recorder.compile();
 }
@@ -126,7 +128,7 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
   PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
   scene_.bind(fill, program_, "mr_list_fill");
   fill.global(capacity).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity)
-      .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", count);
+      .arg("pixels", width_ * height_).arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", count);
   if (parameters_.keeps_levels())
     fill.arg("levels", results_.levels).arg("adaptive", failed ? -1.f : parameters_.adaptive).arg("larger", static_cast<uint32_t>(parameters_.largest_edge()));
   gather_.record(recorder, "gather", scene_, forest_, gathers, count, capacity, settings_, results_, shading_);
@@ -136,16 +138,16 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
 void PixelGather::record_upsample(ScheduleRecorder& recorder) {
   const uint32_t pixels = width_ * height_;
   footprint_ = recorder.variable("footprint", float2(0, 0));
-  const BufferRef keys = recorder.transient<uint32_t>("keys of failed pixels", pixels, kRemedy);
-  const BufferRef values = recorder.transient<uint32_t>("sorted failed pixels", pixels, kRemedy);
+  const BufferRef keys = recorder.transient<uint32_t>("keys of failed pixels", size_t{sides_} * pixels, kRemedy);
+  const BufferRef values = recorder.transient<uint32_t>("sorted failed pixels", size_t{sides_} * pixels, kRemedy);
   PassBuilder pass = recorder.pass("upsample", program_, "mr_upsample");
   scene_.bind(pass, program_, "mr_upsample");
   pass.global(pixels).local(kLocalSize).arg("points", points_).arg("width", width_).arg("height", height_).arg("stride", stride_)
       .arg("least", parameters_.upsample_fail).arg("footprint", footprint_).arg("morton", parameters_.morton ? 1u : 0u)
       .arg("irradiance", results_.irradiance).arg("specular", results_.specular).arg("statistics", results_.statistics)
-      .arg("keys", keys).arg("values", values).arg("failed", failed_);
+      .arg("sides", sides_).arg("keys", keys).arg("values", values).arg("failed", failed_);
   if (parameters_.gather_env) pass.arg("sky", results_.sky);
-  list_gathers(recorder, keys, values, failed_count_, pixels, true);
+  list_gathers(recorder, keys, values, failed_count_, sides_ * pixels, true);
 }
 
 void PixelGather::record_add() {
@@ -155,13 +157,13 @@ void PixelGather::record_add() {
   scene_.bind(pass, program_, "mr_add_indirect");
   pass.global(added_).local(kLocalSize).arg("points", points_).arg("sub", add_sub_).arg("irradiance", results_.irradiance)
       .arg("specular", results_.specular).arg("statistics", results_.statistics).arg("failed", failed_)
-      .arg("indirect", indirect_).arg("looks", looks_);
+      .arg("pixels", width_ * height_).arg("sides", sides_).arg("indirect", indirect_).arg("looks", looks_);
   if (parameters_.gather_env) pass.arg("sky", results_.sky).arg("sky_light", sky_);
   if (parameters_.keeps_levels()) pass.arg("levels", results_.levels);
   const uint32_t runs = (added_ + kRun - 1) / kRun;
   const BufferRef sums = recorder.transient<MicroStatistics>("sums of statistics", runs);
   recorder.pass("sum statistics", program_, "mr_sum_statistics").global(runs).local(1).arg("points", points_).arg("sub", add_sub_)
-      .arg("run", kRun).arg("statistics", results_.statistics).arg("sums", sums);
+      .arg("run", kRun).arg("statistics", results_.statistics).arg("pixels", width_ * height_).arg("sides", sides_).arg("sums", sums);
   recorder.read_back("statistics", sums, [this](std::span<const std::byte> bytes) { count(bytes); });
   add_schedule_ = recorder.compile();
 
@@ -254,12 +256,12 @@ void PixelGather::resolve_micro_buffer(Film& film) const {
   }
 }
 
-size_t PixelGather::estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters) {
-  const size_t pixels = size_t{width} * height;
+size_t PixelGather::estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters, bool transmits) {
+  const size_t pixels = size_t{width} * height, sides = transmits ? 2 : 1;
   const size_t batch = parameters.gather_step > 1 ? 2 * pixels : std::min(pixels, static_cast<size_t>(parameters.batch_gathers));
   const bool sky = parameters.gather_env, levels = parameters.keeps_levels();
-  return GatherResults::estimate_bytes(pixels, true, sky) + pixels * ((2 + sky + levels) * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
-         batch * (4 * sizeof(uint32_t) + sizeof(MicroGather)) + (size_t{1} << 18);
+  return GatherResults::estimate_bytes(sides * pixels, true, sky) + pixels * ((2 + sky + levels) * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
+         sides * batch * (4 * sizeof(uint32_t) + sizeof(MicroGather)) + (size_t{1} << 18);
 }
 
 }  // namespace lucarium::micro

@@ -16,9 +16,10 @@ namespace lucarium::micro {
 /// sub-image was.
 class PixelGather {
  public:
+  /// `transmits`: some surface is rough and lets light through; such pixels gather on their far sides too.
   PixelGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const TypedBuffer<GBufferPoint>& points,
               uint32_t width, uint32_t height, const PointForest& forest, const GatherPass& gather,
-              const DynamicShading& shading, const MicroParameters& parameters, const std::string& owner);
+              const DynamicShading& shading, const MicroParameters& parameters, bool transmits, const std::string& owner);
 
   /// Sub-images of a frame; one where only some pixels gather and the others are interpolated.
   uint32_t batches() const { return interpolates() ? 1 : stride_ * stride_; }
@@ -33,7 +34,7 @@ class PixelGather {
   /// batch has reached yet show the nearest of the sub-images before.
   void resolve(Film& film) const;
   const std::map<std::string, double>& counters() const { return counters_; }
-  static size_t estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters);
+  static size_t estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters, bool transmits);
 
  private:
   bool interpolates() const { return parameters_.gather_step > 1; }
@@ -52,7 +53,7 @@ class PixelGather {
   KernelScheduler& scheduler_;
   const SceneBuffers& scene_;
   TypedBuffer<GBufferPoint> points_;
-  uint32_t width_, height_, stride_ = 1, capacity_ = 0, added_ = 0, inspect_ = 0xffffffffu;
+  uint32_t width_, height_, stride_ = 1, capacity_ = 0, added_ = 0, sides_ = 1, inspect_ = 0xffffffffu;
   const PointForest& forest_;
   const GatherPass& gather_;
   const DynamicShading& shading_;

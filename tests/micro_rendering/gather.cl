@@ -30,5 +30,6 @@ __kernel void pack_gathers(__global const float4* restrict in, uint count, __glo
   gather.geometric = pack_direction(in[4 * i + 2].xyz);
   gather.view = pack_direction(in[4 * i + 3].xyz);
   gather.lobes = (uint)in[4 * i + 3].w | ((uint)alpha << 16);
+  gather.eta = 0.0f;
   gathers[i] = gather;
 }

@@ -3,13 +3,13 @@
 #include "micro_rendering/micro_warp.clh"
 
 // Directions of B x B midpoints, with p_omega and the weights of sample_weights in `values`; back: what the inverse makes of
-// the directions. view: xyz, w alpha.
-__kernel void warp_square(const uint lobe, const uint edge, const float4 view, __global float4* restrict directions,
+// the directions. view: xyz, w alpha; eta: of the refracted lobe.
+__kernel void warp_square(const uint lobe, const uint edge, const float4 view, const float eta, __global float4* restrict directions,
                           __global float4* restrict values, __global float2* restrict back) {
   const uint i = get_global_id(0);
   if (i >= edge * edge) return;
   MicroWarp warp;
-  make_micro_warp(lobe, edge, view.w, view.xyz, 1.0f, &warp);
+  make_micro_warp(lobe, edge, view.w, eta, view.xyz, 1.0f, &warp);
   const float u = ((float)(i % edge) + 0.5f) / (float)edge, v = ((float)(i / edge) + 0.5f) / (float)edge;
   const Lanes3 w = lanes_warp(&warp, (Floats)(u), (Floats)(v));
   float x[MICRO_LANES], y[MICRO_LANES], z[MICRO_LANES], us[MICRO_LANES], vs[MICRO_LANES];

@@ -18,7 +18,7 @@ struct Square {
 
 using Defines = std::map<std::string, std::string>;
 
-Square warp_square(const Defines& defines, uint32_t lobe, uint32_t edge, const glm::vec3& view, float alpha) {
+Square warp_square(const Defines& defines, uint32_t lobe, uint32_t edge, const glm::vec3& view, float alpha, float eta = 0) {
   static std::map<Defines, Program> programs;
   auto [at, added] = programs.try_emplace(defines);
   if (added) at->second = test::micro_program("test_micro_rendering/warp.cl", defines);
@@ -26,7 +26,7 @@ Square warp_square(const Defines& defines, uint32_t lobe, uint32_t edge, const g
   const auto directions = test::test_buffer<float4>(count), values = test::test_buffer<float4>(count);
   const auto back = test::test_buffer<float2>(count);
   test::run_kernel(at->second, "warp_square", count, 1, [&](PassBuilder& pass) {
-    pass.arg("lobe", lobe).arg("edge", edge).arg("view", float4(view, alpha));
+    pass.arg("lobe", lobe).arg("edge", edge).arg("view", float4(view, alpha)).arg("eta", eta);
     pass.arg("directions", directions).arg("values", values).arg("back", back);
   });
   return {directions.download(), values.download(), back.download()};
@@ -48,17 +48,30 @@ double phong(const dvec3& v, const dvec3& l, double alpha) {
   return (n + 2) / (2 * pi) * std::pow(std::max(glm::dot(l, dvec3(-v.x, -v.y, v.z)), 0.0), n) * l.z;
 }
 
-/// Integral of f(l) cos L(l) over the hemisphere, L a smooth light; midpoints in z and azimuth.
+/// Walter et al. 2007, eq. 21, without 1 - F, times the cosine; l on the far side, where z is mirrored, and v too.
+double refraction(const dvec3& v, const dvec3& l, double alpha, double eta) {
+  const dvec3 down(l.x, l.y, -l.z);
+  dvec3 h = glm::normalize(eta * v + down);
+  if (h.z < 0) h = -h;
+  const double vh = glm::dot(v, h), lh = -glm::dot(down, h);
+  if (vh <= 0 || lh <= 0) return 0;
+  const double a2 = alpha * alpha, t = h.z * h.z * (a2 - 1) + 1, d = a2 / (pi * t * t);
+  // G2 / (4 cos cos), height-correlated.
+  const double visibility = 0.5 / (l.z * std::sqrt(a2 + (1 - a2) * v.z * v.z) + v.z * std::sqrt(a2 + (1 - a2) * l.z * l.z));
+  return eta * eta * 4 * vh * lh / std::pow(eta * vh - lh, 2) * d * visibility * l.z;
+}
+
+/// Integral of f(l) cos L(l) over the hemisphere, L a smooth light; midpoints in both angles.
 template <class F>
 double quadrature(F f) {
   const int rows = 800, columns = 1600;
   double sum = 0;
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
-      const double z = (i + 0.5) / rows, phi = 2 * pi * (j + 0.5) / columns, s = std::sqrt(1 - z * z);
-      sum += f(dvec3(s * std::cos(phi), s * std::sin(phi), z));
+      const double theta = 0.5 * pi * (i + 0.5) / rows, phi = 2 * pi * (j + 0.5) / columns, s = std::sin(theta);
+      sum += s * f(dvec3(s * std::cos(phi), s * std::sin(phi), std::cos(theta)));
     }
-  return sum * 2 * pi / (double(rows) * columns);
+  return sum * pi * pi / (double(rows) * columns);
 }
 double light(const dvec3& l) { return 1 + 0.5 * l.x - 0.3 * l.y + 0.4 * l.x * l.y; }
 
@@ -146,4 +159,31 @@ TEST_CASE("coarse tables are wrong for narrow lobes, as known") {
 TEST_CASE("unwarped cells inside the disc are weighted by the lobe") {
   const double diffuse = quadrature([](const dvec3& l) { return l.z / pi * light(l); });
   CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", "2"}}, 0, 64, {0, 0, 1}, 1)) / diffuse - 1) < 0.01);
+}
+
+TEST_CASE("the refracted lobe: its inverse, its solid angles and its integral") {
+  for (const float eta : {1 / 1.5f, 1.5f})
+    for (const float angle : {0.f, 15.f, 30.f, 60.f})
+      for (const float alpha : {0.1f, 0.3f, 0.5f}) {
+        // Whole rings of midpoints lie on one side of the critical angle or the other; there is none under it at 60 degrees.
+        if (eta > 1 && (angle == 0 || (angle == 60 && alpha == 0.1f))) continue;
+        CAPTURE(eta);
+        CAPTURE(angle);
+        CAPTURE(alpha);
+        const glm::vec3 v = slanted(angle);
+        const dvec3 view = v;
+        const double expected = quadrature([&](const dvec3& l) { return refraction(view, l, double(alpha), double(eta)) * light(l); });
+        const Square square = warp_square({}, 2, 24, v, alpha, eta);
+        CHECK(std::abs(weighted(square) / expected - 1) < 0.03);
+        double worst = 0, back = 0;
+        for (size_t i = 0; i < square.back.size(); ++i) {
+          const dvec3 w = square.directions[i].xyz();
+          if (!(w.z > 1e-2)) continue;
+          back = std::max<double>({back, std::abs(square.back[i].x), std::abs(square.back[i].y)});
+          worst = std::max(worst, std::abs(square.values[i].w * w.z / refraction(view, w, double(alpha), double(eta)) - 1));
+        }
+        CHECK(back < 1e-4);
+        CHECK(worst < 1e-3);
+        if (alpha > 0.2f && eta < 1) CHECK(std::abs(weighted(warp_square({{"MICRO_WARP", "1"}}, 2, 24, v, alpha, eta)) / expected - 1) < 0.03);
+      }
 }

@@ -89,10 +89,12 @@ LUCARIUM_STRUCT_BEGIN(MicroGather)
   float4 position;  // xyz [m], world space; w: bits of its slot in the results (pixel; node of a level)
   uint normal;      // shading normal: axis of the frame
   uint geometric;   // geometric normal on the same side; nothing arrives from below it
-  uint view;        // unit, towards the viewer (specular lobe only)
+  uint view;        // unit, towards the viewer (specular lobe only); through a surface: mirrored at it to the normal's side
   uint lobes;       // B_d (8 bits), B_s << 8: micro-buffer edges of the diffuse and the specular lobe, 0: none;
                     // GGX alpha as a half << 16
-LUCARIUM_STRUCT_END(MicroGather, 32)
+  float eta;        // 0: the specular lobe reflects; else it refracts: index of the viewer's side over that of this side
+  uint pad0, pad1, pad2;
+LUCARIUM_STRUCT_END(MicroGather, 48)
 
 // Every stride-th pixel of every stride-th row: pixels that are gathered at together.
 LUCARIUM_STRUCT_BEGIN(MicroSubImage)
@@ -107,6 +109,7 @@ LUCARIUM_STRUCT_END(MicroSubImage, 32)
 //   irradiance  float4: xyz E, light arriving times cosine [lx]; w: share of the hemisphere (by mass) that stayed empty
 //   specular    2 float4: xyz of S and S_w [cd/m²]; w: 0. What leaves by the specular lobe is F0 (S - S_w) + F90 S_w,
 //               since Schlick's F = F0 + (F90 - F0) w: S sums L G2 / G1 over the lobe's micro-buffer, S_w that times w.
+//               Through a rough surface (another slot): (1 - F0) S - (F90 - F0) S_w, of the dielectric.
 //   sky         (MICRO_GATHER_ENV) 3 float4: the same three of the environment seen through empty micro-pixels
 //   levels      (MICRO_LEVELS, read) float4: x y running means of the diffuse and the specular micro-buffer, brightest
 //               channel [cd/m²], 0: none yet; z: sum of their sum's squared deviations from its mean; w: of how many
