@@ -9,6 +9,18 @@ set(LUCARIUM_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels.cmake)
 set_property(GLOBAL PROPERTY LUCARIUM_KERNEL_ROOTS ${LUCARIUM_KERNEL_TREE} ${LUCARIUM_INSTALLED_KERNELS})
 find_program(LUCARIUM_CLANG NAMES clang clang-14 clang-15 clang-16)
 
+# A source file with the function `function` that gives the texts of the manifest's lines name|path, added to `target`.
+function(lucarium_embed_manifest target function what manifest sources)
+  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp)
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${function}.manifest CONTENT "${manifest}" @ONLY)
+  add_custom_command(OUTPUT ${generated}
+    COMMAND ${CMAKE_COMMAND} -DMANIFEST=${CMAKE_CURRENT_BINARY_DIR}/${function}.manifest
+            -DOUTPUT=${generated} -DFUNCTION=${function} -P ${LUCARIUM_EMBED_SCRIPT}
+    DEPENDS ${sources} ${CMAKE_CURRENT_BINARY_DIR}/${function}.manifest ${LUCARIUM_EMBED_SCRIPT}
+    COMMENT "Embedding ${what} of ${target}" VERBATIM)
+  target_sources(${target} PRIVATE ${generated})
+endfunction()
+
 # lucarium_embed_kernels(TARGET target FUNCTION name ROOTS prefix=dir... [INSTALL])
 #
 # Generates `const lucarium::EmbeddedSources& FUNCTION()` from every dir/*.cl, dir/*.clh and dir/shared/*.h, under the
@@ -49,14 +61,7 @@ function(lucarium_embed_kernels)
       endif()
     endforeach()
   endforeach()
-  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.cpp)
-  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest CONTENT "${manifest}" @ONLY)
-  add_custom_command(OUTPUT ${generated}
-    COMMAND ${CMAKE_COMMAND} -DMANIFEST=${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest
-            -DOUTPUT=${generated} -DFUNCTION=${A_FUNCTION} -P ${LUCARIUM_EMBED_SCRIPT}
-    DEPENDS ${sources} ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest ${LUCARIUM_EMBED_SCRIPT}
-    COMMENT "Embedding kernels of ${A_TARGET}" VERBATIM)
-  target_sources(${A_TARGET} PRIVATE ${generated})
+  lucarium_embed_manifest(${A_TARGET} ${A_FUNCTION} kernels "${manifest}" "${sources}")
   if(stamps)
     add_custom_target(${A_TARGET}_kernel_checks ALL DEPENDS ${stamps})
   endif()
@@ -77,12 +82,5 @@ function(lucarium_embed_assets)
     string(APPEND manifest "${CMAKE_MATCH_1}|${CMAKE_MATCH_2}\n")
     list(APPEND sources ${CMAKE_MATCH_2})
   endforeach()
-  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.cpp)
-  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest CONTENT "${manifest}" @ONLY)
-  add_custom_command(OUTPUT ${generated}
-    COMMAND ${CMAKE_COMMAND} -DMANIFEST=${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest
-            -DOUTPUT=${generated} -DFUNCTION=${A_FUNCTION} -P ${LUCARIUM_EMBED_SCRIPT}
-    DEPENDS ${sources} ${CMAKE_CURRENT_BINARY_DIR}/${A_FUNCTION}.manifest ${LUCARIUM_EMBED_SCRIPT}
-    COMMENT "Embedding assets of ${A_TARGET}" VERBATIM)
-  target_sources(${A_TARGET} PRIVATE ${generated})
+  lucarium_embed_manifest(${A_TARGET} ${A_FUNCTION} assets "${manifest}" "${sources}")
 endfunction()

@@ -10,13 +10,6 @@ namespace {
 
 Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 16}; }
 
-PathIntegratorOptions direct_only(PathEstimator estimator = PathEstimator::mis) {
-  PathIntegratorOptions options;
-  options.path_set.max_bounces = 0;
-  options.estimator = estimator;
-  return options;
-}
-
 Scene floor_scene(float rho, float size = 40) {
   Scene scene;
   add_horizontal(scene, 0, 0, 0, size, size, true, add_material(scene, lambert(rho)));

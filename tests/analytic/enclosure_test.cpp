@@ -11,13 +11,6 @@ namespace {
 
 Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 16}; }
 
-PathIntegratorOptions limited(int max_bounces, PathEstimator estimator = PathEstimator::mis) {
-  PathIntegratorOptions options;
-  options.path_set.max_bounces = max_bounces;
-  options.estimator = estimator;
-  return options;
-}
-
 /// The unit sphere in 2^15 flat facets that touch it at their corners only: within 1.2e-4 of it. What that does to the
 /// light is known.
 struct FacetedSphere {

@@ -10,12 +10,6 @@ namespace {
 
 Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 64}; }
 
-PathIntegratorOptions direct_only() {
-  PathIntegratorOptions options;
-  options.path_set.max_bounces = 0;
-  return options;
-}
-
 }  // namespace
 
 TEST_CASE("form factors: parallel unit squares at distances 1 and 0.5") {

@@ -11,12 +11,6 @@ namespace {
 
 Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 16}; }
 
-PathIntegratorOptions direct_only() {
-  PathIntegratorOptions options;
-  options.path_set.max_bounces = 0;
-  return options;
-}
-
 Scene plane_in_furnace(const SceneMaterial& material) {
   Scene scene;
   add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, material));

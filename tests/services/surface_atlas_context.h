@@ -2,6 +2,7 @@
 // A scene with its atlas on the device, and points to look up in it.
 #pragma once
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "lucarium/services/surface_atlas.h"
@@ -47,6 +48,23 @@ inline Program lookup_program() {
   SourceLibrary library;
   library.add(test_services_kernels());
   return Program(*test_device(), library, {"test_services/surface_atlas", {"test_services/surface_atlas.cl"}, {}});
+}
+
+/// Runs one of its kernels at these points of triangles, with the further arguments that `bind(PassBuilder&)` gives.
+template <class Bind>
+void run_at(AtlasContext& context, const std::string& kernel, const Points& p, Bind bind) {
+  const auto triangles = test_buffer(p.triangles);
+  const auto points = test_buffer(p.points);
+  const uint32_t count = static_cast<uint32_t>(p.points.size());
+  const Program program = lookup_program();
+  ScheduleRecorder recorder = context.scheduler.record(kernel, "test");
+  PassBuilder pass = recorder.pass(kernel, program, kernel);
+  context.atlas->bind(pass, program, kernel);
+  pass.global(count).local(64).arg("triangles", triangles).arg("points", points).arg("count", count);
+  bind(pass);
+  Schedule schedule = recorder.compile();
+  context.scheduler.run(schedule);
+  context.scheduler.finish();
 }
 
 }  // namespace lucarium::test

@@ -19,21 +19,9 @@ double wave(const glm::dvec3& p, double extent) {
 
 /// What kernels get between the slots' values at points of the fronts.
 std::vector<float4> interpolate(AtlasContext& context, const std::vector<float4>& values, const Points& p) {
-  const SurfaceAtlas& atlas = *context.atlas;
-  Device& device = *test_device();
-  const uint32_t count = static_cast<uint32_t>(p.points.size());
-  const TypedBuffer<uint32_t> triangles(device, "test", "triangles", p.triangles);
-  const TypedBuffer<float2> points(device, "test", "points", p.points);
-  const TypedBuffer<float4> slots(device, "test", "values", values), results(device, "test", "results", count);
-  const Program program = lookup_program();
-  ScheduleRecorder recorder = context.scheduler.record("interpolate", "test");
-  PassBuilder pass = recorder.pass("interpolate", program, "interpolate_atlas");
-  atlas.bind(pass, program, "interpolate_atlas");
-  pass.global(count).local(64).arg("triangles", triangles).arg("points", points).arg("count", count);
-  pass.arg("values", slots).arg("front", 1u).arg("results", results);
-  Schedule schedule = recorder.compile();
-  context.scheduler.run(schedule);
-  context.scheduler.finish();
+  const auto slots = test_buffer(values), results = test_buffer<float4>(p.points.size());
+  run_at(context, "interpolate_atlas", p,
+         [&](PassBuilder& pass) { pass.arg("values", slots).arg("front", 1u).arg("results", results); });
   return results.download();
 }
 

@@ -21,6 +21,14 @@ struct Effort {
   uint32_t samples_per_replicate = 16;
 };
 
+inline PathIntegratorOptions limited(int max_bounces, PathEstimator estimator = PathEstimator::mis) {
+  PathIntegratorOptions options;
+  options.path_set.max_bounces = max_bounces;
+  options.estimator = estimator;
+  return options;
+}
+inline PathIntegratorOptions direct_only(PathEstimator estimator = PathEstimator::mis) { return limited(0, estimator); }
+
 /// Everything an integrator needs to render one scene.
 struct TestRender {
   TestRender(const Scene& scene, const SceneCamera& camera, const PathIntegratorOptions& options, uint32_t side,
