@@ -65,7 +65,7 @@ struct MicroParameters {
     v.choice("splat", splat, {{"sample", Splat::sample}, {"nearest", Splat::nearest}},
              "which micro-pixels a node covers: those whose sample direction meets its disc, or the one at its centre");
     v.number("splat_radius", splat_radius, 0.8f, 1.7f, "", "radius of a splat over that of the disc of the node's area");
-    v.number("disc_scale", disc_scale, 1, 2.2f, "", "radius of a leaf's disc over that of the disc of its area");
+    v.number("disc_scale", disc_scale, 1, 2.2f, "", "radius of a leaf's disc over that of the disc of its area, which is the inverse of the points' density");
     v.choice("warp", warp, {{"analytic", Warp::analytic}, {"table", Warp::table}, {"nusselt", Warp::nusselt}},
              "projection of micro-buffers: by the lobes' own maps, by tables of the BSDF, or none (the unit disc)");
     v.number("table_size", table_size, 8, 64, "cells", "edge of the tables of warp=table");

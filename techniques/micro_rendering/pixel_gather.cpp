@@ -233,9 +233,12 @@ void PixelGather::resolve(Film& film) const {
       for (size_t c = 0; c < 3; ++c) light.pixels[3 * pixel + c] = scale * (&indirect[source].x)[c];
       if (direct)
         for (size_t c = 0; c < 3; ++c) direct->pixels[3 * pixel + c] += scale * (&sky[source].x)[c];
-      level.pixels[pixel] = scale * looks[source].x;
-      listed.pixels[pixel] = scale * looks[source].y;
-      visits.pixels[pixel] = scale * looks[source].z;
+      // Pixels that did not gather show the gather that they lie beside.
+      const size_t corner = size_t{y / stride_ * stride_} * width_ + x / stride_ * stride_;
+      const float4& look = looks[interpolates() && looks[source].z == 0 ? corner : source];
+      level.pixels[pixel] = scale * look.x;
+      listed.pixels[pixel] = scale * look.y;
+      visits.pixels[pixel] = scale * look.z;
       if (failures) failures->pixels[pixel] = scale * looks[source].w;
     }
   }

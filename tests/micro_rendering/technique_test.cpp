@@ -179,3 +179,30 @@ TEST_CASE("pixels between gathers are interpolated, and gather themselves where 
   CHECK(mean(second) == test::relative(mean(every), 0.01));
   CHECK(mean(never) == test::relative(mean(every), 0.06));
 }
+
+TEST_CASE("layers to look inside: the chosen pixel's micro-buffer, level of the cut, lists, failed interpolations") {
+  const auto film = [](const Parameters& parameters) {
+    Scene scene = load_scene("builtin:room");
+    const RenderSettings settings = settings_for(scene, 32, 1);
+    RenderSession session(Device::open(), std::move(scene), registry().find("micro_rendering"), settings, with(small, parameters));
+    session.run({.iterations = 1});
+    return session.resolve();
+  };
+  // Diffuse only: the mean over the micro-buffer is E / pi but for its holes, which the layer shows; the floor's albedo is 0.7.
+  const Film inspected = film({{"inspect_x", "9"}, {"inspect_y", "20"}});
+  const std::vector<float>& buffer = inspected.find("micro_buffer")->pixels;
+  const std::vector<float>& light = inspected.find("indirect")->pixels;
+  const double albedo = static_cast<double>(light[3 * (20 * 32 + 9)]) / mean(buffer);  // 32 = 2 x 16: each pixel as 2 x 2
+  CHECK(albedo >= 0.7 * (1 - 1e-4));
+  CHECK(albedo < 0.7 * 1.03);
+  const Film nothing = film({});
+  CHECK(nothing.find("micro_buffer") == nullptr);
+  CHECK(nothing.find("upsampling_failed") == nullptr);
+  for (const char* step : {"1", "2"}) {
+    const Film looks = film({{"gather_step", step}});
+    for (const float level : looks.find("cut_level")->pixels) CHECK((level > 1 && level <= 13));
+    CHECK(mean(looks.find("list_length")->pixels) > 0);
+    for (const float visits : looks.find("node_visits")->pixels) CHECK(visits > 100);
+  }
+  for (const float failed : film({{"gather_step", "2"}}).find("upsampling_failed")->pixels) CHECK((failed == 0 || failed == 1));
+}
