@@ -7,6 +7,7 @@
 #include "lucarium/scene/load_scene.h"
 #include "lucarium/technique/session.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
@@ -70,29 +71,29 @@ TEST_CASE("pixels that gather by bundles, transfers and the ring see the path tr
     for (const Options& more : {Options{{"final_gather", "all"}, {"pixel_rays", "bundle"}}, Options{{"transfer", "texel"}}}) {
       CAPTURE(more.back().first);
       CHECK(indirect_mean("bundle_exchange", "builtin:cornell", bounces, 64, with(few, more)) ==
-            doctest::Approx(expected).scale(0).epsilon(0.03));
+            test::relative(expected, 0.03));
     }
   }
   const double expected = indirect_mean("path_tracing", "builtin:spheres", 2, 64, paths);
   // The spheres cast caustics of about the size of a texel of 2048: with so few, chains and ring alike are 4 % too dark.
   const Options ring = with(few, {{"texels", "16384"}, {"glossy_window", "32"}, {"alpha_ring", "0.1"}});
-  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 16, ring) == doctest::Approx(expected).scale(0).epsilon(0.03));
+  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 16, ring) == test::relative(expected, 0.03));
   CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 16, with(ring, {{"pixel_rays", "bundle"}})) ==
-        doctest::Approx(expected).scale(0).epsilon(0.03));
+        test::relative(expected, 0.03));
 }
 
 TEST_CASE("the paper's variants bring diffuse light of all bounces, if slowly") {
   const double expected = indirect_mean("path_tracing", "builtin:cornell", 3, 16, {{"samples_per_iteration", "64"}});
   const double paper = indirect_mean("bundle_exchange", "builtin:cornell", 3, 64, {{"preset", "paper"}, {"texels", "2048"}});
   MESSAGE("preset paper: ", paper, ", path tracing: ", expected);
-  CHECK(paper == doctest::Approx(expected).scale(0).epsilon(0.05));
+  CHECK(paper == test::relative(expected, 0.05));
 }
 
 TEST_CASE("an image forgets that indirect light was missing while bundles carried direct light only") {
   const Options late = {{"texels", "2048"}, {"direct_mode", "exchange"}, {"directions", "1000"}, {"stop_error", "0"}, {"batch", "4"}};
   const double expected = indirect_mean("path_tracing", "builtin:cornell", 2, 16, {{"samples_per_iteration", "64"}});
   CHECK(indirect_mean("bundle_exchange", "builtin:cornell", 2, 64, with(late, {{"direct_first", "800"}})) ==
-        doctest::Approx(expected).scale(0).epsilon(0.06));
+        test::relative(expected, 0.06));
 }
 
 TEST_CASE("a change begins anew with the bits of a fresh start, or with what senders knew when that is asked for") {
@@ -111,5 +112,5 @@ TEST_CASE("a change begins anew with the bits of a fresh start, or with what sen
   CHECK(after_change(true, 2) != indirect(*fresh));
   // What was known of twice the light fades.
   fresh->run({.iterations = 22});
-  CHECK(mean(after_change(true, 24)) == doctest::Approx(mean(indirect(*fresh))).scale(0).epsilon(0.03));
+  CHECK(mean(after_change(true, 24)) == test::relative(mean(indirect(*fresh)), 0.03));
 }

@@ -6,6 +6,7 @@
 
 #include "bundle_rig.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::bundle;
@@ -39,7 +40,7 @@ TEST_CASE("texels of a closed box of radiance 1 receive exactly that, and pi in 
   }
   // A point at a silhouette may be near no pixel centre within its surface: it then sees past the box.
   CHECK(worst < 0.02);
-  CHECK(sum / rig.slots() == doctest::Approx(kPi).scale(0).epsilon(2e-3));  // Σ W cos
+  CHECK(sum / rig.slots() == test::relative(kPi, 2e-3));  // Σ W cos
 }
 
 TEST_CASE("form factors of unit squares by texels") {
@@ -77,5 +78,5 @@ TEST_CASE("both transfers fill a furnace alike, and see the sides of a double-si
   test::BundleRig rig(scene, 512, 0.5f, {}, parameters);
   rig.set_direct(static_cast<float>(kPi));
   rig.solve(DirectionSequence(parameters, 1, nullptr), 512);
-  CHECK(rig.mean(rig.indirect()) == doctest::Approx(1).scale(0).epsilon(0.002));  // 1 = 0.5 (1 + 1)
+  CHECK(rig.mean(rig.indirect()) == test::relative(1, 0.002));  // 1 = 0.5 (1 + 1)
 }

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "technique_fixture.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -44,7 +45,7 @@ TEST_CASE("an error-driven cut refines where radiance varies: nearly the error o
 
 TEST_CASE("where the whole cut is even, the next frames' is coarser") {
   const Outcome one = render({{"cut_error", "1"}}, 1), off = render({}, 1), several = render({{"cut_error", "1"}}, 9);
-  CHECK(one.visits == doctest::Approx(off.visits).epsilon(1e-6).scale(0));
+  CHECK(one.visits == test::relative(off.visits, 1e-6));
   // One of nine frames at kappa, eight at 4 kappa.
   MESSAGE("visits ", off.visits, " then ", several.visits);
   CHECK(several.visits < 0.6 * off.visits);
@@ -55,7 +56,7 @@ TEST_CASE("adaptive micro-buffers grow where frames differ and nowhere else") {
                 some = render({{"micro_size", "8"}, {"adaptive", "0.05"}}, 8), none = render({{"micro_size", "8"}, {"adaptive", "1"}}, 8);
   CHECK(some.visits > 1.02 * small_ones.visits);
   CHECK(some.visits < large_ones.visits);
-  CHECK(none.visits == doctest::Approx(small_ones.visits).epsilon(1e-6).scale(0));
+  CHECK(none.visits == test::relative(small_ones.visits, 1e-6));
   const std::vector<float>& expected = expected_light();
   MESSAGE("errors ", relative_rmse(small_ones.indirect, expected), " ", relative_rmse(some.indirect, expected), " ",
           relative_rmse(large_ones.indirect, expected), ", visits ", small_ones.visits, " ", some.visits, " ", large_ones.visits);
