@@ -304,8 +304,10 @@ class BundleExchange : public Technique {
   bool lit() const { return parts_->slot_light.complete() || context_->settings.max_bounces == 0; }
 
   uint32_t directions_per_iteration() const {
-    const double count = kPixels / parts_->transfer.film_pixels();
-    return static_cast<uint32_t>(std::clamp(count, static_cast<double>(parameters_.batch), 64.0));
+    // Fragments that are stored cost about three times as much as those that are exchanged at once.
+    const double films = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
+    const double count = kPixels / films / parts_->transfer.film_pixels();
+    return static_cast<uint32_t>(std::max(std::min(count, 64 / films), static_cast<double>(parameters_.batch)));
   }
 
   IterationResult state() const {
