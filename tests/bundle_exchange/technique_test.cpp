@@ -114,3 +114,25 @@ TEST_CASE("a change begins anew with the bits of a fresh start, or with what sen
   fresh->run({.iterations = 22});
   CHECK(mean(after_change(true, 24)) == test::relative(mean(indirect(*fresh)), 0.03));
 }
+
+TEST_CASE("a warm start follows what moves") {
+  // A box of the room is lifted: what its old place knew is wrong, and fades.
+  const auto lift = [](Scene& scene) {
+    SceneChange change;
+    const int last = static_cast<int>(scene.instances.size()) - 1;
+    SceneInstance& instance = scene.instances[last];
+    change.moved_instances = {last};
+    change.previous_world_from_object = {instance.world_from_object};
+    instance.world_from_object[3] += glm::vec4(0, 0.1f, 0, 0);
+    return change;
+  };
+  const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(few, {{"warm_start", "on"}}));
+  run->run({.iterations = 16});
+  run->change_scene(lift);
+  run->run({.iterations = 24});
+  Scene lifted = load_scene("builtin:cornell");
+  lift(lifted);
+  const auto fresh = session("bundle_exchange", std::move(lifted), -1, few);
+  fresh->run({.iterations = 24});
+  CHECK(mean(indirect(*run)) == test::relative(mean(indirect(*fresh)), 0.03));
+}
