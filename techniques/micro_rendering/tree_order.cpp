@@ -15,20 +15,59 @@ struct Item {
   uint32_t index;
 };
 
-constexpr float kThin = 0.25f;    // thickness of a sheet over its longest extent
+constexpr float kThin = 0.5f;     // thickness of a sheet over its longest extent
 constexpr float kOpposed = 0.5f;  // cosine beyond which normals belong to one of its sides
+constexpr int kHeights = 32;      // steps in which gaps between layers are looked for
+constexpr int kGap = 6;           // fewest empty ones between two layers
+constexpr float kFlat = 1e-3f;    // thickness over longest extent below which a sheet has one layer
 
-/// Whether the points lie on both sides of a thin sheet whose normal is that of the first one.
-bool is_two_sided_sheet(std::span<const Item> items, float longest) {
-  const glm::vec3 n = items[0].normal;
+/// What a thin sheet is parted by: points below `height` along `normal`, or those that face against it.
+struct Sheet {
+  glm::vec3 normal{0};
+  bool two_sided = false, layered = false;
+  float height = 0;
+  bool first(const Item& item) const {
+    return two_sided ? glm::dot(item.normal, normal) < 0 : glm::dot(item.position, normal) < height;
+  }
+};
+
+/// Whether both parts reach over half of the shorter one's extent along `axis`, so that one lies before the other.
+bool parts_overlap(std::span<const Item> items, const Sheet& sheet, int axis) {
+  float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+  for (const Item& item : items) {
+    const int part = sheet.first(item);
+    low[part] = std::min(low[part], item.position[axis]), high[part] = std::max(high[part], item.position[axis]);
+  }
+  const float common = std::min(high[0], high[1]) - std::max(low[0], low[1]);
+  return common > 0 && common >= 0.5f * std::min(high[0] - low[0], high[1] - low[1]);
+}
+
+/// Thin sheets about the normal of the first point whose parts a node must not mix: the two sides of one, of which one is
+/// seen, and parallel layers, of which one hides the other.
+Sheet find_sheet(std::span<const Item> items, int axis, float longest) {
+  Sheet sheet;
+  sheet.normal = items[0].normal;
   float low = INFINITY, high = -INFINITY, least = 1;
   for (const Item& item : items) {
-    const float height = glm::dot(item.position, n);
+    const float height = glm::dot(item.position, sheet.normal);
     low = std::min(low, height), high = std::max(high, height);
-    if (high - low > kThin * longest) return false;
-    least = std::min(least, glm::dot(item.normal, n));
+    if (high - low > kThin * longest) return sheet;
+    least = std::min(least, glm::dot(item.normal, sheet.normal));
   }
-  return least < -kOpposed;
+  sheet.two_sided = least < -kOpposed;
+  if (sheet.two_sided || !(high - low > kFlat * longest)) return sheet;
+  bool filled[kHeights] = {};
+  const float scale = kHeights / (high - low);
+  for (const Item& item : items)
+    filled[std::clamp(static_cast<int>((glm::dot(item.position, sheet.normal) - low) * scale), 0, kHeights - 1)] = true;
+  int widest = 0, end = 0;
+  for (int i = 0, run = 0; i < kHeights; ++i) {
+    run = filled[i] ? 0 : run + 1;
+    if (run > widest) widest = run, end = i + 1;
+  }
+  sheet.height = low + (static_cast<float>(end) - 0.5f * static_cast<float>(widest)) / scale;
+  sheet.layered = widest >= kGap && parts_overlap(items, sheet, axis);
+  return sheet;
 }
 
 /// Equal keys are told apart by indices, so that the result does not depend on the library's algorithm.
@@ -46,9 +85,14 @@ void split(std::span<Item> items, int threads) {
   for (const Item& item : items) low = glm::min(low, item.position), high = glm::max(high, item.position);
   const glm::vec3 extent = high - low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  if (is_two_sided_sheet(items, extent[axis])) {
-    const glm::vec3 n = items[0].normal;
-    partition_at_median(items, [n](const Item& item) { return glm::dot(item.normal, n); });
+  const Sheet sheet = find_sheet(items, axis, extent[axis]);
+  if (sheet.two_sided || sheet.layered) {
+    // Along the one part and back along the other: where they hold different numbers of points, what is mixed lies
+    // together at the end, and the rest is as compact as without parting.
+    partition_at_median(items, [&](const Item& item) {
+      const float x = item.position[axis] - high[axis];
+      return sheet.first(item) ? -x : x;
+    });
   } else {
     partition_at_median(items, [axis](const Item& item) { return item.position[axis]; });
   }
