@@ -22,7 +22,7 @@ std::map<std::string, std::string> definitions(const MicroParameters& p, int edg
           {"MICRO_TABLE_SIZE", std::to_string(p.table_size)},
           {"MICRO_HOLE_FILL", flag(p.hole_fill)},
           {"MICRO_RAYCAST", flag(p.raycast)},
-          {"MICRO_DEPTH_BITS", p.depth_bits < 32 ? "8" : "32"},
+          {"MICRO_DEPTH_BITS", p.depth_bits == DepthBits::eight ? "8" : "32"},
           {"MICRO_GATHER_ENV", flag(sky)},
           {"MICRO_DYNAMIC", flag(dynamic)},
           {"MICRO_ERROR_CUT", flag(p.cut_error > 0)},

@@ -73,10 +73,6 @@ uint32_t LeafLight::level_of(const ForestTree& tree) const {
   return static_cast<uint32_t>(std::clamp(level, std::min(depth, static_cast<int>(kFewestNodeLevels)), depth));
 }
 
-uint32_t LeafLight::gathers_per_run() const {
-  return gathers_at_nodes() ? static_cast<uint32_t>(node_gathers_.count()) * static_cast<uint32_t>(bounces_ - 1) : 0;
-}
-
 /// One light sample per leaf, added to direct_.
 void LeafLight::record_direct() {
   const uint32_t leaves = forest_.leaf_count();
@@ -227,6 +223,7 @@ bool LeafLight::spread(uint32_t frame, uint32_t seed) {
     const uint32_t number = frame * static_cast<uint32_t>(bounces_) + static_cast<uint32_t>(bounce);
     bounce_schedule_.set(settings_, GatherPass::settings(parameters_, seed ^ kNodeSeed ^ (number * 0x9e3779b9u), LUCARIUM_NONE));
     if (scheduler_.run(bounce_schedule_) == RunResult::cancelled) return false;
+    gathers_ += node_gathers_.count();
   }
   return true;
 }
@@ -239,7 +236,7 @@ void LeafLight::warm_up() {
 
 size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
   const size_t transient = leaves * (sizeof(Ray) + sizeof(float4) + 3 * sizeof(uint32_t) + 2 * sizeof(float4));
-  const size_t slots = size_t{2} << parameters.jacobi_level;
+  const size_t slots = size_t{2} << std::min(parameters.jacobi_level, parameters.points_log2);  // a level is clamped to its tree
   const size_t shading = parameters.node_shading == NodeShading::dynamic ? DynamicShading::estimate_bytes(leaves) : 0;
   const size_t several = leaves * sizeof(float4) + slots * sizeof(MicroGather) + GatherResults::estimate_bytes(slots, false);
   if (parameters.multibounce != MultiBounce::jacobi)

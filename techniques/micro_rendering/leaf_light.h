@@ -31,7 +31,7 @@ class LeafLight {
   /// Something that light depends on has changed; `surfaces`: points have moved, or materials have changed.
   void changed(bool surfaces);
   void warm_up();
-  uint32_t gathers_per_run() const;  ///< at nodes
+  uint64_t gathers() const { return gathers_; }  ///< at nodes, so far
   static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces);
 
  private:
@@ -67,6 +67,7 @@ class LeafLight {
   Schedule direct_schedule_, pull_schedule_, bounce_schedule_, nodes_schedule_, lobes_schedule_;
   Variable<uint32_t> sample_, light_seed_, choice_seed_;
   Variable<MicroSettings> settings_;
+  uint64_t gathers_ = 0;
   bool nodes_known_ = false, lobes_known_ = false, lit_ = false;
   uint32_t lit_frame_ = 0, lit_seed_ = 0;  ///< of what the nodes shine with, where lit_
   std::unique_ptr<LightPaths> paths_;

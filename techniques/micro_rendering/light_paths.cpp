@@ -95,8 +95,8 @@ void LightPaths::record_paths() {
 /// The light of one virtual light at all leaves.
 void LightPaths::record_virtual_light() {
   const uint32_t leaves = forest_.leaf_count();
-  const float radius = std::max(scene_.bounds().radius(), 1e-6f);
   ScheduleRecorder recorder = scheduler_.record("virtual light", owner_);
+  most_ = recorder.variable("most", 0.f);
   light_ = recorder.variable("light", 0u);
   const BufferRef rays = recorder.transient<Ray>("rays to virtual lights", leaves, kRemedy);
   const BufferRef light = recorder.transient<float4>("light of virtual lights", leaves, kRemedy);
@@ -104,7 +104,7 @@ void LightPaths::record_virtual_light() {
   PassBuilder pass = recorder.pass("virtual light", program_, "mr_virtual_light");
   buffers_.bind(pass, program_, "mr_virtual_light");
   pass.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_)
-      .arg("light", light_).arg("most", parameters_.vpl_clamp / (radius * radius)).arg("shadow_rays", rays).arg("shadow_light", light);
+      .arg("light", light_).arg("most", most_).arg("shadow_rays", rays).arg("shadow_light", light);
   intersector_.record_any(recorder, "rays to virtual lights", rays, occluded, leaf_count_, 0, leaves);
   PassBuilder add = recorder.pass("add virtual light", light_program_, "mr_add_light");
   add.global(leaves).local(kLocalSize).arg("count", leaves).arg("weight", 1.f).arg("shadow_light", light).arg("occluded", occluded)
@@ -117,26 +117,31 @@ void LightPaths::record_virtual_light() {
 /// Density of the photons about every leaf.
 void LightPaths::record_density() {
   const uint32_t leaves = forest_.leaf_count(), count = static_cast<uint32_t>(photons_.count()), mask = bucket_mask(count);
-  double area = 0;
-  for (const ForestTree& tree : forest_.trees())
-    area += static_cast<double>(tree.record.leaf_area) * tree.leaves() * std::pow(static_cast<double>(tree.record.world_step), 2);
-  const auto expected = static_cast<float>(std::sqrt(parameters_.photon_k * area / (3.14159265358979 * paths_)));
-  const float cell = kSearch * std::max(expected, 1e-9f);
   ScheduleRecorder recorder = scheduler_.record("photon map", owner_);
+  cell_ = recorder.variable("cell", 1.f);
   const BufferRef keys = recorder.transient<uint32_t>("buckets of photons", count, kRemedy);
   const BufferRef values = recorder.transient<uint32_t>("sorted photons", count, kRemedy);
   const BufferRef starts = recorder.transient<uint32_t>("first photons", size_t{mask} + 2, kRemedy);
   recorder.pass("buckets of photons", program_, "mr_photon_keys").global(count).local(kLocalSize).arg("photons", photons_)
-      .arg("count", count).arg("cell", cell).arg("mask", mask).arg("keys", keys).arg("values", values);
+      .arg("count", count).arg("cell", cell_).arg("mask", mask).arg("keys", keys).arg("values", values);
   primitives_.record_sort_pairs(recorder, "sort photons", keys, values, count, std::bit_width(mask + 1));
   recorder.pass("first photons", program_, "mr_bucket_starts").global(size_t{count} + 1).local(kLocalSize).arg("keys", keys)
       .arg("count", count).arg("mask", mask).arg("starts", starts);
   PassBuilder pass = recorder.pass("photon density", program_, "mr_photon_density");
   buffers_.bind(pass, program_, "mr_photon_density");
   pass.global(leaves).local(1).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_).arg("values", values)
-      .arg("starts", starts).arg("cell", cell).arg("mask", mask).arg("most", static_cast<uint32_t>(parameters_.photon_k))
+      .arg("starts", starts).arg("cell", cell_).arg("mask", mask).arg("most", static_cast<uint32_t>(parameters_.photon_k))
       .arg("irradiance", irradiance_);
   light_schedule_ = recorder.compile();
+}
+
+/// Edge of the cells in which photons are looked up [m].
+float LightPaths::photon_cell() const {
+  double area = 0;
+  for (const ForestTree& tree : forest_.trees())
+    area += static_cast<double>(tree.record.leaf_area) * tree.leaves() * std::pow(static_cast<double>(tree.record.world_step), 2);
+  const auto expected = static_cast<float>(std::sqrt(parameters_.photon_k * area / (3.14159265358979 * paths_)));
+  return kSearch * std::max(expected, 1e-9f);
 }
 
 bool LightPaths::run(uint32_t frame, uint32_t seed) {
@@ -144,6 +149,13 @@ bool LightPaths::run(uint32_t frame, uint32_t seed) {
   paths_schedule_.set(frame_, frame);
   paths_schedule_.set(seed_, seed);
   if (scheduler_.run(paths_schedule_) == RunResult::cancelled) return false;
+  // Of the scene as it is now: things move.
+  if (virtual_lights()) {
+    const float radius = std::max(scene_.bounds().radius(), 1e-6f);
+    light_schedule_.set(most_, parameters_.vpl_clamp / (radius * radius));
+  } else {
+    light_schedule_.set(cell_, photon_cell());
+  }
   const auto lights = virtual_lights() ? static_cast<uint32_t>(photons_.count()) : 1;
   for (uint32_t light = 0; light < lights; ++light) {
     if (virtual_lights()) light_schedule_.set(light_, light);

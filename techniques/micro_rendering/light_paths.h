@@ -26,6 +26,7 @@ class LightPaths {
   bool virtual_lights() const { return parameters_.multibounce == MultiBounce::instant_radiosity; }
   uint32_t first_vertex() const;
   uint32_t kept_vertices() const;
+  float photon_cell() const;
   static uint32_t paths_of(const MicroParameters& parameters);
   void record_paths();
   void record_virtual_light();
@@ -49,6 +50,8 @@ class LightPaths {
   TypedBuffer<uint32_t> path_count_, leaf_count_;
   Schedule paths_schedule_, light_schedule_;
   Variable<uint32_t> frame_, seed_, light_;
+  Variable<float> most_;  ///< of a virtual light's geometry term [1/m²]
+  Variable<float> cell_;  ///< photon_cell() [m]
 };
 
 }  // namespace lucarium::micro

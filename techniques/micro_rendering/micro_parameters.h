@@ -12,6 +12,7 @@ enum class Splat { sample, nearest };
 enum class Warp { analytic, table, nusselt };
 enum class Backface { black, cull };
 enum class NodeShading { stored, dynamic };
+enum class DepthBits { eight, thirty_two };
 enum class MultiBounce { jacobi, instant_radiosity, photon_map };
 
 struct MicroParameters {
@@ -36,7 +37,7 @@ struct MicroParameters {
   NodeShading node_shading = NodeShading::stored;
   MultiBounce multibounce = MultiBounce::jacobi;
   int jacobi_level = 12;
-  int depth_bits = 32;
+  DepthBits depth_bits = DepthBits::thirty_two;
   int vpls = 256;
   float vpl_clamp = 100;
   int photons = 1000000;
@@ -69,7 +70,7 @@ struct MicroParameters {
     v.choice("warp", warp, {{"analytic", Warp::analytic}, {"table", Warp::table}, {"nusselt", Warp::nusselt}},
              "projection of micro-buffers: by the lobes' own maps, by tables of the BSDF, or none (the unit disc)");
     v.number("table_size", table_size, 8, 64, "cells", "edge of the tables of warp=table");
-    v.flag("hole_fill", hole_fill, "empty micro-pixels with three filled neighbours or more take their mean");
+    v.flag("hole_fill", hole_fill, "empty micro-pixels among covered ones take the mean of their neighbours");
     v.flag("raycast", raycast, "leaves larger than a micro-pixel are ray-cast as discs");
     v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
@@ -90,7 +91,7 @@ struct MicroParameters {
     v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
     v.number("photon_k", photon_k, 4, 256, "photons", "from which a density is estimated");
     v.flag("photon_direct", photon_direct, "photons stand for direct light too, instead of light samples");
-    v.number("depth_bits", depth_bits, 8, 32, "bits", "of the micro-buffers' depth: 8 or 32");
+    v.choice("depth_bits", depth_bits, {{"8", DepthBits::eight}, {"32", DepthBits::thirty_two}}, "bits of the micro-buffers' depth");
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
     v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of the layer direct per frame");
     v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces", "bounces that are computed where their number is not limited");

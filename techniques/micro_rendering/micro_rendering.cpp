@@ -81,6 +81,10 @@ class MicroRendering : public Technique {
     });
     if (parameters_.node_shading == NodeShading::dynamic && bounces(settings) > 1)
       list.push_back("node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples and virtual lights");
+    if (parameters_.multibounce == MultiBounce::instant_radiosity && bounces(settings) > 1)
+      list.push_back("virtual lights' geometry term is bounded by vpl_clamp: corners are too dark");
+    if (parameters_.multibounce == MultiBounce::photon_map && (bounces(settings) > 1 || parameters_.photon_direct))
+      list.push_back("the photon map blurs light over photon_k photons");
     if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
     return list;
   }
@@ -164,6 +168,7 @@ class MicroRendering : public Technique {
     std::map<std::string, double> all;
     if (!pixels_) return all;
     all = pixels_->counters();
+    all["gathers at nodes"] = static_cast<double>(leaf_light_->gathers());
     all["points"] = forest_->leaf_count();
     all["trees"] = static_cast<double>(forest_->trees().size());
     all["sampling seconds"] = forest_->sampling_seconds();

@@ -53,13 +53,19 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
       options_(options),
       owner_(owner),
       program_(forest_program(device)) {
+  placed_materials_ = placing();
   place(find_tree_sources(scene, buffers));
-  for (const SceneMaterial& material : scene.materials) placed_opaque_.push_back(material.alpha_mode == AlphaMode::opaque);
   derive_albedo();
   std::vector<size_t> all(trees_.size());
   for (size_t t = 0; t < all.size(); ++t) all[t] = t;
   derive(all);
   for (ForestTree& tree : trees_) tree.built_radius_sum = radius_sum(tree);
+}
+
+std::vector<PointForest::Placing> PointForest::placing() const {
+  std::vector<Placing> list;
+  for (const SceneMaterial& m : scene_.materials) list.push_back({m.alpha_mode, is_two_sided(m)});
+  return list;
 }
 
 /// Points in proportion to area in the world, a power of two per tree.
@@ -85,10 +91,12 @@ void PointForest::place(std::vector<TreeSource> sources) {
     tree.record.first_node = static_cast<uint32_t>(2 * all_leaves.size());
 
     auto start = std::chrono::steady_clock::now();
-    const SampledSurface sampled =
+    SampledSurface sampled =
         sample_surface(sources[t].sides, tree.leaves(), kPlacingSeed, options_.threads, point_is_there, &points);
     sampling_seconds_ += seconds_since(start);
     start = std::chrono::steady_clock::now();
+    // The points are those of the mesh at rest, but what is close together is so as it stands now.
+    if (tree.kind == TreeKind::deforming) pose_points(buffers_, sampled.points);
     for (const uint32_t i : tree_order(sampled.points, options_.threads)) {
       const SampledPoint& p = sampled.points[i];
       all_leaves.push_back({p.source, quantize_weight(p.weights.x) | quantize_weight(p.weights.y) << 16, p.area});
@@ -206,9 +214,9 @@ bool PointForest::too_loose(const ForestTree& tree) const {
 
 bool PointForest::update(const SceneChange& change) {
   if (change.topology) return false;
+  if (placing() != placed_materials_) return false;
   for (const int m : change.materials) {
-    const size_t i = static_cast<size_t>(m);
-    if (!placed_opaque_[i] || scene_.materials[i].alpha_mode != AlphaMode::opaque) return false;
+    if (scene_.materials[static_cast<size_t>(m)].alpha_mode != AlphaMode::opaque) return false;  // its alpha may differ
   }
   const auto tree_of = [&](int instance) {
     return std::find_if(trees_.begin(), trees_.end(), [&](const ForestTree& t) { return t.instance == instance; });

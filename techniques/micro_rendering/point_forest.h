@@ -67,6 +67,13 @@ class PointForest {
   }
 
  private:
+  /// What of a material decides where points are.
+  struct Placing {
+    AlphaMode alpha_mode;
+    bool two_sided;
+    bool operator==(const Placing&) const = default;
+  };
+  std::vector<Placing> placing() const;
   void place(std::vector<TreeSource> sources);
   void derive_albedo();
   void derive(const std::vector<size_t>& trees);
@@ -83,8 +90,8 @@ class PointForest {
   std::string owner_;
   Program program_;
   std::vector<ForestTree> trees_;
+  std::vector<Placing> placed_materials_;
   uint32_t leaf_count_ = 0;
-  std::vector<bool> placed_opaque_;  // by material: points were placed without regard to its alpha
   double sampling_seconds_ = 0, ordering_seconds_ = 0;
 };
 

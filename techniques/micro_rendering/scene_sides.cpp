@@ -11,7 +11,8 @@
 namespace lucarium::micro {
 namespace {
 
-constexpr int kCoverageGrid = 4;  // points per edge of a triangle at which coverage is looked up
+// Points per edge of a triangle at which coverage is looked up: two per texel, within these.
+constexpr int kLeastCoverageGrid = 4, kMostCoverageGrid = 128;
 
 TreeKind kind_of(const SceneInstance& instance, const std::vector<bool>& animated) {
   if (instance.pose) return TreeKind::deforming;
@@ -29,9 +30,11 @@ float triangle_coverage(const ScenePoints& points, uint32_t triangle) {
   if (material.alpha_mode == AlphaMode::opaque) return 1;
   float sum = 0;
   int count = 0;
-  for (int i = 0; i < kCoverageGrid; ++i) {
-    for (int j = 0; i + j < kCoverageGrid; ++j, ++count) {
-      const glm::vec2 weights((static_cast<float>(i) + 1 / 3.f) / kCoverageGrid, (static_cast<float>(j) + 1 / 3.f) / kCoverageGrid);
+  const int grid = std::clamp(static_cast<int>(std::ceil(2 * points.texels(triangle))), kLeastCoverageGrid, kMostCoverageGrid);
+  const float step = 1 / static_cast<float>(grid);
+  for (int i = 0; i < grid; ++i) {
+    for (int j = 0; i + j < grid; ++j, ++count) {
+      const glm::vec2 weights((static_cast<float>(i) + 1 / 3.f) * step, (static_cast<float>(j) + 1 / 3.f) * step);
       const float alpha = points.alpha(triangle, weights);
       sum += material.alpha_mode == AlphaMode::mask ? (alpha >= material.alpha_cutoff ? 1.f : 0.f) : glm::clamp(alpha, 0.f, 1.f);
     }
@@ -106,12 +109,39 @@ float ScenePoints::alpha(uint32_t triangle, glm::vec2 weights) const {
   return value * sample_texture(*scene, scene->textures[static_cast<size_t>(use.texture)], texture_transform(use)(at)).a;
 }
 
+float ScenePoints::texels(uint32_t triangle) const {
+  const int index = instance_of_triangle[triangle];
+  const Mesh& mesh = scene->meshes[static_cast<size_t>(scene->instances[static_cast<size_t>(index)].mesh)];
+  const TextureUse& use = material(triangle).base_color_texture;
+  if (use.texture == none || mesh.uv[use.uv_set].empty()) return 0;
+  const Image& image = scene->images[static_cast<size_t>(scene->textures[static_cast<size_t>(use.texture)].image)];
+  const glm::vec2 size(image.width, image.height);
+  const TextureTransform transform = texture_transform(use);
+  const glm::uvec3 corner = mesh.triangles[triangle - first_triangle[static_cast<size_t>(index)]];
+  glm::vec2 at[3];
+  for (int k = 0; k < 3; ++k) at[k] = size * transform(mesh.uv[use.uv_set][corner[k]]);
+  return std::max({glm::distance(at[0], at[1]), glm::distance(at[1], at[2]), glm::distance(at[2], at[0])});
+}
+
 bool point_is_there(const void* scene_points, uint32_t source, glm::vec2 weights, float random) {
   const auto& points = *static_cast<const ScenePoints*>(scene_points);
   const uint32_t triangle = source & ~MICRO_LEAF_BACK;
   const SceneMaterial& material = points.material(triangle);
   const float alpha = points.alpha(triangle, weights);
   return material.alpha_mode == AlphaMode::mask ? alpha >= material.alpha_cutoff : random < alpha;
+}
+
+void pose_points(const SceneBuffers& buffers, std::vector<SampledPoint>& points) {
+  const std::vector<Vertex> vertices = buffers.scene_vertices.download();
+  const std::vector<Triangle> triangles = buffers.scene_triangles.download(0, buffers.info().triangle_count);
+  for (SampledPoint& p : points) {
+    const Triangle& t = triangles[p.source & ~MICRO_LEAF_BACK];
+    const glm::vec3 a = vertices[t.v0].position.xyz(), b = vertices[t.v1].position.xyz() - a, c = vertices[t.v2].position.xyz() - a;
+    p.position = a + p.weights.x * b + p.weights.y * c;
+    const glm::vec3 n = p.source & MICRO_LEAF_BACK ? glm::cross(c, b) : glm::cross(b, c);
+    const float length = glm::length(n);
+    if (length > 0) p.normal = n / length;
+  }
 }
 
 std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers) {

@@ -37,6 +37,9 @@ double instance_area(const Scene& scene, int instance);
 /// not depend on when the run began.
 std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers);
 
+/// Moves points to where their triangles are in the world at present.
+void pose_points(const SceneBuffers& buffers, std::vector<SampledPoint>& points);
+
 /// PointTest over the scene (its context): whether a point of a MASK or BLEND triangle is there.
 bool point_is_there(const void* scene_points, uint32_t source, glm::vec2 weights, float random);
 
@@ -46,6 +49,8 @@ struct ScenePoints {
   std::vector<int> instance_of_triangle;     ///< by world triangle
   std::vector<uint32_t> first_triangle;      ///< by instance
   ScenePoints(const Scene& scene_, const SceneBuffers& buffers);
+  /// Length of a triangle's longest edge in its alpha's texture [texels]; 0 without one.
+  float texels(uint32_t triangle) const;
   /// Linear alpha of a point.
   float alpha(uint32_t triangle, glm::vec2 weights) const;
   const SceneMaterial& material(uint32_t triangle) const;

@@ -60,7 +60,8 @@ TEST_CASE("a closed room of radiance 1 reflects all of it, and its micro-buffers
         test::gather(forest, buffers, points_on_cube(count), settings, gather_program({{"MICRO_SAMPLE_SPLAT", c.sample}}));
     for (const float4& e : result.irradiance) CHECK(std::abs(e.x / pi - 1) < 0.01);
     CHECK(result.total().holes < c.most_holes * 576 * count);
-    CHECK(mean_empty(result) < 0.001);
+    MESSAGE("empty " << mean_empty(result));
+    CHECK(mean_empty(result) < 0.0005);
   }
 }
 
@@ -90,10 +91,11 @@ TEST_CASE("a floor under a parallel disc gets R^2 / (R^2 + h^2)") {
     const auto floor = test::disc(1 << 13, dvec3(0), dvec3(0, 0, 1), 1, dvec3(0));
     points.insert(points.end(), floor.begin(), floor.end());
     forest.add(points, 2 * pi);
-    // Without hole filling, which takes pixels off the emptiness around the disc.
-    const double light = mean_over_frames(forest, {{dvec3(0), dvec3(0, 0, 1)}}, 16, {{"MICRO_HOLE_FILL", "0"}});
-    MESSAGE("height " << height << " ratio " << light * (1 + height * height));
-    CHECK(std::abs(light * (1 + height * height) - 1) < 0.02);
+    for (const char* fill : {"1", "0"}) {
+      const double light = mean_over_frames(forest, {{dvec3(0), dvec3(0, 0, 1)}}, 16, {{"MICRO_HOLE_FILL", fill}});
+      MESSAGE("height " << height << " fill " << fill << " ratio " << light * (1 + height * height));
+      CHECK(std::abs(light * (1 + height * height) - 1) < 0.02);
+    }
   }
 }
 
