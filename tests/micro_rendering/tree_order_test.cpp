@@ -50,7 +50,8 @@ float widest(const std::vector<uint32_t>& order, size_t leaves, const std::vecto
 TEST_CASE("nodes do not mix parallel layers nor the sides of a sheet, however many points each has") {
   for (const float facing : {1.f, -1.f}) {
     for (const size_t front : {2048u, 1024u, 3700u}) {
-      CAPTURE(facing, front);
+      CAPTURE(facing);
+      CAPTURE(front);
       std::mt19937 random(3);
       std::uniform_real_distribution<float> u(0, 1);
       std::vector<SampledPoint> points;

@@ -109,7 +109,7 @@ TEST_CASE("the inverse warp undoes the warp") {
 
 TEST_CASE("solid angles of micro-pixels are those of the mapping, by its differences") {
   // Cells between the midpoints of a fine square; the concentric map's kinks lie on its diagonals.
-  constexpr uint32_t edge = 192;
+  constexpr uint32_t edge = 384;
   struct Lobe {
     const char* warp;
     uint32_t lobe;
@@ -120,27 +120,29 @@ TEST_CASE("solid angles of micro-pixels are those of the mapping, by its differe
     CAPTURE(c.lobe);
     CAPTURE(c.alpha);
     const Square square = warp_square({{"MICRO_WARP", c.warp}}, c.lobe, edge, slanted(c.angle), c.alpha);
-    double projected = 0, share = 0, differences = 0, closed = 0;
+    double projected = 0, share = 0, masses = 0, cells = 0;
     for (uint32_t y = 0; y + 1 < edge; ++y) {
       for (uint32_t x = 0; x + 1 < edge; ++x) {
         const size_t corner[4] = {y * edge + x, y * edge + x + 1, (y + 1) * edge + x + 1, (y + 1) * edge + x};
         dvec3 w[4];
-        double inverse = 0, lowest = 1;
+        double density = 0, lowest = 1;
         for (int k = 0; k < 4; ++k) {
           w[k] = square.directions[corner[k]].xyz();
           lowest = std::min(lowest, w[k].z);
-          inverse += 0.25 / std::max(double(square.values[corner[k]].x), 1e-20);
+          density += 0.25 * square.values[corner[k]].x;
         }
         if (lowest < 0.1) continue;  // densities fall to zero at the horizon: differences say nothing there
         const double angle = 0.5 * glm::length(glm::cross(w[2] - w[0], w[3] - w[1]));
-        differences += angle;
-        closed += inverse / (double(edge) * edge);
+        masses += angle * density * edge * edge;
+        ++cells;
         projected += angle * 0.25 * (w[0].z + w[1].z + w[2].z + w[3].z);
         share += pi / (double(edge) * edge);
       }
     }
-    CHECK(std::abs(differences / closed - 1) < 0.005);
-    if (c.lobe == 0) CHECK(std::abs(projected / share - 1) < 0.001);  // equal shares of pi
+    MESSAGE("solid angle times N p " << masses / cells << ", projected " << projected / share);
+    CHECK(std::abs(masses / cells - 1) < 0.005);
+    // Equal shares of pi; a table's are those of its cells' centres.
+    if (c.lobe == 0) CHECK(std::abs(projected / share - 1) < (c.warp[0] == '0' ? 0.001 : 0.005));
   }
 }
 
