@@ -121,7 +121,14 @@ class MicroRendering : public Technique {
       return;
     }
     const bool rebuilt = forest_ && !forest_->update(change);
-    if (rebuilt) make_forest();
+    if (change.topology) moving_.clear();  // instances may have other numbers
+    if (rebuilt) {
+      posed_ = !change.topology && (posed_ || forest_->loosened());
+      // What a program moves once gets a tree of its own, so that the next move is one of its matrix.
+      for (const int instance : change.moved_instances)
+        if (std::find(moving_.begin(), moving_.end(), instance) == moving_.end()) moving_.push_back(instance);
+      make_forest();
+    }
     if (rebuilt || transmits(context_->scene) != transmits_ || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
       make_passes();
       return;
@@ -191,6 +198,8 @@ class MicroRendering : public Technique {
     options.points_log2 = parameters_.points_log2;
     options.disc_scale = parameters_.disc_scale;
     options.all_cullable = parameters_.backface == Backface::cull;
+    options.moving = moving_;
+    options.posed = posed_;
     return options;
   }
 
@@ -287,6 +296,8 @@ class MicroRendering : public Technique {
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1;
+  bool posed_ = false;       ///< a deformation has loosened a tree
+  std::vector<int> moving_;  ///< instances that have been moved though no animation does it
   uint32_t frame_ = 0, batch_ = 0;
   bool transmits_ = false;
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;

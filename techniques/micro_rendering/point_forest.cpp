@@ -54,7 +54,7 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
       owner_(owner),
       program_(forest_program(device)) {
   placed_materials_ = placing();
-  place(find_tree_sources(scene, buffers));
+  place(find_tree_sources(scene, buffers, options.moving));
   derive_albedo();
   std::vector<size_t> all(trees_.size());
   for (size_t t = 0; t < all.size(); ++t) all[t] = t;
@@ -95,8 +95,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
         sample_surface(sources[t].sides, tree.leaves(), kPlacingSeed, options_.threads, point_is_there, &points);
     sampling_seconds_ += seconds_since(start);
     start = std::chrono::steady_clock::now();
-    // The points are those of the mesh at rest, but what is close together is so as it stands now.
-    if (tree.kind == TreeKind::deforming) pose_points(buffers_, sampled.points);
+    if (options_.posed && tree.kind == TreeKind::deforming) pose_points(buffers_, sampled.points);
     for (const uint32_t i : tree_order(sampled.points, options_.threads)) {
       const SampledPoint& p = sampled.points[i];
       all_leaves.push_back({p.source, quantize_weight(p.weights.x) | quantize_weight(p.weights.y) << 16, p.area});
@@ -245,7 +244,8 @@ bool PointForest::update(const SceneChange& change) {
     for (size_t t = 0; t < deformed.size(); ++t) deformed[t] = t;
   }
   derive(deformed);
-  return std::none_of(deformed.begin(), deformed.end(), [&](size_t t) { return too_loose(trees_[t]); });
+  loosened_ = std::any_of(deformed.begin(), deformed.end(), [&](size_t t) { return too_loose(trees_[t]); });
+  return !loosened_;
 }
 
 size_t PointForest::estimate_bytes(const Scene& scene, const ForestOptions& options) {

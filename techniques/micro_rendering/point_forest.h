@@ -14,6 +14,8 @@ struct ForestOptions {
   int points_log2 = 18;
   float disc_scale = 1.6f;     ///< radius of a leaf's disc over that of the disc of its area
   bool all_cullable = false;   ///< surfaces are transparent from behind instead of black
+  std::vector<int> moving;     ///< instances that have trees of their own though no animation moves them
+  bool posed = false;          ///< leaves of deforming trees are ordered as they stand now, not as at rest
   int threads = 2;
 };
 
@@ -38,6 +40,8 @@ class PointForest {
   /// Follows moved and deformed instances and changed materials; returns false when the forest must be made anew
   /// (topology; something moved that rests; a deformed tree has become too loose; coverage may have changed).
   bool update(const SceneChange& change);
+
+  bool loosened() const { return loosened_; }  ///< why update() failed: a deformed tree is too loose
 
   const std::vector<ForestTree>& trees() const { return trees_; }
   uint32_t leaf_count() const { return leaf_count_; }  ///< of all trees
@@ -91,6 +95,7 @@ class PointForest {
   Program program_;
   std::vector<ForestTree> trees_;
   std::vector<Placing> placed_materials_;
+  bool loosened_ = false;
   uint32_t leaf_count_ = 0;
   double sampling_seconds_ = 0, ordering_seconds_ = 0;
 };

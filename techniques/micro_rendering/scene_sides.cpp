@@ -14,9 +14,9 @@ namespace {
 // Points per edge of a triangle at which coverage is looked up: two per texel, within these.
 constexpr int kLeastCoverageGrid = 4, kMostCoverageGrid = 128;
 
-TreeKind kind_of(const SceneInstance& instance, const std::vector<bool>& animated) {
+TreeKind kind_of(const SceneInstance& instance, bool moves) {
   if (instance.pose) return TreeKind::deforming;
-  if (instance.node == none || !animated[static_cast<size_t>(instance.node)]) return TreeKind::resting;
+  if (!moves) return TreeKind::resting;
   return is_similarity(instance.world_from_object) ? TreeKind::rigid : TreeKind::deforming;
 }
 
@@ -144,7 +144,7 @@ void pose_points(const SceneBuffers& buffers, std::vector<SampledPoint>& points)
   }
 }
 
-std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers) {
+std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers, const std::vector<int>& moving) {
   const std::vector<bool> animated = animated_nodes(scene);
   const ScenePoints points(scene, buffers);
   const std::vector<Vertex> vertices = buffers.scene_vertices.download();
@@ -156,7 +156,8 @@ std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers
     const SceneInstance& instance = scene.instances[i];
     const Mesh& mesh = scene.meshes[static_cast<size_t>(instance.mesh)];
     const Instance& record = layout.instances[i];
-    const TreeKind kind = kind_of(instance, animated);
+    const bool moves = std::find(moving.begin(), moving.end(), static_cast<int>(i)) != moving.end();
+    const TreeKind kind = kind_of(instance, moves || (instance.node != none && animated[static_cast<size_t>(instance.node)]));
     if (kind != TreeKind::resting) {
       trees.emplace_back();
       trees.back().kind = kind;

@@ -35,7 +35,8 @@ double instance_area(const Scene& scene, int instance);
 
 /// Sources of all trees, the resting one first. A moving instance's points are placed on its mesh at rest, so that they do
 /// not depend on when the run began.
-std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers);
+/// `moving`: instances that move though no animation does it.
+std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers, const std::vector<int>& moving = {});
 
 /// Moves points to where their triangles are in the world at present.
 void pose_points(const SceneBuffers& buffers, std::vector<SampledPoint>& points);

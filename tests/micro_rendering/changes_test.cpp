@@ -115,6 +115,27 @@ TEST_CASE("a rigid object's motion refits nothing; a deformation refits its own 
   }
 }
 
+TEST_CASE("what a program moves gets a tree of its own: its second motion refits nothing") {
+  CountedSession counted(load_scene("builtin:room"), 1);
+  CHECK(counted.session().technique().counters().at("trees") == 1);
+  const auto move = [&] {
+    counted.session().change_scene([](Scene& scene) {
+      SceneChange change;
+      change.moved_instances.push_back(0);
+      scene.instances[0].world_from_object[3].x += 0.05f;
+      return change;
+    });
+    counted.session().run({.iterations = 1});
+  };
+  move();
+  CHECK(counted.session().technique().counters().at("trees") == 2);
+  counted.forget();
+  move();
+  CHECK(counted.session().technique().counters().at("trees") == 2);
+  CHECK(counted.count("update leaves") == 0);
+  CHECK(counted.count("gather") > 0);
+}
+
 TEST_CASE("an animated character in a room: every frame is that of a fresh start, and only its tree is refitted") {
   if (shared_scenes().empty()) return skip("third-party scenes");
   const TemporaryFolder folder;
