@@ -96,6 +96,7 @@ struct SurfaceAtlas::State {
   TypedBuffer<AtlasMaterial> materials;
   TypedBuffer<uint2> ranges;
   TypedBuffer<AtlasPiece> pieces;
+  TypedBuffer<AtlasSample> samples;
   Schedule place, shade;
   uint64_t generation = 0, scene_generation = 0;
 };
@@ -113,7 +114,7 @@ void SurfaceAtlas::State::refuse_if_too_large(const Scene& scene) const {
 void SurfaceAtlas::State::build(const Scene& scene) {
   const auto start = std::chrono::steady_clock::now();
   place = {}, shade = {};
-  triangles = {}, table = {}, links = {}, texels = {}, points = {}, materials = {}, ranges = {}, pieces = {};
+  triangles = {}, table = {}, links = {}, texels = {}, points = {}, materials = {}, ranges = {}, pieces = {}, samples = {};
   two_sided = two_sided_instances(scene);
   refuse_if_too_large(scene);
   AtlasLayout layout = make_atlas_layout(read_atlas_geometry(scene, buffers, options.use_texcoord1), options);
@@ -128,7 +129,7 @@ void SurfaceAtlas::State::build(const Scene& scene) {
   run(shade);
   scheduler.finish();
   report.bytes = triangles.bytes() + table.bytes() + links.bytes() + texels.bytes() + points.bytes() +
-                 materials.bytes() + ranges.bytes() + pieces.bytes();
+                 materials.bytes() + ranges.bytes() + pieces.bytes() + (options.samples > 0 ? samples.bytes() : 0);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.progress) options.progress(1, "done");
 }
@@ -143,6 +144,7 @@ void SurfaceAtlas::State::upload(const AtlasLayout& layout) {
   store(texels, "atlas texels", layout.texels);
   store(ranges, "atlas ranges", layout.ranges);
   store(pieces, "atlas pieces", layout.pieces);
+  if (options.samples > 0) store(samples, "atlas samples", layout.samples);
   points = TypedBuffer<SurfacePoint>(device, owner, "atlas points", info.texel_count, kFewerTexels);
   materials = TypedBuffer<AtlasMaterial>(device, owner, "atlas materials", info.texel_count, kFewerTexels);
 }
@@ -178,6 +180,7 @@ void SurfaceAtlas::State::bind(PassBuilder& pass, const Program& kernels, std::s
     bind_if_named("atlas_materials", materials);
     bind_if_named("atlas_ranges", ranges);
     bind_if_named("atlas_pieces", pieces);
+    bind_if_named("atlas_samples", samples);
   }
 }
 
@@ -237,7 +240,8 @@ size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions
                                                : static_cast<double>(options.texel_count);
   const size_t slots = static_cast<size_t>(std::min(wanted, 1e14));
   const size_t triangles = static_cast<size_t>(scene.triangle_count());
-  const size_t per_slot = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2);
+  const size_t per_slot = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2) +
+                          options.samples * sizeof(AtlasSample);
   return slots * (per_slot + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(AtlasPiece) / 2) +
          triangles * (sizeof(AtlasTriangle) + 2 * sizeof(AtlasPiece));
 }
@@ -262,6 +266,7 @@ const TypedBuffer<SurfacePoint>& SurfaceAtlas::surface_points() const { return s
 const TypedBuffer<AtlasMaterial>& SurfaceAtlas::materials() const { return state_->materials; }
 const TypedBuffer<uint2>& SurfaceAtlas::ranges() const { return state_->ranges; }
 const TypedBuffer<AtlasPiece>& SurfaceAtlas::pieces() const { return state_->pieces; }
+const TypedBuffer<AtlasSample>& SurfaceAtlas::samples() const { return state_->samples; }
 const std::vector<AtlasChart>& SurfaceAtlas::charts() const { return state_->charts; }
 
 }  // namespace lucarium

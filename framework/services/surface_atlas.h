@@ -61,10 +61,12 @@ class SurfaceAtlas {
   const TypedBuffer<AtlasMaterial>& materials() const;
   const TypedBuffer<uint2>& ranges() const;
   const TypedBuffer<AtlasPiece>& pieces() const;
+  /// SurfaceAtlasOptions::samples random points per slot, uniform over its area.
+  const TypedBuffer<AtlasSample>& samples() const;
   const std::vector<AtlasChart>& charts() const;
 
   /// Binds what the kernel has a parameter for: atlas_info (by value), atlas_triangles, atlas_table, atlas_links,
-  /// atlas_texels, atlas_points, atlas_materials, atlas_ranges, atlas_pieces.
+  /// atlas_texels, atlas_points, atlas_materials, atlas_ranges, atlas_pieces, atlas_samples.
   void bind(PassBuilder& pass, const Program& program, std::string_view kernel) const;
 
   /// Compiles what refit() will launch.

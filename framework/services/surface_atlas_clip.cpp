@@ -145,6 +145,35 @@ dvec2 point_beside_cell(const dvec2 uv[3], int x, int y) {
   return distance > 0 ? touching + std::min(1., 3 * dilation / distance) * (center - touching) : center;
 }
 
+bool sample_in_cell(const dvec2 uv[3], int x, int y, const dvec2& u, float& b1, float& b2) {
+  Polygon polygon, inside, rest;
+  for (int i = 0; i < 3; ++i) polygon.add(uv[i]);
+  cut(polygon, 0, x, rest, inside);
+  cut(inside, 0, x + 1, polygon, rest);
+  cut(polygon, 1, y, rest, inside);
+  cut(inside, 1, y + 1, polygon, rest);
+  const dvec2 e1 = uv[1] - uv[0], e2 = uv[2] - uv[0];
+  const double twice = cross2(e1, e2);
+  dvec2 centroid;
+  const double wanted = polygon.count < 3 ? 0 : u.x * measure(polygon, centroid);
+  // The triangle of the fan that holds the share u.x of the area, and the place in it.
+  double before = 0, size = 0;
+  int i = 1;
+  for (; i + 1 < polygon.count; ++i) {
+    size = cross2(polygon.corner[i] - polygon.corner[0], polygon.corner[i + 1] - polygon.corner[0]);
+    if (std::fabs(before + size) > std::fabs(wanted) || i + 2 == polygon.count) break;
+    before += size;
+  }
+  if (size == 0 || twice == 0) return false;
+  const double from_apex = std::sqrt(std::clamp((wanted - before) / size, 0., 1.));
+  const dvec2 across = polygon.corner[i] + u.y * (polygon.corner[i + 1] - polygon.corner[i]);
+  const dvec2 p = polygon.corner[0] + from_apex * (across - polygon.corner[0]) - uv[0];
+  const double first = std::clamp(cross2(p, e2) / twice, 0., 1.);
+  b1 = static_cast<float>(first);
+  b2 = static_cast<float>(std::clamp(cross2(e1, p) / twice, 0., 1. - first));
+  return true;
+}
+
 void clip_to_cells(const dvec2 uv[3], std::vector<ClippedCell>& out) {
   const double dilation = cell_dilation(uv);
   const dvec2 low = glm::min(uv[0], glm::min(uv[1], uv[2])), high = glm::max(uv[0], glm::max(uv[1], uv[2]));

@@ -21,6 +21,10 @@ double cell_dilation(const glm::dvec2 uv[3]);
 /// triangle in the cell itself; fractions sum to 1. Triangles without area in uv are cut along their longest edge.
 void clip_to_cells(const glm::dvec2 uv[3], std::vector<ClippedCell>& out);
 
+/// A point of the part of a triangle that lies in a cell, as barycentrics of corners 1 and 2: uniform when `u` is, in
+/// [0, 1)². False where that part has no area.
+bool sample_in_cell(const glm::dvec2 uv[3], int x, int y, const glm::dvec2& u, float& b1, float& b2);
+
 /// For a cell that only its dilated form touches: a point of the triangle's interior beside the place where it does.
 glm::dvec2 point_beside_cell(const glm::dvec2 uv[3], int x, int y);
 

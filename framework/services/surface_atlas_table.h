@@ -24,4 +24,7 @@ void link_seams(const AtlasMesh& mesh, std::span<const AtlasPart> parts, AtlasLa
 /// however coarsely uv was interpolated, finds nothing.
 void fill_empty_cells(AtlasLayout& layout);
 
+/// Fills AtlasLayout::samples, `count` per slot.
+void sample_texels(const AtlasMesh& mesh, AtlasLayout& layout, uint32_t count);
+
 }  // namespace lucarium

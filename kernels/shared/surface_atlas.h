@@ -30,6 +30,12 @@ LUCARIUM_STRUCT_BEGIN(AtlasPiece)
   float fraction;  // of the triangle's area [1]
 LUCARIUM_STRUCT_END(AtlasPiece, 8)
 
+// A point of a texel.
+LUCARIUM_STRUCT_BEGIN(AtlasSample)
+  uint triangle;  // world triangle
+  float b1, b2;   // barycentrics (weights of corners 1 and 2)
+LUCARIUM_STRUCT_END(AtlasSample, 12)
+
 LUCARIUM_STRUCT_BEGIN(AtlasInfo)
   uint texel_count;         // slots
   uint double_sided_count;  // K
