@@ -161,6 +161,7 @@ class BundleExchange : public Technique {
     Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, std::unique_ptr<SurfaceAtlas> kept_atlas);
     std::unique_ptr<SurfaceAtlas> atlas;
     Program program;
+    SlotExposure exposure;
     SlotLight slot_light;
     SlotMeans means;
     std::unique_ptr<SlotSpecular> specular;  ///< null where no slot has a specular lobe that takes part
@@ -342,8 +343,8 @@ Program make_program(Device& device, const Channels& channels) {
   library.add(bundle_exchange_kernels());
   return Program(device, library,
                  {"bundle_exchange/means",
-                  {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_light.cl",
-                   "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/pixel_gather.cl"},
+                  {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_exposure.cl",
+                   "bundle_exchange/slot_light.cl", "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/pixel_gather.cl"},
                   channels.defines()});
 }
 
@@ -355,10 +356,11 @@ BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, con
                              std::unique_ptr<SurfaceAtlas> kept_atlas)
     : atlas(kept_atlas ? std::move(kept_atlas) : make_atlas(c, plan.atlas)),
       program(make_program(*c.device, plan.channels)),
-      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, plan.light_kinds),
-      means(*c.device, c.scheduler, program, *atlas, slot_light.light_samples(), plan.channels, p),
+      exposure(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas),
+      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, exposure, plan.light_kinds),
+      means(*c.device, c.scheduler, program, *atlas, exposure.shares(), slot_light.light_samples(), plan.channels, p),
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, make_frame(c.settings), plan.camera),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), plan.channels,
+      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), exposure.shares(), plan.channels,
                {p.pixel_size, p.transfer, camera.pixel_gather()}) {
   if (!plan.reflects) return;
   specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,

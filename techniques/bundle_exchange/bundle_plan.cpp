@@ -40,6 +40,7 @@ bool has_specular_lobes(const Scene& scene) {
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
+  plan.atlas.samples = kSlotPoints;
   const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 2048, 262144);
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   // Direct light needs no lobes of slots: they begin behind the first scattering.
@@ -61,7 +62,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
 size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const size_t slots = plan.atlas.texel_count * 5 / 4;
   return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels) +
-         SlotLight::estimate_bytes(slots) +
+         SlotLight::estimate_bytes(slots) + SlotExposure::estimate_bytes(slots) +
          (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
          CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles);
 }

@@ -24,8 +24,8 @@ Program make_program(Device& device, const char* file, std::map<std::string, std
 }  // namespace
 
 BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
-                               const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const Channels& channels,
-                               const Options& options)
+                               const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure,
+                               const Channels& channels, const Options& options)
     : scheduler_(&scheduler),
       channels_(channels),
       options_(options),
@@ -35,13 +35,13 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       raster_(scheduler, buffers, raster_options(side_), kOwner),
       views_(device, kOwner, "view of a direction", 1),
       ends_(device, kOwner, "ends of rays", 2) {
-  all_ = record(device, buffers, atlas, records, What::all);
-  if (channels.exchanged() && channels.reflected() > 0) emission_ = record(device, buffers, atlas, records, What::emission);
-  if (options.gather) gather_ = record(device, buffers, atlas, records, What::gather);
+  all_ = record(device, buffers, atlas, records, exposure, What::all);
+  if (channels.exchanged() && channels.reflected() > 0) emission_ = record(device, buffers, atlas, records, exposure, What::emission);
+  if (options.gather) gather_ = record(device, buffers, atlas, records, exposure, What::gather);
 }
 
 BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                                                const TypedBuffer<float4>& records, What what) {
+                                                const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure, What what) {
   const char* const names[] = {"exchange", "exchange of emission", "gather"};
   const Program begin_program = make_program(device, "begin_direction", {});
   const bool by_texels = options_.transfer == Transfer::texel;
@@ -86,7 +86,10 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
           .arg("pixel_start", stored.pixel_start)
           .arg("fragments", stored.fragments);
     } else {
-      raster_.record_tiles(recorder, "exchange", view, program, kernel, bind);
+      raster_.record_tiles(recorder, "exchange", view, program, kernel, [&](PassBuilder& pass) {
+        bind(pass);
+        pass.arg("exposure", exposure);
+      });
     }
   }
   result.schedule = recorder.compile();

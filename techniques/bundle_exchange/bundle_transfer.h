@@ -18,9 +18,10 @@ class BundleTransfer {
     Transfer transfer = Transfer::ray;
     const PixelGather* gather = nullptr;  ///< must outlive this; null: pixels gather nothing
   };
+  /// `exposure`: SlotExposure::shares().
   BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
-                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const Channels& channels,
-                 const Options& options);
+                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure,
+                 const Channels& channels, const Options& options);
 
   /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND.
   bool exchange(const Direction& direction, uint32_t seed);
@@ -42,7 +43,7 @@ class BundleTransfer {
   };
   enum class What { all, emission, gather };
   Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                  const TypedBuffer<float4>& records, What what);
+                  const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure, What what);
   bool run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray);
   KernelScheduler* scheduler_;
   Channels channels_;

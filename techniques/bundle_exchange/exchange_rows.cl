@@ -11,6 +11,7 @@ typedef struct Exchange {
   const global uint* atlas_table;
   global float4* records;
   float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
+  const global float2* exposure;  // y: what a ray counts that meets a back
   float weight;                // w of exchange_layout.clh
   uint double_sided;           // texels that have a back
 } Exchange;
@@ -70,6 +71,24 @@ void receive(Exchange* exchange, uint receiver, uint sender, float3 end) {
   }
 }
 
+// The ray of a slot ends at the back of a single-sided surface: black, and counted unless it began in a hidden place.
+void meet_back(Exchange* exchange, uint receiver) {
+  if (receiver == LUCARIUM_NONE) return;
+  exchange->records[(size_t)receiver * BUNDLE_RECORD + 1u].w += exchange->weight * exchange->exposure[receiver].y;
+}
+
+// Two slots that see each other.
+void exchange_pair(Exchange* exchange, uint a, uint b) {
+  if (a == LUCARIUM_NONE) {
+    meet_back(exchange, b);
+  } else if (b == LUCARIUM_NONE) {
+    meet_back(exchange, a);
+  } else {
+    receive(exchange, a, b, (float3)(0.0f));
+    receive(exchange, b, a, (float3)(0.0f));
+  }
+}
+
 // Lanes with a fragment in `layer` and one before it that may see each other. Without double-sided texels that leaves out
 // gaps between two backs, most of them inside solids.
 uint facing_lanes(const Exchange* exchange, const LayeredRow* row, uint layer) {
@@ -85,8 +104,7 @@ void exchange_neighbours(Exchange* exchange, const LayeredRow* row, uint layer, 
   if ((near_key >> LAYERED_KEY_BUCKET) == (far_key >> LAYERED_KEY_BUCKET) && near_towards == far_towards) return;
   const uint a = slot_away(exchange, layered_at(row, layer - 1u, lane), near_towards);
   const uint b = slot_towards(exchange, layered_at(row, layer, lane), far_towards);
-  receive(exchange, a, b, (float3)(0.0f));
-  receive(exchange, b, a, (float3)(0.0f));
+  exchange_pair(exchange, a, b);
 }
 
 void layered_consume(Exchange* exchange, const LayeredRow* row) {
@@ -114,13 +132,14 @@ void layered_consume(Exchange* exchange, const LayeredRow* row) {
 // ends: radiance that enters along omega, and along -omega.
 __kernel void exchange_rows(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info,
                             __global const AtlasTriangle* atlas_triangles, __global const uint* atlas_table,
-                            float weight, __global const float4* ends, __global float4* records) {
+                            __global const float2* exposure, float weight, __global const float4* ends, __global float4* records) {
   Exchange exchange;
   exchange.atlas_triangles = atlas_triangles;
   exchange.atlas_table = atlas_table;
   exchange.records = records;
   exchange.from_near = ends[0].xyz;
   exchange.from_far = ends[1].xyz;
+  exchange.exposure = exposure;
   exchange.weight = weight;
   exchange.double_sided = atlas_info.double_sided_count;
   LAYERED_RUN_TILES(&exchange);

@@ -103,13 +103,14 @@ __kernel void join_sums(__global const float* restrict error, __global const flo
   sums[1] = value[0];
 }
 
-// Diffuse albedo and emission of slots; w: area [m^2].
+// Diffuse albedo and emission of slots; w: area that is not hidden [m^2].
 __kernel void take_materials(uint slots, __global const AtlasTexel* restrict atlas_texels,
-                             __global const AtlasMaterial* restrict atlas_materials, __global float4* restrict albedo,
+                             __global const AtlasMaterial* restrict atlas_materials,
+                             __global const float2* restrict exposure, __global float4* restrict albedo,
                              __global float4* restrict emission) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
-  const float area = atlas_texels[slot].area;
+  const float area = atlas_texels[slot].area * exposure[slot].x;
   albedo[slot] = (float4)(atlas_materials[slot].diffuse.xyz, area);
   emission[slot] = (float4)(atlas_materials[slot].emission.xyz, area);
 }

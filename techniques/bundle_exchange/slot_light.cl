@@ -1,12 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct irradiance of slots by light samples, a run of slots at a time.
+#include "bundle_exchange/slot_points.clh"
 #include "lucarium/shared/surface_point.h"
 
-__kernel void gather_points(uint first, uint count, __global const SurfacePoint* restrict atlas_points,
-                            __global SurfacePoint* restrict points, __global float4* restrict samples) {
+// Every round takes another of a slot's points, of those that are not hidden.
+__kernel void gather_points(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
+                            __global const AtlasSample* restrict atlas_samples, __global const uint* restrict hidden,
+                            uint first, uint count, uint turn, __global SurfacePoint* restrict points,
+                            __global float4* restrict samples) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  points[i] = atlas_points[first + i];
+  LUCARIUM_SCENE_BIND(scene);
+  const uint slot = first + i;
+  const AtlasSample sample = slot_point(atlas_samples, slot, hidden[slot], turn);
+  const Surface surface = slot_surface(&scene, atlas_info, slot, sample);
+  SurfacePoint point;
+  point.position = (float4)(surface.position, 0.0f);
+  point.normal = (float4)(surface.n_g, 0.0f);
+  point.u = sample.b1;
+  point.v = sample.b2;
+  point.triangle = sample.triangle;
+  point.flags = 0u;
+  points[i] = point;
   samples[i] = (float4)(0.0f);
 }
 

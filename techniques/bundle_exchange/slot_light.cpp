@@ -13,7 +13,8 @@ const char* const kFewerTexels = "lower texels";
 }  // namespace
 
 SlotLight::SlotLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-                     const Intersector& intersector, const SurfaceAtlas& atlas, uint32_t kinds)
+                     const Intersector& intersector, const SurfaceAtlas& atlas, const SlotExposure& exposure,
+                     uint32_t kinds)
     : scheduler_(&scheduler),
       none_(kinds == 0),
       slots_(atlas.info().texel_count),
@@ -22,7 +23,7 @@ SlotLight::SlotLight(Device& device, KernelScheduler& scheduler, const Program& 
       samples_(device, "bundle_exchange", "light at slots", chunk_, kFewerTexels),
       light_samples_(device, "bundle_exchange", "direct light of slots", slots_, kFewerTexels),
       direct_light_(device, scheduler, scene, intersector, "bundle_exchange", kinds) {
-  record(program, atlas);
+  record(program, scene, atlas, exposure);
 }
 
 size_t SlotLight::estimate_bytes(size_t slots) {
@@ -30,16 +31,21 @@ size_t SlotLight::estimate_bytes(size_t slots) {
   return chunk * (sizeof(SurfacePoint) + sizeof(float4)) + slots * sizeof(float4) + DirectLight::estimate_bytes(chunk);
 }
 
-void SlotLight::record(const Program& program, const SurfaceAtlas& atlas) {
+void SlotLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
+                       const SlotExposure& exposure) {
   ScheduleRecorder gather = scheduler_->record("take slots", "bundle_exchange");
   gather_first_ = gather.variable("first", 0u);
   gather_count_ = gather.variable("count", chunk_);
-  gather.pass("take slots", program, "gather_points")
-      .global(chunk_)
+  gather_round_ = gather.variable("round", 0u);
+  PassBuilder take = gather.pass("take slots", program, "gather_points");
+  scene.bind(take, program, "gather_points");
+  atlas.bind(take, program, "gather_points");
+  take.global(chunk_)
       .local(kLocalSize)
+      .arg("hidden", exposure.hidden())
       .arg("first", gather_first_)
       .arg("count", gather_count_)
-      .arg("atlas_points", atlas.surface_points())
+      .arg("turn", gather_round_)
       .arg("points", points_)
       .arg("samples", samples_);
   gather_ = gather.compile();
@@ -62,6 +68,7 @@ bool SlotLight::sample() {
   const uint32_t round = static_cast<uint32_t>(position_ / slots_);
   gather_.set(gather_first_, first);
   gather_.set(gather_count_, count);
+  gather_.set(gather_round_, round);
   pending_ = 0;
   if (scheduler_->run(gather_) == RunResult::cancelled) return false;
   // Points of different runs share their numbers in the buffer, so that each run has a seed of its own.

@@ -2,15 +2,17 @@
 #pragma once
 #include "lucarium/services/direct_light.h"
 #include "lucarium/services/surface_atlas.h"
+#include "slot_exposure.h"
 
 namespace lucarium::bundle {
 
-/// Direct irradiance of every slot by light samples, of all lights or of some kinds (LUCARIUM_LIGHT_* bits; 0: none). A run of slots gets one more sample per
+/// Direct irradiance of every slot by light samples, of all lights or of some kinds (LUCARIUM_LIGHT_* bits; 0: none): the
+/// mean over what of the slot is not hidden, at one random point after the other. A run of slots gets one more sample per
 /// iteration, so that iterations stay short.
 class SlotLight {
  public:
   SlotLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-            const Intersector& intersector, const SurfaceAtlas& atlas, uint32_t kinds);
+            const Intersector& intersector, const SurfaceAtlas& atlas, const SlotExposure& exposure, uint32_t kinds);
 
   /// Samples the next run of slots; false when cancelled. commit() then adds it; without it nothing has changed.
   bool sample();
@@ -28,7 +30,7 @@ class SlotLight {
 
  private:
   static constexpr uint32_t kSamples = 16;
-  void record(const Program& program, const SurfaceAtlas& atlas);
+  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotExposure& exposure);
   KernelScheduler* scheduler_;
   bool none_;  ///< there is nothing to sample
   uint32_t slots_, chunk_;
@@ -36,7 +38,7 @@ class SlotLight {
   TypedBuffer<float4> samples_, light_samples_;
   DirectLight direct_light_;
   Schedule gather_, scatter_;
-  Variable<uint32_t> gather_first_, gather_count_, scatter_first_, scatter_count_;
+  Variable<uint32_t> gather_first_, gather_count_, gather_round_, scatter_first_, scatter_count_;
   uint64_t position_ = 0;  ///< slots sampled so far, all rounds
   uint32_t pending_ = 0;   ///< slots of the run that waits for commit()
   uint32_t seed_ = 1;

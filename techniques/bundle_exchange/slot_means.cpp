@@ -28,7 +28,8 @@ std::map<std::string, std::string> Channels::defines() const {
 }
 
 SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
-                     const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters)
+                     const TypedBuffer<float2>& exposure, const TypedBuffer<float4>& light_samples, const Channels& channels,
+                     const Parameters& parameters)
     : scheduler_(&scheduler),
       primitives_(device),
       channels_(channels),
@@ -53,7 +54,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       errors_(device, kOwner, "errors of slots", slots_, kFewerTexels),
       values_(device, kOwner, "values of slots", slots_, kFewerTexels),
       sums_(device, kOwner, "sums of errors and values", 2) {
-  record_materials(program, atlas);
+  record_materials(program, atlas, exposure);
   record_senders(program);
   record_fold(program);
   record_errors(program);
@@ -66,11 +67,12 @@ size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels) {
   return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
 }
 
-void SlotMeans::record_materials(const Program& program, const SurfaceAtlas& atlas) {
+void SlotMeans::record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float2>& exposure) {
   ScheduleRecorder recorder = scheduler_->record("slot materials", kOwner);
   PassBuilder pass = recorder.pass("take materials", program, "take_materials");
   atlas.bind(pass, program, "take_materials");
-  pass.global(slots_).local(kLocalSize).arg("slots", slots_).arg("albedo", albedo_).arg("emission", emission_);
+  pass.global(slots_).local(kLocalSize).arg("slots", slots_).arg("exposure", exposure);
+  pass.arg("albedo", albedo_).arg("emission", emission_);
   materials_ = recorder.compile();
 }
 

@@ -28,7 +28,7 @@ struct Channels {
 class SlotMeans {
  public:
   SlotMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
-            const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters);
+            const TypedBuffer<float2>& exposure, const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters);
 
   /// Prepares the records of the next batch; false when cancelled.
   bool make_senders();
@@ -64,7 +64,7 @@ class SlotMeans {
   static size_t estimate_bytes(size_t slots, const Channels& channels);
 
  private:
-  void record_materials(const Program& program, const SurfaceAtlas& atlas);
+  void record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float2>& exposure);
   void record_senders(const Program& program);
   void record_fold(const Program& program);
   void record_errors(const Program& program);

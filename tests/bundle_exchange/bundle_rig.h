@@ -8,6 +8,7 @@
 #include "direction_sequence.h"
 #include "lucarium/scene/builtin_builder.h"
 #include "lucarium/services/bvh.h"
+#include "slot_exposure.h"
 #include "slot_specular.h"
 #include "slot_means.h"
 
@@ -37,9 +38,10 @@ class BundleRig {
         bvh_(*device_, scene_, buffers_),
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
         program_(make_program(*device_, channels, std::move(defines))),
+        exposure_(*device_, scheduler_, program_, buffers_, bvh_, atlas_),
         light_(*device_, "test", "light samples", atlas_.info().texel_count),
-        means_(*device_, scheduler_, program_, atlas_, light_, channels, parameters_),
-        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), channels, {pixel_size, parameters.transfer, nullptr}) {
+        means_(*device_, scheduler_, program_, atlas_, exposure_.shares(), light_, channels, parameters_),
+        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), exposure_.shares(), channels, {pixel_size, parameters.transfer, nullptr}) {
     if (!channels.hops) return;
     specular_ = std::make_unique<bundle::SlotSpecular>(*device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, parameters_,
                                                        !scene_.lights.empty(),
@@ -117,6 +119,7 @@ class BundleRig {
   static SurfaceAtlasOptions options(uint64_t texels) {
     SurfaceAtlasOptions result;
     result.texel_count = texels;
+    result.samples = bundle::kSlotPoints;
     return result;
   }
   static Program make_program(Device& device, const bundle::Channels& channels, std::map<std::string, std::string> defines) {
@@ -124,7 +127,7 @@ class BundleRig {
     library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
     return Program(device, library,
-                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl"}, defines});
+                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/slot_exposure.cl"}, defines});
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;
@@ -140,6 +143,7 @@ class BundleRig {
   Bvh bvh_;
   SurfaceAtlas atlas_;
   Program program_;
+  bundle::SlotExposure exposure_;
   TypedBuffer<float4> light_;
   bundle::SlotMeans means_;
   bundle::BundleTransfer transfer_;
