@@ -90,7 +90,9 @@ class BundleExchange : public Technique {
     if (parameters_.interleave == Interleave::pingpong && SlotSpecular::uses_ring(parameters_) && has_specular_lobes(scene))
       result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
     if (parameters_.final_gather == FinalGather::off && has_specular_lobes(scene))
-      result.push_back("indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
+      result.push_back(parameters_.direct_mode == DirectMode::exchange
+                           ? "what specular lobes reflect towards the eye is left out but for light of punctual lights (final_gather=off)"
+                           : "indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
     return result;
   }
 
@@ -106,7 +108,7 @@ class BundleExchange : public Technique {
 
   void update(const SceneChange& change) override {
     if (!change.any()) return;
-    if (change.only_camera()) {
+    if (change.only_camera() && parts_) {
       step_ = {};
       parts_->camera.set_frame(make_frame(context_->settings));
       return;
@@ -119,14 +121,19 @@ class BundleExchange : public Technique {
   }
 
   IterationResult iterate() override {
+    if (!parts_) build();  // the last attempt failed
     run_steps();
     return state();
   }
 
-  void resolve(Film& film) override { parts_->camera.resolve(film); }
+  void resolve(Film& film) override {
+    if (!parts_) throw Error(ErrorClass::input, "bundle_exchange: the scene's last change could not be followed; nothing to show");
+    parts_->camera.resolve(film);
+  }
 
   void reset(uint64_t seed) override {
     seed_ = seed;
+    if (!parts_) return build();
     directions_ = gathers_ = 0;
     step_ = {};
     sequence_ = DirectionSequence(sequence_parameters(), seed_, environment(), has_ring());
@@ -137,6 +144,7 @@ class BundleExchange : public Technique {
   }
 
   void warm_up() override {
+    if (!parts_) build();
     parts_->slot_light.warm_up();
     parts_->means.warm_up();
     if (parts_->specular) parts_->specular->warm_up();
@@ -211,8 +219,7 @@ class BundleExchange : public Technique {
   /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before the
   /// end: both use up their directions.
   bool is_accurate() const {
-    const bool stoppable = parameters_.interleave == Interleave::sd || parameters_.interleave == Interleave::running;
-    return stoppable && parameters_.stop_error > 0 && parts_->means.carries_all(directions_) &&
+    return stoppable() && parameters_.stop_error > 0 && parts_->means.carries_all(directions_) &&
            parts_->means.relative_error() < parameters_.stop_error;
   }
 
@@ -237,14 +244,14 @@ class BundleExchange : public Technique {
   /// changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
   bool run_steps() {
     Parts& parts = *parts_;
-    if (!step_.begun) step_ = {true, false, false, directions_per_iteration()};
+    if (!step_.begun) step_ = {true, false, parts.slot_light.runs(), directions_per_iteration()};
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
-    if (!step_.lit && context_->settings.max_bounces != 0 && !parts.slot_light.exhausted()) {
+    for (; step_.light_runs > 0 && wants_light(); --step_.light_runs) {
       if (!parts.slot_light.sample()) return false;
       parts.slot_light.commit();
     }
-    step_.lit = true;
+    step_.light_runs = 0;
     while (step_.directions > 0 && lit()) {
       const uint32_t count = std::min(next_batch(), step_.directions);
       if (count == 0 && !parts.camera.pixel_gather()) break;
@@ -298,8 +305,18 @@ class BundleExchange : public Technique {
     return (kernel_seed(seed_) ^ static_cast<uint32_t>(index + 1) * 0x9e3779b9u) * 0x85ebca6bu;
   }
 
-  /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before.
-  bool shows_all() const { return !exchanges() || (directions_ > 0 && parts_->means.carries_all(directions_ - 1)); }
+  /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces are
+  /// missing until the end, it shows the atlas as it is, and no mean over what it was.
+  bool shows_all() const {
+    return !exchanges() || exchange_done() || (stoppable() && directions_ > 0 && parts_->means.carries_all(directions_ - 1));
+  }
+
+  bool stoppable() const { return parameters_.interleave == Interleave::sd || parameters_.interleave == Interleave::running; }
+
+  /// Whether more light samples at slots are of use.
+  bool wants_light() const {
+    return context_->settings.max_bounces != 0 && !parts_->slot_light.exhausted() && !(lit() && exchange_done());
+  }
 
   /// Whether slots know the direct light that they are to send.
   bool lit() const { return parts_->slot_light.complete() || context_->settings.max_bounces == 0; }
@@ -317,14 +334,14 @@ class BundleExchange : public Technique {
     result.phase = lit() ? "exchange" : "light";
     result.progress = lit() ? static_cast<double>(directions_) / parameters_.directions : 0.0;
     if (exchange_done()) result.progress = 1;
-    result.converged = lit() && exchange_done() && result.samples >= kCameraSamples;
+    result.converged = lit() && exchange_done() && parts_->camera.atlas_samples() >= kCameraSamples;
     return result;
   }
 
   /// Where an iteration is.
   struct Step {
-    bool begun = false, seen = false, lit = false;
-    uint32_t directions = 0;  ///< left to do
+    bool begun = false, seen = false;
+    uint32_t light_runs = 0, directions = 0;  ///< left to do
   };
 
   static constexpr double kPixels = 4e6;  ///< film pixels of an iteration, about 100 ms

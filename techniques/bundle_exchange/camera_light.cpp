@@ -27,6 +27,7 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
       exchanged_(device, kOwner, "exchanged direct light", pixels_, kLowerSize),
       indirect_(device, kOwner, "indirect", pixels_, kLowerSize),
       gbuffer_(device, scheduler, scene, intersector, frame, kOwner),
+      sampled_(!options.exchanged || options.punctual),
       direct_light_(device, scheduler, scene, intersector, kOwner,
                     options.exchanged ? DirectLight::kPunctualLights : DirectLight::kAllLights) {
   if (options.gather != FinalGather::off && options.by_bundles)
@@ -113,7 +114,7 @@ bool CameraLight::begin_sample() {
 
 bool CameraLight::sample() {
   if (scheduler_->run(clear_) == RunResult::cancelled) return false;
-  return direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed) &&
+  return (!sampled_ || direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed)) &&
          (!chains_ || gather());
 }
 
@@ -129,6 +130,7 @@ void CameraLight::commit(bool atlas_known) {
 
 void CameraLight::reset(uint32_t seed) {
   frame_.seed = seed;
+  if (chains_) chains_->reset_count();
   set_frame(frame_);
 }
 
@@ -144,7 +146,7 @@ void CameraLight::set_frame(const Frame& frame) {
 void CameraLight::warm_up() {
   scheduler_->warm_up(clear_);
   gbuffer_.warm_up();
-  direct_light_.warm_up(gbuffer_.points(), direct_sample_);
+  if (sampled_) direct_light_.warm_up(gbuffer_.points(), direct_sample_);
   if (bundles_) bundles_->warm_up();
   if (chains_) {
     scheduler_->warm_up(begin_);

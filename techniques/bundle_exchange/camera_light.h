@@ -37,6 +37,7 @@ class CameraLight {
   void set_frame(const Frame& frame);
   void warm_up();
   uint32_t samples() const { return samples_; }
+  uint32_t atlas_samples() const { return atlas_samples_; }  ///< of them, in the mean of what the atlas says
   void resolve(Film& film) const;
   PixelGather* pixel_gather() { return bundles_.get(); }  ///< null where bundles gather nothing
   uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
@@ -54,6 +55,7 @@ class CameraLight {
   uint32_t pixels_, samples_ = 0, atlas_samples_ = 0;
   TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, exchanged_, indirect_;
   GBuffer gbuffer_;
+  bool sampled_;  ///< some light is, by light samples
   DirectLight direct_light_;
   std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered
   std::unique_ptr<PixelGather> bundles_;

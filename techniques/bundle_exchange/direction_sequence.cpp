@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <numeric>
 #include <utility>
 
 namespace lucarium::bundle {
@@ -66,6 +67,13 @@ std::pair<uint32_t, double> search(const double* c, uint32_t count, double x) {
   return {k, size > 0 ? std::clamp((x - c[k]) / size, 0.0, 1.0) : 0.5};
 }
 
+/// Fisher and Yates.
+template <class T>
+void shuffle(std::vector<T>& values, uint32_t seed) {
+  for (uint32_t i = static_cast<uint32_t>(values.size()); i > 1; --i)
+    std::swap(values[i - 1], values[static_cast<uint32_t>((uint64_t{hash(seed, i)} * i) >> 32)]);
+}
+
 }  // namespace
 
 EnvironmentGuide::EnvironmentGuide(const Environment& environment)
@@ -116,6 +124,11 @@ DirectionSequence::DirectionSequence(const Parameters& parameters, uint64_t seed
       total_(static_cast<uint32_t>(parameters.directions)),
       seed_(hash(static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32), 0x62756e64u)),
       permuted_(permuted) {
+  if (kind_ == Sequence::hammersley) {
+    order_.resize(total_);
+    std::iota(order_.begin(), order_.end(), 0u);
+    shuffle(order_, hash(seed_, 12));
+  }
   // A constant environment guides as the uniform share does.
   if (environment && environment->width > 0 && parameters.env_guiding > 0) {
     guiding_ = parameters.env_guiding;
@@ -130,8 +143,7 @@ void DirectionSequence::make_block(uint64_t block) const {
   cached_.resize(block_size_);
   for (uint32_t i = 0; i < block_size_; ++i)
     cached_[i] = {unit(owen_scramble(reverse_bits(i), seed_x)), unit(owen_scramble(sobol_second(i), seed_y))};
-  for (uint32_t i = block_size_; permuted_ && i > 1; --i)  // Fisher and Yates
-    std::swap(cached_[i - 1], cached_[static_cast<uint32_t>((uint64_t{hash(block_seed, 4, i)} * i) >> 32)]);
+  if (permuted_) shuffle(cached_, hash(block_seed, 4));
   cached_block_ = block;
 }
 
@@ -146,9 +158,10 @@ glm::dvec2 DirectionSequence::point(uint64_t index) const {
       return cached_[index % block_size_];
     case Sequence::halton:
       return {fraction(radical_inverse(index + 1, 2) + shift.x), fraction(radical_inverse(index + 1, 3) + shift.y)};
-    default:
-      return {fraction((static_cast<double>(index) + 0.5) / total_ + shift.x),
-              fraction(radical_inverse(index, 2) + shift.y)};
+    default: {
+      const uint64_t i = order_[index % total_];
+      return {fraction((static_cast<double>(i) + 0.5) / total_ + shift.x), fraction(radical_inverse(i, 2) + shift.y)};
+    }
   }
 }
 

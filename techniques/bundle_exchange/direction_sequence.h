@@ -33,7 +33,8 @@ class EnvironmentGuide {
 };
 
 /// The sequence of directions of a run. Any index may be asked for; the same seed gives the same directions. `total` is
-/// the N of Hammersley's points. `environment` (may be null) is drawn from with probability `env_guiding`. Blocks come in
+/// the N of Hammersley's points, which come in random order: their own sweeps the sphere once, and means that forget
+/// would know only its end. `environment` (may be null) is drawn from with probability `env_guiding`. Blocks come in
 /// Sobol's order, in which every beginning is even too, unless they are to be `permuted`: then pairs of successive
 /// directions fill the product space.
 class DirectionSequence {
@@ -51,6 +52,7 @@ class DirectionSequence {
   bool permuted_;
   double guiding_ = 0;
   std::shared_ptr<const EnvironmentGuide> guide_;
+  std::vector<uint32_t> order_;  ///< of Hammersley's points
   mutable uint64_t cached_block_ = UINT64_MAX;
   mutable std::vector<glm::dvec2> cached_;  ///< points of that block in the order of use
 };

@@ -23,7 +23,8 @@ HopTracer::HopTracer(Device& device, KernelScheduler& scheduler, const Program& 
       hops_(device, kOwner, "chains of " + options.what, options.targets),
       rays_(device, kOwner, "rays of " + options.what, options.targets),
       queue_(device, kOwner, "queue of " + options.what, options.targets),
-      active_(device, kOwner, "active chains", 1) {
+      active_(device, kOwner, "active chains", 1),
+      counts_(device, kOwner, "rays of a segment", 2) {
   record(scene, atlas, diffuse);
 }
 
@@ -61,6 +62,7 @@ void HopTracer::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, con
   const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
   const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", targets);
   const BufferRef shadow_light = recorder.transient<float4>("light behind them", targets);
+  recorder.fill_zero("clear count", counts_);
   intersector_->record_closest(recorder, "hits of " + options_.what, rays_, hits, active_, 0, targets);
   PassBuilder advance = recorder.pass("advance " + options_.what, program_, "advance_hops");
   scene.bind(advance, program_, "advance_hops");
@@ -87,9 +89,10 @@ void HopTracer::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, con
       .arg("next_queue", next_queue)
       .arg("rays", rays_)
       .arg("queue", queue_)
-      .arg("active", active_);
-  recorder.read_back("active chains", active_, [this](std::span<const std::byte> bytes) {
-    std::memcpy(&remaining_, bytes.data(), sizeof remaining_);
+      .arg("active", active_)
+      .arg("counts", counts_);
+  recorder.read_back("rays of a segment", counts_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(segment_, bytes.data(), sizeof segment_);
   });
   follow_ = recorder.compile();
 }
@@ -98,8 +101,8 @@ bool HopTracer::follow(const HopSettings& settings) {
   follow_.set(settings_, settings);
   do {
     if (scheduler_->run(follow_) == RunResult::cancelled) return false;
-    rays_traced_ += remaining_;
-  } while (remaining_ > 0);
+    rays_traced_ += segment_[0];
+  } while (segment_[1] > 0);
   return true;
 }
 

@@ -37,7 +37,8 @@ class HopTracer {
   bool follow(const HopSettings& settings);
   void warm_up();
   const TypedBuffer<float4>& gain() const { return gain_; }
-  uint64_t rays() const { return rays_traced_; }
+  uint64_t rays() const { return rays_traced_; }  ///< segments of chains since the last reset_count()
+  void reset_count() { rays_traced_ = 0; }
   static size_t estimate_bytes(size_t targets, size_t gains);
 
  private:
@@ -50,10 +51,10 @@ class HopTracer {
   TypedBuffer<float4> gain_;
   TypedBuffer<Hop> hops_;
   TypedBuffer<Ray> rays_;
-  TypedBuffer<uint32_t> queue_, active_;
+  TypedBuffer<uint32_t> queue_, active_, counts_;
   Schedule follow_;
   Variable<HopSettings> settings_;
-  uint32_t remaining_ = 0;  ///< read back after every segment
+  uint32_t segment_[2] = {0, 0};  ///< read back after every segment: chains that took part, and that go on
   uint64_t rays_traced_ = 0;
 };
 

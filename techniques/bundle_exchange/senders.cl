@@ -3,7 +3,7 @@
 #include "bundle_exchange/exchange_layout.clh"
 
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of emission.
-// scale[0]: of what a self-fed channel has received. Clears the sums of the exchange records. diffuse (BUNDLE_HOPS): what
+// scale[0]: of what a self-fed channel has received. feedback_share: of all that has been received. Clears the sums of the exchange records. diffuse (BUNDLE_HOPS): what
 // is sent, BUNDLE_REFLECTED channels per slot, for chains of specular vertices that end there.
 __kernel void make_senders(uint slots, __global const float4* restrict albedo, __global const float4* restrict emission,
                            __global const float4* restrict light_samples, __global const float4* restrict senders,
@@ -28,7 +28,7 @@ __kernel void make_senders(uint slots, __global const float4* restrict albedo, _
     diffuse[(size_t)slot * BUNDLE_REFLECTED + channel - BUNDLE_FIRST] = (float4)(c * held, 0.0f);
 #endif
     record[2u * channel + 1u] = (float4)(0.0f);
-    held = slot_mean(senders[(size_t)(channel - BUNDLE_FIRST) * slots + slot]);
+    held = feedback_share * slot_mean(senders[(size_t)(channel - BUNDLE_FIRST) * slots + slot]);
   }
 }
 

@@ -34,6 +34,7 @@ class SlotHops {
   bool find(const Direction& direction, uint32_t seed);
   void warm_up();
   uint64_t rays() const { return tracer_.rays(); }
+  void reset_count() { tracer_.reset_count(); }
 
   static size_t estimate_bytes(size_t slots, const Channels& channels);
 

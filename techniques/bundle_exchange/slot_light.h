@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+
 #include "lucarium/services/direct_light.h"
 #include "lucarium/services/surface_atlas.h"
 #include "slot_exposure.h"
@@ -19,17 +21,20 @@ class SlotLight {
   void commit();
   void reset(uint32_t seed);
   void warm_up();
-  /// Whether every slot has a sample.
-  bool complete() const { return none_ || position_ >= slots_; }
-  /// Whether there is more to be gained: slots get kSamples samples.
+  /// Whether every slot has samples enough to begin with: what is missing in them, all directions would send.
+  bool complete() const { return none_ || position_ >= slots_ * uint64_t{kFirstSamples}; }
+  /// Whether there is no more to be gained.
   bool exhausted() const { return none_ || position_ >= slots_ * uint64_t{kSamples}; }
+  /// Runs of slots in an iteration: many while the exchange waits, then one.
+  uint32_t runs() const { return complete() ? 1 : std::max(1u, kRays / chunk_); }
 
   /// Per slot: xyz sum of irradiance [lx], w samples.
   const TypedBuffer<float4>& light_samples() const { return light_samples_; }
   static size_t estimate_bytes(size_t slots);
 
  private:
-  static constexpr uint32_t kSamples = 16;
+  static constexpr uint32_t kFirstSamples = 16, kSamples = 64;
+  static constexpr uint32_t kRays = 262144;  ///< of an iteration that only lights slots: about 80 ms
   void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotExposure& exposure);
   KernelScheduler* scheduler_;
   bool none_;  ///< there is nothing to sample

@@ -185,11 +185,22 @@ void SlotMeans::record_errors(const Program& program) {
   measure_ = recorder.compile();
 }
 
+uint64_t SlotMeans::reflecting(uint64_t directions) const {
+  const uint64_t head = channels_.exchanged() ? static_cast<uint64_t>(parameters_.direct_first) : 0;
+  return directions - std::min(directions, head);
+}
+
+// Equal shares of the total: of the directions that carry reflected light, how many are done.
+double SlotMeans::fixed_share() const {
+  const uint64_t total = std::max<uint64_t>(1, reflecting(static_cast<uint64_t>(parameters_.directions)));
+  return static_cast<double>(reflecting(directions_)) / static_cast<double>(total);
+}
+
 void SlotMeans::set_shares() {
   const bool later_bounce = one_by_one() && directions_ >= uint64_t(parameters_.block);
   const bool first_bounce = one_by_one() && !later_bounce;
   double feedback = first_bounce ? 0 : 1;
-  if (parameters_.interleave == Interleave::fixed) feedback = static_cast<double>(directions_) / parameters_.directions;
+  if (parameters_.interleave == Interleave::fixed) feedback = fixed_share();
   make_senders_.set(direct_share_, later_bounce ? 0.f : 1.f);
   make_senders_.set(feedback_share_, static_cast<float>(feedback));
 }
@@ -208,7 +219,7 @@ bool SlotMeans::carries_all(uint64_t directions) const {
 }
 
 void SlotMeans::commit(uint64_t first, uint32_t count) {
-  SenderWeights::Step step = weights_.next(first, count);
+  SenderWeights::Step step = weights_.next(reflecting(first), count);
   const bool without_reflection = direct_only(first);
   const double error_weight = without_reflection ? 1 : step.display_weight;
   directions_ = first + count;
@@ -218,9 +229,7 @@ void SlotMeans::commit(uint64_t first, uint32_t count) {
   fold_.set(sender_scale_, static_cast<float>(step.sender_scale));
   fold_.set(sender_weight_, static_cast<float>(step.sender_weight));
   fold_.set(display_weight_, static_cast<float>(step.display_weight));
-  fold_.set(show_share_, parameters_.interleave == Interleave::fixed
-                             ? static_cast<float>(static_cast<double>(directions_) / parameters_.directions)
-                             : 1.f);
+  fold_.set(show_share_, parameters_.interleave == Interleave::fixed ? static_cast<float>(fixed_share()) : 1.f);
   scheduler_->run_to_end(fold_);
   ++batches_;
   if (!without_reflection) weights_.advance();

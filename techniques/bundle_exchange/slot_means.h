@@ -71,6 +71,9 @@ class SlotMeans {
   /// Bounces are computed one after the other.
   bool one_by_one() const { return parameters_.interleave == Interleave::pingpong && channels_.self_fed; }
   void set_shares();
+  /// Of the first `directions`, those that carry reflected light.
+  uint64_t reflecting(uint64_t directions) const;
+  double fixed_share() const;
   void forget_errors();
   KernelScheduler* scheduler_;
   Primitives primitives_;

@@ -66,6 +66,8 @@ void SlotSpecular::commit() {
 }
 
 void SlotSpecular::reset() {
+  if (hops_) hops_->reset_count();
+  if (light_) light_->reset_count();
   if (ring_) ring_->reset();
 }
 

@@ -73,6 +73,14 @@ class BundleRig {
 
   /// The direct irradiance of every slot.
   void set_direct(float irradiance) { light_.upload(std::vector<float4>(slots(), float4(irradiance, irradiance, irradiance, 1))); }
+  void set_direct(const std::function<float(uint32_t slot)>& irradiance) {
+    std::vector<float4> values;
+    for (uint32_t slot = 0; slot < slots(); ++slot) {
+      const float e = irradiance(slot);
+      values.emplace_back(e, e, e, 1.f);
+    }
+    light_.upload(values);
+  }
   /// `count` directions in batches of Parameters::batch.
   void solve(const bundle::DirectionSequence& sequence, uint64_t count) {
     const uint64_t batch = static_cast<uint64_t>(parameters_.batch);
@@ -110,6 +118,7 @@ class BundleRig {
 
   uint32_t slots() const { return atlas_.info().texel_count; }
   std::vector<AtlasTexel> texels() const { return atlas_.texels().download(); }
+  std::vector<float2> exposure() const { return exposure_.shares().download(); }
   std::vector<SurfacePoint> points() const { return atlas_.surface_points().download(); }
   std::vector<AtlasMaterial> materials() const { return atlas_.materials().download(); }
   /// Instance that a world triangle belongs to.
