@@ -26,7 +26,10 @@ class SlotLight {
   /// Whether there is no more to be gained.
   bool exhausted() const { return none_ || position_ >= slots_ * uint64_t{kSamples}; }
   /// Runs of slots in an iteration: many while the exchange waits, then one.
-  uint32_t runs() const { return complete() ? 1 : std::max(1u, kRays / chunk_); }
+  uint32_t runs() const {
+    const uint64_t all = slots_ * uint64_t{kFirstSamples} / chunk_;
+    return complete() ? 1 : static_cast<uint32_t>(std::clamp<uint64_t>(all / kIterations, 4, 48));
+  }
 
   /// Per slot: xyz sum of irradiance [lx], w samples.
   const TypedBuffer<float4>& light_samples() const { return light_samples_; }
@@ -34,7 +37,7 @@ class SlotLight {
 
  private:
   static constexpr uint32_t kFirstSamples = 16, kSamples = 64;
-  static constexpr uint32_t kRays = 262144;  ///< of an iteration that only lights slots: about 80 ms
+  static constexpr uint32_t kIterations = 8;  ///< that only light slots; a run is about 20 ms
   void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotExposure& exposure);
   KernelScheduler* scheduler_;
   bool none_;  ///< there is nothing to sample

@@ -25,7 +25,8 @@ Scene furnace(float albedo) {
 /// The same deficit of a running mean by its recurrence along given directions, with walls that are uniform: where a
 /// direction has components a, a wall across axis i counts a_i, and sees what the lines that reach it leave: the opposite
 /// wall, or one of the others. At each step a wall's mean moves by a_i over the sum of a_i so far, so that the first few
-/// directions decide much; only the mean over seeds is that of steps 1/i.
+/// directions decide much; only the mean over seeds is that of steps 1/i. The film's pixels must be small against texels: with
+/// 0.7 of their edge, early directions miss some texels, and the box lacks 0.7 % more.
 double running_deficit(const DirectionSequence& sequence, double albedo, int count) {
   std::array<double, 3> deficit{1, 1, 1}, sum{}, weight{};
   for (int i = 0; i < count; ++i) {
@@ -46,13 +47,13 @@ double running_deficit(const DirectionSequence& sequence, double albedo, int cou
 }
 
 /// Relative deficit of indirect light in a box of emission 1 and albedo 0.8, after 2048 directions.
-double furnace_deficit(Interleave interleave, bool balance, uint64_t seed = 1) {
+double furnace_deficit(Interleave interleave, bool balance, uint64_t seed = 1, float pixel_size = 0.7f) {
   Parameters parameters;
   parameters.batch = 1;
   parameters.directions = 2048;
   parameters.interleave = interleave;
   parameters.balance = balance;
-  test::BundleRig rig(furnace(0.8f), 96, 0.7f, {}, parameters);
+  test::BundleRig rig(furnace(0.8f), 96, pixel_size, {}, parameters);
   rig.set_direct(kPi);
   rig.solve(DirectionSequence(parameters, seed, nullptr), 2048);
   return rig.mean(rig.indirect()) / 4 - 1;
@@ -75,7 +76,7 @@ TEST_CASE("a running mean lacks 18.7 % of the furnace's light") {
   CHECK(std::abs(mean + 0.187) < 0.003);
   for (const uint64_t seed : {1u, 2u}) {
     CAPTURE(seed);
-    const double measured = furnace_deficit(Interleave::running, false, seed);
+    const double measured = furnace_deficit(Interleave::running, false, seed, 0.24f);
     MESSAGE("measured ", measured, ", predicted ", predicted(seed));
     CHECK(std::abs(measured - predicted(seed)) < 0.003);
   }

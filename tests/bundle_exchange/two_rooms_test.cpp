@@ -6,6 +6,7 @@
 
 #include "bundle_rig.h"
 #include "test_support.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::bundle;
@@ -90,7 +91,7 @@ TEST_CASE("two rooms joined by a slit: errors of the schemes") {
       CAPTURE(name);
       CAPTURE(counts[row]);
       MESSAGE(name, ", ", counts[row], " directions: ", error, ", expected ", scheme.expected[row]);
-      CHECK(error == doctest::Approx(scheme.expected[row]).scale(0).epsilon(0.3));
+      CHECK(error == test::relative(scheme.expected[row], 0.3));
     }
   }
 }
