@@ -159,7 +159,9 @@ def make_mesh(source, material):
         uv = source.uv[source.triangles.ravel()] * (1, -1) + (0, 1)
         layer.data.foreach_set("uv", uv.astype(np.float32).ravel())
     mesh.materials.append(material)
-    bpy.context.scene.collection.objects.link(bpy.data.objects.new(source.name, mesh))
+    holder = bpy.data.objects.new(source.name, mesh)
+    bpy.context.scene.collection.objects.link(holder)
+    return holder
 
 
 def rectangle(mesh):
@@ -188,6 +190,13 @@ def make_rectangle_light(name, corner, u, v, radiance):
     holder.matrix_world = mathutils.Matrix.Translation(
         TO_BLENDER.to_3x3() @ mathutils.Vector(corner + 0.5 * (u + v))) @ axes.to_4x4()
     bpy.context.scene.collection.objects.link(holder)
+
+
+def show_to_camera_only(holder):
+    """For what area lights leave out: the camera does not see them."""
+    holder.visible_diffuse = holder.visible_glossy = holder.visible_transmission = holder.visible_shadow = False
+    for material in holder.data.materials:
+        material.cycles.sample_as_light = False
 
 
 def is_plain_lamp(material):
@@ -293,10 +302,10 @@ def main():
     scene = gltf.read(JOB["scene"])
     materials = [make_material(scene, i, output) for i in range(len(scene.materials))]
     for mesh in scene.meshes:
+        holder = make_mesh(mesh, materials[mesh.material])
         sides = rectangle(mesh) if is_plain_lamp(scene.materials[mesh.material]) else None
-        if sides is None:
-            make_mesh(mesh, materials[mesh.material])
-        else:
+        if sides is not None:
+            show_to_camera_only(holder)
             make_rectangle_light(mesh.name, *sides, scene.materials[mesh.material].emission)
     for index, light in enumerate(scene.lights):
         make_light(index, light)
