@@ -5,7 +5,6 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/reference_identity.h"
-#include "lucarium/services/bvh.h"
 #include "lucarium/technique/session.h"
 
 namespace lucarium {
@@ -86,7 +85,7 @@ SceneVariant plan_variant(const TechniqueVariant& variant, const Scene& scene, c
     return result;
   }
   result.limitations = technique->limitations(scene, settings);
-  result.device_bytes = SceneBuffers::estimate_bytes(scene) + Bvh::estimate_bytes(scene) + technique->estimate_bytes(scene, settings);
+  result.device_bytes = needed_bytes(type.info(), *technique, scene, settings);
   result.reference = find_reference(plan, technique->path_set(scene, settings), scene, settings, registry);
   ++plan.pieces;
   return result;

@@ -31,6 +31,9 @@ class Buffer {
   /// Whether two handles denote the same memory.
   bool same_memory(const Buffer& other) const { return storage_ == other.storage_; }
 
+  /// Whether copies of this handle, as in recorded schedules, would keep the memory if this one let go of it.
+  bool is_shared() const { return storage_.use_count() > 1; }
+
   /// Blocking copies through the device's in-order queue; throw Error{internal} when the range is outside.
   void write(const void* source, size_t bytes, size_t offset = 0);
   void read(void* target, size_t bytes, size_t offset = 0) const;

@@ -8,6 +8,11 @@
 #include "lucarium/compute/byte_size.h"
 
 namespace lucarium {
+namespace {
+
+std::string advice(const std::string& remedy) { return remedy.empty() ? "" : "; " + remedy; }
+
+}  // namespace
 
 MemoryAccount::MemoryAccount(size_t total_bytes, size_t single_bytes)
     : total_(total_bytes), single_(std::min(single_bytes, total_bytes)) {}
@@ -16,6 +21,12 @@ void MemoryAccount::require(const std::string& owner, const std::string& what, s
                             const std::string& remedy) const {
   const std::lock_guard lock(mutex_);
   require_locked(owner, what, bytes, remedy);
+}
+
+void MemoryAccount::require_total(const std::string& owner, const std::string& what, size_t bytes,
+                                  const std::string& remedy) const {
+  const std::lock_guard lock(mutex_);
+  require_total_locked(owner, what, bytes, remedy);
 }
 
 void MemoryAccount::add(const std::string& owner, const std::string& what, size_t bytes, const std::string& remedy) {
@@ -70,15 +81,19 @@ std::string MemoryAccount::holders_locked() const {
 
 void MemoryAccount::require_locked(const std::string& owner, const std::string& what, size_t bytes,
                                    const std::string& remedy) const {
-  const std::string advice = remedy.empty() ? "" : "; " + remedy;
   if (bytes > single_) {
     throw_error(ErrorClass::device,
                 "not enough device memory: {} of {} needs {} in one piece, the limit for one allocation is {}{}", what,
-                owner, format_bytes(bytes), format_bytes(single_), advice);
+                owner, format_bytes(bytes), format_bytes(single_), advice(remedy));
   }
+  require_total_locked(owner, what, bytes, remedy);
+}
+
+void MemoryAccount::require_total_locked(const std::string& owner, const std::string& what, size_t bytes,
+                                         const std::string& remedy) const {
   if (bytes > total_ - used_) {
     throw_error(ErrorClass::device, "not enough device memory: {} of {} needs {}, but {} of {} are in use{}{}", what,
-                owner, format_bytes(bytes), format_bytes(used_), format_bytes(total_), holders_locked(), advice);
+                owner, format_bytes(bytes), format_bytes(used_), format_bytes(total_), holders_locked(), advice(remedy));
   }
 }
 

@@ -19,6 +19,9 @@ class MemoryAccount {
   /// (the option or parameter that would lower the need), without changing the account.
   void require(const std::string& owner, const std::string& what, size_t bytes, const std::string& remedy = "") const;
 
+  /// The same for what will be several allocations, each of which is held to the limit for one by itself.
+  void require_total(const std::string& owner, const std::string& what, size_t bytes, const std::string& remedy = "") const;
+
   void add(const std::string& owner, const std::string& what, size_t bytes, const std::string& remedy = "");
   void remove(const std::string& owner, size_t bytes) noexcept;
 
@@ -32,6 +35,7 @@ class MemoryAccount {
 
  private:
   void require_locked(const std::string& owner, const std::string& what, size_t bytes, const std::string& remedy) const;
+  void require_total_locked(const std::string& owner, const std::string& what, size_t bytes, const std::string& remedy) const;
   std::string holders_locked() const;
   mutable std::mutex mutex_;
   size_t total_, single_, used_ = 0, peak_ = 0;

@@ -56,9 +56,9 @@ void SceneBuffers::build(const Scene& scene) {
 }
 
 void SceneBuffers::refuse_if_too_large(const Scene& scene) const {
-  // What this object holds already is replaced, not added to.
+  // What this object alone holds is replaced, not added to; what recorded schedules hold, too, stays until they go.
   const MemoryAccount& account = device_->memory();
-  const size_t others = account.used_bytes() - std::min(account.used_bytes(), bytes());
+  const size_t others = account.used_bytes() - std::min(account.used_bytes(), replaceable_bytes());
   size_t total = 0;
   std::string largest;
   size_t largest_bytes = 0;
@@ -80,9 +80,11 @@ template <class T>
 void SceneBuffers::store(TypedBuffer<T>& buffer, const char* name, const std::vector<T>& values, size_t capacity) {
   capacity = std::max(capacity, values.size());
   if (!buffer || buffer.count() < values.size()) {
-    buffer = {};  // give the old memory back first
-    buffer = TypedBuffer<T>(*device_, owner, name, capacity, remedy);
+    TypedBuffer<T> larger(*device_, owner, name, capacity, remedy);  // if this is refused, the old one stays
+    larger.upload(values);
+    buffer = std::move(larger);
     ++generation_;
+    return;
   }
   buffer.upload(values);
 }
@@ -282,6 +284,15 @@ void SceneBuffers::update(const Scene& scene, const SceneChange& change) {
 size_t SceneBuffers::bytes() const {
   size_t sum = scene_mesh_vertices.bytes() + scene_mesh_triangles.bytes();
 #define LUCARIUM_ADD_BYTES(type, name, meaning) sum += name.bytes();
+  LUCARIUM_SCENE_BUFFERS(LUCARIUM_ADD_BYTES)
+#undef LUCARIUM_ADD_BYTES
+  return sum;
+}
+
+size_t SceneBuffers::replaceable_bytes() const {
+  const auto own = [](const Buffer& buffer) { return buffer && !buffer.is_shared() ? buffer.bytes() : 0; };
+  size_t sum = own(scene_mesh_vertices) + own(scene_mesh_triangles);
+#define LUCARIUM_ADD_BYTES(type, name, meaning) sum += own(name);
   LUCARIUM_SCENE_BUFFERS(LUCARIUM_ADD_BYTES)
 #undef LUCARIUM_ADD_BYTES
   return sum;

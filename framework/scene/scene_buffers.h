@@ -60,6 +60,8 @@ class SceneBuffers {
   void refresh_lights(const Scene& scene);
   bool lights_change(const Scene& scene, const SceneChange& change, float previous_radius) const;
 
+  size_t replaceable_bytes() const;  ///< that are given back when this lets go of its buffers
+
   /// Uploads, into new memory only when the buffer is too small (or not there).
   template <class T>
   void store(TypedBuffer<T>& buffer, const char* name, const std::vector<T>& values, size_t capacity = 0);

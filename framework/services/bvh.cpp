@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <thread>
+#include <utility>
 
 #include "lucarium/base/error.h"
 #include "lucarium/services/bvh_forest.h"
@@ -16,7 +17,7 @@ namespace lucarium {
 namespace {
 
 constexpr uint32_t minimum_stack = 128;   // so that most scenes share one compiled program
-constexpr size_t slice_rays = 1u << 16;   // between two looks at the cancel flag
+constexpr size_t slice_rays = 1u << 15;   // per compute unit, between two looks at the cancel flag
 
 struct TraversalShape {
   int width, leaf_size;
@@ -40,6 +41,16 @@ BvhTraversal choose_traversal(BvhTraversal asked, const DeviceInfo& device) {
   return device.type == DeviceType::cpu ? BvhTraversal::wide : BvhTraversal::scalar;
 }
 
+void write_words(TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words, bool all,
+                 std::span<const std::pair<size_t, size_t>> changed) {
+  if (all) {
+    buffer.upload(words);
+    return;
+  }
+  for (const auto& [first, end] : changed)
+    if (end > first) buffer.write(words.data() + first, sizeof(uint32_t) * (end - first), sizeof(uint32_t) * first);
+}
+
 }  // namespace
 
 struct Bvh::State {
@@ -61,12 +72,16 @@ struct Bvh::State {
   uint32_t program_stack = 0;
   bool program_alpha = false;
   TypedBuffer<uint32_t> nodes, blocks;
+  bool uploaded = false;   // these hold what the forest did after its last change
+  size_t vertex_count = 0, triangle_count = 0;  // of the last build
   BvhStatistics statistics;
   uint64_t generation = 0;
 
   void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles, std::vector<BvhForest::Part> ranges);
   void build_scene(const SceneBuffers& buffers);
   void follow(const SceneBuffers& buffers, const SceneChange& change);
+  bool same_counts(size_t vertices, size_t triangles) const { return vertices == vertex_count && triangles == triangle_count; }
+  void prepare_refit();
   void upload();
   void compile();
   void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const BufferRef& rays,
@@ -77,6 +92,8 @@ struct Bvh::State {
 void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
                        std::vector<BvhForest::Part> ranges) {
   const auto start = std::chrono::steady_clock::now();
+  vertex_count = vertices.size();
+  triangle_count = triangles.size();
   forest.build(vertices, triangles, std::move(ranges));
   statistics.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
@@ -88,7 +105,17 @@ void Bvh::State::build_scene(const SceneBuffers& buffers) {
   if (forest.parts().size() == 1) geometry = {};  // nothing is known to move: read again should something
 }
 
+/// Brings back the words that were given up after the upload.
+void Bvh::State::prepare_refit() {
+  if (forest.can_refit()) return;
+  if (forest.released())
+    forest.restore(nodes.download(0, forest.node_word_count()), blocks.download(0, forest.block_word_count()));
+  else
+    forest.restore({}, {});
+}
+
 void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) {
+  prepare_refit();
   geometry.read_instances(buffers, change);
   std::vector<size_t> moved = parts.touched(change);
   for (const size_t part : moved) {
@@ -104,23 +131,29 @@ void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) 
   forest.join(moved);
 }
 
+/// Buffers that are too small are replaced: both or, if memory does not suffice, none, so that what was recorded and what
+/// will be recorded stay usable. The old ones live until the last schedule that was recorded with them is gone.
 void Bvh::State::upload() {
-  const auto put = [&](TypedBuffer<uint32_t>& buffer, const char* name, const std::vector<uint32_t>& words,
-                       std::span<const std::pair<size_t, size_t>> changed) {
-    if (buffer && buffer.count() >= words.size()) {
-      for (const auto& [first, end] : changed) buffer.write(&words[first], 4 * (end - first), 4 * first);
-      return;
-    }
-    buffer = {};  // release first: the old and the new one need not fit together
-    buffer = TypedBuffer<uint32_t>(*device, "bvh", name, std::max<size_t>(1, words.size()), "use a scene with fewer triangles");
-    ++generation;
-    buffer.upload(words);
+  const char* const remedy = "use a scene with fewer triangles";
+  const auto too_small = [](const TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words) {
+    return !buffer || buffer.count() < words.size();
   };
-  const size_t bytes = 4 * (forest.node_words().size() + forest.block_words().size());
-  const size_t held = (nodes ? nodes.bytes() : 0) + (blocks ? blocks.bytes() : 0);
-  if (bytes > held) device->memory().require("bvh", "hierarchy", bytes - held, "use a scene with fewer triangles");
-  put(nodes, "nodes", forest.node_words(), forest.changed_nodes());
-  put(blocks, "leaf blocks", forest.block_words(), forest.changed_blocks());
+  const bool new_nodes = too_small(nodes, forest.node_words()), new_blocks = too_small(blocks, forest.block_words());
+  const size_t bytes = (new_nodes ? 4 * forest.node_words().size() : 0) + (new_blocks ? 4 * forest.block_words().size() : 0);
+  const bool all = !std::exchange(uploaded, false);
+  if (bytes > 0) device->memory().require_total("bvh", "hierarchy", bytes, remedy);
+  const auto allocate = [&](const char* name, const std::vector<uint32_t>& words) {
+    return TypedBuffer<uint32_t>(*device, "bvh", name, std::max<size_t>(1, words.size()), remedy);
+  };
+  TypedBuffer<uint32_t> node_buffer = new_nodes ? allocate("nodes", forest.node_words()) : nodes;
+  TypedBuffer<uint32_t> block_buffer = new_blocks ? allocate("leaf blocks", forest.block_words()) : blocks;
+  nodes = std::move(node_buffer);
+  blocks = std::move(block_buffer);
+  if (new_nodes || new_blocks) ++generation;
+  write_words(nodes, forest.node_words(), all || new_nodes, forest.changed_nodes());
+  write_words(blocks, forest.block_words(), all || new_blocks, forest.changed_blocks());
+  uploaded = true;
+  forest.release();
   statistics.triangles = forest.triangle_count();
   statistics.ignored_triangles = forest.ignored_count();
   statistics.nodes = forest.node_count();
@@ -130,6 +163,7 @@ void Bvh::State::upload() {
   statistics.parts = static_cast<uint32_t>(forest.parts().size());
   statistics.part_builds = forest.builds();
   statistics.part_refits = forest.refits();
+  statistics.host_bytes = forest.host_bytes();
 }
 
 void Bvh::State::compile() {
@@ -156,7 +190,7 @@ void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name
                         const BufferRef& counter, uint32_t counter_index, uint32_t capacity) const {
   const size_t items = std::max<size_t>(1, (size_t{capacity} + shape.rays_per_item - 1) / shape.rays_per_item);
   PassBuilder pass = recorder.pass(pass_name, program, kernel);
-  pass.global(items).local(shape.local_size).slice(slice_rays / shape.rays_per_item)
+  pass.global(items).local(shape.local_size).slice(slice_rays * std::max(1u, device->info().compute_units) / shape.rays_per_item)
       .arg("rays", rays).arg(result_name, result)
       .arg("counter", counter).arg("counter_index", counter_index).arg("capacity", capacity)
       .arg("bvh_nodes", nodes).arg("bvh_blocks", blocks);
@@ -180,25 +214,30 @@ Bvh::~Bvh() = default;
 void Bvh::update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change) {
   State& s = *state_;
   s.scene = &buffers;
-  if (change.topology) {
+  if (change.topology || !s.same_counts(buffers.scene_vertices.count(), buffers.info().triangle_count)) {
     s.parts = BvhParts(scene);
     s.build_scene(buffers);
   } else if (change.geometry()) {
     s.follow(buffers, change);
+  } else {
+    s.compile();
+    return;
   }
-  if (change.geometry()) s.upload();
   s.compile();
+  s.upload();
 }
 
 void Bvh::update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology) {
   State& s = *state_;
   const size_t all[] = {0};
+  if (!topology && s.same_counts(vertices.size(), triangles.size())) s.prepare_refit();
+  else topology = true;
   if (topology || !s.forest.refit(0, vertices, triangles))
     s.build(vertices, triangles, {{{0, static_cast<uint32_t>(triangles.size())}}});
   else
     s.forest.join(all);
+  s.compile();  // before the upload: a program for more stack serves the old hierarchy, too
   s.upload();
-  s.compile();
 }
 
 uint64_t Bvh::generation() const { return state_->generation; }

@@ -12,7 +12,8 @@ struct BvhStatistics {
   uint32_t ignored_triangles = 0;  ///< without area, or with coordinates that are not finite or beyond 10¹² m
   uint32_t nodes = 0, leaf_blocks = 0;
   double build_seconds = 0;
-  size_t bytes = 0;
+  size_t bytes = 0;          ///< on the device; schedules recorded before these buffers replaced others keep those, too
+  size_t host_bytes = 0;     ///< kept for refits: none while all is at rest, about 2 · bytes when parts can move
   uint32_t parts = 0;        ///< hierarchies that move by themselves, the resting one included
   uint64_t part_builds = 0;  ///< built since the beginning; a motion of a part alone is none
   uint64_t part_refits = 0;
@@ -45,9 +46,12 @@ class Bvh : public Intersector {
   /// Follows a change; to be called after buffers.update(). Instances that an animation, skin or morph can move have
   /// hierarchies of their own below a small one: when they move only these are refitted, or built anew when their quality
   /// fell (SAH cost above 1.5× built). Instances that move without such announcement are refitted with the rest, and get
-  /// hierarchies of their own when that is not good enough. Changed topology rebuilds everything. Recorded schedules stay valid unless generation() changes.
+  /// hierarchies of their own when that is not good enough. Changed topology, also where it shows in the counts only, rebuilds everything. To
+  /// be called for changed materials, too: the kernels are compiled for whether any is MASK or BLEND. Recorded schedules
+  /// stay valid unless generation() changes. What does not fit into memory is refused, and hits stay those of before.
   void update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change);
-  /// The same for any triangles; without `topology` only vertices have moved and triangles are those of the build.
+  /// The same for any triangles; without `topology` only vertices have moved and triangles are those of the
+  /// build (another number of them is taken for changed topology).
   void update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology);
 
   /// Grows when update() had to replace device buffers: passes recorded before must then be recorded again.

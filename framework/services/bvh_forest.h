@@ -16,7 +16,8 @@ struct TriangleRange {
 /// Hierarchies of parts of a scene that move independently, joined by a small one over their boxes into a single wide
 /// hierarchy in one memory layout. What moves is refitted, what falls in quality is built anew, and everything else
 /// stays: a part's motion costs what that part and the top cost. A single part has no top and is as if there were no
-/// forest.
+/// forest; its words are held once until it is refitted, and can be given up meanwhile. Otherwise they are held twice, as
+/// parts and joined.
 class BvhForest {
  public:
   /// A part is built anew when its SAH cost has grown to this times that as built.
@@ -30,10 +31,22 @@ class BvhForest {
   void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles, std::vector<Part> parts);
   /// The vertices of a part have moved: fits its boxes to them. Returns false when it must be built anew, because it has
   /// become worse than rebuild_ratio or a triangle that could not be hit now can.
+  /// can_refit() must be true.
   bool refit(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   void rebuild(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   /// After parts were refitted or rebuilt: brings everything together again.
   void join(std::span<const size_t> changed);
+
+  /// Whether the parts' own words are there; if not, restore() brings them back.
+  bool can_refit() const { return trees_.empty() || trees_[0].tree.has_words() || has_top(); }
+  /// Gives up the words of a forest that cannot be refitted, to be called when they have been copied elsewhere.
+  void release();
+  /// From the words that release() gave up (node_word_count() and block_word_count() of them), or without them from those here.
+  void restore(std::vector<uint32_t> nodes, std::vector<uint32_t> blocks);
+  bool released() const { return nodes_.empty(); }
+  size_t node_word_count() const { return node_word(node_count_); }
+  size_t block_word_count() const { return block_word(block_count_); }
+  size_t host_bytes() const;  ///< of all words here
 
   const std::vector<Part>& parts() const { return ranges_; }
   const std::vector<uint32_t>& node_words() const { return nodes_; }
@@ -68,8 +81,24 @@ class BvhForest {
   void build_top();
   void copy_top();
   void copy_tree(const Tree& tree);
+  void take_tree();
+  void require_reach(size_t nodes, size_t blocks) const;
   bool has_top() const { return trees_.size() > 1; }
-  uint32_t* node(size_t index) { return &nodes_[node_reference(static_cast<uint32_t>(index))]; }
+  size_t node_word(size_t index) const {
+    return LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<size_t>(width_));
+  }
+  size_t block_word(size_t index) const { return index * LUCARIUM_BVH_BLOCK_WORDS(static_cast<size_t>(leaf_size_)); }
+  uint32_t* node(size_t index) { return &nodes_[node_word(index)]; }
+  /// Calls change(reference) for those of nodes [first, end).
+  template <class Change>
+  void for_each_reference(size_t first, size_t end, Change&& change) {
+    for (size_t index = first; index < end; ++index) {
+      for (int slot = 0; slot < width_; ++slot) {
+        uint32_t& reference = node(index)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot];
+        if (reference != WideBvh::no_child) reference = change(reference);
+      }
+    }
+  }
   uint32_t node_reference(uint32_t index) const {
     return LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<uint32_t>(width_));
   }
@@ -82,6 +111,7 @@ class BvhForest {
   std::vector<Part> ranges_;
   std::vector<Tree> trees_;
   WideBvh top_;
+  bool keep_ = false;  // the words of a single part stay after they were joined
   std::vector<uint32_t> nodes_, blocks_;
   std::vector<std::pair<size_t, size_t>> changed_nodes_, changed_blocks_;
   uint32_t node_count_ = 0, block_count_ = 0;

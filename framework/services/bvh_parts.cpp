@@ -19,7 +19,6 @@ void for_each_touched(const SceneChange& change, Visit&& visit) {
 
 void WorldGeometry::read_all(const SceneBuffers& buffers) {
   vertices = buffers.scene_vertices.download();
-  // Buffers are never empty, so the count comes from the scene.
   triangles = buffers.scene_triangles.download(0, buffers.info().triangle_count);
 }
 

@@ -10,7 +10,7 @@
 namespace lucarium {
 
 /// Wide hierarchy in the memory layout of kernels/shared/bvh_layout.h. The topology (references and triangle indices) is
-/// made once by collapse(); fit() fills in boxes and vertices and may be repeated when vertices have moved.
+/// made once on construction; fit() fills in boxes and vertices and may be repeated when vertices have moved.
 class WideBvh {
  public:
   static constexpr uint32_t no_child = 0xffffffffu;  ///< reference of an empty slot
@@ -33,17 +33,28 @@ class WideBvh {
   uint32_t stack_size() const { return stack_size_; }
   /// Expected number of nodes and leaf blocks that a random line visits which crosses the root's box.
   double sah_cost() const { return sah_cost_; }
+  /// Triangles in the leaves that nothing could hit at the last fit().
+  uint32_t dead_count() const { return dead_count_; }
   const Box& bounds() const { return bounds_; }
 
   const std::vector<uint32_t>& node_words() const { return nodes_; }
   const std::vector<uint32_t>& block_words() const { return blocks_; }
+  /// Moves the words out; counts, bounds and cost stay, but there is nothing left to fit.
+  std::pair<std::vector<uint32_t>, std::vector<uint32_t>> take_words() { return {std::move(nodes_), std::move(blocks_)}; }
+  /// Puts words back, as they were.
+  void put_words(std::vector<uint32_t> nodes, std::vector<uint32_t> blocks) {
+    nodes_ = std::move(nodes);
+    blocks_ = std::move(blocks);
+  }
+  bool has_words() const { return !nodes_.empty(); }
 
   /// Upper estimate of the bytes of a hierarchy over this many triangles.
   static size_t estimate_bytes(uint64_t triangles, int width, int leaf_size);
 
  private:
   class Collapse;
-  uint32_t* node(uint32_t index) { return &nodes_[LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(width_)]; }
+  uint32_t* node(size_t index) { return &nodes_[LUCARIUM_BVH_HEADER_WORDS + index * LUCARIUM_BVH_NODE_WORDS(static_cast<size_t>(width_))]; }
+  size_t block_word(size_t block) const { return block * LUCARIUM_BVH_BLOCK_WORDS(static_cast<size_t>(leaf_size_)); }
   /// Fills in all boxes, those of leaf blocks from leaf_box(block).
   template <class LeafBox>
   void fit_boxes(LeafBox&& leaf_box);
@@ -51,7 +62,7 @@ class WideBvh {
   void set_child_box(uint32_t node_index, int slot, const Box& box);
 
   int width_ = 0, leaf_size_ = 0;
-  uint32_t node_count_ = 0, block_count_ = 0, stack_size_ = 0;
+  uint32_t node_count_ = 0, block_count_ = 0, stack_size_ = 0, dead_count_ = 0;
   double sah_cost_ = 0;
   Box bounds_;
   std::vector<uint32_t> nodes_, blocks_;

@@ -108,7 +108,7 @@ PathSettings PathIntegrator::State::make_settings() const {
 }
 
 void PathIntegrator::State::allocate() {
-  device.memory().require(owner, "path tracing", estimate_bytes(frame.width, frame.height, options), kLowerBatch);
+  device.memory().require_total(owner, "path tracing", estimate_bytes(frame.width, frame.height, options), kLowerBatch);
   const size_t count = plan.paths();
   const auto make = [&]<class T>(TypedBuffer<T>& buffer, const char* name, size_t elements) {
     buffer = TypedBuffer<T>(device, owner, name, elements, kLowerBatch);

@@ -74,6 +74,11 @@ void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
   }
 }
 
+size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const Scene& scene, const RenderSettings& settings) {
+  const size_t bvh = info.capabilities.uses_bvh ? Bvh::estimate_bytes(scene) : 0;
+  return SceneBuffers::estimate_bytes(scene) + bvh + technique.estimate_bytes(scene, settings);
+}
+
 struct RenderSession::State {
   // In order of construction; the technique goes first at the end, then what it refers to.
   TechniqueType type;
@@ -93,6 +98,7 @@ struct RenderSession::State {
       : type(std::move(t)), device(std::move(d)), scene(std::move(s)), settings(std::move(r)), scheduler(device) {}
 
   Bvh& built_bvh() {
+    if (!type.info().capabilities.uses_bvh) throw_error(ErrorClass::technique, "it asks for the BVH but declares uses_bvh = false");
     if (!bvh) {
       const Stopwatch watch;
       const double compiled = device->program_seconds();
@@ -148,10 +154,9 @@ struct RenderSession::State {
   void prepare(const std::vector<std::pair<std::string, std::string>>& parameters) {
     technique->parameters().set_all(parameters);
     limitations = technique->limitations(scene, settings);
-    const size_t own = technique->estimate_bytes(scene, settings);
-    device->memory().require("scene, bvh and technique", "all buffers",
-                             SceneBuffers::estimate_bytes(scene) + Bvh::estimate_bytes(scene) + own,
-                             "lower --size or --texture-size, or what makes the technique large");
+    device->memory().require_total("scene, bvh and technique", "all buffers",
+                                   needed_bytes(type.info(), *technique, scene, settings),
+                                   "lower --size or --texture-size, or what makes the technique large");
     timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
     const TechniqueContext context{device, scheduler, scene, *buffers, [this]() -> Bvh& { return built_bvh(); }, settings};
     timed(clocks.prepare, [&] { technique->prepare(context); });

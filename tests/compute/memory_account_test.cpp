@@ -44,6 +44,11 @@ TEST_CASE("a refusal gives the numbers, the owner, the largest others and the re
   CHECK(std::string(single.what()) ==
         "not enough device memory: layers of film needs 601 bytes in one piece, the limit for one allocation is 600 "
         "bytes; lower --size");
+  // Several allocations that fit one by one.
+  MemoryAccount empty(1000, 600);
+  empty.require_total("film", "layers", 1000);
+  CHECK(std::string(error_of([&] { empty.require_total("film", "layers", 1001); }).what()) ==
+        "not enough device memory: layers of film needs 1001 bytes, but 0 bytes of 1000 bytes are in use");
   CHECK(account.used_bytes() == 700);
   account.add("film", "layers", 300);
   CHECK(account.used_bytes() == 1000);

@@ -396,3 +396,14 @@ TEST_CASE("heuristics of multiple importance sampling add up to 1") {
   CHECK(got[5].x == 1);
   CHECK(got[6].x == test::relative(0.5));
 }
+
+TEST_CASE("the geometric normal does not depend on the size of a triangle") {
+  for (const float size : {1e-12f, 1e-9f, 1e-6f, 1.f, 1e6f, 1e10f}) {
+    CAPTURE(size);
+    Scene scene = attribute_scene();
+    for (glm::vec3& p : scene.meshes[0].positions) p *= size;
+    const SceneBuffers buffers(*test_device(), scene);
+    const SurfaceResult result = make_surfaces(buffers, {hit_at(0, 0.3f, 0.3f)}, {0, 0, -1}).front();
+    CHECK(near(glm::vec3(result.n_g_flags.xyz()), {0, 0, 1}, 1e-6f));
+  }
+}

@@ -114,7 +114,7 @@ Scene moving_bodies() {
 
 TEST_CASE("packets are made of rays that begin close together, not of all that go the same way") {
   CHECK(count_packets(camera_rays(320, 200, 20), 20) == 320 * 200 / 16);
-  CHECK(count_packets(parallel_runs(500, 10, 0.005f * 20, 1), 20) > 400);  // some have no one largest component
+  CHECK(count_packets(parallel_runs(500, 10, 0.002f * 20, 1), 20) > 400);  // some have no one largest component
   CHECK(count_packets(parallel_runs(500, 10, 10, 2), 20) == 0);
   // Any single ray from elsewhere is enough.
   for (const size_t odd : {0u, 5u, 7u, 15u}) {
@@ -129,7 +129,7 @@ TEST_CASE("packets of different origins give the same bits as single rays") {
   const Soup soup = random_soup(5000, 61);
   const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide),
             portable = tracer.make(soup, BvhTraversal::wide_portable);
-  check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 0.05f, 62));
+  check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 0.04f, 62));
   check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 10, 63));
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("a ray that begins far to the side of its run changes nothing for the 
             portable = tracer.make(soup, BvhTraversal::wide_portable);
   for (const float aside : {1e3f, 1e5f, 1e7f}) {
     // Of one direction each and nearly across the offset, where nothing but the margin makes up for coarse coordinates.
-    std::vector<Ray> rays = parallel_runs(4000, 10, 0.05f, 65);
+    std::vector<Ray> rays = parallel_runs(4000, 10, 0.04f, 65);
     for (Ray& ray : rays) ray.direction = float4(glm::normalize(glm::vec3(0.01f, 1, 1) * ray.direction.xyz()), INFINITY);
     for (size_t run = 0; run < rays.size(); run += 16) {
       rays[run].origin.x = run % 32 ? aside : -aside;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "lucarium/services/bvh_wide.h"
 #include "test_support.h"
 #include "tolerance.h"
 #include "tracer.h"
@@ -231,6 +232,30 @@ TEST_CASE("deep hierarchies get the stack they need") {
     const Results results = tracer.trace(tracer.make(nested, traversal), rays);
     size_t wrong = 0;
     for (size_t i = 0; i < rays.size(); ++i) wrong += results.hits[i].triangle != expected[i] || !results.occluded[i];
+    CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("narrow nodes get more stack than the usual one") {
+  // Coinciding corners, all boxes one within the other: 4-wide nodes need more than the 128 entries of most scenes.
+  Tracer tracer;
+  Soup nested;
+  std::vector<BoundedTriangle> bounded;
+  std::vector<Ray> rays;
+  for (uint32_t i = 0; i < 3000; ++i) {
+    const float size = std::pow(0.98f, static_cast<float>(i));
+    nested.add_triangle({0, 0, 0}, {size, 0, 0}, {0, size, 0});
+    BoundedTriangle triangle;
+    triangle.triangle = i;
+    REQUIRE(bound_triangle(nested.vertices, nested.triangles[i], triangle.box));
+    bounded.push_back(triangle);
+    rays.push_back(make_ray({0.25f * size, 0.25f * size, 1}, {0, 0, -1}));
+  }
+  CHECK(WideBvh(build_binary_bvh(bounded, 1), 4, 4, 1).stack_size() > 128);
+  for (const BvhTraversal traversal : traversals) {
+    const Results results = tracer.trace(tracer.make(nested, traversal), rays);
+    size_t wrong = 0;
+    for (size_t i = 0; i < rays.size(); ++i) wrong += results.hits[i].triangle != 0 || results.hits[i].distance != 1 || !results.occluded[i];
     CHECK(wrong == 0);
   }
 }

@@ -39,7 +39,7 @@ inline std::vector<Ray> random_rays(uint32_t count, uint32_t seed, float half = 
 /// Device, scheduler and the two passes over a ray buffer.
 class Tracer {
  public:
-  Tracer() : device_(Device::open()), scheduler_(device_) {}
+  explicit Tracer(const DeviceOptions& options = {}) : device_(Device::open(options)), scheduler_(device_) {}
   Device& device() { return *device_; }
 
   /// Traces the first `count` rays of a buffer of `capacity`; the rest of the results keeps 0xee bytes.

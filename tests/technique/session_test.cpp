@@ -10,6 +10,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/scene/load_scene.h"
+#include "lucarium/scene/scene_buffers.h"
 
 using namespace lucarium;
 
@@ -177,4 +178,29 @@ TEST_CASE("surfaces that become MASK in a running session let rays through") {
   CHECK(before != expected);
   changed.change_scene(hide_all);
   CHECK(render(changed) == expected);
+}
+
+TEST_CASE("all buffers together may exceed the limit for one, and only what is used is counted") {
+  const std::filesystem::path plugins = std::getenv("LUCARIUM_TEST_PLUGINS");
+  static const TechniqueRegistry registry({plugins / "faulty", plugins / "constant"});
+  const Scene scene = load_scene("builtin:cornell");
+  RenderSettings settings = small_settings();
+  settings.width = settings.height = 128;
+  settings.camera = scene.cameras.front();
+  const auto needed = [&](const char* name) {
+    const std::unique_ptr<Technique> technique = registry.find(name).create();
+    return needed_bytes(registry.find(name).info(), *technique, scene, settings);
+  };
+  const auto run = [&](const char* name, size_t total, size_t single) {
+    DeviceOptions options;
+    options.memory_limit_bytes = total;
+    options.allocation_limit_bytes = single;
+    RenderSession session(Device::open(options), scene, registry.find(name), settings, {});
+    session.run({.iterations = 1});
+  };
+  const size_t traced = needed("faulty"), constant = needed("constant");
+  CHECK_NOTHROW(run("faulty", 2 * traced, traced / 2));
+  CHECK(contains(failure_of([&] { run("faulty", traced - 1, traced - 1); }).message, "all buffers of scene, bvh and technique"));
+  const std::unique_ptr<Technique> technique = registry.find("constant").create();
+  CHECK(constant == SceneBuffers::estimate_bytes(scene) + technique->estimate_bytes(scene, settings));
 }

@@ -48,6 +48,7 @@ TechniqueInfo constant_info() {
   info.capabilities.lights = {"point"};
   info.capabilities.changes = {"camera"};
   info.capabilities.max_bounces = 3;
+  info.capabilities.uses_bvh = false;
   info.layers = {"direct", "count"};
   return info;
 }
