@@ -270,9 +270,9 @@ void WideBvh::fit_items(std::span<const Box> boxes) {
 }
 
 size_t WideBvh::estimate_bytes(uint64_t triangles, int width, int leaf_size) {
-  // Blocks were at least half full and nodes had at least half of their children on everything measured; the result, for
-  // 16 and 8 96 bytes per triangle where scenes took 74 to 79, is an upper estimate, not a bound.
-  const uint64_t blocks = 2 * triangles / static_cast<uint64_t>(leaf_size) + 1;
+  // Blocks a third full and nodes half: for 16 and 8, 144 bytes per triangle where scenes took 74 to 79 and triangles of
+  // very different sizes without order 115; an upper estimate, not a bound.
+  const uint64_t blocks = 3 * triangles / static_cast<uint64_t>(leaf_size) + 1;
   const uint64_t nodes = 2 * blocks / static_cast<uint64_t>(width) + 1;
   return 4 * (blocks * LUCARIUM_BVH_BLOCK_WORDS(static_cast<uint64_t>(leaf_size)) +
               nodes * LUCARIUM_BVH_NODE_WORDS(static_cast<uint64_t>(width)) + LUCARIUM_BVH_HEADER_WORDS);
