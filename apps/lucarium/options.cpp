@@ -8,6 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/compute/byte_size.h"
+#include "lucarium/technique/path_set.h"
 
 namespace lucarium::app {
 namespace {
@@ -91,7 +92,7 @@ Scene SceneArguments::load(const std::string& source) const { return load_scene(
 void ImageArguments::add_to(CLI::App& command, bool with_seed) {
   command.add_option("--size", size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--max-bounces", max_bounces, "indirect bounces; 0: direct light only, -1: unlimited")
-      ->check(CLI::Range(-1, 4095))->capture_default_str();
+      ->check(CLI::Range(-1, PathSet::kMaxBounces))->capture_default_str();
   command.add_option("--pixel-sampling", pixel_sampling, "jitter, centre, or n for a grid of n×n")->capture_default_str();
   if (with_seed) command.add_option("--seed", seed, "same seed, same image")->capture_default_str();
 }
@@ -133,7 +134,7 @@ void TechniqueArguments::add_to(CLI::App& command) {
   command.add_option_function<std::string>(
              "-p,--parameter",
              [this](const std::string& text) {
-               if (specs.empty()) throw_error(ErrorClass::usage, "-p {} comes before any -t it could belong to", text);
+               if (specs.empty()) throw_error(ErrorClass::usage, "-p {}: name the technique it belongs to first, as in -t path_tracing -p {}", text, text);
                specs.back().parameters.push_back(parse_assignment(text));
              },
              "key=value for the -t before it")

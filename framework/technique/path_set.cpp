@@ -2,6 +2,7 @@
 #include "lucarium/technique/path_set.h"
 
 #include <charconv>
+#include <cmath>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
@@ -43,6 +44,14 @@ bool parse_value(std::string_view text, T& value) {
   return failure == std::errc() && end == text.data() + text.size();
 }
 
+/// Throws a usage error for numbers that no path set can have (NaN fails every comparison).
+void check_ranges(const PathSet& set) {
+  if (set.max_bounces < -1 || set.max_bounces > PathSet::kMaxBounces)
+    throw_error(ErrorClass::usage, "path set: max_bounces {} is not -1 (unlimited) or 0 to {}", set.max_bounces, PathSet::kMaxBounces);
+  if (!(set.indirect_clamp >= 0 && std::isfinite(set.indirect_clamp)))
+    throw_error(ErrorClass::usage, "path set: indirect_clamp {} is not a finite radiance of at least 0", set.indirect_clamp);
+}
+
 std::vector<std::pair<std::string, std::string>> fields(const PathSet& set) {
   std::vector<std::pair<std::string, std::string>> list;
   visit_fields(set, [&](const char* key, const auto& value) { list.emplace_back(key, text_of(value)); });
@@ -76,6 +85,7 @@ PathSet PathSet::parse(const std::string& text) {
     if (!valid) throw_error(ErrorClass::usage, "path set: '{}' is not a value of {}", value, key);
     begin = end + 1;
   }
+  check_ranges(set);
   return set;
 }
 

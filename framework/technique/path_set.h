@@ -9,6 +9,7 @@ namespace lucarium {
 /// Which light paths a technique with given parameters computes on a given scene; the reference can be rendered with
 /// exactly this set (docs/architecture.md, conventions: counting scatterings).
 struct PathSet {
+  static constexpr int kMaxBounces = 4095;  ///< largest finite max_bounces
   int max_bounces = -1;          ///< counted scatterings minus one; -1: unlimited
   bool emission = true, direct = true, indirect = true;  ///< layers computed
   bool point_lights = true, spot_lights = true, directional_lights = true, emissive_triangles = true,
@@ -30,7 +31,7 @@ struct PathSet {
   bool light_transport() const { return emission || direct || indirect; }
   /// Canonical text, also the form in which it is recorded and passed to the reference ("max_bounces=2,…").
   std::string to_string() const;
-  /// Inverse of to_string(); throws Error{usage} naming the unknown key.
+  /// Inverse of to_string(); throws Error{usage} naming the unknown key, or the value out of range.
   static PathSet parse(const std::string& text);
   /// The same as (parameter, value) pairs of `path_tracing`, all keys but max_bounces, which is the framework's.
   std::vector<std::pair<std::string, std::string>> technique_parameters() const;

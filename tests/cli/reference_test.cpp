@@ -87,6 +87,8 @@ TEST_CASE("reference: mistakes") {
   check_refused(reference(file, "--spp 64 --extend --size 8x8"), 2, "size: 24x24 against 8x8");
   check_refused(reference(folder.path() / "r.png", ""), 2, ".exr");
   check_refused(reference(folder.path() / "s.exr", "--path-set max_bounce=1"), 2, "max_bounces");
+  for (const char* wrong : {"max_bounces=-7", "max_bounces=5000", "max_bounces=1.5", "indirect_clamp=-1", "indirect_clamp=nan"})
+    check_refused(reference(folder.path() / "s.exr", std::string("--path-set ") + wrong), 2, "path set: ");
   const fs::path other = folder.path() / "render.exr";
   REQUIRE(run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 1 --quiet -o " + other.string()).exit_code == 0);
   check_refused(reference(other, "--extend"), 3, "not an image of lucarium reference");
