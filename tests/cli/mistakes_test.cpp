@@ -29,7 +29,7 @@ TEST_CASE("usage: exit code 2, and the nearest valid name") {
   check_refused("render builtin:cornell --pixel-sampling middle" + out, 2, "jitter, centre");
   check_refused("render builtin:cornell --frames 3:1" + out, 2, "FIRST:LAST");
   check_refused("render builtin:cornell --frames 0:1 --at 1" + out, 2, "not both");
-  check_refused("render builtin:cornell -p red=1" + out, 2, "before any -t");
+  check_refused("render builtin:cornell -p red=1" + out, 2, "name the technique it belongs to first");
   check_refused("render builtin:cornell -o " + (folder.path() / "a.jpg").string(), 2, ".exr or .png");
   check_refused("render builtin:cornell --memory-limit lots" + out, 2, "--memory-limit");
   check_refused("render builtin:cornell " + constant_technique() + "-t constant" + out, 2, "lucarium compare");
