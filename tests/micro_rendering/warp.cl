@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The warps alone.
-#include "micro_rendering/micro_warp.clh"
+#include "micro_rendering/micro_solid_angle.clh"
 
 // Directions of B x B midpoints, with p_omega and the weights of sample_weights in `values`; back: what the inverse makes of
 // the directions. view: xyz, w alpha; eta: of the refracted lobe.
