@@ -163,7 +163,7 @@ void OutputArguments::apply() const {
 }
 
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
-  constexpr const char* what = "a size in pixels as WIDTHxHEIGHT, from 1 to 32768 each";
+  constexpr const char* what = "a --size: pixels as WIDTHxHEIGHT, from 1 to 32768 each";
   const size_t x = text.find('x');
   if (x == std::string::npos) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
   const uint32_t width = parse_uint(text.substr(0, x), text, what), height = parse_uint(text.substr(x + 1), text, what);

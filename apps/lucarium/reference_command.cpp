@@ -2,6 +2,7 @@
 // lucarium reference: a reference image rendered to a wanted error, and extended later.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
@@ -68,10 +69,19 @@ ReferenceImage open_reference(const ReferenceArguments& arguments, const Referen
               arguments.file.string(), text);
 }
 
+/// Numbers of the header are numbers in JSON, too; all else stays text, also a version that looks like a number.
+nlohmann::ordered_json header_value(const std::string& key, const std::string& text) {
+  static const std::set<std::string> numbers = {"seed", "pixel_sampling", "half_a_samples", "half_b_samples",
+                                                "round_samples_squared", "round_variance_dof", "variance_dof", "own_mse", "own_relmse"};
+  if (!numbers.contains(key)) return text;
+  const nlohmann::ordered_json value = nlohmann::ordered_json::parse(text, nullptr, false);
+  return value.is_number() ? value : nlohmann::ordered_json(text);
+}
+
 nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file, bool goal_reached) {
   nlohmann::ordered_json json;
   json["schema"] = "lucarium-reference-1";
-  for (const auto& [key, value] : image.film().metadata) json[key] = value;
+  for (const auto& [key, value] : image.film().metadata) json[key] = header_value(key, value);
   json["samples"] = image.samples();
   json["rounds"] = image.rounds();
   json["rounds_rendered"] = image.rounds() - rounds_before;

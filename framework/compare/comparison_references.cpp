@@ -36,16 +36,13 @@ void check_reference(const Film& film, const fs::path& file, const ReferenceResu
 
 void ComparisonRunner::get_references(size_t scene) {
   SceneResult& entry = result_.scenes[scene];
-  if (spec_.reference.file && entry.references.size() > 1) {
-    throw_error(ErrorClass::usage, "the techniques compute {} different sets of light paths, for which one --reference file cannot be true",
-                entry.references.size());
-  }
   for (size_t index = 0; index < entry.references.size(); ++index) {
     ReferenceResult& reference = entry.references[index];
     reference.image = fmt::format("references/scene{}-set{}.exr", scene + 1, index + 1);
     try {
       if (spec_.reference.file) {
-        copy_reference_file(scene, reference);
+        write_exr(options_.folder / reference.image, read_reference_file(scene, reference));
+        reference.source = spec_.reference.file->filename().string();
       } else if (!render_reference(scene, index)) {
         return;
       }
@@ -58,16 +55,26 @@ void ComparisonRunner::get_references(size_t scene) {
   }
 }
 
-void ComparisonRunner::copy_reference_file(size_t scene, ReferenceResult& reference) {
+void ComparisonRunner::check_reference_file() const {
+  if (!spec_.reference.file) return;
+  for (const SceneResult& scene : result_.scenes) {
+    if (scene.references.size() <= 1) continue;
+    throw_error(ErrorClass::usage, "the techniques compute {} different sets of light paths, for which one --reference file cannot be true",
+                scene.references.size());
+  }
+  // Of several scenes the others go on without it.
+  if (result_.scenes.size() == 1 && !result_.scenes[0].references.empty()) read_reference_file(0, result_.scenes[0].references[0]);
+}
+
+Film ComparisonRunner::read_reference_file(size_t scene, const ReferenceResult& reference) const {
   const fs::path& file = *spec_.reference.file;
-  const Film film = read_image(file);
+  Film film = read_image(file);
   if (film.width() != spec_.width || film.height() != spec_.height) {
     throw_error(ErrorClass::input, "{} is {}×{}, the comparison {}×{}; give --size {}x{}", file.string(), film.width(),
                 film.height(), spec_.width, spec_.height, film.width(), film.height());
   }
   check_reference(film, file, reference, result_.scenes[scene]);
-  write_exr(options_.folder / reference.image, film);
-  reference.source = file.filename().string();
+  return film;
 }
 
 void ComparisonRunner::measure_reference(ReferenceResult& reference) {
@@ -88,7 +95,9 @@ ChildResult ComparisonRunner::run_reference(size_t scene, size_t index, const fs
   command.insert(command.end(), {"--path-set", result_.scenes[scene].references[index].path_set, "--extend", "--spp",
                                  std::to_string(spec_.reference.samples), "--output", cached.string()});
   if (spec_.reference.relmse > 0) command.insert(command.end(), {"--error", fmt::format("{}", spec_.reference.relmse)});
-  return run_child(command, [&](std::string_view line) { say("  " + std::string(line)); });
+  return run_child(command, [&](std::string_view line) {
+    if (!interrupt_requested()) say("  " + std::string(line));  // its advice how to go on is not that of a comparison
+  });
 }
 
 /// Whether the result folder holds the reference from an earlier start of this comparison. It stays, even when the cache
@@ -102,6 +111,8 @@ bool ComparisonRunner::keep_reference(size_t scene, size_t index) {
     if (film.metadata.at("identity") + ".exr" != plans_[scene].reference_files[index]) return false;
     reference.samples = std::stoull(film.metadata.at("samples"));
     reference.seconds = std::stod(film.metadata.at("seconds"));
+    result_.device = film.metadata.at("device");
+    result_.driver = film.metadata.at("driver");
   } catch (const std::exception&) {
     return false;  // damaged, or no reference: rendered again
   }
@@ -135,6 +146,8 @@ bool ComparisonRunner::render_reference(size_t scene, size_t index) {
                 child.last_words.empty() ? "no message" : child.last_words.back());
   }
   const json summary = json::parse(child.out);
+  result_.device = summary.at("device");
+  result_.driver = summary.at("driver");
   reference.source = "path_tracing";
   reference.samples = summary.at("samples");
   reference.seconds = summary.at("seconds");

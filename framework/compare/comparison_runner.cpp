@@ -64,6 +64,7 @@ ComparisonResult ComparisonRunner::run() {
     result_.scenes.push_back(plans_.back().result);
     if (!plans_.back().result.failure.empty()) say(fmt::format("{}: {}", scene.label(), plans_.back().result.failure));
   }
+  check_reference_file();
   prepare_folder();  // only now, so that a mistake leaves nothing that stands in the way of the corrected command
   for (size_t scene = 0; scene < spec_.scenes.size() && !interrupt_requested(); ++scene) {
     if (result_.scenes[scene].failure.empty()) get_references(scene);

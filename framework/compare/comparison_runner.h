@@ -30,7 +30,8 @@ class ComparisonRunner {
   bool keep_reference(size_t scene, size_t index);
   bool render_reference(size_t scene, size_t index);
   ChildResult run_reference(size_t scene, size_t index, const std::filesystem::path& cached);
-  void copy_reference_file(size_t scene, ReferenceResult& reference);
+  void check_reference_file() const;
+  Film read_reference_file(size_t scene, const ReferenceResult& reference) const;
   void measure_reference(ReferenceResult& reference);
 
   // Pieces.

@@ -37,10 +37,18 @@ FileLock::~FileLock() { ::close(file_); }
 
 FolderLock::FolderLock(const std::filesystem::path& folder) {
   std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
+  if (std::filesystem::create_directories(folder, failure)) made_ = folder;
   if (failure) throw_error(ErrorClass::input, "cannot write into {}: {}; choose another folder", folder.string(), failure.message());
   if (try_lock(folder / ".lock")) return;
   throw_error(ErrorClass::usage, "{} is in use by another comparison; wait for it or choose another --output", folder.string());
+}
+
+FolderLock::~FolderLock() {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (made_.empty() || std::distance(fs::directory_iterator(made_, ignored), {}) != 1) return;  // more than the lock
+  fs::remove(made_ / ".lock", ignored);
+  fs::remove(made_, ignored);
 }
 
 }  // namespace lucarium

@@ -21,11 +21,16 @@ class FileLock {
   int file_ = -1;
 };
 
-/// Holds a result folder for one run: two at once would overwrite each other's results.
+/// Holds a result folder for one run: two at once would overwrite each other's results. A folder that it made and that
+/// is still empty at the end is removed: a command that was mistaken leaves nothing behind.
 class FolderLock : private FileLock {
  public:
   /// Throws Error{usage} when another process holds the folder, Error{input} when it is not writable.
   explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+
+ private:
+  std::filesystem::path made_;  ///< the folder, if it was not there before
 };
 
 }  // namespace lucarium

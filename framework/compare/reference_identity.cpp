@@ -54,6 +54,12 @@ std::vector<std::string> ReferenceIdentity::differences(const Film& film) const 
     if (theirs == value) continue;
     if (key == "path_set" && found != film.metadata.end()) {
       for (const std::string& line : PathSet::parse(theirs).differences(PathSet::parse(value))) lines.push_back(line);
+    } else if (key == "scene_hash") {
+      lines.push_back("another scene, or another state of it");
+    } else if (key == "renderer") {
+      lines.push_back("rendered by another version of Lucarium");
+    } else if (key == "camera") {
+      lines.push_back("another camera");
     } else {
       lines.push_back(fmt::format("{}: {} against {}", key, theirs, value));
     }

@@ -3,11 +3,13 @@
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
@@ -28,17 +30,17 @@ std::string channel_name(const FilmLayer& layer, size_t channel) { return layer.
 
 OIIO::ImageSpec exr_spec(const Film& film, const ExrOptions& options) {
   std::vector<std::string> names = {"R", "G", "B"};
-  std::string additive;
+  std::set<std::string> additive;  // sorted, so that a film that was read and extended says the same as one made at once
   for (const FilmLayer& layer : film.layers()) {
     for (size_t c = 0; c < layer.channels.size(); ++c) names.push_back(channel_name(layer, c));
-    if (layer.additive) additive += (additive.empty() ? "" : ",") + layer.name;
+    if (layer.additive) additive.insert(layer.name);
   }
   OIIO::ImageSpec spec(static_cast<int>(film.width()), static_cast<int>(film.height()), static_cast<int>(names.size()),
                        options.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
   spec.channelnames = names;
   spec.attribute("compression", "zip");
   spec.attribute("oiio:ColorSpace", "Linear");
-  spec.attribute(additive_attribute, additive);
+  spec.attribute(additive_attribute, fmt::format("{}", fmt::join(additive, ",")));
   for (const auto& [key, value] : film.metadata) spec.attribute(std::string(attribute_prefix) + key, value);
   return spec;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/scene/gltf_schema.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <map>
 
@@ -95,7 +97,7 @@ class Checker {
         value = allowed;  // 5126.0 → 5126
         return;
       }
-      expected += " " + allowed.dump();
+      expected += fmt::format(" {}", allowed.dump());
     }
     mismatch(path, expected, value);
   }

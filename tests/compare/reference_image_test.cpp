@@ -24,7 +24,7 @@ constexpr double truth = 2.0, sample_variance = 0.36;
 Film make_round(uint64_t samples, std::mt19937& random) {
   Film film(width, height);
   std::normal_distribution<float> noise(0.f, static_cast<float>(std::sqrt(sample_variance / static_cast<double>(samples))));
-  for (float& value : film.layer("direct", {"R", "G", "B"}, true).pixels) value = truth / 2 + noise(random);
+  for (float& value : film.layer("direct", {"R", "G", "B"}, true).pixels) value = static_cast<float>(truth / 2) + noise(random);
   for (float& value : film.layer("indirect", {"R", "G", "B"}, true).pixels) value = truth / 2;
   for (float& value : film.layer("Variance").pixels) value = static_cast<float>(sample_variance / static_cast<double>(samples));
   film.metadata["variance_dof"] = "15";

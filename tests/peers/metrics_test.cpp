@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our metrics against the Python packages flip-evaluator (the authors' FLIP) and scikit-image, where they are installed
-// for the interpreter LUCARIUM_PEER_PYTHON (default: python3).
+// for the interpreter LUCARIUM_PEERS_PYTHON (default: python3).
 #include "lucarium/compare/metrics.h"
 
 #include <doctest/doctest.h>
@@ -56,7 +56,7 @@ std::pair<Image, Image> noisy_waves(float stops) {
 nlohmann::json peer_values(const Image& reference, const Image& test, const std::filesystem::path& folder) {
   write_raw(folder / "reference", reference);
   write_raw(folder / "test", test);
-  const char* python = std::getenv("LUCARIUM_PEER_PYTHON");
+  const char* python = std::getenv("LUCARIUM_PEERS_PYTHON");
   const char* source = std::getenv("LUCARIUM_TEST_SOURCE");
   const std::string in = folder.string();
   const test::ProgramResult result = test::run_program(
