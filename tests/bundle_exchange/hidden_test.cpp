@@ -43,7 +43,7 @@ TEST_CASE("in a field of radiance 1 every slot that is seen holds 1, whatever of
   rig.send([](uint32_t) { return glm::vec3(1); });
   Parameters parameters;
   rig.run(DirectionSequence(parameters, 5, nullptr), 256);
-  const std::vector<float4> sums = rig.sums();
+  const std::vector<glm::dvec4> sums = rig.sums();
   const std::vector<float2> exposure = rig.exposure();
   const std::vector<AtlasTexel> texels = rig.texels();
   double hidden = 0, inside = 0, held = 0, seen = 0;
@@ -84,7 +84,7 @@ TEST_CASE("backs that are seen stay black") {
   Parameters parameters;
   const int count = test::full_run() ? 8192 : 2048;
   rig.run(DirectionSequence(parameters, 3, nullptr), count);
-  const std::vector<float4> sums = rig.sums();
+  const std::vector<glm::dvec4> sums = rig.sums();
   double received = 0, weight = 0;
   for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
     if (rig.instance_of(rig.texels()[slot].triangle) != 0) continue;

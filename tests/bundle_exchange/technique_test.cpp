@@ -4,44 +4,13 @@
 
 #include <cmath>
 
-#include "lucarium/scene/load_scene.h"
-#include "lucarium/technique/session.h"
-#include "test_support.h"
+#include "technique_rig.h"
 #include "tolerance.h"
 
 using namespace lucarium;
+using namespace lucarium::test;
 
 namespace {
-
-using Options = std::vector<std::pair<std::string, std::string>>;
-
-const TechniqueRegistry& registry() {
-  static const TechniqueRegistry all;
-  return all;
-}
-
-std::unique_ptr<RenderSession> session(const std::string& technique, Scene scene, int max_bounces, const Options& options) {
-  RenderSettings settings;
-  settings.width = settings.height = 24;
-  settings.max_bounces = max_bounces;
-  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
-  settings.camera = scene.cameras.front();
-  return std::make_unique<RenderSession>(Device::open(), std::move(scene), registry().find(technique), settings, options);
-}
-
-std::vector<float> indirect(RenderSession& session) { return session.resolve().find("indirect")->pixels; }
-
-double mean(const std::vector<float>& values) {
-  double sum = 0;
-  for (const float v : values) sum += static_cast<double>(v);
-  return sum / static_cast<double>(values.size());
-}
-
-double indirect_mean(const std::string& technique, const char* scene, int max_bounces, uint64_t iterations, const Options& options) {
-  const auto run = session(technique, load_scene(scene), max_bounces, options);
-  run->run({.iterations = iterations});
-  return mean(indirect(*run));
-}
 
 /// Half the light of every lamp.
 SceneChange dim(Scene& scene) {
@@ -54,13 +23,6 @@ SceneChange dim(Scene& scene) {
   return change;
 }
 
-const Options few = {{"texels", "2048"}, {"batch", "1"}, {"stop_error", "0"}};
-
-Options with(Options options, const Options& more) {
-  options.insert(options.end(), more.begin(), more.end());
-  return options;
-}
-
 }  // namespace
 
 TEST_CASE("pixels that gather by bundles, transfers and the ring see the path tracer's light") {
@@ -70,13 +32,13 @@ TEST_CASE("pixels that gather by bundles, transfers and the ring see the path tr
     const double expected = indirect_mean("path_tracing", "builtin:cornell", bounces, 16, paths);
     for (const Options& more : {Options{{"final_gather", "all"}, {"pixel_rays", "bundle"}}, Options{{"transfer", "texel"}}}) {
       CAPTURE(more.back().first);
-      CHECK(indirect_mean("bundle_exchange", "builtin:cornell", bounces, 64, with(few, more)) ==
+      CHECK(indirect_mean("bundle_exchange", "builtin:cornell", bounces, 64, with(few_texels, more)) ==
             test::relative(expected, 0.03));
     }
   }
   const double expected = indirect_mean("path_tracing", "builtin:spheres", 2, 64, paths);
   // The spheres cast caustics of about the size of a texel of 2048: with so few, chains and ring alike are 4 % too dark.
-  const Options ring = with(few, {{"texels", "16384"}, {"glossy_window", "32"}, {"alpha_ring", "0.1"}});
+  const Options ring = with(few_texels, {{"texels", "16384"}, {"glossy_window", "32"}, {"alpha_ring", "0.1"}});
   CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 16, ring) == test::relative(expected, 0.03));
   CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 16, with(ring, {{"pixel_rays", "bundle"}})) ==
         test::relative(expected, 0.03));
@@ -98,7 +60,7 @@ TEST_CASE("an image forgets that indirect light was missing while bundles carrie
 
 TEST_CASE("a change begins anew with the bits of a fresh start, or with what senders knew when that is asked for") {
   const auto after_change = [](bool warm, uint64_t iterations) {
-    const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(few, {{"warm_start", warm ? "on" : "off"}}));
+    const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(few_texels, {{"warm_start", warm ? "on" : "off"}}));
     run->run({.iterations = 24});
     run->change_scene(dim);
     run->run({.iterations = iterations});
@@ -106,7 +68,7 @@ TEST_CASE("a change begins anew with the bits of a fresh start, or with what sen
   };
   Scene dimmed = load_scene("builtin:cornell");
   dim(dimmed);
-  const auto fresh = session("bundle_exchange", std::move(dimmed), -1, few);
+  const auto fresh = session("bundle_exchange", std::move(dimmed), -1, few_texels);
   const uint64_t soon = 6;  // the first iterations light slots
   fresh->run({.iterations = soon});
   CHECK(after_change(false, soon) == indirect(*fresh));
@@ -127,13 +89,13 @@ TEST_CASE("a warm start follows what moves") {
     instance.world_from_object[3] += glm::vec4(0, 0.1f, 0, 0);
     return change;
   };
-  const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(few, {{"warm_start", "on"}}));
+  const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(few_texels, {{"warm_start", "on"}}));
   run->run({.iterations = 16});
   run->change_scene(lift);
   run->run({.iterations = 24});
   Scene lifted = load_scene("builtin:cornell");
   lift(lifted);
-  const auto fresh = session("bundle_exchange", std::move(lifted), -1, few);
+  const auto fresh = session("bundle_exchange", std::move(lifted), -1, few_texels);
   fresh->run({.iterations = 24});
   CHECK(mean(indirect(*run)) == test::relative(mean(indirect(*fresh)), 0.03));
 }

@@ -33,7 +33,7 @@ TEST_CASE("texels of a closed box of radiance 1 receive exactly that, and pi in 
   parameters.block = count;
   rig.run(DirectionSequence(parameters, 7, nullptr), count);
   double worst = 0, sum = 0;
-  for (const float4& v : rig.sums()) {
+  for (const glm::dvec4& v : rig.sums()) {
     if (!(v.w > 0)) FAIL("a texel has received nothing");
     worst = std::max(worst, std::abs(v.x / v.w - 1.0));
     sum += v.x / count;
@@ -56,7 +56,7 @@ TEST_CASE("form factors of unit squares by texels") {
     for (const AtlasTexel& texel : texels) lamp.push_back(rig.instance_of(texel.triangle) == 0);
     rig.send([&](uint32_t slot) { return glm::vec3(lamp[slot] ? 1.f : 0.f); });
     rig.run(DirectionSequence(by_texels(), 7, nullptr), 2048);
-    const std::vector<float4> sums = rig.sums();
+    const std::vector<glm::dvec4> sums = rig.sums();
     double received = 0, weight = 0;
     for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
       if (lamp[slot]) continue;
