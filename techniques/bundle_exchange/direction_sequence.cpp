@@ -5,12 +5,14 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace lucarium::bundle {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr uint32_t kFirstRun = 32, kRun = 128;  // directions that come in random order
 
 /// PCG RXS-M-XS as in kernels/random.clh.
 uint32_t hash(uint32_t x) {
@@ -54,8 +56,9 @@ double radical_inverse(uint64_t index, uint32_t base) {
   return result;
 }
 
+/// Directions are lines, so that half of the sphere is all there is: what is stratified over it is twice as dense.
 glm::vec3 uniform_direction(double u, double v) {
-  const double z = 1 - 2 * u, r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * kPi * v;
+  const double z = 1 - u, r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * kPi * v;
   return {static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi)), static_cast<float>(z)};
 }
 
@@ -69,7 +72,7 @@ std::pair<uint32_t, double> search(const double* c, uint32_t count, double x) {
 
 /// Fisher and Yates.
 template <class T>
-void shuffle(std::vector<T>& values, uint32_t seed) {
+void shuffle(std::span<T> values, uint32_t seed) {
   for (uint32_t i = static_cast<uint32_t>(values.size()); i > 1; --i)
     std::swap(values[i - 1], values[static_cast<uint32_t>((uint64_t{hash(seed, i)} * i) >> 32)]);
 }
@@ -127,7 +130,7 @@ DirectionSequence::DirectionSequence(const Parameters& parameters, uint64_t seed
   if (kind_ == Sequence::hammersley) {
     order_.resize(total_);
     std::iota(order_.begin(), order_.end(), 0u);
-    shuffle(order_, hash(seed_, 12));
+    shuffle(std::span(order_), hash(seed_, 12));
   }
   // A constant environment guides as the uniform share does.
   if (environment && environment->width > 0 && parameters.env_guiding > 0) {
@@ -143,7 +146,12 @@ void DirectionSequence::make_block(uint64_t block) const {
   cached_.resize(block_size_);
   for (uint32_t i = 0; i < block_size_; ++i)
     cached_[i] = {unit(owen_scramble(reverse_bits(i), seed_x)), unit(owen_scramble(sobol_second(i), seed_y))};
-  if (permuted_) shuffle(cached_, hash(block_seed, 4));
+  const std::span all(cached_);
+  for (uint32_t first = 0, run = block_size_; first < block_size_; first += run) {
+    if (!permuted_) run = block > 0 ? kRun : std::clamp(first, kFirstRun, kRun);
+    run = std::min(run, block_size_ - first);
+    shuffle(all.subspan(first, run), hash(block_seed, 4, first));
+  }
   cached_block_ = block;
 }
 
@@ -166,7 +174,7 @@ glm::dvec2 DirectionSequence::point(uint64_t index) const {
 }
 
 double DirectionSequence::density(const glm::vec3& direction) const {
-  const double uniform = (1 - guiding_) / (4 * kPi);
+  const double uniform = (1 - guiding_) / (4 * kPi);  // of ω and -ω in the mean
   return guide_ ? uniform + guiding_ * guide_->density(direction) : uniform;
 }
 

@@ -34,14 +34,17 @@ class EnvironmentGuide {
 
 /// The sequence of directions of a run. Any index may be asked for; the same seed gives the same directions. `total` is
 /// the N of Hammersley's points, which come in random order: their own sweeps the sphere once, and means that forget
-/// would know only its end. `environment` (may be null) is drawn from with probability `env_guiding`. Blocks come in
-/// Sobol's order, in which every beginning is even too, unless they are to be `permuted`: then pairs of successive
-/// directions fill the product space.
+/// would know only its end. `environment` (may be null) is drawn from with probability `env_guiding`.
+///
+/// Blocks are in Sobol's order, in which beginnings are even too, but for runs of 128 directions (the first: 32, 32, 64),
+/// which are permuted: what senders know comes mostly from the last few directions, and Sobol's next ones lie where those
+/// did not. With two rooms that a slit joins, the dark one was 1.3 % too bright after 1024 directions without permutation. A
+/// whole block is `permuted` where slots reflect directions: then pairs of successive ones fill the product space.
 class DirectionSequence {
  public:
   DirectionSequence(const Parameters& parameters, uint64_t seed, const Environment* environment, bool permuted = false);
   Direction at(uint64_t index) const;
-  /// Density of directions over the sphere [1/sr].
+  /// Density of directions over the sphere, where uniform ones count for both of their ends [1/sr].
   double density(const glm::vec3& direction) const;
 
  private:

@@ -67,7 +67,9 @@ struct Parameters {
              "directions that carry emitted light only, before the others (direct_mode=exchange)");
     v.number("gain_exp", gain_exp, 0.3f, 1.f, "", "step of senders: batch k counts k^-gain_exp of the mean");
     v.number("avg_exp", avg_exp, 0.f, 2.f, "", "weight of direction i in what is displayed: i^avg_exp");
-    v.flag("balance", balance, "scale senders so that they send the power that receivers hold (unlimited bounces, scenes without specular lobes)");
+    v.flag("balance", balance,
+           "scale senders so that they send the power that receivers hold (unlimited bounces; not while specular lobes deliver "
+           "more than a fifth)");
     v.choice("final_gather", final_gather,
              {{"off", FinalGather::off}, {"glossy", FinalGather::glossy}, {"all", FinalGather::all}},
              "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");

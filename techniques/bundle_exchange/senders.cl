@@ -33,36 +33,73 @@ __kernel void make_senders(uint slots, __global const float4* restrict albedo, _
 }
 
 #define BALANCE_CHUNK 1024u
+#define BALANCE_MOST_SPECULAR 0.2f
 
-// Numerator and denominator of the balance over a chunk of slots:
-//   s = sum A v c e_dir / sum A (1 - v c) e_S,   v: share of a slot's rays that meet a slot (visible: sum w v, sum w).
-// Scaled by s, what senders deliver is what receivers hold.
+// Numerator and denominator of the balance over a chunk of slots (balance_scale), but for specular light:
+//   xyz: sum A v c e_dir, w: sum A           xyz: sum A (1 - v c) e_S, w: sum A e_S, of the three colours
+// v: share of a slot's rays that meet a slot (visible: sum w v, sum w).
 __kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
                              __global const float4* restrict light_samples, __global const float4* restrict senders,
                              __global const float4* restrict display, __global const float2* restrict visible,
                              __global float4* restrict chunks) {
   const uint chunk = get_global_id(0), first = chunk * BALANCE_CHUNK;
   if (first >= slots) return;
-  float3 delivered = (float3)(0.0f), held = (float3)(0.0f);
+  float4 delivered = (float4)(0.0f), held = (float4)(0.0f);
   for (uint slot = first; slot < min(first + BALANCE_CHUNK, slots); ++slot) {
+    const float4 c = albedo[slot];
+    delivered.w += c.w;
     const float2 seen = visible[slot];
     if (seen.y <= 0.0f) continue;
-    const float4 c = albedo[slot];
-    const float3 sent = seen.x / seen.y * c.xyz;
-    delivered += c.w * sent * direct_mean(slot, light_samples, display);
-    held += c.w * ((float3)(1.0f) - sent) * slot_mean(senders[slot]);
+    const float3 sent = seen.x / seen.y * c.xyz, received = slot_mean(senders[slot]);
+    delivered.xyz += c.w * sent * direct_mean(slot, light_samples, display);
+    held.xyz += c.w * ((float3)(1.0f) - sent) * received;
+    held.w += c.w * (received.x + received.y + received.z);
   }
-  chunks[2u * chunk] = (float4)(delivered, 0.0f);
-  chunks[2u * chunk + 1u] = (float4)(held, 0.0f);
+  chunks[2u * chunk] = delivered;
+  chunks[2u * chunk + 1u] = held;
 }
 
-// One work-item. Clamped, since a few directions may hold anything.
-__kernel void balance_scale(uint count, __global const float4* restrict chunks, __global float4* restrict scale) {
-  float3 delivered = (float3)(0.0f), held = (float3)(0.0f);
+// One work-item. Scaled by
+//   s = (sum A v c e_dir + P) / sum A (1 - v c) e_S,
+// what is delivered is what receivers hold: s sum A e_S = sum A v c (e_dir + s e_S) + P. P is what specular lobes deliver of
+// what receivers hold (specular: of S, sum of w L, sum of w over all rays). It is not scaled, though part of it is light
+// that slots held: that delays what s does, and no more while P is small. Where it is not, s is 1. Clamped, since a few
+// directions may hold anything.
+__kernel void balance_scale(uint count, __global const float4* restrict chunks, __global const float4* restrict specular,
+                            __global float4* restrict scale) {
+  float4 delivered = (float4)(0.0f), held = (float4)(0.0f);
   for (uint i = 0; i < count; ++i) {
-    delivered += chunks[2u * i].xyz;
-    held += chunks[2u * i + 1u].xyz;
+    delivered += chunks[2u * i];
+    held += chunks[2u * i + 1u];
   }
-  const float3 ratio = clamp(delivered / held, 0.125f, 8.0f);
-  scale[0] = (float4)(held.x > 0.0f ? ratio.x : 1.0f, held.y > 0.0f ? ratio.y : 1.0f, held.z > 0.0f ? ratio.z : 1.0f, 0.0f);
+  const float3 by_lobes = specular[0].w > 0.0f ? specular[0].xyz * (delivered.w / specular[0].w) : (float3)(0.0f);
+  const float3 ratio = clamp((delivered.xyz + by_lobes) / held.xyz, 0.125f, 8.0f);
+  const bool mirrored = by_lobes.x + by_lobes.y + by_lobes.z > BALANCE_MOST_SPECULAR * held.w;
+  const int3 balanced = held.xyz > 0.0f && (int3)(mirrored ? 0 : -1);
+  scale[0] = (float4)(select((float3)(1.0f), ratio, balanced), 0.0f);
 }
+
+// What specular lobes have delivered to a chunk of slots in the batch: what came by reflected light less what slots sent
+// diffusely. In a pair of slots that see each other each receives what the other sends with the same w, so that over all
+// slots the sum of w L received is the sum of what each sent times w over its rays that met a slot.
+#if defined(BUNDLE_HOPS) && defined(BUNDLE_SELF_FED)
+__kernel void specular_chunks(uint slots, __global const float4* restrict diffuse, __global const float4* restrict records,
+                              __global float4* restrict chunks) {
+  const uint chunk = get_global_id(0), first = chunk * BALANCE_CHUNK;
+  if (first >= slots) return;
+  float4 sum = (float4)(0.0f);
+  for (uint slot = first; slot < min(first + BALANCE_CHUNK, slots); ++slot) {
+    const global float4* record = records + (size_t)slot * BUNDLE_RECORD;
+    sum += (float4)(record[2u * BUNDLE_FIRST + 1u].xyz - record[0].w * diffuse[slot].xyz, record[1].w);
+  }
+  chunks[chunk] = sum;
+}
+
+// One work-item. specular follows S: sender_scale specular + sender_weight batch.
+__kernel void specular_sum(uint count, float sender_scale, float sender_weight, __global const float4* restrict chunks,
+                           __global float4* restrict specular) {
+  float4 sum = (float4)(0.0f);
+  for (uint i = 0; i < count; ++i) sum += chunks[i];
+  specular[0] = sender_scale * specular[0] + sender_weight * sum;
+}
+#endif

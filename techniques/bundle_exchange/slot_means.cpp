@@ -50,6 +50,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       radiance_(device, kOwner, "diffuse radiance", diffuse_.count(), kFewerTexels),
       chunk_sums_(device, kOwner, "balance of chunks", 2 * size_t{chunks_}),
       scale_(device, kOwner, "sender scale", std::vector<float4>{{1, 1, 1, 0}}),
+      specular_(device, kOwner, "light of specular lobes", 1),
       visible_(device, kOwner, "visible shares", slots_, kFewerTexels),
       errors_(device, kOwner, "errors of slots", slots_, kFewerTexels),
       values_(device, kOwner, "values of slots", slots_, kFewerTexels),
@@ -80,8 +81,7 @@ void SlotMeans::record_senders(const Program& program) {
   ScheduleRecorder recorder = scheduler_->record("senders", kOwner);
   direct_share_ = recorder.variable("direct share", 1.f);
   feedback_share_ = recorder.variable("feedback share", 1.f);
-  // The balance counts what diffuse senders deliver; where specular ones deliver too it would scale that away.
-  if (channels_.self_fed && parameters_.balance && parameters_.interleave == Interleave::sd && !channels_.hops) {
+  if (balanced()) {
     recorder.pass("balance of chunks", program, "balance_chunks")
         .global(chunks_)
         .local(1)
@@ -97,6 +97,7 @@ void SlotMeans::record_senders(const Program& program) {
         .local(1)
         .arg("count", chunks_)
         .arg("chunks", chunk_sums_)
+        .arg("specular", specular_)
         .arg("scale", scale_);
   }
   recorder.pass("make senders", program, "make_senders")
@@ -123,6 +124,23 @@ void SlotMeans::record_fold(const Program& program) {
   display_weight_ = recorder.variable("display weight", 1.f);
   error_weight_ = recorder.variable("error weight", 1.f);
   show_share_ = recorder.variable("share shown", 1.f);
+  if (balanced() && channels_.hops) {
+    recorder.pass("light of specular lobes", program, "specular_chunks")
+        .global(chunks_)
+        .local(1)
+        .arg("slots", slots_)
+        .arg("diffuse", diffuse_)
+        .arg("records", records_)
+        .arg("chunks", chunk_sums_);
+    recorder.pass("sum of specular light", program, "specular_sum")
+        .global(1)
+        .local(1)
+        .arg("count", chunks_)
+        .arg("sender_scale", sender_scale_)
+        .arg("sender_weight", sender_weight_)
+        .arg("chunks", chunk_sums_)
+        .arg("specular", specular_);
+  }
   recorder.pass("fold batch", program, "fold_batch")
       .global(slots_)
       .local(kLocalSize)
@@ -183,6 +201,12 @@ void SlotMeans::record_errors(const Program& program) {
     relative_error_ = sums[1] > 0 ? sums[0] / sums[1] : kUnknown;  // nothing met yet is no accuracy
   });
   measure_ = recorder.compile();
+}
+
+bool SlotMeans::balanced() const {
+  // Texels that look themselves up meet in no pairs, by which the light of specular lobes is measured.
+  const bool measurable = !channels_.hops || parameters_.transfer == Transfer::ray;
+  return channels_.self_fed && parameters_.balance && parameters_.interleave == Interleave::sd && measurable;
 }
 
 uint64_t SlotMeans::reflecting(uint64_t directions) const {
@@ -247,7 +271,7 @@ void SlotMeans::forget_errors() {
 
 void SlotMeans::reset() {
   weights_ = SenderWeights(parameters_);
-  for (Buffer* buffer : std::initializer_list<Buffer*>{&senders_, &display_, &settled_, &shown_, &shown_direct_, &radiance_, &visible_})
+  for (Buffer* buffer : std::initializer_list<Buffer*>{&senders_, &display_, &settled_, &shown_, &shown_direct_, &radiance_, &visible_, &specular_})
     buffer->fill_zero();
   scale_.upload({{1, 1, 1, 0}});
   directions_ = batches_ = 0;
@@ -258,7 +282,7 @@ void SlotMeans::reset() {
 
 SlotMeans::Kept SlotMeans::keep() const {
   scheduler_->finish();
-  return {senders_.download(), weights_, slots_, channels_};
+  return {senders_.download(), specular_.download(), weights_, slots_, channels_};
 }
 
 bool SlotMeans::start_from(Kept kept) {
@@ -266,6 +290,7 @@ bool SlotMeans::start_from(Kept kept) {
   const float share = static_cast<float>(kept.weights.forget(kKeptBatches));
   for (float4& sums : kept.senders) sums = float4(sums.x * share, sums.y * share, sums.z * share, sums.w * share);
   senders_.upload(kept.senders);
+  specular_.upload(kept.specular);
   weights_ = kept.weights;
   return true;
 }

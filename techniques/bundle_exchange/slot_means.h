@@ -43,7 +43,7 @@ class SlotMeans {
 
   /// What senders know, for a start in a scene that has changed little: it counts as a few batches.
   struct Kept {
-    std::vector<float4> senders;
+    std::vector<float4> senders, specular;
     SenderWeights weights;
     uint32_t slots = 0;
     Channels channels;
@@ -61,6 +61,8 @@ class SlotMeans {
   const Channels& channels() const { return channels_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches.
   double relative_error() const { return relative_error_; }
+  /// What the balance scales senders by, per colour.
+  float4 balance() const { return scale_.download().front(); }
   static size_t estimate_bytes(size_t slots, const Channels& channels);
 
  private:
@@ -70,6 +72,8 @@ class SlotMeans {
   void record_errors(const Program& program);
   /// Bounces are computed one after the other.
   bool one_by_one() const { return parameters_.interleave == Interleave::pingpong && channels_.self_fed; }
+  /// Senders are scaled by the balance of power.
+  bool balanced() const;
   void set_shares();
   /// Of the first `directions`, those that carry reflected light.
   uint64_t reflecting(uint64_t directions) const;
@@ -81,7 +85,7 @@ class SlotMeans {
   Parameters parameters_;
   uint32_t slots_, chunks_;
   TypedBuffer<float4> light_samples_;
-  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, shown_direct_, diffuse_, radiance_, chunk_sums_, scale_;
+  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, shown_direct_, diffuse_, radiance_, chunk_sums_, scale_, specular_;
   TypedBuffer<float2> visible_;
   TypedBuffer<float> errors_, values_, sums_;
   Schedule materials_, make_senders_, fold_, settle_, measure_;

@@ -102,6 +102,7 @@ class BundleRig {
   std::vector<double> indirect() const { return red(means_.shown()); }
   std::vector<double> direct() const { return red(means_.shown_direct()); }
   double relative_error() const { return means_.relative_error(); }
+  float4 balance() const { return means_.balance(); }
   /// Area-weighted mean over slots that `counts`.
   double mean(const std::vector<double>& values, const std::function<bool(uint32_t)>& counts = {}) const {
     const std::vector<AtlasTexel> all = texels();
