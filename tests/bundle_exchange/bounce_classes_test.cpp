@@ -28,7 +28,7 @@ std::vector<double> classes(const std::string& technique, const char* scene, uin
 }
 
 void compare(const char* scene, const std::vector<double>& expected, const Options& options, double tolerance) {
-  const std::vector<double> found = classes("bundle_exchange", scene, 64, options);
+  const std::vector<double> found = classes("bundle_exchange", scene, test::full_run() ? 64 : 24, options);
   for (size_t bounces = 0; bounces < found.size(); ++bounces) {
     CAPTURE(bounces);
     MESSAGE(std::string(scene), ", ", options.back().second, ", ", bounces, " bounces: ", found[bounces] / expected[bounces] - 1);
@@ -41,12 +41,13 @@ const Options paths = {{"samples_per_iteration", "64"}};
 }  // namespace
 
 TEST_CASE("each number of bounces alone brings the path tracer's light: diffuse walls") {
-  const std::vector<double> expected = classes("path_tracing", "builtin:cornell", 16, paths);
+  const std::vector<double> expected = classes("path_tracing", "builtin:cornell", test::full_run() ? 32 : 8, paths);
   compare("builtin:cornell", expected, with(few_texels, {{"direct_mode", "nee"}}), 0.02);
   compare("builtin:cornell", expected, with(few_texels, {{"direct_mode", "exchange"}}), 0.02);
 }
 
 TEST_CASE("each number of bounces alone brings the path tracer's light: glossy, mirror and glass") {
+  if (!test::full_run()) return;  // a minute
   const std::vector<double> expected = classes("path_tracing", "builtin:spheres", 64, paths);
   compare("builtin:spheres", expected, with(few_texels, {{"texels", "16384"}, {"direct_mode", "nee"}}), 0.03);
 }

@@ -69,7 +69,7 @@ TEST_CASE("metal walls: chains of rays and the ring agree") {
     CAPTURE(bounces);
     Parameters chains;
     chains.hop_share = 1;
-    const double expected = mean_light(scene, chains, bounces, 256, false);
+    const double expected = mean_light(scene, chains, bounces, test::full_run() ? 8192 : 256, false);
     for (const GlossyNorm norm : {GlossyNorm::self, GlossyNorm::mean}) {
       if (norm == GlossyNorm::mean && bounces == 0) continue;
       CAPTURE(static_cast<int>(norm));
