@@ -64,7 +64,7 @@ void LayeredRaster::State::follow() {
         .arg("triangles", triangles).arg("layered_geometry", geometry);
     gather = recorder.compile();
   }
-  scheduler.run(gather);
+  scheduler.run_to_end(gather);  // cancelled, it would leave triangles of zeros that nothing would gather again
 }
 
 LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const std::string& name,

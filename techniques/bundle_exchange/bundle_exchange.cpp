@@ -80,20 +80,8 @@ class BundleExchange : public Technique {
     return set;
   }
 
-  std::vector<std::string> limitations(const Scene& scene, const RenderSettings&) const override {
-    std::vector<std::string> result;
-    const auto any = [&](auto&& test) { return std::any_of(scene.materials.begin(), scene.materials.end(), test); };
-    if (any([](const SceneMaterial& m) { return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance); }))
-      result.push_back("bundles are not attenuated inside volumes");
-    if (parameters_.interleave == Interleave::fixed)
-      result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
-    if (parameters_.interleave == Interleave::pingpong && SlotSpecular::uses_ring(parameters_) && has_specular_lobes(scene))
-      result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
-    if (parameters_.final_gather == FinalGather::off && has_specular_lobes(scene))
-      result.push_back(parameters_.direct_mode == DirectMode::exchange
-                           ? "what specular lobes reflect towards the eye is left out but for light of punctual lights (final_gather=off)"
-                           : "indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
-    return result;
+  std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
+    return bundle::limitations(parameters_, scene, settings);
   }
 
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
@@ -115,6 +103,8 @@ class BundleExchange : public Technique {
     }
     if (parameters_.warm_start && parts_ && forgets()) {
       build_from(change);
+    } else if (parts_ && !change.geometry() && change.materials.empty()) {
+      build(std::move(parts_->atlas));  // it knows surfaces and their emission only
     } else {
       build();
     }
@@ -156,7 +146,7 @@ class BundleExchange : public Technique {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
     if (parts_) {
       result["slots"] = parts_->atlas->info().texel_count;
-      result["film_pixels"] = parts_->transfer.film_pixels();
+      result["film_pixels"] = parts_->transfer.mean_film();
       result["hop_rays"] = static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
       if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
     }
@@ -315,7 +305,7 @@ class BundleExchange : public Technique {
 
   /// Whether more light samples at slots are of use.
   bool wants_light() const {
-    return context_->settings.max_bounces != 0 && !parts_->slot_light.exhausted() && !(lit() && exchange_done());
+    return context_->settings.max_bounces != 0 && !parts_->slot_light.exhausted();
   }
 
   /// Whether slots know the direct light that they are to send.
@@ -324,7 +314,7 @@ class BundleExchange : public Technique {
   uint32_t directions_per_iteration() const {
     // Fragments that are stored cost about three times as much as those that are exchanged at once.
     const double films = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
-    const double count = kPixels / films / parts_->transfer.film_pixels();
+    const double count = kPixels / films / parts_->transfer.largest_film();
     return static_cast<uint32_t>(std::max(std::min(count, 64 / films), static_cast<double>(parameters_.batch)));
   }
 
@@ -334,7 +324,8 @@ class BundleExchange : public Technique {
     result.phase = lit() ? "exchange" : "light";
     result.progress = lit() ? static_cast<double>(directions_) / parameters_.directions : 0.0;
     if (exchange_done()) result.progress = 1;
-    result.converged = lit() && exchange_done() && parts_->camera.atlas_samples() >= kCameraSamples;
+    result.converged = lit() && exchange_done() && !wants_light() &&
+                       parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
     return result;
   }
 
@@ -345,7 +336,6 @@ class BundleExchange : public Technique {
   };
 
   static constexpr double kPixels = 4e6;  ///< film pixels of an iteration, about 100 ms
-  static constexpr uint64_t kCameraSamples = 64;  ///< least number for an image to count as converged
   Parameters parameters_;
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;

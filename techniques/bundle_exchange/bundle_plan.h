@@ -19,6 +19,9 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
 /// Whether some material may reflect or transmit otherwise than diffusely.
 bool has_specular_lobes(const Scene& scene);
 
+/// What light is missing or wrong with these parameters, a line each, for people.
+std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
+
 /// Expected device memory [bytes].
 size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 

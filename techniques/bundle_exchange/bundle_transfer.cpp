@@ -98,6 +98,8 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
 
 bool BundleTransfer::run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray) {
   const BundleView view = make_bundle_view(bounds_, direction, pixel_, seed);
+  ++films_;
+  film_pixels_ += static_cast<double>(view.view.width) * view.view.height;
   recorded.schedule.set(recorded.view, view.view);
   recorded.schedule.set(recorded.omega, float4(direction.direction, 0.f));
   recorded.schedule.set(recorded.weight, static_cast<float>(direction.weight * (per_ray ? view.pixel_area : 1.0)));
@@ -121,7 +123,4 @@ void BundleTransfer::warm_up() {
   for (Recorded* recorded : {&all_, &emission_, &gather_})
     if (recorded->schedule) scheduler_->warm_up(recorded->schedule);
 }
-
-double BundleTransfer::film_pixels() const { return static_cast<double>(side_) * side_; }
-
 }  // namespace lucarium::bundle

@@ -31,7 +31,9 @@ class BundleTransfer {
   bool gather(const Direction& direction, uint32_t seed, bool first);
   void warm_up();
   /// Largest film of a direction [pixels].
-  double film_pixels() const;
+  double largest_film() const { return static_cast<double>(side_) * side_; }
+  /// Mean film of the directions until now [pixels]; 0 before the first.
+  double mean_film() const { return films_ > 0 ? film_pixels_ / static_cast<double>(films_) : 0.0; }
 
  private:
   struct Recorded {
@@ -55,6 +57,8 @@ class BundleTransfer {
   TypedBuffer<LayeredView> views_;
   TypedBuffer<float4> ends_;
   Recorded all_, emission_, gather_;
+  uint64_t films_ = 0;      ///< drawn until now
+  double film_pixels_ = 0;  ///< of all of them
 };
 
 }  // namespace lucarium::bundle

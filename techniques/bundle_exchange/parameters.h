@@ -38,6 +38,7 @@ struct Parameters {
   PixelRays pixel_rays = PixelRays::traced;
   bool warm_start = false;
   float stop_error = 0.01f;
+  int camera_samples = 64;
 
   template <class V>
   void describe(V& v) {
@@ -92,6 +93,8 @@ struct Parameters {
     v.flag("warm_start", warm_start,
            "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and running)");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance (interleave=sd and running); 0: never");
+    v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
+             "samples per pixel that an image has at least when it counts as converged: direct light and edges are theirs");
     v.presets({{"paper",
                 {{"batch", "1"},
                  {"sequence", "halton"},

@@ -7,7 +7,7 @@
 namespace lucarium::bundle {
 namespace {
 
-constexpr double kLargestLogGrowth = 60;  // e^60 of the first weight; single precision goes to e^88
+constexpr double kLargestLogGrowth = 30;  // e^30 of the first weight; single precision goes to e^88, and sums of light need the rest
 
 double growth(double log_growth, double gamma, uint64_t batch) {
   return batch == 1 ? 0.0 : log_growth - std::log1p(-gamma);

@@ -56,6 +56,8 @@ class SlotMeans {
   const TypedBuffer<float4>& shown() const { return shown_; }      ///< per slot irradiance / π of indirect light
   const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }  ///< the same of exchanged emitted light
   /// What slots reflect diffusely (Channels::hops), per slot reflected() float4: in the batch, and by the best means.
+  /// Per slot: xyz diffuse albedo, w area that is not hidden [m^2].
+  const TypedBuffer<float4>& albedo() const { return albedo_; }
   const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
   const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
   const Channels& channels() const { return channels_; }

@@ -46,6 +46,7 @@ void SlotRing::record(const Program& program, const SceneBuffers& scene, const S
       .arg("list", list_)
       .arg("history", history_)
       .arg("diffuse", means.diffuse_sent())
+      .arg("albedo", means.albedo())
       .arg("records", means.records());
   send_ = sending.compile();
   ScheduleRecorder receiving = scheduler_->record("receive glossy light", kOwner);
