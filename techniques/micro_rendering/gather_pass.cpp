@@ -77,7 +77,7 @@ void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, con
   if (dynamic_) pass.arg("choices", shading.choices).arg("leaf_lights", shading.leaf_lights).arg("leaf_lobes", shading.leaf_lobes);
   pass.global(capacity).local(1).slice(kGathersPerSlice)
       .arg("trees", forest.tree_records).arg("tree_count", static_cast<uint32_t>(forest.trees().size()))
-      .arg("nodes", forest.nodes).arg("radiance", forest.radiance).arg("radiance_unit", forest.radiance_unit)
+      .arg("nodes", forest.nodes).arg("radiance", forest.radiance).arg("clips", forest.clips).arg("radiance_unit", forest.radiance_unit)
       .arg("gathers", gathers).arg("gather_count", gather_count).arg("settings", settings)
       .arg("irradiance", results.irradiance).arg("specular", results.specular).arg("statistics", results.statistics)
       .arg("micro_buffer", results.micro_buffer);

@@ -158,7 +158,7 @@ void LeafLight::record_nodes() {
     scene_.bind(pass, program_, "mr_node_gathers");
     pass.global(size_t{1} << level).local(1).arg("leaves", forest_.leaves).arg("trees", forest_.tree_records).arg("tree", t)
         .arg("level", level).arg("first_slot", first_slot_[t]).arg("micro_size", static_cast<uint32_t>(parameters_.micro_size))
-        .arg("nodes", forest_.nodes).arg("gathers", node_gathers_);
+        .arg("nodes", forest_.nodes).arg("patches", forest_.patches).arg("gathers", node_gathers_);
   }
   nodes_schedule_ = recorder.compile();
 }

@@ -33,6 +33,7 @@ void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const Mic
 // micro_buffer: of the slot settings.inspect, rows of MICRO_SIZE pixels; of the larger lobe.
 __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tree_count,
                         __global const uint4* restrict nodes, __global const half* restrict radiance,
+                        __global const uint4* restrict clips,
                         __global const float* restrict radiance_unit, __global const MicroGather* restrict gathers,
                         __global const uint* restrict gather_count, const MicroSettings settings,
                         __global float4* restrict irradiance, __global float4* restrict specular,
@@ -60,6 +61,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   forest.tree_count = tree_count;
   forest.nodes = nodes;
   forest.radiance = radiance;
+  forest.clips = clips;
   MicroNodeLight node_light;
   node_light.radiance = radiance;
 #if MICRO_DYNAMIC

@@ -162,6 +162,7 @@ __kernel void mr_pull(__global const MicroTree* restrict trees, const uint tree,
 __kernel void mr_node_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves,
                               __global const MicroTree* restrict trees, const uint tree, const uint level,
                               const uint first_slot, const uint micro_size, __global const uint4* restrict nodes,
+                              __global const MicroPatch* restrict patches,
                               __global MicroGather* restrict gathers) {
   const uint i = get_global_id(0);
   if (i >= (1u << level)) return;
@@ -177,13 +178,15 @@ __kernel void mr_node_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf
     const float d2 = dot(d, d);
     if (d2 < nearest2) nearest2 = d2, nearest = k;
   }
-  const Surface surface = leaf_surface(&scene, leaves[t->first_node / 2u + nearest - (1u << t->depth)]);
+  const MicroLeaf leaf = leaves[t->first_node / 2u + nearest - (1u << t->depth)];
+  const Surface surface = leaf_surface(&scene, leaf);
   MicroGather gather;
   gather.position = (float4)(surface.position, as_float(first_slot + i));
   gather.normal = pack_direction(surface.n_s);
   gather.geometric = pack_direction(surface.n_g);
   gather.view = gather.geometric;
   gather.lobes = micro_size;
+  gather.hidden = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, !(leaf.triangle & MICRO_LEAF_BACK));
   gather.eta = 0.0f;
   gathers[first_slot + i] = gather;
 }

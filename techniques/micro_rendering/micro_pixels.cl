@@ -98,7 +98,7 @@ bool needs_more(float4 level, float adaptive) {
 // Writes the gathers of the sorted pixels; gather_count[0] becomes their number.
 __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
                            __global const uint* restrict keys, __global const uint* restrict values, const uint count,
-                           const uint pixels, const uint micro_size,
+                           const uint pixels, const uint micro_size, __global const MicroPatch* restrict patches,
 #if MICRO_LEVELS
                            __global const float4* restrict levels, const float adaptive, const uint larger,
 #endif
@@ -129,6 +129,8 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   gather.geometric = pack_direction(through ? -surface.n_g : surface.n_g);
   gather.view = pack_direction(through ? surface.view - 2.0f * dot(surface.n_s, surface.view) * surface.n_s : surface.view);
   gather.lobes = sizes.x | (sizes.y << 8) | ((uint)alpha << 16);
+  const bool front = (surface.flags & LUCARIUM_SURFACE_FRONT) != 0u;
+  gather.hidden = MICRO_SIDE(patches[points[pixel].triangle].sheet, front != through);
   gather.eta = through && !(bsdf.flags & LUCARIUM_BSDF_THIN) ? bsdf.eta : 0.0f;
   gathers[i] = gather;
 }

@@ -4,6 +4,8 @@
 #include "micro_rendering/micro_node.clh"
 #include "micro_rendering/micro_surface.clh"
 
+#define MICRO_CLIP_STEPS 32u  // directions over which the area of a bounded disc is summed up
+
 // Albedo of the diffuse lobe per leaf, as 4 halfs; needs materials and texture coordinates only.
 __kernel void mr_leaf_albedo(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint first_leaf,
                              const uint count, __global half* restrict leaf_albedo) {
@@ -18,13 +20,71 @@ float3 mesh_position(__global const Vertex* mesh_vertices, __global const Instan
   return mesh_vertices[instance->mesh_vertex + (vertex - instance->world_vertex)].position.xyz;
 }
 
-// Leaf nodes of one tree.
+// Lines that bound the disc of a leaf, in its plane: outward normals as angles, distances from the centre.
+typedef struct LeafLines {
+  float angle[MICRO_CLIPS], distance[MICRO_CLIPS];
+  uint count;
+} LeafLines;
+
+// Area of what the lines leave of the disc of radius r, each moved outwards by `shift`: a mean over directions.
+float kept_area(const LeafLines* lines, float r, float shift) {
+  float sum = 0.0f;
+  for (uint i = 0; i < MICRO_CLIP_STEPS; ++i) {
+    float reach = r;
+    for (uint k = 0; k < lines->count; ++k) {
+      const float c = cos(((float)i + 0.5f) * (2.0f * M_PI_F / (float)MICRO_CLIP_STEPS) - lines->angle[k]);
+      if (c > 0.0f) reach = fmin(reach, (lines->distance[k] + shift) / c);
+    }
+    sum += reach * reach;
+  }
+  return sum * (M_PI_F / (float)MICRO_CLIP_STEPS);
+}
+
+// The line through a and b, corners of a triangle that is wound about `front`, unless it is too far from c. Lines of
+// neighbours count where the point of the edge that is nearest to c is on it, and c lies on their triangle's side.
+void add_line(float3 c, float3 front, const Basis* basis, float r, float3 a, float3 b, bool own, LeafLines* lines) {
+  const float3 edge = (b - a) - front * dot(b - a, front);
+  const float length2 = dot(edge, edge);
+  if (!(length2 > 0.0f)) return;
+  const float3 outward = cross(edge, front) * rsqrt(length2);
+  const float distance = dot(outward, a - c), along = dot(edge, c - a);
+  if (distance >= r || (!own && (distance < 0.0f || along < 0.0f || along > length2))) return;
+  lines->angle[lines->count] = atan2(dot(outward, basis->b), dot(outward, basis->t));
+  lines->distance[lines->count++] = fmax(distance, 0.0f);
+}
+
+// Packs the lines; they leave of the disc at least the area that the leaf stands for, so that no holes open between discs
+// on facets that are smaller.
+uint4 pack_lines(const LeafLines* lines, float r, float least_area) {
+  float shift = 0.0f;
+  const float wanted = least_area * M_PI_F * r * r;
+  if (kept_area(lines, r, 0.0f) < wanted) {
+    float enough = r;
+    for (uint i = 0; i < 12u; ++i) {
+      const float middle = 0.5f * (shift + enough);
+      if (kept_area(lines, r, middle) < wanted) shift = middle;
+      else enough = middle;
+    }
+  }
+  uint words[MICRO_CLIPS] = {0u, 0u, 0u, 0u};
+  for (uint k = 0; k < lines->count; ++k) {
+    const float distance = (lines->distance[k] + shift) / r;
+    if (distance >= 1.0f) continue;
+    const uint angle = (uint)(int)rint(lines->angle[k] * (65536.0f / (2.0f * M_PI_F))) & 0xffffu;
+    words[k] = angle | ((1u + (uint)rint(distance * 65534.0f)) << 16);
+  }
+  return (uint4)(words[0], words[1], words[2], words[3]);
+}
+
+// Leaf nodes of one tree, and the lines that bound their discs.
 __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices, __global const Vertex* restrict mesh_vertices,
                              __global const Triangle* restrict scene_triangles,
                              __global const Instance* restrict scene_instances,
                              __global const Material* restrict scene_materials, __global const MicroLeaf* restrict leaves,
                              __global const half* restrict leaf_albedo, __global const MicroTree* restrict trees,
-                             const MicroLeafRules rules, const uint count, __global uint4* restrict nodes) {
+                             const MicroLeafRules rules, const uint count,
+                             __global const MicroPatch* restrict patches, __global uint4* restrict nodes,
+                             __global uint4* restrict clips) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   __global const MicroTree* tree = trees + rules.tree;
@@ -57,7 +117,25 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices, __g
   node.cone = 0.0f;
   node.albedo = vload_half4(index, leaf_albedo).xyz;
   node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (two_sided || rules.all_cullable ? MICRO_NODE_CULLABLE : 0u);
-  nodes[tree->first_node + (1u << tree->depth) + i] = pack_node(node);
+  node.side = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, back);
+  const uint4 packed = pack_node(node);
+  nodes[tree->first_node + (1u << tree->depth) + i] = packed;
+
+  node = unpack_node(packed);
+  const MicroPatch patch = patches[leaf_triangle(leaf)];
+  const Basis basis = make_basis(node.normal);
+  LeafLines lines;
+  lines.count = 0u;
+  for (uint k = 0; k < MICRO_CLIPS && patch.ends[2 * k] != LUCARIUM_NONE; ++k) {
+    float3 ends[2];
+    for (uint e = 0; e < 2u; ++e) {
+      const uint vertex = patch.ends[2 * k + e];
+      const float3 p = rules.object_space ? mesh_position(mesh_vertices, instance, vertex) : scene_vertices[vertex].position.xyz;
+      ends[e] = (p - tree->origin_step.xyz) * inverse_step;
+    }
+    add_line(node.center, back ? -node.normal : node.normal, &basis, node.radius, ends[0], ends[1], k < patch.own, &lines);
+  }
+  clips[index] = lines.count > 0u ? pack_lines(&lines, node.radius, rules.least_area) : (uint4)(0u);
 }
 
 // The smallest sphere about both.
@@ -100,6 +178,7 @@ uint4 merge_nodes(uint4 left, uint4 right) {
   merge_spheres(&a, &b, &sum);
   merge_cones(&a, &b, &sum);
   sum.albedo = 0.5f * (a.albedo + b.albedo);
+  sum.side = 0u;
   sum.flags = (a.flags & b.flags & MICRO_NODE_CULLABLE) | ((a.flags | b.flags) & MICRO_NODE_TWIN);
   return pack_node(sum);
 }

@@ -128,7 +128,8 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
   PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
   scene_.bind(fill, program_, "mr_list_fill");
   fill.global(capacity).local(kLocalSize).arg("points", points_).arg("keys", keys).arg("values", values).arg("count", capacity)
-      .arg("pixels", width_ * height_).arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("gathers", gathers).arg("gather_count", count);
+      .arg("pixels", width_ * height_).arg("micro_size", static_cast<uint32_t>(parameters_.micro_size)).arg("patches", forest_.patches)
+      .arg("gathers", gathers).arg("gather_count", count);
   if (parameters_.keeps_levels())
     fill.arg("levels", results_.levels).arg("adaptive", failed ? -1.f : parameters_.adaptive).arg("larger", static_cast<uint32_t>(parameters_.largest_edge()));
   gather_.record(recorder, "gather", scene_, forest_, gathers, count, capacity, settings_, results_, shading_);

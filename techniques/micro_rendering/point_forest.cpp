@@ -8,6 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/embedded_sources.h"
 #include "point_sampling.h"
+#include "surface_patches.h"
 #include "tree_order.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
@@ -79,6 +80,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
     areas.push_back(area);
     total += area;
   }
+  patches = TypedBuffer<MicroPatch>(device_, owner_, "edges of triangles", find_patches(sources, buffers_.scene_triangles.download(0, buffers_.info().triangle_count)));
   const ScenePoints points(scene_, buffers_);
   std::vector<MicroLeaf> all_leaves;
   for (size_t t = 0; t < sources.size(); ++t) {
@@ -111,6 +113,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
   leaves = TypedBuffer<MicroLeaf>(device_, owner_, "leaves", all_leaves, kRemedy);
   leaf_albedo = TypedBuffer<uint2>(device_, owner_, "albedo of leaves", leaf_count_, kRemedy);
   nodes = TypedBuffer<uint4>(device_, owner_, "nodes", size_t{2} * leaf_count_, kRemedy);
+  clips = TypedBuffer<uint4>(device_, owner_, "bounds of discs", leaf_count_, kRemedy);
   radiance = TypedBuffer<uint2>(device_, owner_, "radiance of nodes", size_t{2} * leaf_count_, kRemedy);
   radiance_unit = TypedBuffer<float>(device_, owner_, "unit of radiance", std::vector<float>{1.f});
   tree_records = TypedBuffer<MicroTree>(device_, owner_, "trees", trees_.size());
@@ -184,11 +187,12 @@ void PointForest::derive(const std::vector<size_t>& which) {
     rules.object_space = tree.kind == TreeKind::rigid;
     rules.disc_radius = options_.disc_scale * static_cast<float>(std::sqrt(tree.placed_area / (3.14159265358979 * tree.leaves())));
     rules.all_cullable = options_.all_cullable;
+    rules.least_area = 1 / (options_.disc_scale * options_.disc_scale);
     PassBuilder leaf_pass = recorder.pass("update leaves", program_, "mr_leaf_update");
     buffers_.bind(leaf_pass, program_, "mr_leaf_update");
     leaf_pass.global(tree.leaves()).local(kLocalSize).arg("mesh_vertices", buffers_.scene_mesh_vertices).arg("leaves", leaves)
         .arg("leaf_albedo", leaf_albedo).arg("trees", tree_records).arg("rules", rules).arg("count", tree.leaves())
-        .arg("nodes", nodes);
+        .arg("patches", patches).arg("nodes", nodes).arg("clips", clips);
     for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
       recorder.pass("refit", program_, "mr_refit").global(size_t{1} << top).local(1).arg("trees", tree_records)
           .arg("tree", number).arg("top", top).arg("bottom", bottom).arg("nodes", nodes);
@@ -254,7 +258,7 @@ size_t PointForest::estimate_bytes(const Scene& scene, const ForestOptions& opti
   for (const SceneInstance& instance : scene.instances) trees += instance.pose || !scene.animations.empty();
   const size_t leaves = (trees > 1 ? size_t{3} << options.points_log2 >> 1 : size_t{1} << options.points_log2) +
                         (trees - 1) * (size_t{1} << kLeastDepth);
-  return leaves * (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2))) + trees * sizeof(MicroTree);
+  return leaves * (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)) + sizeof(uint4)) + trees * sizeof(MicroTree);
 }
 
 }  // namespace lucarium::micro

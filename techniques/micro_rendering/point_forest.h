@@ -51,6 +51,8 @@ class PointForest {
   TypedBuffer<MicroLeaf> leaves;     ///< leaf_count()
   TypedBuffer<uint2> leaf_albedo;    ///< half4 per leaf
   TypedBuffer<uint4> nodes;          ///< 2 leaf_count()
+  TypedBuffer<uint4> clips;          ///< leaf_count(), see micro_types.h
+  TypedBuffer<MicroPatch> patches;   ///< by world triangle
   TypedBuffer<uint2> radiance;       ///< half4 per node
   TypedBuffer<float> radiance_unit;  ///< one element [cd/m²]
 

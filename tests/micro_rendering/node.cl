@@ -13,10 +13,11 @@ __kernel void round_trip_nodes(__global const float4* restrict in, uint count, _
   node.cone = in[3 * i + 1].w;
   node.albedo = in[3 * i + 2].xyz;
   node.flags = (uint)in[3 * i + 2].w;
+  node.side = i % 256u;
   const MicroNode back = unpack_node(pack_node(node));
   out[3 * i] = (float4)(back.center, back.radius);
   out[3 * i + 1] = (float4)(back.normal, back.cone);
-  out[3 * i + 2] = (float4)(back.albedo, (float)back.flags);
+  out[3 * i + 2] = (float4)(back.albedo, (float)back.flags + 16.0f * (float)(back.side != i % 256u));
 }
 
 __kernel void round_trip_directions(__global const float4* restrict in, uint count, __global float4* restrict out) {

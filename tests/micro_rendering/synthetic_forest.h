@@ -131,11 +131,13 @@ class SyntheticForest {
     TypedBuffer<MicroTree> trees;
     TypedBuffer<uint4> nodes;
     TypedBuffer<uint2> radiance;
+    TypedBuffer<uint4> clips;  ///< none
   };
   Buffers upload() const {
     const auto in = test_buffer(packed_);
     const uint32_t count = static_cast<uint32_t>(packed_.size() / 3);
-    Buffers buffers{test_buffer(trees_), test_buffer<uint4>(count), test_buffer<uint2>(count)};
+    Buffers buffers{test_buffer(trees_), test_buffer<uint4>(count), test_buffer<uint2>(count), test_buffer<uint4>(count / 2)};
+    buffers.clips.fill_zero();
     run_kernel(micro_program("test_micro_rendering/gather.cl"), "pack_forest", count, 64, [&](PassBuilder& pass) {
       pass.arg("in", in).arg("count", count).arg("nodes", buffers.nodes).arg("radiance", buffers.radiance);
     });
@@ -280,7 +282,7 @@ class GatherRun {
     PassBuilder pass = recorder.pass("gather", program, kernel);
     pass.global(points.size()).local(1);
     pass.arg("trees", buffers.trees).arg("tree_count", forest.tree_count()).arg("nodes", buffers.nodes);
-    pass.arg("radiance", buffers.radiance).arg("radiance_unit", unit_).arg("gathers", gathers_);
+    pass.arg("radiance", buffers.radiance).arg("clips", buffers.clips).arg("radiance_unit", unit_).arg("gathers", gathers_);
     pass.arg("gather_count", count_).arg("settings", settings_).arg("irradiance", irradiance_);
     pass.arg("specular", specular_).arg("statistics", statistics_).arg("micro_buffer", shown_);
     schedule_ = recorder.compile();

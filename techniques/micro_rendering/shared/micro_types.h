@@ -9,7 +9,7 @@
 //   x   centre x (16 bits), centre y << 16
 //   y   centre z (16 bits), half the radius as a half << 16
 //   z   octahedral normal 2 x 10 bits, cone half angle << 20 (8 bits, of pi / 255), flags << 28
-//   w   albedo R, G << 8, B << 16, of 255
+//   w   albedo R, G << 8, B << 16, of 255; of a leaf on a two-sided triangle: its side of a sheet << 24 (MICRO_SIDE), else 0
 // Radius and cone angle are rounded up by what centre and normal lost.
 //
 // radiance (half4, 8 B): x y z radiance towards the front [units of radiance_unit[0] cd/m²], mean over the leaves by area;
@@ -76,13 +76,31 @@ LUCARIUM_STRUCT_BEGIN(MicroNodeChoice)
   float luminance;  // mean luminance of the irradiance over the area of all of them [lx]
 LUCARIUM_STRUCT_END(MicroNodeChoice, 8)
 
+#define MICRO_CLIPS 4  // lines that bound the disc of a leaf
+
+// A triangle and its neighbours, by world triangle.
+LUCARIUM_STRUCT_BEGIN(MicroPatch)
+  uint ends[8];  // MICRO_CLIPS pairs of vertices, as the triangle they are of is wound: edges where the surface ends or bends
+                 // away; LUCARIUM_NONE: no more
+  uint own;      // so many of them are edges of the triangle itself
+  uint sheet;    // of a two-sided triangle: 1 ... 127, the same for all that are joined to it and wound alike; else 0
+LUCARIUM_STRUCT_END(MicroPatch, 40)
+
+// Side of a sheet: 0 where sheet is.
+#define MICRO_SIDE(sheet, back) ((sheet) ? ((sheet) << 1) | ((back) ? 1u : 0u) : 0u)
+
+// clips (uint4 per leaf): MICRO_CLIPS lines that bound the disc; each a word: 0 none, else the angle of its outward normal
+// [2^16 of a turn] about the node's normal, from the tangent of make_basis, and 1 + its distance from the centre << 16 [65534
+// of the node's radius].
+
 // How a tree's leaves are derived from the scene.
 LUCARIUM_STRUCT_BEGIN(MicroLeafRules)
   uint tree;           // number of the tree
   uint object_space;   // 1: tree space is the object space of the instance, 0: the world
   float disc_radius;   // of a leaf on a triangle whose area has not changed [tree space]
   uint all_cullable;   // 1: nothing is black from behind
-LUCARIUM_STRUCT_END(MicroLeafRules, 16)
+  float least_area;    // share of a disc that lines leave of it at least: the area that the leaf stands for
+LUCARIUM_STRUCT_END(MicroLeafRules, 20)
 
 // A point at which light is gathered. Directions are octahedral, 2 x 16 bits (micro_node.clh).
 LUCARIUM_STRUCT_BEGIN(MicroGather)
@@ -93,7 +111,8 @@ LUCARIUM_STRUCT_BEGIN(MicroGather)
   uint lobes;       // B_d (8 bits), B_s << 8: micro-buffer edges of the diffuse and the specular lobe, 0: none;
                     // GGX alpha as a half << 16
   float eta;        // 0: the specular lobe reflects; else it refracts: index of the viewer's side over that of this side
-  uint pad0, pad1, pad2;
+  uint hidden;      // MICRO_SIDE of the other side of the surface, which is not seen from near; 0: none
+  uint pad0, pad1;
 LUCARIUM_STRUCT_END(MicroGather, 48)
 
 // Every stride-th pixel of every stride-th row: pixels that are gathered at together.
@@ -128,7 +147,8 @@ LUCARIUM_STRUCT_END(MicroStatistics, 32)
 
 // The gather kernel, micro_gather.cl, is bound by gather_pass.cpp by these names:
 //   __kernel void mr_gather(__global const MicroTree* trees, uint tree_count, __global const uint4* nodes,
-//                           __global const half* radiance, __global const float* radiance_unit,
+//                           __global const half* radiance, __global const uint4* clips,
+//                           __global const float* radiance_unit,
 //                           __global const MicroGather* gathers, __global const uint* gather_count,
 //                           MicroSettings settings, __global float4* irradiance, __global float4* specular,
 //                           __global MicroStatistics* statistics, __global float4* micro_buffer,
