@@ -4,6 +4,7 @@
 #include "micro_rendering/micro_node.clh"
 #include "micro_rendering/micro_surface.clh"
 
+#define MICRO_LEAST_SHOWN 64.0f  // a quarter of 255: of a convex solid, the mean over all directions (Cauchy)
 #define MICRO_CLIP_STEPS 32u  // directions over which the area of a bounded disc is summed up
 
 // Albedo of the diffuse lobe per leaf, as 4 halfs; needs materials and texture coordinates only.
@@ -172,13 +173,16 @@ void merge_cones(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
   sum->cone = half_angle + (angle > 1e-5f ? 0.0f : angle);
 }
 
-uint4 merge_nodes(uint4 left, uint4 right) {
+// leaves: both are leaves.
+uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
   const MicroNode a = unpack_node(left), b = unpack_node(right);
   MicroNode sum;
   merge_spheres(&a, &b, &sum);
   merge_cones(&a, &b, &sum);
   sum.albedo = 0.5f * (a.albedo + b.albedo);
-  sum.side = 0u;
+  const float shown_a = leaves ? 1.0f : (float)a.side / 255.0f, shown_b = leaves ? 1.0f : (float)b.side / 255.0f;
+  const float shown = 0.5f * dot(shown_a * a.normal + shown_b * b.normal, sum.normal);
+  sum.side = (uint)clamp(ceil(shown * 255.0f), MICRO_LEAST_SHOWN, 255.0f);
   sum.flags = (a.flags & b.flags & MICRO_NODE_CULLABLE) | ((a.flags | b.flags) & MICRO_NODE_TWIN);
   return pack_node(sum);
 }
@@ -192,6 +196,6 @@ __kernel void mr_refit(__global const MicroTree* restrict trees, const uint tree
   __global uint4* heap = nodes + trees[tree].first_node;
   for (uint level = bottom; level-- > top;) {
     const uint first = ((1u << top) + w) << (level - top), end = first + (1u << (level - top));
-    for (uint i = first; i < end; ++i) heap[i] = merge_nodes(heap[2u * i], heap[2u * i + 1u]);
+    for (uint i = first; i < end; ++i) heap[i] = merge_nodes(heap[2u * i], heap[2u * i + 1u], level + 1u == trees[tree].depth);
   }
 }

@@ -14,7 +14,7 @@ __kernel void pack_forest(__global const float4* restrict in, uint count, __glob
   node.cone = in[3 * i + 1].w;
   node.albedo = (float3)(1.0f);
   node.flags = (uint)in[3 * i + 2].w;
-  node.side = 0u;
+  node.side = 255u;
   nodes[i] = pack_node(node);
   vstore_half4((float4)(in[3 * i + 2].xyz, 0.0f), i, radiance);
 }

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "device_fixture.h"
+#include "micro_rendering/point_forest.h"
 #include "technique_fixture.h"
 #include "tolerance.h"
 
@@ -70,6 +71,22 @@ TEST_CASE("triangles of one sheet are joined where they are wound alike") {
   CHECK(turned[0].sheet == turned[1].sheet);
   CHECK(turned[2].sheet == turned[3].sheet);
   CHECK(turned[0].sheet != turned[2].sheet);
+}
+
+TEST_CASE("a node's area is what it shows along its axis") {
+  // A roof whose halves are at right angles: cos 45 degrees of its area is seen from above. A flat one shows all.
+  for (const float height : {1.f, 0.f}) {
+    Scene scene;
+    scene.source = "test:roof";
+    MeshBuilder roof("roof");
+    roof.quad({0, height, 0}, {0, height, 0.1f}, {1, 0, 0.1f}, {1, 0, 0}).quad({-1, 0, 0}, {-1, 0, 0.1f}, {0, height, 0.1f}, {0, height, 0});
+    add_instance(scene, add_mesh(scene, roof.take()), add_lambert(scene, "grey", glm::vec3(0.5f)));
+    KernelScheduler scheduler(test_device());
+    const SceneBuffers buffers(*test_device(), scene);
+    const PointForest forest(*test_device(), scheduler, scene, buffers, {.points_log2 = 10}, "test");
+    const float shown = static_cast<float>(forest.nodes.download(1, 1).front().w >> 24) / 255.f;
+    CHECK(shown == test::relative(height > 0 ? std::sqrt(0.5) : 1., 0.03));
+  }
 }
 
 TEST_CASE("a strip hardly wider than its discs gives the light of its form factor") {

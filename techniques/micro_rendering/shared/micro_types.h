@@ -9,7 +9,8 @@
 //   x   centre x (16 bits), centre y << 16
 //   y   centre z (16 bits), half the radius as a half << 16
 //   z   octahedral normal 2 x 10 bits, cone half angle << 20 (8 bits, of pi / 255), flags << 28
-//   w   albedo R, G << 8, B << 16, of 255; of a leaf on a two-sided triangle: its side of a sheet << 24 (MICRO_SIDE), else 0
+//   w   albedo R, G << 8, B << 16, of 255; << 24: of a leaf its side of a sheet (MICRO_SIDE),
+//       of an inner node the area that it shows along its axis over that of its surface [255]
 // Radius and cone angle are rounded up by what centre and normal lost.
 //
 // radiance (half4, 8 B): x y z radiance towards the front [units of radiance_unit[0] cd/m²], mean over the leaves by area;
