@@ -101,7 +101,7 @@ class BundleExchange : public Technique {
       parts_->camera.set_frame(make_frame(context_->settings));
       return;
     }
-    if (parameters_.warm_start && parts_ && forgets()) {
+    if (parameters_.warm_start && parts_ && forgets(parameters_)) {
       build_from(change);
     } else if (parts_ && !change.geometry() && change.materials.empty()) {
       build(std::move(parts_->atlas));  // it knows surfaces and their emission only
@@ -118,7 +118,7 @@ class BundleExchange : public Technique {
 
   void resolve(Film& film) override {
     if (!parts_) throw Error(ErrorClass::input, "bundle_exchange: the scene's last change could not be followed; nothing to show");
-    parts_->camera.resolve(film);
+    parts_->camera.resolve(film, parts_->preview && !exchange_done());
   }
 
   void reset(uint64_t seed) override {
@@ -137,6 +137,7 @@ class BundleExchange : public Technique {
     if (!parts_) build();
     parts_->slot_light.warm_up();
     parts_->means.warm_up();
+    if (parts_->preview) parts_->preview->warm_up();
     if (parts_->specular) parts_->specular->warm_up();
     parts_->transfer.warm_up();
     parts_->camera.warm_up();
@@ -162,6 +163,7 @@ class BundleExchange : public Technique {
     SlotExposure exposure;
     SlotLight slot_light;
     SlotMeans means;
+    std::unique_ptr<SlotPreview> preview;    ///< null unless asked for
     std::unique_ptr<SlotSpecular> specular;  ///< null where no slot has a specular lobe that takes part
     CameraLight camera;
     BundleTransfer transfer;
@@ -187,9 +189,6 @@ class BundleExchange : public Technique {
     reset(seed_);
   }
 
-  /// Senders forget, so that what they knew before a change does no harm.
-  bool forgets() const { return parameters_.interleave == Interleave::sd || parameters_.interleave == Interleave::running; }
-
   /// Texels stay what they are, and senders know what they knew, where the atlas can follow the change.
   void build_from(const SceneChange& change) {
     SlotMeans::Kept kept = parts_->means.keep();
@@ -209,7 +208,7 @@ class BundleExchange : public Technique {
   /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before the
   /// end: both use up their directions.
   bool is_accurate() const {
-    return stoppable() && parameters_.stop_error > 0 && parts_->means.carries_all(directions_) &&
+    return forgets(parameters_) && parameters_.stop_error > 0 && parts_->means.carries_all(directions_) &&
            parts_->means.relative_error() < parameters_.stop_error;
   }
 
@@ -249,6 +248,7 @@ class BundleExchange : public Technique {
       step_.directions -= std::max(1u, count);
     }
     if (!parts.camera.sample()) return false;
+    if (parts.preview && !exchange_done() && !parts.preview->smooth()) return false;
     parts.camera.commit(shows_all());
     step_ = {};
     return true;
@@ -298,10 +298,8 @@ class BundleExchange : public Technique {
   /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces are
   /// missing until the end, it shows the atlas as it is, and no mean over what it was.
   bool shows_all() const {
-    return !exchanges() || exchange_done() || (stoppable() && directions_ > 0 && parts_->means.carries_all(directions_ - 1));
+    return !exchanges() || exchange_done() || (forgets(parameters_) && directions_ > 0 && parts_->means.carries_all(directions_ - 1));
   }
-
-  bool stoppable() const { return parameters_.interleave == Interleave::sd || parameters_.interleave == Interleave::running; }
 
   /// Whether more light samples at slots are of use.
   bool wants_light() const {
@@ -351,7 +349,8 @@ Program make_program(Device& device, const Channels& channels) {
   return Program(device, library,
                  {"bundle_exchange/means",
                   {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_exposure.cl",
-                   "bundle_exchange/slot_light.cl", "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/pixel_gather.cl"},
+                   "bundle_exchange/slot_light.cl", "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl",
+                   "bundle_exchange/pixel_gather.cl", "bundle_exchange/preview.cl"},
                   channels.defines()});
 }
 
@@ -366,7 +365,8 @@ BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, con
       exposure(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas),
       slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, exposure, plan.light_kinds),
       means(*c.device, c.scheduler, program, *atlas, exposure.shares(), slot_light.light_samples(), plan.channels, p),
-      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, make_frame(c.settings), plan.camera),
+      preview(plan.preview ? std::make_unique<SlotPreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
+      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(), make_frame(c.settings), plan.camera),
       transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), exposure.shares(), plan.channels,
                {p.pixel_size, p.transfer, camera.pixel_gather()}) {
   if (!plan.reflects) return;

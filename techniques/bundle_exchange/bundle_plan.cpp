@@ -38,6 +38,10 @@ bool has_specular_lobes(const Scene& scene) {
   });
 }
 
+bool forgets(const Parameters& parameters) {
+  return parameters.interleave == Interleave::sd || parameters.interleave == Interleave::running;
+}
+
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
@@ -46,6 +50,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   // Direct light needs no lobes of slots: they begin behind the first scattering.
   plan.reflects = specular && settings.max_bounces != 0 && parameters.glossy_bounces == GlossyBounces::multiple;
+  plan.preview = parameters.preview && forgets(parameters);
   plan.channels = make_channels(parameters, scene, settings, plan.reflects);
   const bool idle = parameters.final_gather == FinalGather::glossy && !specular;
   plan.camera.gather = idle ? FinalGather::off : parameters.final_gather;
@@ -65,7 +70,8 @@ size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, cons
   return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels) +
          SlotLight::estimate_bytes(slots) + SlotExposure::estimate_bytes(slots) +
          (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
-         CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles);
+         CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles, plan.preview) +
+         (plan.preview ? SlotPreview::estimate_bytes(slots, plan.channels) : 0);
 }
 
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {

@@ -11,10 +11,14 @@ struct BundlePlan {
   SurfaceAtlasOptions atlas;
   Channels channels;
   CameraLight::Options camera;
+  bool preview = false;   ///< images that have not converged show what SlotPreview smooths
   bool reflects = false;  ///< specular lobes of slots take part in the exchange
   uint32_t light_kinds = 0;  ///< of lights that slots get light samples of (LUCARIUM_LIGHT_* bits)
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
+
+/// Whether senders forget: what they knew before does no harm, and the error of a mean is that of the image.
+bool forgets(const Parameters& parameters);
 
 /// Whether some material may reflect or transmit otherwise than diffusely.
 bool has_specular_lobes(const Scene& scene);

@@ -15,7 +15,7 @@ const char* const kLowerSize = "lower --size";
 
 CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
                          const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
-                         const Frame& frame, const Options& options)
+                         const SlotPreview* preview, const Frame& frame, const Options& options)
     : scheduler_(&scheduler),
       options_(options),
       frame_(frame),
@@ -26,6 +26,8 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
       direct_(device, kOwner, "direct", pixels_, kLowerSize),
       exchanged_(device, kOwner, "exchanged direct light", pixels_, kLowerSize),
       indirect_(device, kOwner, "indirect", pixels_, kLowerSize),
+      smooth_exchanged_(device, kOwner, "previewed direct light", preview ? pixels_ : 1, kLowerSize),
+      smooth_indirect_(device, kOwner, "previewed indirect light", preview ? pixels_ : 1, kLowerSize),
       gbuffer_(device, scheduler, scene, intersector, frame, kOwner),
       sampled_(!options.exchanged || options.punctual),
       direct_light_(device, scheduler, scene, intersector, kOwner,
@@ -42,41 +44,55 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
     chains_ = std::make_unique<HopTracer>(device, scheduler, program, scene, intersector, atlas, means.diffuse_shown(), chains);
     record_chains(program, scene);
   }
-  record(program, scene, atlas, means);
+  record(program, scene, atlas, means, preview);
 }
 
-size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles) {
+size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview) {
   const size_t pixels = size_t{width} * height;
   const size_t chains = gather == FinalGather::off ? 2 * pixels * sizeof(float4) : HopTracer::estimate_bytes(pixels, 2);
-  return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + 5 * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
+  return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + (preview ? 7 : 5) * pixels * sizeof(float4) + GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
 }
 
 void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-                         const SlotMeans& means) {
+                         const SlotMeans& means, const SlotPreview* preview) {
   ScheduleRecorder clear = scheduler_->record("begin camera sample", kOwner);
   clear.fill_zero("clear sample", direct_sample_);
   clear_ = clear.compile();
   ScheduleRecorder recorder = scheduler_->record("add camera sample", kOwner);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
-  PassBuilder add = recorder.pass("add camera sample", program, "add_camera_light");
-  scene.bind(add, program, "add_camera_light");
-  atlas.bind(add, program, "add_camera_light");
+  recorder.pass("add camera sample", program, "add_camera_sample")
+      .global(pixels_)
+      .local(kLocalSize)
+      .arg("points", gbuffer_.points())
+      .arg("count", pixels_)
+      .arg("direct_sample", direct_sample_)
+      .arg("emission", emission_)
+      .arg("direct", direct_);
+  record_atlas_light(recorder, program, scene, atlas, means.shown(), means.shown_direct(), exchanged_, indirect_);
+  if (preview)
+    record_atlas_light(recorder, program, scene, atlas, preview->shown(), preview->shown_direct(), smooth_exchanged_, smooth_indirect_);
+  add_ = recorder.compile();
+}
+
+void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
+                                     const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
+                                     const TypedBuffer<float4>& shown_direct, const TypedBuffer<float4>& exchanged,
+                                     const TypedBuffer<float4>& indirect) {
+  PassBuilder add = recorder.pass("add light of the atlas", program, "add_atlas_light");
+  scene.bind(add, program, "add_atlas_light");
+  atlas.bind(add, program, "add_atlas_light");
   add.global(pixels_)
       .local(kLocalSize)
       .arg("points", gbuffer_.points())
       .arg("count", pixels_)
       .arg("atlas_weight", atlas_weight_)
       .arg("whole", whole() ? 1u : 0u)
-      .arg("shown", means.shown())
-      .arg("shown_direct", means.shown_direct())
+      .arg("shown", shown)
+      .arg("shown_direct", shown_direct)
       .arg("bundled", bundles_ ? bundles_->gathered() : no_gains_)
       .arg("gathered", chains_ ? chains_->gain() : no_gains_)
-      .arg("direct_sample", direct_sample_)
-      .arg("emission", emission_)
-      .arg("direct", direct_)
-      .arg("exchanged", exchanged_)
-      .arg("indirect", indirect_);
-  add_ = recorder.compile();
+      .arg("exchanged", exchanged)
+      .arg("indirect", indirect);
 }
 
 void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
@@ -139,7 +155,7 @@ void CameraLight::set_frame(const Frame& frame) {
   frame_ = frame;
   frame_.seed = seed;
   gbuffer_.set_frame(frame_);
-  for (Buffer* buffer : std::initializer_list<Buffer*>{&emission_, &direct_, &exchanged_, &indirect_}) buffer->fill_zero();
+  for (Buffer* buffer : std::initializer_list<Buffer*>{&emission_, &direct_, &exchanged_, &indirect_, &smooth_exchanged_, &smooth_indirect_}) buffer->fill_zero();
   samples_ = atlas_samples_ = 0;
 }
 
@@ -155,7 +171,7 @@ void CameraLight::warm_up() {
   scheduler_->warm_up(add_);
 }
 
-void CameraLight::resolve(Film& film) const {
+void CameraLight::resolve(Film& film, bool smoothed) const {
   scheduler_->finish();
   const auto add = [&](const char* name, const TypedBuffer<float4>& sums) {
     const std::vector<float4> values = sums.download();
@@ -168,8 +184,8 @@ void CameraLight::resolve(Film& film) const {
   };
   add("emission", emission_);
   add("direct", direct_);
-  add("direct", exchanged_);
-  add("indirect", indirect_);
+  add("direct", smoothed ? smooth_exchanged_ : exchanged_);
+  add("indirect", smoothed ? smooth_indirect_ : indirect_);
 }
 
 }  // namespace lucarium::bundle

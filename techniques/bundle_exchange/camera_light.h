@@ -7,6 +7,7 @@
 #include "lucarium/services/gbuffer.h"
 #include "lucarium/services/surface_atlas.h"
 #include "pixel_gather.h"
+#include "slot_preview.h"
 
 namespace lucarium::bundle {
 
@@ -24,9 +25,10 @@ class CameraLight {
     bool by_bundles = false;  ///< rays of `gather` are those of bundles, but for lobes narrower than alpha_least
     float alpha_least = 0;
   };
+  /// `preview` (may be null) must outlive this: commit() shows what it has smoothed in an image of its own.
   CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-              const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means, const Frame& frame,
-              const Options& options);
+              const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means, const SlotPreview* preview,
+              const Frame& frame, const Options& options);
 
   /// The next sample, in two steps, between which bundles may gather for its points (pixel_gather()); false when cancelled.
   /// commit() then adds it, looking up the atlas as it is then; what the atlas said while it knew nothing is forgotten.
@@ -38,14 +40,19 @@ class CameraLight {
   void warm_up();
   uint32_t samples() const { return samples_; }
   uint32_t atlas_samples() const { return atlas_samples_; }  ///< of them, in the mean of what the atlas says
-  void resolve(Film& film) const;
+  /// `smoothed`: the image of the preview.
+  void resolve(Film& film, bool smoothed) const;
   PixelGather* pixel_gather() { return bundles_.get(); }  ///< null where bundles gather nothing
   uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
-  static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles);
+  static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
  private:
   void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-              const SlotMeans& means);
+              const SlotMeans& means, const SlotPreview* preview);
+  /// What the atlas knows, added to two images.
+  void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
+                          const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
+                          const TypedBuffer<float4>& exchanged, const TypedBuffer<float4>& indirect);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
   bool whole() const { return options_.gather == FinalGather::all; }
@@ -54,6 +61,7 @@ class CameraLight {
   Frame frame_;
   uint32_t pixels_, samples_ = 0, atlas_samples_ = 0;
   TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, exchanged_, indirect_;
+  TypedBuffer<float4> smooth_exchanged_, smooth_indirect_;  ///< the same by what the preview shows
   GBuffer gbuffer_;
   bool sampled_;  ///< some light is, by light samples
   DirectLight direct_light_;

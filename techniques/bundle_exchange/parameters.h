@@ -36,6 +36,7 @@ struct Parameters {
   float hop_share = 0.5f;
   Transfer transfer = Transfer::ray;
   PixelRays pixel_rays = PixelRays::traced;
+  bool preview = false;
   bool warm_start = false;
   float stop_error = 0.01f;
   int camera_samples = 64;
@@ -90,6 +91,8 @@ struct Parameters {
              "(texel, as in the paper)");
     v.choice("pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
              "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below alpha_ring are traced)");
+    v.flag("preview", preview,
+           "until it has converged, show the atlas smoothed as far as its errors go (interleave=sd and running)");
     v.flag("warm_start", warm_start,
            "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and running)");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance (interleave=sd and running); 0: never");

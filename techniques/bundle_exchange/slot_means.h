@@ -61,6 +61,9 @@ class SlotMeans {
   const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
   const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
   const Channels& channels() const { return channels_; }
+  /// Of batches, per slot, for its error (fold.cl), and how many batches there were.
+  const TypedBuffer<float4>& statistics() const { return statistics_; }
+  uint64_t batches() const { return batches_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches.
   double relative_error() const { return relative_error_; }
   /// What the balance scales senders by, per colour.

@@ -9,6 +9,7 @@
 #include "lucarium/scene/builtin_builder.h"
 #include "lucarium/services/bvh.h"
 #include "slot_exposure.h"
+#include "slot_preview.h"
 #include "slot_specular.h"
 #include "slot_means.h"
 
@@ -101,6 +102,18 @@ class BundleRig {
   /// Red of indirect and of exchanged direct irradiance over π, per slot.
   std::vector<double> indirect() const { return red(means_.shown()); }
   std::vector<double> direct() const { return red(means_.shown_direct()); }
+  /// What SlotPreview makes of values that have the given variance each (after solve()).
+  std::vector<double> smooth(const std::vector<float>& values, float variance) {
+    std::vector<float4> shown, statistics(slots(), float4(variance, 0, 0, 1));
+    for (const float v : values) shown.emplace_back(v, v, v, 1.f);
+    TypedBuffer<float4> shown_buffer = means_.shown(), statistics_buffer = means_.statistics();
+    shown_buffer.upload(shown);
+    statistics_buffer.upload(statistics);
+    bundle::SlotPreview preview(*device_, scheduler_, program_, atlas_, means_);
+    preview.smooth();
+    scheduler_.finish();
+    return red(preview.shown());
+  }
   double relative_error() const { return means_.relative_error(); }
   float4 balance() const { return means_.balance(); }
   /// Area-weighted mean over slots that `counts`.
@@ -149,7 +162,8 @@ class BundleRig {
     library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
     return Program(device, library,
-                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/slot_exposure.cl"}, defines});
+                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/slot_exposure.cl",
+                    "bundle_exchange/preview.cl"}, defines});
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;
