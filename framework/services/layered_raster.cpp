@@ -12,6 +12,7 @@ namespace {
 
 constexpr uint32_t lanes = 16;   // pixels per row of a tile
 constexpr uint32_t chunks = 16;  // runs of triangles binned in parallel
+constexpr uint32_t slice_pixels = 1u << 22;  // of the film between two looks whether to stop, about 0.1 s
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
 constexpr const char* smaller_film = "lower the film's resolution";
 
@@ -124,7 +125,7 @@ void LayeredRaster::State::record_tiles(ScheduleRecorder& recorder, const std::s
   const uint32_t rows = divide_up(options.max_height, LAYERED_TILE_ROWS);
   for (uint32_t parity = 0; parity < std::min(2u, rows); ++parity) {
     PassBuilder pass = recorder.pass(name + (parity ? ".odd_rows" : ".even_rows"), consumer, kernel);
-    pass.global(divide_up(rows - parity, 2)).local(1);
+    pass.global(divide_up(rows - parity, 2)).local(1).slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
     bind_tiles(pass, view, bins, consumer, kernel, parity);
     bind(pass);
   }
@@ -142,6 +143,17 @@ LayeredRaster::LayeredRaster(KernelScheduler& scheduler, const SceneBuffers& sce
                              const std::string& owner)
     : state_(std::make_unique<State>(scheduler, scene, options, owner)) {}
 LayeredRaster::~LayeredRaster() = default;
+
+size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOptions& options, bool stored) {
+  constexpr size_t layers = 4;
+  const size_t blocks = (std::max<size_t>(1, triangles) + 15) / 16, pixels = size_t{options.max_width} * options.max_height;
+  const size_t tiles = size_t{divide_up(options.max_width, lanes)} * divide_up(options.max_height, LAYERED_TILE_ROWS);
+  const size_t per_block = (LAYERED_BLOCK_WORDS + 16 + 1) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord);
+  const size_t pairs = 2 * triangles + layers * tiles;  // a triangle lies in a tile, or in all that it covers
+  const size_t bins = (size_t{chunks} + 1) * (tiles + 16) + pairs;
+  const size_t fragments = stored ? pixels * (sizeof(uint32_t) + layers * sizeof(LayeredFragment)) : 0;
+  return blocks * per_block + bins * sizeof(uint32_t) + fragments;
+}
 
 void LayeredRaster::update() { state_->follow(); }
 uint64_t LayeredRaster::generation() const { return state_->generation; }

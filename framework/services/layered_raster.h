@@ -78,6 +78,10 @@ class LayeredRaster {
   void record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const BufferRef& depth,
                       const BufferRef& triangle) const;
 
+  /// Expected device memory of a raster of `triangles`, the transients of a schedule included [bytes]; `stored`: with an
+  /// A-buffer (LayeredVariant::tiles). Taken for granted: four surfaces behind each other.
+  static size_t estimate_bytes(size_t triangles, const LayeredRasterOptions& options, bool stored);
+
  private:
   class ListStore;
   struct State;

@@ -71,7 +71,7 @@ __kernel void layered_count_fragments(LAYERED_TILE_PARAMETERS __global uint* pix
   LAYERED_SET_TILES(tiles);
   const uint width = tiles.view->width, height = tiles.view->height;
   const uint tiles_x = (width + LAYERED_LANES - 1u) / LAYERED_LANES;
-  const uint row_of_tiles = 2u * (uint)get_global_id(0) + layered_parity;
+  const uint row_of_tiles = LAYERED_TILE_ROW;
   const int py = (int)(row_of_tiles * LAYERED_TILE_ROWS);
   if (py >= (int)height) return;
   if (py == 0) pixel_counts[width * height] = 0u;

@@ -234,6 +234,11 @@ std::vector<float4> SurfaceAtlas::slot_colors() const {
   return colors.download();
 }
 
+double SurfaceAtlas::estimate_edge(const Scene& scene, const AtlasLayoutOptions& options) {
+  if (options.texel_edge > 0) return options.texel_edge;
+  return std::sqrt(scene_side_area(scene) / static_cast<double>(std::max<uint64_t>(1, options.texel_count)));
+}
+
 size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
   const double wanted = options.texel_edge > 0 ? scene_side_area(scene) / (options.texel_edge * options.texel_edge)

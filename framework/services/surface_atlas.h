@@ -78,6 +78,8 @@ class SurfaceAtlas {
   /// The colours of that layer, per slot.
   std::vector<float4> slot_colors() const;
 
+  /// Expected edge s of texels [m].
+  static double estimate_edge(const Scene& scene, const AtlasLayoutOptions& options);
   /// Expected device memory for a scene [bytes]; the constructor states the exact one.
   static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options);
 

@@ -263,7 +263,7 @@ class BundleExchange : public Technique {
     for (uint32_t i = 0; i < count; ++i) {
       const Direction direction = sequence_.at(directions_ + i);
       const uint32_t seed = direction_seed(directions_ + i);
-      if (specular && !specular->send(direction, i, seed)) return false;
+      if (specular && !specular->send(direction, i, seed, parts_->means.sends_direct())) return false;
       if (!(direct_only ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed))) return false;
       if (specular && !specular->receive(i)) return false;
       if (gather && !parts_->transfer.gather(direction, seed, i == 0)) return false;
@@ -283,7 +283,7 @@ class BundleExchange : public Technique {
     const uint32_t seed = direction_seed(index);
     if (parts_->specular) {
       parts_->specular->begin_batch(sequence_, index, 1);
-      if (!parts_->specular->send(direction, 0, seed)) return false;
+      if (!parts_->specular->send(direction, 0, seed, parts_->means.sends_direct())) return false;
     }
     if (!parts_->transfer.gather(direction, seed, true)) return false;
     parts_->camera.pixel_gather()->commit(1);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bundle_transfer.h"
 #include "slot_light.h"
 #include "slot_specular.h"
 
@@ -67,10 +68,11 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
 
 size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const size_t slots = plan.atlas.texel_count * 5 / 4;
-  return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels) +
+  return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels, parameters) +
          SlotLight::estimate_bytes(slots) + SlotExposure::estimate_bytes(slots) +
          (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
          CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles, plan.preview) +
+         BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters, plan.camera.by_bundles) +
          (plan.preview ? SlotPreview::estimate_bytes(slots, plan.channels) : 0);
 }
 
@@ -94,6 +96,10 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
   }
   if (parameters.interleave == Interleave::pingpong && SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene))
     result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
+  if (parameters.interleave == Interleave::pingpong && has_specular_lobes(scene))
+    result.push_back("specular reflections between diffuse ones are no bounces of their own (interleave=pingpong)");
+  if (parameters.interleave == Interleave::pingpong && parameters.pixel_rays == PixelRays::bundle)
+    result.push_back("pixels gather the last bounce only (interleave=pingpong with pixel_rays=bundle)");
   if (parameters.final_gather == FinalGather::off && has_specular_lobes(scene))
     result.push_back(parameters.direct_mode == DirectMode::exchange
                          ? "what specular lobes reflect towards the eye is left out but for light of punctual lights (final_gather=off)"

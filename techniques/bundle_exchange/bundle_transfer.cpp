@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_transfer.h"
 
+#include <algorithm>
+
+#include "texel_extent.h"
+
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
 namespace lucarium::bundle {
@@ -13,6 +17,14 @@ LayeredRasterOptions raster_options(uint32_t side) {
   LayeredRasterOptions options;
   options.max_width = options.max_height = side;
   return options;
+}
+
+/// Edge of film pixels [m]. Work-items that add to the same texel at a time would lose rays of it, and what they touch is at
+/// least 16 pixels apart: no texel may be longer.
+double usable_pixel(const BundleTransfer::Options& options, const SurfaceAtlas& atlas, const SceneBuffers& buffers) {
+  const double wanted = options.pixel_size * static_cast<double>(atlas.info().texel_edge);
+  if (options.transfer == Transfer::texel) return wanted;
+  return std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
 }
 
 Program make_program(Device& device, const char* file, std::map<std::string, std::string> defines) {
@@ -30,7 +42,7 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       channels_(channels),
       options_(options),
       bounds_(scene.bounds()),
-      pixel_(options.pixel_size * static_cast<double>(atlas.info().texel_edge)),
+      pixel_(usable_pixel(options, atlas, buffers)),
       side_(film_side(bounds_, pixel_)),
       raster_(scheduler, buffers, raster_options(side_), kOwner),
       views_(device, kOwner, "view of a direction", 1),
@@ -117,6 +129,12 @@ bool BundleTransfer::exchange_emission(const Direction& direction, uint32_t seed
 bool BundleTransfer::gather(const Direction& direction, uint32_t seed, bool first) {
   gather_.schedule.set(gather_.first, first ? 1u : 0u);
   return run(gather_, direction, seed, false);
+}
+
+size_t BundleTransfer::estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters, bool gathers) {
+  const uint32_t side = film_side(scene.bounds(), static_cast<double>(parameters.pixel_size) * texel_edge);
+  return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster_options(side),
+                                       gathers || parameters.transfer == Transfer::texel);
 }
 
 void BundleTransfer::warm_up() {

@@ -14,7 +14,7 @@ namespace lucarium::bundle {
 class BundleTransfer {
  public:
   struct Options {
-    float pixel_size = 0.5f;  ///< edge of a film pixel in texel edges
+    float pixel_size = 0.5f;  ///< edge of a film pixel in texel edges; larger where texels would cover more than 16
     Transfer transfer = Transfer::ray;
     const PixelGather* gather = nullptr;  ///< must outlive this; null: pixels gather nothing
   };
@@ -30,6 +30,9 @@ class BundleTransfer {
   /// What pixels gather along the direction; `first` of a batch.
   bool gather(const Direction& direction, uint32_t seed, bool first);
   void warm_up();
+  /// Expected device memory [bytes], with texels of that edge [m].
+  static size_t estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters, bool gathers);
+  double pixel() const { return pixel_; }  ///< edge of film pixels [m]
   /// Largest film of a direction [pixels].
   double largest_film() const { return static_cast<double>(side_) * side_; }
   /// Mean film of the directions until now [pixels]; 0 before the first.

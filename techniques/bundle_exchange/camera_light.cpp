@@ -116,6 +116,7 @@ bool CameraLight::gather() {
   HopSettings settings{};
   settings.seed = (frame_.seed ^ 0x706978u) * 0x9e3779b9u + samples_;
   settings.first_light = options_.exchanged ? 1 : 2;  // else the first is DirectLight's
+  settings.lit = 1;
   settings.most_hops = options_.single ? 1 : kMostHops;
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces) + 1;
   settings.gains = HOP_GAIN_LAYERS;

@@ -56,13 +56,14 @@ __kernel void measure_errors(uint slots, __global const float4* restrict albedo,
 // (BUNDLE_EMISSION): the same of exchanged emitted light. radiance (BUNDLE_HOPS):
 // what slots reflect diffusely of all the light, BUNDLE_REFLECTED channels each, as diffuse of make_senders.
 __kernel void make_display(uint slots, float share, __global const float4* restrict albedo,
-                           __global const float4* restrict light_samples, __global const float4* restrict settled,
+                           __global const float4* restrict light_samples, uint settles, __global const float4* restrict settled,
                            __global const float4* restrict display, __global float4* restrict shown,
                            __global float4* restrict shown_direct, __global float4* restrict radiance) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
-  float3 total = settled[slot].xyz;
-  float weight = settled[slot].w;
+  const float4 before = settles ? settled[slot] : (float4)(0.0f);
+  float3 total = before.xyz;
+  float weight = before.w;
   for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
     const float4 sums = display[(size_t)channel * slots + slot];
     total += share * slot_mean(sums);

@@ -56,7 +56,7 @@ __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   hop.medium = medium_at(&scene, &surface, LUCARIUM_NONE);
   Ray ray = no_hop_ray(), shadow_ray = ray;
   float3 light = (float3)(0.0f);
-  if (!sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray)) shadow_ray = no_hop_ray();
+  if (!settings.lit || !sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray)) shadow_ray = no_hop_ray();
   if (!sample_hop(&scene, settings, &surface, &bsdf, &hop, &ray)) ray = no_hop_ray();
   hops[target] = hop;
   rays[i] = ray;
@@ -127,7 +127,7 @@ __kernel void advance_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (hop_ray_is_active(ray)) {
     Hop hop = hops[target];
     const float3 direction = ray.direction.xyz;
-    const bool counts = hop.hops >= settings.first_light;
+    const bool counts = settings.lit && hop.hops >= settings.first_light;
     if (hit.triangle == LUCARIUM_NO_HIT) {
       if (counts) add_gain(gain, settings, target, hop.hops, hop.throughput.xyz * environment_radiance(&scene, direction));
     } else {
@@ -142,7 +142,7 @@ __kernel void advance_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
           add_gain(gain, settings, target, k + 1u + hop.hops, hop.throughput.xyz * diffuse[(size_t)slot * BUNDLE_REFLECTED + k].xyz);
         const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);
         light_scatterings = hop.hops + 1u;
-        const bool lit = light_scatterings <= min(settings.limit, settings.most_hops) &&
+        const bool lit = settings.lit && light_scatterings <= min(settings.limit, settings.most_hops) &&
                          sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray);
         if (!lit) shadow_ray = no_hop_ray();
         goes_on = sample_hop(&scene, settings, &surface, &bsdf, &hop, &next);

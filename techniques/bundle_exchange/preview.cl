@@ -41,10 +41,11 @@ uint walk_cells(AtlasInfo info, const global uchar* links, uint cell, uint pitch
 __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                              __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                              __global const AtlasTexel* restrict atlas_texels, uint slots, uint stride,
+                             uint slice_base,
                              __global const float4* restrict indirect, __global const float4* restrict direct,
                              __global const float* restrict variance, __global float4* restrict next_indirect,
                              __global float4* restrict next_direct, __global float* restrict next_variance) {
-  const uint slot = get_global_id(0);
+  const uint slot = get_global_id(0) + slice_base;
   if (slot >= slots) return;
   const uint doubles = atlas_info.double_sided_count;
   const bool front = slot < doubles || slot >= 2u * doubles;

@@ -107,10 +107,11 @@ void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, cons
   apply_ = apply.compile();
 }
 
-bool SlotHops::find(const Direction& direction, uint32_t seed) {
+bool SlotHops::find(const Direction& direction, uint32_t seed, bool lit) {
   HopSettings settings{};
   settings.seed = seed;
   settings.first_light = 1;
+  settings.lit = lit;
   settings.most_hops = options_.only_punctual ? 0 : kMostHops;
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces);
   settings.gains = joined_ ? HOP_GAIN_ONE : HOP_GAIN_CHANNELS;

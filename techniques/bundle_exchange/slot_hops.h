@@ -30,8 +30,9 @@ class SlotHops {
            const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
            const List& list, const Options& options);
 
-  /// Renews what listed slots send, for the exchange along `direction`; false when cancelled.
-  bool find(const Direction& direction, uint32_t seed);
+  /// Renews what listed slots send, for the exchange along `direction`; false when cancelled. `lit`: with what their chains
+  /// find of lights.
+  bool find(const Direction& direction, uint32_t seed, bool lit);
   void warm_up();
   uint64_t rays() const { return tracer_.rays(); }
   void reset_count() { tracer_.reset_count(); }

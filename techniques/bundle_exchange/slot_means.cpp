@@ -42,7 +42,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       records_(device, kOwner, "exchange records", size_t{slots_} * 2 * channels.count, kFewerTexels),
       senders_(device, kOwner, "sender means", size_t{slots_} * channels.reflected(), kFewerTexels),
       display_(device, kOwner, "display means", size_t{slots_} * channels.count, kFewerTexels),
-      settled_(device, kOwner, "settled bounces", slots_, kFewerTexels),
+      settled_(device, kOwner, "settled bounces", one_by_one() ? slots_ : 1, kFewerTexels),
       statistics_(device, kOwner, "batch statistics", slots_, kFewerTexels),
       shown_(device, kOwner, "displayed slots", slots_, kFewerTexels),
       shown_direct_(device, kOwner, "displayed direct light", channels.exchanged() ? slots_ : 1, kFewerTexels),
@@ -62,8 +62,9 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
   reset();
 }
 
-size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels) {
-  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 5 + (channels.exchanged() ? 1 : 0) +
+size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels, const Parameters& parameters) {
+  const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 4 +
+                         (bounces_one_by_one(channels, parameters) ? 1 : 0) + (channels.exchanged() ? 1 : 0) +
                          (channels.hops ? 2 * channels.reflected() : 0);
   return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
 }
@@ -161,6 +162,7 @@ void SlotMeans::record_fold(const Program& program) {
       .arg("share", show_share_)
       .arg("albedo", albedo_)
       .arg("light_samples", light_samples_)
+      .arg("settles", one_by_one() ? 1u : 0u)
       .arg("settled", settled_)
       .arg("display", display_)
       .arg("shown", shown_)
@@ -221,11 +223,9 @@ double SlotMeans::fixed_share() const {
 }
 
 void SlotMeans::set_shares() {
-  const bool later_bounce = one_by_one() && directions_ >= uint64_t(parameters_.block);
-  const bool first_bounce = one_by_one() && !later_bounce;
-  double feedback = first_bounce ? 0 : 1;
+  double feedback = one_by_one() && sends_direct() ? 0 : 1;  // later bounces send what the one before has brought
   if (parameters_.interleave == Interleave::fixed) feedback = fixed_share();
-  make_senders_.set(direct_share_, later_bounce ? 0.f : 1.f);
+  make_senders_.set(direct_share_, sends_direct() ? 1.f : 0.f);
   make_senders_.set(feedback_share_, static_cast<float>(feedback));
 }
 

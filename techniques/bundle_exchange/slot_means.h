@@ -34,6 +34,8 @@ class SlotMeans {
   bool make_senders();
   /// Whether the batch that begins with direction `first` carries emission only (direct_first).
   bool direct_only(uint64_t first) const;
+  /// Whether direct light is sent: of bounces that are computed one by one only the first does.
+  bool sends_direct() const { return !one_by_one() || directions_ < static_cast<uint64_t>(parameters_.block); }
   /// Whether every kind of light is under way after so many directions, so that the error speaks of the image.
   bool carries_all(uint64_t directions) const;
   /// Adds the records of a batch of `count` directions, of which `first` came before, and renews what is displayed.
@@ -68,7 +70,7 @@ class SlotMeans {
   double relative_error() const { return relative_error_; }
   /// What the balance scales senders by, per colour.
   float4 balance() const { return scale_.download().front(); }
-  static size_t estimate_bytes(size_t slots, const Channels& channels);
+  static size_t estimate_bytes(size_t slots, const Channels& channels, const Parameters& parameters);
 
  private:
   void record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float2>& exposure);
@@ -76,7 +78,10 @@ class SlotMeans {
   void record_fold(const Program& program);
   void record_errors(const Program& program);
   /// Bounces are computed one after the other.
-  bool one_by_one() const { return parameters_.interleave == Interleave::pingpong && channels_.self_fed; }
+  bool one_by_one() const { return bounces_one_by_one(channels_, parameters_); }
+  static bool bounces_one_by_one(const Channels& channels, const Parameters& parameters) {
+    return parameters.interleave == Interleave::pingpong && channels.self_fed;
+  }
   /// Senders are scaled by the balance of power.
   bool balanced() const;
   void set_shares();

@@ -5,6 +5,7 @@ namespace lucarium::bundle {
 namespace {
 
 constexpr size_t kLocalSize = 64;
+constexpr size_t kSlice = 1 << 18;  // slots between two looks whether to stop, less than 0.1 s
 constexpr uint32_t kLevels = 4;  // even: the last one ends in the first buffers. 31 cells across
 const char* const kOwner = "bundle_exchange";
 const char* const kFewerTexels = "lower texels";
@@ -39,6 +40,7 @@ SlotPreview::SlotPreview(Device& device, KernelScheduler& scheduler, const Progr
     atlas.bind(pass, program, "smooth_preview");
     pass.global(slots)
         .local(kLocalSize)
+        .slice(kSlice)
         .arg("slots", slots)
         .arg("stride", 1u << level)
         .arg("indirect", indirect_[from])

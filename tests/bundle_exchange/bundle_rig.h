@@ -12,6 +12,7 @@
 #include "slot_preview.h"
 #include "slot_specular.h"
 #include "slot_means.h"
+#include "texel_extent.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
@@ -90,7 +91,7 @@ class BundleRig {
       if (specular) specular->begin_batch(sequence, first, static_cast<uint32_t>(batch));
       for (uint64_t i = first; i < first + batch; ++i) {
         const uint32_t seed = static_cast<uint32_t>(i + 1) * 0x9e3779b9u;
-        if (specular) specular->send(sequence.at(i), static_cast<uint32_t>(i - first), seed);
+        if (specular) specular->send(sequence.at(i), static_cast<uint32_t>(i - first), seed, means_.sends_direct());
         direct_only ? transfer_.exchange_emission(sequence.at(i), seed) : transfer_.exchange(sequence.at(i), seed);
         if (specular) specular->receive(static_cast<uint32_t>(i - first));
       }
@@ -128,6 +129,26 @@ class BundleRig {
     return sum / area;
   }
 
+  double film_pixel() const { return transfer_.pixel(); }  ///< edge [m]
+  double texel_edge() const { return static_cast<double>(atlas_.info().texel_edge); }
+  double texel_extent(double limit) const { return bundle::largest_texel_extent(atlas_, buffers_, limit); }
+  /// Largest distance of two sample points of a slot, kSlotPoints each.
+  double sampled_extent() const {
+    const std::vector<AtlasSample> samples = atlas_.samples().download();
+    const auto triangles = buffers_.scene_triangles.download();
+    const auto vertices = buffers_.scene_vertices.download();
+    const auto point = [&](const AtlasSample& s) {
+      const auto corner = [&](uint32_t v) { return glm::vec3(vertices[v].position.x, vertices[v].position.y, vertices[v].position.z); };
+      const glm::vec3 p = corner(triangles[s.triangle].v0);
+      return p + s.b1 * (corner(triangles[s.triangle].v1) - p) + s.b2 * (corner(triangles[s.triangle].v2) - p);
+    };
+    float result = 0;
+    for (size_t slot = 0; slot < slots(); ++slot)
+      for (uint32_t i = 0; i < bundle::kSlotPoints; ++i)
+        for (uint32_t j = 0; j < i; ++j)
+          result = std::max(result, glm::length(point(samples[slot * bundle::kSlotPoints + i]) - point(samples[slot * bundle::kSlotPoints + j])));
+    return static_cast<double>(result);
+  }
   uint32_t slots() const { return atlas_.info().texel_count; }
   std::vector<AtlasTexel> texels() const { return atlas_.texels().download(); }
   std::vector<float2> exposure() const { return exposure_.shares().download(); }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bundle_rig.h"
+#include "lucarium/scene/load_scene.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -69,6 +70,22 @@ TEST_CASE("in a closed box of radiance 1 every slot holds exactly that, whatever
   for (int i = 0; i < count; ++i) shown += glm::dot(glm::abs(glm::dvec3(directions(2048).at(i).direction)), glm::dvec3(1)) / count;
   MESSAGE("flux ", flux / count / area, ", of the directions ", kPi * shown / 1.5);
   CHECK(flux / count / area == test::relative(kPi, test::full_run() ? 1e-4 : 5e-4));
+}
+
+TEST_CASE("film pixels are no smaller than a sixteenth of the longest texel") {
+  // Squares of 1/8: their diagonals.
+  test::BundleRig box(closed_box(), 384, 0.05f);
+  CHECK(box.texel_extent(0) == test::relative(std::sqrt(2) / 8, 0.003));
+  CHECK(box.film_pixel() == test::relative(std::sqrt(2) / 8 / 16, 0.003));
+  // Spheres have texels of all shapes; random points of them are nearly as far apart as points can be.
+  for (const float pixel_size : {0.1f, 0.5f}) {
+    test::BundleRig spheres(load_scene("builtin:spheres"), 2048, pixel_size);
+    const double extent = spheres.texel_extent(0), sampled = spheres.sampled_extent(), edge = spheres.texel_edge();
+    MESSAGE("longest texel ", extent / edge, " edges, between samples ", sampled / edge, ", film pixel ", spheres.film_pixel() / edge);
+    CHECK(extent >= sampled);
+    CHECK(extent < 1.5 * sampled);
+    CHECK(spheres.film_pixel() == test::relative(std::max(double(pixel_size) * edge, extent / 16), 1e-6));
+  }
 }
 
 TEST_CASE("form factors of unit squares") {

@@ -23,7 +23,8 @@ LUCARIUM_STRUCT_BEGIN(HopSettings)
   uint limit;        // most scatterings on the way to the target; LUCARIUM_NONE: unlimited
   uint gains;        // HOP_GAIN_*
   uint most_hops;    // longest chain
-  uint pad0, pad1, pad2;
+  uint lit;          // 1: chains find lights too; 0: only what slots reflect
+  uint pad0, pad1;
 LUCARIUM_STRUCT_END(HopSettings, 32)
 
 #endif
