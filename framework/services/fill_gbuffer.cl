@@ -16,11 +16,11 @@ float3 average_albedo(const Scene* scene, const Surface* surface, const Bsdf* bs
   return bsdf->diffuse + specular + bsdf->transmission * (1.0f - specular);
 }
 
-void keep_surface(const Scene* scene, const Surface* surface, const Bsdf* bsdf, Hit hit, float p_other,
-                  GBufferPoint* point) {
+void keep_surface(const Scene* scene, const Surface* surface, const Bsdf* bsdf, Hit hit, uint medium,
+                  float p_other, GBufferPoint* point) {
   point->position.xyz = surface->position;
   point->normal = (float4)(surface->n_g, surface->flags & LUCARIUM_SURFACE_FRONT ? 0.0f : 1.0f);
-  point->shading = (float4)(surface->n_s, 0.0f);
+  point->shading = (float4)(surface->n_s, medium == LUCARIUM_NONE ? 0.0f : (float)(medium + 1u));
   point->view = (float4)(surface->view, 0.0f);
   point->albedo = (float4)(average_albedo(scene, surface, bsdf), 0.0f);
   // The surface was kept with this probability, where an ideal lobe could have been followed instead.
@@ -50,7 +50,7 @@ bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hi
     float p_other = 1.0f;
     if (bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION) p_other -= bsdf.p_reflect;
     if (bsdf.flags & LUCARIUM_BSDF_DELTA_TRANSMISSION) p_other -= bsdf.p_transmit;
-    keep_surface(scene, &surface, &bsdf, hit, p_other > 0.0f ? p_other : 1.0f, point);
+    keep_surface(scene, &surface, &bsdf, hit, medium, p_other > 0.0f ? p_other : 1.0f, point);
     return false;
   }
   if (is_black(sample.weight) || events == LUCARIUM_PATH_EYE_DELTA_LIMIT) return false;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // One light sample and, at pixels, one BSDF sample per point; what lies behind the rays is added by add_direct_light.cl.
+#include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/light_strategies.clh"
-#include "lucarium/shared/gbuffer.h"
 #include "lucarium/shared/surface_point.h"
 
 // Apart from all other uses of the same seed.
@@ -30,12 +30,7 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
 
   // Rebuild the surface as the eye sees it.
-  Hit hit;
-  hit.distance = point.position.w;
-  hit.triangle = point.triangle;
-  hit.u = point.u;
-  hit.v = point.v;
-  const Surface surface = make_surface(&scene, hit, -point.view.xyz, 0u);
+  const Surface surface = gbuffer_surface(&scene, &point);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   if (!bsdf_has_smooth_lobe(&bsdf)) return;
 

@@ -1,20 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light towards the eye: what the G-buffer's points emit and reflect, summed over iterations.
 #include "lucarium/bsdf.clh"
+#include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
-#include "lucarium/shared/gbuffer.h"
 #include "lucarium/surface_atlas.clh"
-
-// The BSDF of a G-buffer point as the eye sees it.
-Bsdf bsdf_at_point(const Scene* scene, const GBufferPoint* point) {
-  Hit hit;
-  hit.distance = point->position.w;
-  hit.triangle = point->triangle;
-  hit.u = point->u;
-  hit.v = point->v;
-  const Surface surface = make_surface(scene, hit, -point->view.xyz, 0u);
-  return make_bsdf(scene, &surface, 0u);
-}
 
 // One sample per pixel: plain sums (w: samples).
 __kernel void add_camera_sample(__global const GBufferPoint* restrict points, uint count,
@@ -51,7 +40,8 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE) {
     const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
                                        point.u, point.v, point.normal.w == 0.0f);
-    const Bsdf bsdf = bsdf_at_point(&scene, &point);
+    const Surface surface = gbuffer_surface(&scene, &point);
+    const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
     if (held.w > 0.0f) reflected += point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
 #if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
     const float4 emitted = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct, point.triangle,

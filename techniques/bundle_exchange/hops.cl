@@ -4,8 +4,8 @@
 #include "bundle_exchange/exchange_layout.clh"
 #include "bundle_exchange/hop_chain.clh"
 #include "bundle_exchange/pixel_lobes.clh"
+#include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
-#include "lucarium/shared/gbuffer.h"
 #include "lucarium/surface_atlas.clh"
 
 bool hop_ray_is_active(Ray ray) { return ray.direction.w >= 0.0f; }
@@ -79,12 +79,7 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
   Ray ray = no_hop_ray();
   const GBufferPoint point = points[i];
   if (point.state == LUCARIUM_GBUFFER_SURFACE) {
-    Hit hit;
-    hit.distance = point.position.w;
-    hit.triangle = point.triangle;
-    hit.u = point.u;
-    hit.v = point.v;
-    const Surface surface = make_surface(&scene, hit, -point.view.xyz, 0u);
+    const Surface surface = gbuffer_surface(&scene, &point);
     const Bsdf full = make_bsdf(&scene, &surface, 0u);
     Bsdf bsdf = full;
     if (!whole) bsdf = lobe_is_wide(&full, alpha_most) ? black_bsdf(&surface) : specular_part(full);
@@ -92,7 +87,7 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
     hop.throughput = (float4)(point.throughput.xyz, 0.0f);
     hop.target = i;
     hop.hops = 0u;
-    hop.medium = medium_at(&scene, &surface, LUCARIUM_NONE);
+    hop.medium = gbuffer_medium(&point);
     // Ideal lobes belong to the G-buffer's path.
     const uint2 before = (uint2)(bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION, bsdf.flags & LUCARIUM_BSDF_DELTA_TRANSMISSION);
     if (before.x) bsdf.f0 = (float3)(0.0f), bsdf.f90 = 0.0f;

@@ -5,7 +5,7 @@
 #include "bundle_exchange/film_list.clh"
 #include "bundle_exchange/pixel_lobes.clh"
 #include "lucarium/bsdf.clh"
-#include "lucarium/shared/gbuffer.h"
+#include "lucarium/gbuffer.clh"
 #include "lucarium/shared/ray.h"
 
 // Adds the light that a slot (or, beyond the scene, `end`) sends to a pixel: gain[2 i] scattered once, gain[2 i + 1] more.
@@ -40,12 +40,7 @@ __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
   const GBufferPoint point = points[i];
   if (point.state == LUCARIUM_GBUFFER_SURFACE) {
-    Hit hit;
-    hit.distance = point.position.w;
-    hit.triangle = point.triangle;
-    hit.u = point.u;
-    hit.v = point.v;
-    const Surface surface = make_surface(&scene, hit, -point.view.xyz, 0u);
+    const Surface surface = gbuffer_surface(&scene, &point);
     const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = bundle_part(full, whole, alpha_least);
     const float3 omega = views[0].row_w.xyz, in = dot(surface.n_g, omega) > 0.0f ? omega : -omega;
     const float3 share = point.throughput.xyz * eval_bsdf(&bsdf, in) * weight;
