@@ -9,9 +9,10 @@
 // all surfaces has received light from its whole hemisphere (Hermes, Henrich, Grosch, Mueller: Global Illumination using
 // Parallel Global Ray-Bundles, VMV 2010).
 //
-//   E_t = π Σ w L / Σ w        over all rays that met texel t, w = W A_p, W = 1 / (q(ω) + q(-ω))
+//   E_t = π Σ w L / Σ w        over all rays that met texel t, w = W A_p a, W = 1 / (q(ω) + q(-ω))
 //
-// q is the density of directions, A_p the area of a film pixel. The cosine is implicit: a texel is met by as many rays
+// q is the density of directions, A_p the area of a film pixel, a the openness of that part of the texel (slot_openness.h):
+// what is covered by something near is neither seen nor to count. The cosine is implicit: a texel is met by as many rays
 // as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
 //
 // All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
@@ -24,7 +25,8 @@
 // metals, coats): texels send what a ray finds that leaves by such a lobe; from vertex to vertex it follows specular lobes
 // only, since the atlas knows the diffuse light. So do rays from the pixels towards the eye.
 //
-// Parts: direction_sequence and bundle_view (ω, W, film), bundle_transfer (a direction's exchange), sender_weights and
+// Parts: direction_sequence and bundle_view (ω, W, film), slot_exposure and slot_openness (what of texels counts),
+// bundle_transfer (a direction's exchange), sender_weights and
 // slot_means (S, D, balance, error), slot_light and camera_light (light samples, image), slot_hops and hop_tracer
 // (specular chains).
 
@@ -161,6 +163,7 @@ class BundleExchange : public Technique {
     std::unique_ptr<SurfaceAtlas> atlas;
     Program program;
     SlotExposure exposure;
+    SlotOpenness openness;
     SlotLight slot_light;
     SlotMeans means;
     std::unique_ptr<SlotPreview> preview;    ///< null unless asked for
@@ -348,7 +351,7 @@ Program make_program(Device& device, const Channels& channels) {
   library.add(bundle_exchange_kernels());
   return Program(device, library,
                  {"bundle_exchange/means",
-                  {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_exposure.cl",
+                  {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_exposure.cl", "bundle_exchange/slot_openness.cl",
                    "bundle_exchange/slot_light.cl", "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl",
                    "bundle_exchange/pixel_gather.cl", "bundle_exchange/preview.cl"},
                   channels.defines()});
@@ -363,11 +366,12 @@ BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, con
     : atlas(kept_atlas ? std::move(kept_atlas) : make_atlas(c, plan.atlas)),
       program(make_program(*c.device, plan.channels)),
       exposure(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas),
-      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, exposure, plan.light_kinds),
-      means(*c.device, c.scheduler, program, *atlas, exposure.shares(), slot_light.light_samples(), plan.channels, p),
+      openness(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, exposure, {p.pixel_size, p.open_gap}),
+      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, openness, plan.light_kinds),
+      means(*c.device, c.scheduler, program, *atlas, openness.shares(), slot_light.light_samples(), plan.channels, p),
       preview(plan.preview ? std::make_unique<SlotPreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(), make_frame(c.settings), plan.camera),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), exposure.shares(), plan.channels,
+      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), exposure, openness, plan.channels,
                {p.pixel_size, p.transfer, camera.pixel_gather()}) {
   if (!plan.reflects) return;
   specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,

@@ -69,7 +69,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
 size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const size_t slots = plan.atlas.texel_count * 5 / 4;
   return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels, parameters) +
-         SlotLight::estimate_bytes(slots) + SlotExposure::estimate_bytes(slots) +
+         SlotLight::estimate_bytes(slots) + SlotExposure::estimate_bytes(slots) + SlotOpenness::estimate_bytes(slots) +
          (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
          CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles, plan.preview) +
          BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters, plan.camera.by_bundles) +

@@ -3,9 +3,8 @@
 
 #include <algorithm>
 
+#include "bundle_program.h"
 #include "texel_extent.h"
-
-const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
 namespace lucarium::bundle {
 namespace {
@@ -27,16 +26,10 @@ double usable_pixel(const BundleTransfer::Options& options, const SurfaceAtlas& 
   return std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
 }
 
-Program make_program(Device& device, const char* file, std::map<std::string, std::string> defines) {
-  SourceLibrary library;
-  library.add(bundle_exchange_kernels());
-  return Program(device, library, {std::string("bundle_exchange/") + file, {std::string("bundle_exchange/") + file + ".cl"}, std::move(defines)});
-}
-
 }  // namespace
 
 BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
-                               const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure,
+                               const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness,
                                const Channels& channels, const Options& options)
     : scheduler_(&scheduler),
       channels_(channels),
@@ -47,15 +40,15 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       raster_(scheduler, buffers, raster_options(side_), kOwner),
       views_(device, kOwner, "view of a direction", 1),
       ends_(device, kOwner, "ends of rays", 2) {
-  all_ = record(device, buffers, atlas, records, exposure, What::all);
-  if (channels.exchanged() && channels.reflected() > 0) emission_ = record(device, buffers, atlas, records, exposure, What::emission);
-  if (options.gather) gather_ = record(device, buffers, atlas, records, exposure, What::gather);
+  all_ = record(device, buffers, atlas, records, exposure, openness, What::all);
+  if (channels.exchanged() && channels.reflected() > 0) emission_ = record(device, buffers, atlas, records, exposure, openness, What::emission);
+  if (options.gather) gather_ = record(device, buffers, atlas, records, exposure, openness, What::gather);
 }
 
 BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                                                const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure, What what) {
+                                                const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness, What what) {
   const char* const names[] = {"exchange", "exchange of emission", "gather"};
-  const Program begin_program = make_program(device, "begin_direction", {});
+  const Program begin_program = make_bundle_program(device, "begin_direction", {});
   const bool by_texels = options_.transfer == Transfer::texel;
   Recorded result;
   ScheduleRecorder recorder = scheduler_->record(names[static_cast<int>(what)], kOwner);
@@ -81,10 +74,10 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
     if (what == What::emission) defines["BUNDLE_ACTIVE"] = "1u";
     const char* const kernel = by_texels ? "exchange_texels" : "exchange_rows";
     if (!by_texels) defines.merge(raster_.defines());
-    const Program program = make_program(device, kernel, defines);
+    const Program program = make_bundle_program(device, kernel, defines);
     const auto bind = [&](PassBuilder& pass) {
       atlas.bind(pass, program, kernel);
-      pass.arg("weight", result.weight).arg("ends", ends_).arg("records", records);
+      pass.arg("openness", openness.parts()).arg("weight", result.weight).arg("ends", ends_).arg("records", records);
     };
     if (by_texels) {
       const LayeredRaster::Stored stored = raster_.record_stored(recorder, "fragments", view);
@@ -100,7 +93,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
     } else {
       raster_.record_tiles(recorder, "exchange", view, program, kernel, [&](PassBuilder& pass) {
         bind(pass);
-        pass.arg("exposure", exposure);
+        pass.arg("exposure", exposure.shares());
       });
     }
   }

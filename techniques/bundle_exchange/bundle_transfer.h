@@ -5,6 +5,7 @@
 #include "lucarium/services/surface_atlas.h"
 #include "pixel_gather.h"
 #include "slot_means.h"
+#include "slot_openness.h"
 
 namespace lucarium::bundle {
 
@@ -18,9 +19,8 @@ class BundleTransfer {
     Transfer transfer = Transfer::ray;
     const PixelGather* gather = nullptr;  ///< must outlive this; null: pixels gather nothing
   };
-  /// `exposure`: SlotExposure::shares().
   BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
-                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure,
+                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness,
                  const Channels& channels, const Options& options);
 
   /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND.
@@ -48,7 +48,7 @@ class BundleTransfer {
   };
   enum class What { all, emission, gather };
   Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                  const TypedBuffer<float4>& records, const TypedBuffer<float2>& exposure, What what);
+                  const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness, What what);
   bool run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray);
   KernelScheduler* scheduler_;
   Channels channels_;

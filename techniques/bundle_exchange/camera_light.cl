@@ -17,7 +17,7 @@ __kernel void add_camera_sample(__global const GBufferPoint* restrict points, ui
 
 // What the atlas knows of the same sample. That changes from iteration to iteration, so that the sample counts
 // `atlas_weight` of the mean (later ones count more).
-// shown, shown_direct (BUNDLE_EMISSION): irradiance over pi of slots, w 1, or 0 where it is not known. gathered: light of
+// shown, shown_direct (BUNDLE_EMISSION): irradiance over pi of slots times w, their openness, or 0 where it is not known. gathered: light of
 // chains that begin at the pixels, scattered once and more often; they bring all there is where they are `whole`.
 // bundled: the same, sums over the directions whose number is in w. exchanged: direct light that bundles have carried.
 __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,

@@ -4,6 +4,7 @@
 // pixels the slot covers.
 #include "bundle_exchange/exchange_layout.clh"
 #include "bundle_exchange/film_list.clh"
+#include "bundle_exchange/slot_parts.clh"
 #include "lucarium/random.clh"
 #include "lucarium/shared/surface_point.h"
 
@@ -31,7 +32,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global const SurfacePoint* restrict atlas_points, uint slots,
                               __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
                               __global const LayeredFragment* restrict fragments, float weight,
-                              __global const float4* restrict ends, __global float4* records) {
+                              __global const uint* restrict openness, __global const float4* restrict ends, __global float4* records) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -47,7 +48,9 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const float3 normal = atlas_points[slot].normal.xyz;
   const Neighbour neighbour = film_neighbour(&scene, atlas_info, atlas_triangles, atlas_table, &film, position, texel.triangle,
                                              normal, front, true);
-  const float cosine = dot(normal, views[0].row_w.xyz), w = weight * fabs(cosine);
+  const AtlasTriangle triangle = atlas_triangles[texel.triangle];
+  const uint part = slot_part(triangle.pitch, texel.triangle, atlas_uv(triangle, texel.b1, texel.b2));
+  const float cosine = dot(normal, views[0].row_w.xyz), w = weight * fabs(cosine) * part_openness(openness, slot, part);
   global float4* to = records + (size_t)slot * BUNDLE_RECORD;
   if (neighbour.slot == LUCARIUM_NONE) {
     const float3 end = cosine > 0.0f ? ends[1].xyz : ends[0].xyz;

@@ -52,11 +52,13 @@ __kernel void measure_errors(uint slots, __global const float4* restrict albedo,
   values[slot] = albedo[slot].w * ratio;
 }
 
-// Indirect irradiance over pi of every slot, all bounces; w: 1, or 0 where no ray has come yet. shown_direct
+// Indirect irradiance over pi of every slot, all bounces, times openness, which is w (0 where no ray has come yet): what
+// is hardly seen counts little in interpolation. shown_direct
 // (BUNDLE_EMISSION): the same of exchanged emitted light. radiance (BUNDLE_HOPS):
 // what slots reflect diffusely of all the light, BUNDLE_REFLECTED channels each, as diffuse of make_senders.
-__kernel void make_display(uint slots, float share, __global const float4* restrict albedo,
-                           __global const float4* restrict light_samples, uint settles, __global const float4* restrict settled,
+__kernel void make_display(uint slots, float share, __global const float* restrict openness,
+                           __global const float4* restrict albedo, __global const float4* restrict light_samples,
+                           uint settles, __global const float4* restrict settled,
                            __global const float4* restrict display, __global float4* restrict shown,
                            __global float4* restrict shown_direct, __global float4* restrict radiance) {
   const uint slot = get_global_id(0);
@@ -69,10 +71,11 @@ __kernel void make_display(uint slots, float share, __global const float4* restr
     total += share * slot_mean(sums);
     weight = fmax(weight, sums.w);
   }
-  shown[slot] = (float4)(total, weight > 0.0f ? 1.0f : 0.0f);
+  const float open = weight > 0.0f ? openness[slot] : 0.0f;
+  shown[slot] = open * (float4)(total, 1.0f);
 #if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
   const float4 emitted = display[slot];
-  shown_direct[slot] = (float4)(slot_mean(emitted), emitted.w > 0.0f ? 1.0f : 0.0f);
+  shown_direct[slot] = (emitted.w > 0.0f ? openness[slot] : 0.0f) * (float4)(slot_mean(emitted), 1.0f);
 #endif
 #ifdef BUNDLE_HOPS
   float3 held = direct_mean(slot, light_samples, display);
@@ -104,14 +107,14 @@ __kernel void join_sums(__global const float* restrict error, __global const flo
   sums[1] = value[0];
 }
 
-// Diffuse albedo and emission of slots; w: area that is not hidden [m^2].
+// Diffuse albedo and emission of slots; w: area times openness [m^2].
 __kernel void take_materials(uint slots, __global const AtlasTexel* restrict atlas_texels,
                              __global const AtlasMaterial* restrict atlas_materials,
-                             __global const float2* restrict exposure, __global float4* restrict albedo,
+                             __global const float* restrict openness, __global float4* restrict albedo,
                              __global float4* restrict emission) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
-  const float area = atlas_texels[slot].area * exposure[slot].x;
+  const float area = atlas_texels[slot].area * openness[slot];
   albedo[slot] = (float4)(atlas_materials[slot].diffuse.xyz, area);
   emission[slot] = (float4)(atlas_materials[slot].emission.xyz, area);
 }

@@ -23,6 +23,7 @@ struct Parameters {
   float env_guiding = 0;
   int texels = 0;
   float pixel_size = 0.5f;
+  float open_gap = 2;
   DirectMode direct_mode = DirectMode::nee;
   int direct_first = 8;
   float gain_exp = 0.5f;
@@ -63,6 +64,8 @@ struct Parameters {
     v.number("texels", texels, 0, 1 << 24, "texels",
              "wanted size of the surface atlas; 0: eight per pixel of the image, but 2048 to 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a film pixel of a bundle");
+    v.number("open_gap", open_gap, 0.f, 16.f, "texel edges",
+             "rays that go farther tell how open a part of a texel is, and what it counts in the texel's mean; 0: all alike");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
     v.number("direct_first", direct_first, 0, 100000, "directions",
@@ -104,6 +107,7 @@ struct Parameters {
                  {"interleave", "running"},
                  {"direct_mode", "exchange"},
                  {"avg_exp", "0"},
+                 {"open_gap", "0"},
                  {"balance", "off"},
                  {"glossy_window", "1"},
                  {"glossy_norm", "mean"},

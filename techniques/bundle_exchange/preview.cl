@@ -6,6 +6,9 @@
 #include "lucarium/math.clh"
 #include "lucarium/surface_atlas.clh"
 
+// What is displayed of a slot, without its openness; w: 1, or 0 where it is not known.
+float4 shown_light(float4 shown) { return shown.w > 0.0f ? (float4)(shown.xyz / shown.w, 1.0f) : (float4)(0.0f); }
+
 // variance: of the luminance of shown + direct, from the batches so far (statistics as in fold.cl); 0: not known; -1: no ray
 // has come.
 // correction: n / (n - 1) of n batches.
@@ -15,11 +18,12 @@ __kernel void begin_preview(uint slots, float correction, __global const float4*
                             __global float* restrict variance) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
-  indirect[slot] = shown[slot];
-  float ratio = luminance(shown[slot].xyz);
+  const float4 light = shown_light(shown[slot]);
+  indirect[slot] = light;
+  float ratio = luminance(light.xyz);
 #if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
-  direct[slot] = shown_direct[slot];
-  ratio += luminance(shown_direct[slot].xyz);
+  direct[slot] = shown_light(shown_direct[slot]);
+  ratio += luminance(direct[slot].xyz);
 #endif
   const float4 s = statistics[slot];
   const float squares = fmax(s.x - ratio * (2.0f * s.y - ratio * s.z), 0.0f);

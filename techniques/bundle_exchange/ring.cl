@@ -65,9 +65,10 @@ __kernel void ring_receive(uint count, RingStep turn, __global const uint* restr
 
 // Work-item i: adds to what entry i sends towards `omega` the light that it reflects of the last turn.known directions.
 // With f the specular lobe, L and w of the rays that came from them (their cosine is implicit), and a its albedo:
-//   by their share:  a Σ f w L / Σ f w        by themselves:  Σ f w L / (turn.known A),  A the slot's area
-// albedo: w is A, what of the slot is not hidden. diffuse: what the slot sends otherwise; null where turn.onto says that the record holds it.
-__kernel void ring_send(__global const float* restrict scene_albedo_table, __global const SurfacePoint* restrict atlas_points,
+//   by their share:  a Σ f w L / Σ f w        by themselves:  Σ f w L / (turn.known A),  A the slot's area times openness
+// albedo: w is A. diffuse: what the slot sends otherwise; null where turn.onto says that the record holds it.
+__kernel void ring_send(__global const float* restrict scene_albedo_table, __global const AtlasTexel* restrict atlas_texels,
+                        __global const SurfacePoint* restrict atlas_points,
                         __global const AtlasMaterial* restrict atlas_materials, uint count, RingStep turn, float4 omega,
                         __global const float4* restrict directions, __global const uint* restrict list,
                         __global const float4* restrict history, __global const float4* restrict diffuse,
@@ -90,7 +91,7 @@ __kernel void ring_send(__global const float* restrict scene_albedo_table, __glo
     for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] += f * received[(size_t)k * count].xyz;
     share += f * received[0].w;
   }
-  const float measure = (float)turn.known * (turn.by_area ? albedo[slot].w : 1.0f);
+  const float measure = (float)turn.known * albedo[slot].w / (turn.by_area ? 1.0f : atlas_texels[slot].area);
   float3 scale = (float3)(measure > 0.0f ? 1.0f / measure : 0.0f);
   if (turn.by_share) {
     const float3 albedo = bsdf.p_reflect > 0.0f ? reflection_albedo(scene_albedo_table, &bsdf) : (float3)(0.0f);

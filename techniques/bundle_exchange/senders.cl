@@ -36,8 +36,8 @@ __kernel void make_senders(uint slots, __global const float4* restrict albedo, _
 #define BALANCE_MOST_SPECULAR 0.2f
 
 // Numerator and denominator of the balance over a chunk of slots (balance_scale), but for specular light:
-//   xyz: sum A v c e_dir, w: sum A           xyz: sum A (1 - v c) e_S, w: sum A e_S, of the three colours
-// v: share of a slot's rays that meet a slot (visible: sum w v, sum w).
+//   xyz: sum V c e_dir, w: sum W             xyz: sum (W - V c) e_S, w: sum W e_S, of the three colours
+// V: what other slots count of a slot's rays, W: what it counts itself (visible).
 __kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
                              __global const float4* restrict light_samples, __global const float4* restrict senders,
                              __global const float4* restrict display, __global const float2* restrict visible,
@@ -46,22 +46,19 @@ __kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
   if (first >= slots) return;
   float4 delivered = (float4)(0.0f), held = (float4)(0.0f);
   for (uint slot = first; slot < min(first + BALANCE_CHUNK, slots); ++slot) {
-    const float4 c = albedo[slot];
-    delivered.w += c.w;
     const float2 seen = visible[slot];
     if (seen.y <= 0.0f) continue;
-    const float3 sent = seen.x / seen.y * c.xyz, received = slot_mean(senders[slot]);
-    delivered.xyz += c.w * sent * direct_mean(slot, light_samples, display);
-    held.xyz += c.w * ((float3)(1.0f) - sent) * received;
-    held.w += c.w * (received.x + received.y + received.z);
+    const float3 sent = seen.x * albedo[slot].xyz, received = slot_mean(senders[slot]);
+    delivered += (float4)(sent * direct_mean(slot, light_samples, display), seen.y);
+    held += (float4)(((float3)(seen.y) - sent) * received, seen.y * (received.x + received.y + received.z));
   }
   chunks[2u * chunk] = delivered;
   chunks[2u * chunk + 1u] = held;
 }
 
 // One work-item. Scaled by
-//   s = (sum A v c e_dir + P) / sum A (1 - v c) e_S,
-// what is delivered is what receivers hold: s sum A e_S = sum A v c (e_dir + s e_S) + P. P is what specular lobes deliver of
+//   s = (sum V c e_dir + P) / sum (W - V c) e_S,
+// what is delivered is what receivers hold: s sum W e_S = sum V c (e_dir + s e_S) + P. P is what specular lobes deliver of
 // what receivers hold (specular: of S, sum of w L, sum of w over all rays). It is not scaled, though part of it is light
 // that slots held: that delays what s does, and no more while P is small. Where it is not, s is 1. Clamped, since a few
 // directions may hold anything.
@@ -80,8 +77,8 @@ __kernel void balance_scale(uint count, __global const float4* restrict chunks, 
 }
 
 // What specular lobes have delivered to a chunk of slots in the batch: what came by reflected light less what slots sent
-// diffusely. In a pair of slots that see each other each receives what the other sends with the same w, so that over all
-// slots the sum of w L received is the sum of what each sent times w over its rays that met a slot.
+// diffusely. A slot's record tells what those who see it count of its rays, so that over all slots the sum of w L received is
+// the sum of what each sent times that.
 #if defined(BUNDLE_HOPS) && defined(BUNDLE_SELF_FED)
 __kernel void specular_chunks(uint slots, __global const float4* restrict diffuse, __global const float4* restrict records,
                               __global float4* restrict chunks) {

@@ -13,7 +13,7 @@ const char* const kFewerTexels = "lower texels";
 }  // namespace
 
 SlotLight::SlotLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-                     const Intersector& intersector, const SurfaceAtlas& atlas, const SlotExposure& exposure,
+                     const Intersector& intersector, const SurfaceAtlas& atlas, const SlotOpenness& openness,
                      uint32_t kinds)
     : scheduler_(&scheduler),
       none_(kinds == 0),
@@ -23,7 +23,7 @@ SlotLight::SlotLight(Device& device, KernelScheduler& scheduler, const Program& 
       samples_(device, "bundle_exchange", "light at slots", chunk_, kFewerTexels),
       light_samples_(device, "bundle_exchange", "direct light of slots", slots_, kFewerTexels),
       direct_light_(device, scheduler, scene, intersector, "bundle_exchange", kinds) {
-  record(program, scene, atlas, exposure);
+  record(program, scene, atlas, openness);
 }
 
 size_t SlotLight::estimate_bytes(size_t slots) {
@@ -32,7 +32,7 @@ size_t SlotLight::estimate_bytes(size_t slots) {
 }
 
 void SlotLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-                       const SlotExposure& exposure) {
+                       const SlotOpenness& openness) {
   ScheduleRecorder gather = scheduler_->record("take slots", "bundle_exchange");
   gather_first_ = gather.variable("first", 0u);
   gather_count_ = gather.variable("count", chunk_);
@@ -42,7 +42,7 @@ void SlotLight::record(const Program& program, const SceneBuffers& scene, const 
   atlas.bind(take, program, "gather_points");
   take.global(chunk_)
       .local(kLocalSize)
-      .arg("hidden", exposure.hidden())
+      .arg("levels", openness.points())
       .arg("first", gather_first_)
       .arg("count", gather_count_)
       .arg("turn", gather_round_)
@@ -52,11 +52,14 @@ void SlotLight::record(const Program& program, const SceneBuffers& scene, const 
   ScheduleRecorder scatter = scheduler_->record("light slots", "bundle_exchange");
   scatter_first_ = scatter.variable("first", 0u);
   scatter_count_ = scatter.variable("count", chunk_);
+  scatter_round_ = scatter.variable("round", 0u);
   scatter.pass("light slots", program, "scatter_samples")
       .global(chunk_)
       .local(kLocalSize)
       .arg("first", scatter_first_)
       .arg("count", scatter_count_)
+      .arg("turn", scatter_round_)
+      .arg("levels", openness.points())
       .arg("samples", samples_)
       .arg("light_samples", light_samples_);
   scatter_ = scatter.compile();
@@ -81,6 +84,7 @@ bool SlotLight::sample() {
 void SlotLight::commit() {
   scatter_.set(scatter_first_, static_cast<uint32_t>(position_ % slots_));
   scatter_.set(scatter_count_, pending_);
+  scatter_.set(scatter_round_, static_cast<uint32_t>(position_ / slots_));
   scheduler_->run_to_end(scatter_);
   position_ += pending_;
   pending_ = 0;

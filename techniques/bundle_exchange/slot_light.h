@@ -4,17 +4,17 @@
 
 #include "lucarium/services/direct_light.h"
 #include "lucarium/services/surface_atlas.h"
-#include "slot_exposure.h"
+#include "slot_openness.h"
 
 namespace lucarium::bundle {
 
 /// Direct irradiance of every slot by light samples, of all lights or of some kinds (LUCARIUM_LIGHT_* bits; 0: none): the
-/// mean over what of the slot is not hidden, at one random point after the other. A run of slots gets one more sample per
+/// mean over the slot by openness, at one random point after the other. A run of slots gets one more sample per
 /// iteration, so that iterations stay short.
 class SlotLight {
  public:
   SlotLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-            const Intersector& intersector, const SurfaceAtlas& atlas, const SlotExposure& exposure, uint32_t kinds);
+            const Intersector& intersector, const SurfaceAtlas& atlas, const SlotOpenness& openness, uint32_t kinds);
 
   /// Samples the next run of slots; false when cancelled. commit() then adds it; without it nothing has changed.
   bool sample();
@@ -28,17 +28,17 @@ class SlotLight {
   /// Runs of slots in an iteration: many while the exchange waits, then one.
   uint32_t runs() const {
     const uint64_t all = slots_ * uint64_t{kFirstSamples} / chunk_;
-    return complete() ? 1 : static_cast<uint32_t>(std::clamp<uint64_t>(all / kIterations, 4, 48));
+    return complete() ? 1 : static_cast<uint32_t>(std::clamp<uint64_t>(all / kIterations, 4, 16));
   }
 
-  /// Per slot: xyz sum of irradiance [lx], w samples.
+  /// Per slot: xyz sum of irradiance [lx], w of the samples, by openness.
   const TypedBuffer<float4>& light_samples() const { return light_samples_; }
   static size_t estimate_bytes(size_t slots);
 
  private:
-  static constexpr uint32_t kFirstSamples = 16, kSamples = 64;
+  static constexpr uint32_t kFirstSamples = 64, kSamples = 1024;
   static constexpr uint32_t kIterations = 8;  ///< that only light slots; a run is about 20 ms
-  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotExposure& exposure);
+  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotOpenness& openness);
   KernelScheduler* scheduler_;
   bool none_;  ///< there is nothing to sample
   uint32_t slots_, chunk_;
@@ -46,7 +46,7 @@ class SlotLight {
   TypedBuffer<float4> samples_, light_samples_;
   DirectLight direct_light_;
   Schedule gather_, scatter_;
-  Variable<uint32_t> gather_first_, gather_count_, gather_round_, scatter_first_, scatter_count_;
+  Variable<uint32_t> gather_first_, gather_count_, gather_round_, scatter_first_, scatter_count_, scatter_round_;
   uint64_t position_ = 0;  ///< slots sampled so far, all rounds
   uint32_t pending_ = 0;   ///< slots of the run that waits for commit()
   uint32_t seed_ = 1;

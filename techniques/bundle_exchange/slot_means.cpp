@@ -28,7 +28,7 @@ std::map<std::string, std::string> Channels::defines() const {
 }
 
 SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
-                     const TypedBuffer<float2>& exposure, const TypedBuffer<float4>& light_samples, const Channels& channels,
+                     const TypedBuffer<float>& openness, const TypedBuffer<float4>& light_samples, const Channels& channels,
                      const Parameters& parameters)
     : scheduler_(&scheduler),
       primitives_(device),
@@ -37,6 +37,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       slots_(atlas.info().texel_count),
       chunks_((slots_ + kBalanceChunk - 1) / kBalanceChunk),
       light_samples_(light_samples),
+      openness_(openness),
       albedo_(device, kOwner, "albedo of slots", slots_, kFewerTexels),
       emission_(device, kOwner, "emission of slots", slots_, kFewerTexels),
       records_(device, kOwner, "exchange records", size_t{slots_} * 2 * channels.count, kFewerTexels),
@@ -55,7 +56,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       errors_(device, kOwner, "errors of slots", slots_, kFewerTexels),
       values_(device, kOwner, "values of slots", slots_, kFewerTexels),
       sums_(device, kOwner, "sums of errors and values", 2) {
-  record_materials(program, atlas, exposure);
+  record_materials(program, atlas, openness);
   record_senders(program);
   record_fold(program);
   record_errors(program);
@@ -69,11 +70,11 @@ size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels, const P
   return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
 }
 
-void SlotMeans::record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float2>& exposure) {
+void SlotMeans::record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float>& openness) {
   ScheduleRecorder recorder = scheduler_->record("slot materials", kOwner);
   PassBuilder pass = recorder.pass("take materials", program, "take_materials");
   atlas.bind(pass, program, "take_materials");
-  pass.global(slots_).local(kLocalSize).arg("slots", slots_).arg("exposure", exposure);
+  pass.global(slots_).local(kLocalSize).arg("slots", slots_).arg("openness", openness);
   pass.arg("albedo", albedo_).arg("emission", emission_);
   materials_ = recorder.compile();
 }
@@ -160,6 +161,7 @@ void SlotMeans::record_fold(const Program& program) {
       .local(kLocalSize)
       .arg("slots", slots_)
       .arg("share", show_share_)
+      .arg("openness", openness_)
       .arg("albedo", albedo_)
       .arg("light_samples", light_samples_)
       .arg("settles", one_by_one() ? 1u : 0u)

@@ -28,7 +28,7 @@ struct Channels {
 class SlotMeans {
  public:
   SlotMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
-            const TypedBuffer<float2>& exposure, const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters);
+            const TypedBuffer<float>& openness, const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters);
 
   /// Prepares the records of the next batch; false when cancelled.
   bool make_senders();
@@ -55,10 +55,10 @@ class SlotMeans {
   bool start_from(Kept kept);
 
   const TypedBuffer<float4>& records() const { return records_; }  ///< per slot 2 · channels float4
-  const TypedBuffer<float4>& shown() const { return shown_; }      ///< per slot irradiance / π of indirect light
+  const TypedBuffer<float4>& shown() const { return shown_; }      ///< per slot irradiance / π of indirect light times openness, and that
   const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }  ///< the same of exchanged emitted light
   /// What slots reflect diffusely (Channels::hops), per slot reflected() float4: in the batch, and by the best means.
-  /// Per slot: xyz diffuse albedo, w area that is not hidden [m^2].
+  /// Per slot: xyz diffuse albedo, w area times openness [m^2].
   const TypedBuffer<float4>& albedo() const { return albedo_; }
   const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
   const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
@@ -73,7 +73,7 @@ class SlotMeans {
   static size_t estimate_bytes(size_t slots, const Channels& channels, const Parameters& parameters);
 
  private:
-  void record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float2>& exposure);
+  void record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float>& openness);
   void record_senders(const Program& program);
   void record_fold(const Program& program);
   void record_errors(const Program& program);
@@ -95,6 +95,7 @@ class SlotMeans {
   Parameters parameters_;
   uint32_t slots_, chunks_;
   TypedBuffer<float4> light_samples_;
+  TypedBuffer<float> openness_;
   TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, shown_direct_, diffuse_, radiance_, chunk_sums_, scale_, specular_;
   TypedBuffer<float2> visible_;
   TypedBuffer<float> errors_, values_, sums_;

@@ -8,7 +8,7 @@
 #include "direction_sequence.h"
 #include "lucarium/scene/builtin_builder.h"
 #include "lucarium/services/bvh.h"
-#include "slot_exposure.h"
+#include "slot_openness.h"
 #include "slot_preview.h"
 #include "slot_specular.h"
 #include "slot_means.h"
@@ -41,9 +41,10 @@ class BundleRig {
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
         program_(make_program(*device_, channels, std::move(defines))),
         exposure_(*device_, scheduler_, program_, buffers_, bvh_, atlas_),
+        openness_(*device_, scheduler_, program_, scene_, buffers_, atlas_, exposure_, {pixel_size, parameters.open_gap}),
         light_(*device_, "test", "light samples", atlas_.info().texel_count),
-        means_(*device_, scheduler_, program_, atlas_, exposure_.shares(), light_, channels, parameters_),
-        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), exposure_.shares(), channels, {pixel_size, parameters.transfer, nullptr}) {
+        means_(*device_, scheduler_, program_, atlas_, openness_.shares(), light_, channels, parameters_),
+        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), exposure_, openness_, channels, {pixel_size, parameters.transfer, nullptr}) {
     if (!channels.hops) return;
     specular_ = std::make_unique<bundle::SlotSpecular>(*device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, parameters_,
                                                        !scene_.lights.empty(),
@@ -152,6 +153,7 @@ class BundleRig {
   uint32_t slots() const { return atlas_.info().texel_count; }
   std::vector<AtlasTexel> texels() const { return atlas_.texels().download(); }
   std::vector<float2> exposure() const { return exposure_.shares().download(); }
+  std::vector<float> openness() const { return openness_.shares().download(); }
   std::vector<SurfacePoint> points() const { return atlas_.surface_points().download(); }
   std::vector<AtlasMaterial> materials() const { return atlas_.materials().download(); }
   /// Instance that a world triangle belongs to.
@@ -183,12 +185,12 @@ class BundleRig {
     library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
     return Program(device, library,
-                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/slot_exposure.cl",
+                   {"bundle_exchange/test", {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl", "bundle_exchange/slot_exposure.cl", "bundle_exchange/slot_openness.cl",
                     "bundle_exchange/preview.cl"}, defines});
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;
-    for (const float4& v : values.download()) result.push_back(v.x);
+    for (const float4& v : values.download()) result.push_back(v.w > 0 ? v.x / v.w : 0.f);
     return result;
   }
   bundle::Channels channels_;
@@ -201,6 +203,7 @@ class BundleRig {
   SurfaceAtlas atlas_;
   Program program_;
   bundle::SlotExposure exposure_;
+  bundle::SlotOpenness openness_;
   TypedBuffer<float4> light_;
   bundle::SlotMeans means_;
   bundle::BundleTransfer transfer_;

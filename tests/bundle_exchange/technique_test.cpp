@@ -71,7 +71,7 @@ TEST_CASE("a change begins anew with the bits of a fresh start, or with what sen
   Scene dimmed = load_scene("builtin:cornell");
   dim(dimmed);
   const auto fresh = session("bundle_exchange", std::move(dimmed), -1, few_texels);
-  const uint64_t soon = 6;  // the first iterations light slots
+  const uint64_t soon = 12;  // the first iterations light slots
   fresh->run({.iterations = soon});
   CHECK(after_change(false, soon) == indirect(*fresh));
   CHECK(after_change(true, soon) != indirect(*fresh));

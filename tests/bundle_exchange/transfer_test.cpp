@@ -18,6 +18,7 @@ constexpr double kPi = 3.14159265358979323846;
 Parameters by_texels() {
   Parameters parameters;
   parameters.transfer = Transfer::texel;
+  parameters.open_gap = 0;  // all parts of texels count alike
   return parameters;
 }
 

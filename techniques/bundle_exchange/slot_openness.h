@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/compute/scheduler.h"
+#include "lucarium/scene/scene_buffers.h"
+#include "slot_exposure.h"
+
+namespace lucarium::bundle {
+
+/// How open the parts of slots are: which share of the rays that leave a part goes farther than `open_gap`. A texel has one
+/// radiance; what of it is seen, and lights others, are its open parts, so that it is to be theirs: every part counts by its
+/// openness, in what is received as in what is sent. Measured by rays of bundles (probe_rows.cl).
+class SlotOpenness {
+ public:
+  struct Options {
+    float pixel_size = 0.5f;  ///< edge of a film pixel in texel edges
+    float open_gap = 2;       ///< in texel edges; 0: all rays are open
+  };
+  /// Draws the bundles. Throws Error{interrupted} when cancelled.
+  SlotOpenness(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
+               const SceneBuffers& buffers, const SurfaceAtlas& atlas, const SlotExposure& exposure, const Options& options);
+
+  /// Per slot: mean openness over its area [1], which is what its area counts.
+  const TypedBuffer<float>& shares() const { return shares_; }
+  /// Per slot: openness of its parts, four words (slot_parts.clh).
+  const TypedBuffer<uint32_t>& parts() const { return parts_; }
+  /// Per slot: the same of its random points, 4 bits each; 0: hidden, or closed.
+  const TypedBuffer<uint32_t>& points() const { return points_; }
+  static size_t estimate_bytes(size_t slots);
+
+ private:
+  TypedBuffer<float> shares_;
+  TypedBuffer<uint32_t> parts_;
+  TypedBuffer<uint32_t> points_;
+};
+
+}  // namespace lucarium::bundle
