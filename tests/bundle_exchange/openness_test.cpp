@@ -41,7 +41,7 @@ Crossed light_of_crossed(float open_gap) {
   test::BundleRig rig(floor_and_slab(), 320, 0.5f, channels, parameters);
   rig.send([](uint32_t) { return glm::vec3(0); });
   rig.run(DirectionSequence(parameters, 3, nullptr), 512);
-  const std::vector<float4> sums = rig.sums();
+  const std::vector<glm::dvec4> sums = rig.sums();
   const std::vector<float> openness = rig.openness();
   const std::vector<AtlasTexel> texels = rig.texels();
   const std::vector<SurfacePoint> points = rig.points();
@@ -51,7 +51,7 @@ Crossed light_of_crossed(float open_gap) {
     const double edge = std::sqrt(double{texels[slot].area}), x = points[slot].position.x;
     if (std::abs(x - double{kEdge}) > 0.3 * edge) continue;
     const double counted = double{texels[slot].area} * double{openness[slot]};
-    result.mean += counted * double{sums[slot].x / sums[slot].w};
+    result.mean += counted * sums[slot].x / sums[slot].w;
     result.counted += counted;
     result.area += texels[slot].area;
     ++result.texels;
