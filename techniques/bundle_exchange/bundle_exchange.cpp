@@ -73,9 +73,9 @@ class BundleExchange : public Technique {
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
     PathSet set;
     set.max_bounces = settings.max_bounces;
-    if (parameters_.interleave == Interleave::pingpong) {  // a bounce for each block
-      const int blocks = (parameters_.directions + parameters_.block - 1) / parameters_.block;
-      set.max_bounces = set.max_bounces < 0 ? blocks : std::min(set.max_bounces, blocks);
+    if (parameters_.interleave == Interleave::pingpong && set.max_bounces < 0) {  // a bounce for each block
+      const int head = parameters_.direct_mode == DirectMode::exchange ? parameters_.direct_first : 0;
+      set.max_bounces = (std::max(0, parameters_.directions - head) + parameters_.block - 1) / parameters_.block;
     }
     set.light_delta = parameters_.glossy_bounces == GlossyBounces::multiple;
     set.secondary_lambert_only = !set.light_delta;
@@ -228,7 +228,7 @@ class BundleExchange : public Technique {
     if (direct_only && directions_ < first) count = std::min(count, first - directions_);
     count = std::min<uint64_t>(count, parameters_.directions - directions_);
     if (parameters_.interleave == Interleave::pingpong)
-      count = std::min<uint64_t>(count, parameters_.block - directions_ % parameters_.block);
+      count = std::min<uint64_t>(count, parameters_.block - parts_->means.reflecting(directions_) % parameters_.block);
     return static_cast<uint32_t>(count);
   }
 

@@ -59,7 +59,8 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   plan.camera.single = parameters.glossy_bounces == GlossyBounces::final;
   plan.camera.exchanged = plan.channels.exchanged();
   plan.camera.max_bounces = settings.max_bounces;
-  plan.camera.by_bundles = parameters.pixel_rays == PixelRays::bundle && settings.max_bounces != 0;
+  plan.camera.by_bundles = parameters.pixel_rays == PixelRays::bundle && settings.max_bounces != 0 &&
+                           parameters.interleave != Interleave::pingpong;  // bundles then carry one bounce only
   plan.camera.alpha_least = SlotSpecular::alpha_least(parameters);
   plan.light_kinds = DirectLight::kAllLights;
   if (parameters.direct_mode == DirectMode::exchange) plan.light_kinds = punctual ? DirectLight::kPunctualLights : 0;
@@ -81,6 +82,8 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
   const auto any = [&](auto&& test) { return std::any_of(scene.materials.begin(), scene.materials.end(), test); };
   if (any([](const SceneMaterial& m) { return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance); }))
     result.push_back("bundles are not attenuated inside volumes");
+  if (parameters.direct_mode == DirectMode::exchange && parameters.direct_first >= parameters.directions && settings.max_bounces != 0)
+    result.push_back("indirect light is left out: all directions carry emission only (direct_first)");
   if (parameters.interleave == Interleave::fixed)
     result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
   if (parameters.interleave == Interleave::running && settings.max_bounces < 0)
@@ -99,7 +102,7 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
   if (parameters.interleave == Interleave::pingpong && has_specular_lobes(scene))
     result.push_back("specular reflections between diffuse ones are no bounces of their own (interleave=pingpong)");
   if (parameters.interleave == Interleave::pingpong && parameters.pixel_rays == PixelRays::bundle)
-    result.push_back("pixels gather the last bounce only (interleave=pingpong with pixel_rays=bundle)");
+    result.push_back("pixel_rays=bundle has no effect: bundles carry one bounce at a time (interleave=pingpong)");
   if (parameters.final_gather == FinalGather::off && has_specular_lobes(scene))
     result.push_back(parameters.direct_mode == DirectMode::exchange
                          ? "what specular lobes reflect towards the eye is left out but for light of punctual lights (final_gather=off)"

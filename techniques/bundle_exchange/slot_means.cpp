@@ -259,7 +259,7 @@ void SlotMeans::commit(uint64_t first, uint32_t count) {
   scheduler_->run_to_end(fold_);
   ++batches_;
   if (!without_reflection) weights_.advance();
-  if (one_by_one() && directions_ % uint64_t(parameters_.block) == 0)
+  if (one_by_one() && !without_reflection && reflecting(directions_) % uint64_t(parameters_.block) == 0)
     scheduler_->run_to_end(settle_);
   if (batches_ % kErrorBatches == 0) scheduler_->run_to_end(measure_);
   if (without_reflection && !direct_only(directions_)) forget_errors();

@@ -32,10 +32,12 @@ class SlotMeans {
 
   /// Prepares the records of the next batch; false when cancelled.
   bool make_senders();
+  /// How many of the first `directions` carry reflected light: those behind direct_first.
+  uint64_t reflecting(uint64_t directions) const;
   /// Whether the batch that begins with direction `first` carries emission only (direct_first).
   bool direct_only(uint64_t first) const;
   /// Whether direct light is sent: of bounces that are computed one by one only the first does.
-  bool sends_direct() const { return !one_by_one() || directions_ < static_cast<uint64_t>(parameters_.block); }
+  bool sends_direct() const { return !one_by_one() || reflecting(directions_) < static_cast<uint64_t>(parameters_.block); }
   /// Whether every kind of light is under way after so many directions, so that the error speaks of the image.
   bool carries_all(uint64_t directions) const;
   /// Adds the records of a batch of `count` directions, of which `first` came before, and renews what is displayed.
@@ -86,7 +88,6 @@ class SlotMeans {
   bool balanced() const;
   void set_shares();
   /// Of the first `directions`, those that carry reflected light.
-  uint64_t reflecting(uint64_t directions) const;
   double fixed_share() const;
   void forget_errors();
   KernelScheduler* scheduler_;

@@ -24,7 +24,7 @@ std::vector<uint64_t> count_cells(const DirectionSequence& sequence, uint64_t fi
     glm::vec3 d = sequence.at(i).direction;
     if (std::abs(glm::length(d) - 1) > 1e-5f) FAIL("not unit");
     if (d.z < 0) d = -d;
-    const int row = std::min(int((1 - d.z) * rows), rows - 1);
+    const int row = std::min(int((1 - d.z) * static_cast<float>(rows)), rows - 1);
     const int column = std::min(int((std::atan2(d.y, d.x) / (2 * kPi) + 0.5) * 2 * rows), 2 * rows - 1);
     ++cells[size_t(row) * 2 * rows + column];
   }

@@ -60,6 +60,23 @@ TEST_CASE("an image forgets that indirect light was missing while bundles carrie
         test::relative(expected, 0.06));
 }
 
+TEST_CASE("one bounce for each block: directions of emission only are none of its, and a limit of bounces is kept") {
+  const auto run = [](const char* direct_first, const char* directions, int max_bounces) {
+    auto made = session("bundle_exchange", load_scene("builtin:cornell"), max_bounces,
+                        with(few_texels, {{"interleave", "pingpong"}, {"block", "128"}, {"direct_mode", "exchange"},
+                                          {"direct_first", direct_first}, {"directions", directions}}));
+    made->run({.iterations = 64});
+    return made;
+  };
+  const auto late = run("200", "456", -1), soon = run("8", "264", -1);
+  CHECK(late->last().progress == 1);
+  const auto bounces = [](RenderSession& s) { return s.technique().path_set(s.scene(), s.settings()).max_bounces; };
+  CHECK(bounces(*late) == 2);
+  CHECK(bounces(*soon) == 2);
+  CHECK(mean(indirect(*late)) == test::relative(mean(indirect(*soon)), 0.05));
+  CHECK(bounces(*run("8", "264", 3)) == 3);
+}
+
 TEST_CASE("a change begins anew with the bits of a fresh start, or with what senders knew when that is asked for") {
   const auto after_change = [](bool warm, uint64_t iterations) {
     const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(few_texels, {{"warm_start", warm ? "on" : "off"}}));
