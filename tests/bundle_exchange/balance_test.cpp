@@ -27,6 +27,21 @@ Scene furnace(float mirrored, float albedo = 0.8f) {
   return scene;
 }
 
+/// The unit box with three sheets of which half is there: emission 1 - albedo, so that radiance is 1 everywhere.
+Scene veiled_box() {
+  Scene scene;
+  const int wall = add_lambert(scene, "wall", glm::vec3(0.8f)), veil = add_lambert(scene, "veil", glm::vec3(0.2f));
+  scene.materials[wall].emissive_factor = glm::vec3(0.2f);
+  scene.materials[veil].emissive_factor = glm::vec3(0.8f);
+  scene.materials[veil].alpha_mode = AlphaMode::blend;
+  scene.materials[veil].base_color.a = 0.5f;
+  scene.materials[veil].double_sided = true;
+  scene = test::box_scene({wall, wall, wall, wall, wall, wall}, std::move(scene));
+  for (const float y : {0.25f, 0.5f, 0.75f})
+    add_instance(scene, add_mesh(scene, MeshBuilder("veil").quad({0, y, 0}, {1, y, 0}, {1, y, 1}, {0, y, 1}).take()), veil);
+  return scene;
+}
+
 struct Result {
   double mean;     ///< E/π of all light over the diffuse walls
   float4 balance;  ///< at the end
@@ -61,6 +76,13 @@ TEST_CASE("a furnace with a mirror: the balance counts what the mirror delivers"
   CHECK(with.mean == test::relative(5, 0.003));
   CHECK(with.balance.x != 1);
   CHECK(without.mean < 4.95);  // what is to be gained
+}
+
+TEST_CASE("a box with veils: the balance weighs what is there of a surface, not all of its area") {
+  const Result found = solve(veiled_box(), with_balance(true), 512);
+  MESSAGE("balance ", found.balance.x, ", light ", found.mean);
+  CHECK(found.balance.x == test::relative(1, 0.01));
+  CHECK(found.mean == test::relative(1, 0.005));
 }
 
 TEST_CASE("a furnace with two walls of mirror: the balance is off") {
