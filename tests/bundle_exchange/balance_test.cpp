@@ -79,9 +79,9 @@ TEST_CASE("a furnace with a mirror: the balance counts what the mirror delivers"
 }
 
 TEST_CASE("a box with veils: the balance weighs what is there of a surface, not all of its area") {
-  const Result found = solve(veiled_box(), with_balance(true), 512);
+  const Result found = solve(veiled_box(), with_balance(true), 2048);
   MESSAGE("balance ", found.balance.x, ", light ", found.mean);
-  CHECK(found.balance.x == test::relative(1, 0.01));
+  CHECK(found.balance.x == test::relative(1, 0.03));  // it follows S, which forgets: noise of 0.01
   CHECK(found.mean == test::relative(1, 0.005));
 }
 
