@@ -202,7 +202,8 @@ bool render_within_budget(const RenderArguments& arguments, RenderSession& sessi
     if (budget.seconds > 0) fraction = std::max(fraction, seconds / budget.seconds);
     const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
                         std::max(1e-9, seconds);
-    progress.update(fraction, fmt::format("{} samples per pixel, {:.2f} Msamples/s", now.samples, rate));
+    const std::string phase = now.phase.empty() ? "" : now.phase + ", ";
+    progress.update(fraction, fmt::format("{}{} samples per pixel, {:.2f} Msamples/s", phase, now.samples, rate));
     const std::optional<double> error = curve ? curve->sample(session) : std::nullopt;
     return !(error && arguments.until_relmse > 0 && *error <= arguments.until_relmse);
   });

@@ -12,7 +12,8 @@ namespace lucarium::micro {
 namespace {
 
 constexpr size_t kLocalSize = 64;
-constexpr uint32_t kFewestNodeLevels = 6;  // of a small tree's level that gathers
+constexpr size_t kLeavesPerSlice = 1 << 16;
+constexpr double kLeavesPerGather = 1024;  // of which a shadow ray each takes about as long as one gather
 const char* const kRemedy = "lower points_log2";
 // Apart from the gathers at pixels, which get the seed itself.
 constexpr uint32_t kNodeSeed = 0x6a61636fu;
@@ -34,7 +35,6 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
       scene_(scene),
       intersector_(intersector),
       forest_(forest),
-      gather_(gather),
       parameters_(parameters),
       bounces_(bounces),
       owner_(owner),
@@ -47,30 +47,15 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
     shading_ = DynamicShading(device, owner, leaves);
     record_lobes();
   }
-  if (parameters.multibounce != MultiBounce::jacobi)
+  if (parameters.multibounce != MultiBounce::jacobi) {
     paths_ = std::make_unique<LightPaths>(device, scheduler, host_scene, scene, intersector, forest, parameters, bounces, direct_, shading_, owner);
-  if (gathers_at_nodes()) {
+  } else if (bounces > 1) {
     irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kRemedy);
-    uint32_t slots = 0;
-    for (const ForestTree& tree : forest.trees()) {
-      first_slot_.push_back(slots);
-      slots += 1u << level_of(tree);
-    }
-    node_gathers_ = TypedBuffer<MicroGather>(device, owner, "gathers at nodes", slots);
-    node_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers at nodes", std::vector<uint32_t>{slots});
-    node_results_ = GatherResults(device, owner, "nodes'", slots, false);
-    record_nodes();
+    nodes_ = std::make_unique<NodeGather>(device, scheduler, scene, forest, gather, shading_, parameters, owner);
     record_bounce();
   }
   record_direct();
   record_pull();
-}
-
-/// Nodes of about the same size in all trees, but some detail in small ones.
-uint32_t LeafLight::level_of(const ForestTree& tree) const {
-  const int depth = static_cast<int>(tree.record.depth);
-  const int level = parameters_.jacobi_level - (parameters_.points_log2 - depth);
-  return static_cast<uint32_t>(std::clamp(level, std::min(depth, static_cast<int>(kFewestNodeLevels)), depth));
 }
 
 /// One light sample per leaf, added to direct_.
@@ -84,7 +69,7 @@ void LeafLight::record_direct() {
   const BufferRef occluded = recorder.transient<uint32_t>("occluded", leaves, kRemedy);
   PassBuilder sample = recorder.pass("sample light at points", program_, "mr_sample_light");
   scene_.bind(sample, program_, "mr_sample_light");
-  sample.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("sample_index", sample_)
+  sample.global(leaves).local(kLocalSize).slice(kLeavesPerSlice).arg("leaves", forest_.leaves).arg("count", leaves).arg("sample_index", sample_)
       .arg("seed", light_seed_).arg("shadow_rays", rays).arg("shadow_light", light);
   intersector_.record_any(recorder, "shadow rays of points", rays, occluded, leaf_count_, 0, leaves);
   PassBuilder add = recorder.pass("add light at points", program_, "mr_add_light");
@@ -149,99 +134,129 @@ void LeafLight::record_pull() {
   pull_schedule_ = recorder.compile();
 }
 
-/// Where the nodes gather: depends on geometry alone.
-void LeafLight::record_nodes() {
-  ScheduleRecorder recorder = scheduler_.record("gathers at nodes", owner_);
-  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
-    const uint32_t level = level_of(forest_.trees()[t]);
-    PassBuilder pass = recorder.pass("gathers at nodes", program_, "mr_node_gathers");
-    scene_.bind(pass, program_, "mr_node_gathers");
-    pass.global(size_t{1} << level).local(1).arg("leaves", forest_.leaves).arg("trees", forest_.tree_records).arg("tree", t)
-        .arg("level", level).arg("first_slot", first_slot_[t]).arg("micro_size", static_cast<uint32_t>(parameters_.micro_size))
-        .arg("nodes", forest_.nodes).arg("patches", forest_.patches).arg("gathers", node_gathers_);
-  }
-  nodes_schedule_ = recorder.compile();
-}
-
-/// One more bounce: gather at nodes, push to the leaves, pull.
+/// What nodes have gathered: pushed to the leaves, and pulled.
 void LeafLight::record_bounce() {
   ScheduleRecorder recorder = scheduler_.record("bounce", owner_);
-  settings_ = recorder.variable("settings", MicroSettings{});
-  gather_.record(recorder, "gather at nodes", scene_, forest_, node_gathers_, node_count_, static_cast<uint32_t>(node_gathers_.count()),
-                 settings_, node_results_, shading_);
-  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
-    const ForestTree& tree = forest_.trees()[t];
-    recorder.pass("push", program_, "mr_push").global(tree.leaves()).local(kLocalSize).arg("trees", forest_.tree_records)
-        .arg("tree", t).arg("level", level_of(tree)).arg("first_slot", first_slot_[t]).arg("count", tree.leaves())
-        .arg("direct", direct_).arg("gathered", node_results_.irradiance).arg("irradiance", irradiance_);
-  }
+  nodes_->add_push(recorder, direct_, irradiance_);
   add_pull(recorder, irradiance_, false);
   bounce_schedule_ = recorder.compile();
 }
 
 void LeafLight::changed(bool surfaces) {
-  lit_ = false;
-  if (surfaces) nodes_known_ = lobes_known_ = false;
+  stage_ = Stage::none;
+  if (!surfaces) return;
+  lobes_known_ = false;
+  if (nodes_) nodes_->geometry_changed();
 }
 
-bool LeafLight::run(uint32_t frame, uint32_t seed) {
-  if (lit_ && lit_frame_ == frame && lit_seed_ == seed) return true;
-  lit_ = false;
-  if (!receive(frame, seed) || !spread(frame, seed)) return false;
-  lit_ = true;
-  lit_frame_ = frame;
-  lit_seed_ = seed;
-  return true;
-}
-
-bool LeafLight::receive(uint32_t frame, uint32_t seed) {
+void LeafLight::begin(uint32_t frame, uint32_t seed) {
   scheduler_.finish();
   direct_.fill_zero();
   if (dynamic()) shading_.leaf_lights.fill_zero();
-  direct_schedule_.set(light_seed_, seed);
+  frame_ = frame;
+  seed_ = seed;
+  part_ = 0;
   const bool sampled = parameters_.multibounce != MultiBounce::photon_map || !parameters_.photon_direct;
-  for (int s = 0; sampled && s < parameters_.light_samples; ++s) {
-    direct_schedule_.set(sample_, frame * static_cast<uint32_t>(parameters_.light_samples) + static_cast<uint32_t>(s));
-    if (scheduler_.run(direct_schedule_) == RunResult::cancelled) return false;
-  }
-  return !paths_ || paths_->run(frame, seed);
+  stage_ = sampled ? Stage::samples : Stage::paths;
 }
 
-bool LeafLight::spread(uint32_t frame, uint32_t seed) {
+bool LeafLight::step(uint32_t frame, uint32_t seed) {
+  if (stage_ == Stage::none || frame_ != frame || seed_ != seed) begin(frame, seed);
+  last_work_ = 0;
+  if (stage_ == Stage::done || advance()) return true;
+  stage_ = Stage::none;
+  return false;
+}
+
+bool LeafLight::receive(uint32_t frame, uint32_t seed) {
+  do {
+    if (!step(frame, seed)) return false;
+  } while (stage_ < Stage::pull);
+  return true;
+}
+
+bool LeafLight::spread() {
+  while (stage_ != Stage::done)
+    if (!step(frame_, seed_)) return false;
+  return true;
+}
+
+bool LeafLight::advance() {
+  switch (stage_) {
+    case Stage::samples: return sample();
+    case Stage::paths:
+      if (paths_ && !paths_->trace(frame_, seed_)) return false;
+      last_work_ = paths_ ? paths_->traced_rays() / kLeavesPerGather : 0;
+      part_ = 0;
+      stage_ = paths_ && paths_->parts() > 0 ? Stage::path_light : Stage::pull;
+      return true;
+    case Stage::path_light: return add_path_light();
+    case Stage::pull: return pull();
+    case Stage::gather: return gather();
+    case Stage::none:
+    case Stage::done: break;
+  }
+  return true;
+}
+
+bool LeafLight::sample() {
+  direct_schedule_.set(light_seed_, seed_);
+  direct_schedule_.set(sample_, frame_ * static_cast<uint32_t>(parameters_.light_samples) + part_);
+  if (scheduler_.run(direct_schedule_) == RunResult::cancelled) return false;
+  last_work_ = forest_.leaf_count() / kLeavesPerGather;
+  if (++part_ == static_cast<uint32_t>(parameters_.light_samples)) stage_ = Stage::paths;
+  return true;
+}
+
+bool LeafLight::add_path_light() {
+  if (!paths_->add(part_)) return false;
+  last_work_ = forest_.leaf_count() / kLeavesPerGather;
+  if (++part_ == paths_->parts()) stage_ = Stage::pull;
+  return true;
+}
+
+bool LeafLight::pull() {
   if (dynamic()) {
     if (!lobes_known_) scheduler_.run_to_end(lobes_schedule_);
     lobes_known_ = true;
-    pull_schedule_.set(choice_seed_, seed ^ (frame * 0x9e3779b9u));
+    pull_schedule_.set(choice_seed_, seed_ ^ (frame_ * 0x9e3779b9u));
   }
   if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
-  if (!gathers_at_nodes()) return true;
-  if (!nodes_known_) {
-    scheduler_.run_to_end(nodes_schedule_);
-    nodes_known_ = true;
-  }
-  for (int bounce = 1; bounce < bounces_; ++bounce) {
-    const uint32_t number = frame * static_cast<uint32_t>(bounces_) + static_cast<uint32_t>(bounce);
-    bounce_schedule_.set(settings_, GatherPass::settings(parameters_, seed ^ kNodeSeed ^ (number * 0x9e3779b9u), LUCARIUM_NONE));
-    if (scheduler_.run(bounce_schedule_) == RunResult::cancelled) return false;
-    gathers_ += node_gathers_.count();
-  }
+  if (nodes_) nodes_->list();
+  part_ = 0;
+  bounce_ = 1;
+  stage_ = nodes_ ? Stage::gather : Stage::done;
+  return true;
+}
+
+/// A batch of nodes; after the last one of a bounce all leaves and nodes shine with it.
+bool LeafLight::gather() {
+  const uint32_t number = frame_ * static_cast<uint32_t>(bounces_) + static_cast<uint32_t>(bounce_);
+  if (!nodes_->gather(part_, seed_ ^ kNodeSeed ^ (number * 0x9e3779b9u))) return false;
+  const uint32_t made = std::min(NodeGather::kBatch, nodes_->count() - part_);
+  gathers_ += made;
+  last_work_ = made;
+  part_ += made;
+  if (part_ < nodes_->count()) return true;
+  if (scheduler_.run(bounce_schedule_) == RunResult::cancelled) return false;
+  part_ = 0;
+  if (++bounce_ == bounces_) stage_ = Stage::done;
   return true;
 }
 
 void LeafLight::warm_up() {
-  for (Schedule* schedule : {&direct_schedule_, &pull_schedule_, &nodes_schedule_, &bounce_schedule_, &lobes_schedule_})
+  for (Schedule* schedule : {&direct_schedule_, &pull_schedule_, &bounce_schedule_, &lobes_schedule_})
     if (*schedule) scheduler_.warm_up(*schedule);
+  if (nodes_) nodes_->warm_up();
   if (paths_) paths_->warm_up();
 }
 
 size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
   const size_t transient = leaves * (sizeof(Ray) + sizeof(float4) + 3 * sizeof(uint32_t) + 2 * sizeof(float4));
-  const size_t slots = size_t{2} << std::min(parameters.jacobi_level, parameters.points_log2);  // a level is clamped to its tree
   const size_t shading = parameters.node_shading == NodeShading::dynamic ? DynamicShading::estimate_bytes(leaves) : 0;
-  const size_t several = leaves * sizeof(float4) + slots * sizeof(MicroGather) + GatherResults::estimate_bytes(slots, false);
   if (parameters.multibounce != MultiBounce::jacobi)
     return shading + leaves * sizeof(float4) + 2 * transient + LightPaths::estimate_bytes(parameters, leaves, bounces);
-  return shading + leaves * sizeof(float4) + 2 * transient + (bounces > 1 ? several : 0);
+  return shading + leaves * sizeof(float4) + 2 * transient + (bounces > 1 ? leaves * sizeof(float4) + NodeGather::estimate_bytes(parameters, leaves) : 0);
 }
 
 }  // namespace lucarium::micro

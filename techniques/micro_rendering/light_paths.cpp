@@ -14,6 +14,8 @@ namespace lucarium::micro {
 namespace {
 
 constexpr size_t kLocalSize = 64;
+constexpr size_t kPathsPerSlice = 1 << 16;
+constexpr size_t kEstimatesPerSlice = 1 << 12;
 constexpr float kSearch = 2;  // largest radius of a density estimate over the one that is expected to hold photon_k photons
 const char* const kRemedy = "lower photons or points_log2";
 
@@ -78,13 +80,13 @@ void LightPaths::record_paths() {
   const BufferRef powers = recorder.transient<float4>("power of light paths", paths_, kRemedy);
   PassBuilder emit = recorder.pass("emit light paths", program_, "mr_emit");
   buffers_.bind(emit, program_, "mr_emit");
-  emit.global(paths_).local(kLocalSize).arg("count", paths_).arg("frame", frame_).arg("seed", seed_).arg("rays", rays).arg("powers", powers);
+  emit.global(paths_).local(kLocalSize).slice(kPathsPerSlice).arg("count", paths_).arg("frame", frame_).arg("seed", seed_).arg("rays", rays).arg("powers", powers);
   const uint32_t first = first_vertex();
   for (uint32_t vertex = 0; vertex < first + kept_vertices(); ++vertex) {
     intersector_.record_closest(recorder, "trace light paths", rays, hits, path_count_, 0, paths_);
     PassBuilder pass = recorder.pass("vertices of light paths", program_, "mr_path_vertex");
     buffers_.bind(pass, program_, "mr_path_vertex");
-    pass.global(paths_).local(kLocalSize).arg("count", paths_).arg("frame", frame_).arg("seed", seed_).arg("vertex", vertex)
+    pass.global(paths_).local(kLocalSize).slice(kPathsPerSlice).arg("count", paths_).arg("frame", frame_).arg("seed", seed_).arg("vertex", vertex)
         .arg("keep", vertex >= first ? 1u : 0u).arg("slot", vertex >= first ? vertex - first : 0u)
         .arg("reflected", virtual_lights() ? 1u : 0u).arg("hits", hits).arg("rays", rays).arg("powers", powers)
         .arg("photons", photons_);
@@ -103,7 +105,7 @@ void LightPaths::record_virtual_light() {
   const BufferRef occluded = recorder.transient<uint32_t>("occluded virtual lights", leaves, kRemedy);
   PassBuilder pass = recorder.pass("virtual light", program_, "mr_virtual_light");
   buffers_.bind(pass, program_, "mr_virtual_light");
-  pass.global(leaves).local(kLocalSize).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_)
+  pass.global(leaves).local(kLocalSize).slice(kPathsPerSlice).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_)
       .arg("light", light_).arg("most", most_).arg("shadow_rays", rays).arg("shadow_light", light);
   intersector_.record_any(recorder, "rays to virtual lights", rays, occluded, leaf_count_, 0, leaves);
   PassBuilder add = recorder.pass("add virtual light", light_program_, "mr_add_light");
@@ -129,7 +131,7 @@ void LightPaths::record_density() {
       .arg("count", count).arg("mask", mask).arg("starts", starts);
   PassBuilder pass = recorder.pass("photon density", program_, "mr_photon_density");
   buffers_.bind(pass, program_, "mr_photon_density");
-  pass.global(leaves).local(1).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_).arg("values", values)
+  pass.global(leaves).local(1).slice(kEstimatesPerSlice).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_).arg("values", values)
       .arg("starts", starts).arg("cell", cell_).arg("mask", mask).arg("most", static_cast<uint32_t>(parameters_.photon_k))
       .arg("irradiance", irradiance_);
   light_schedule_ = recorder.compile();
@@ -144,24 +146,23 @@ float LightPaths::photon_cell() const {
   return kSearch * std::max(expected, 1e-9f);
 }
 
-bool LightPaths::run(uint32_t frame, uint32_t seed) {
+bool LightPaths::trace(uint32_t frame, uint32_t seed) {
   if (!paths_schedule_) return true;
   paths_schedule_.set(frame_, frame);
   paths_schedule_.set(seed_, seed);
-  if (scheduler_.run(paths_schedule_) == RunResult::cancelled) return false;
+  return scheduler_.run(paths_schedule_) == RunResult::done;
+}
+
+bool LightPaths::add(uint32_t part) {
   // Of the scene as it is now: things move.
   if (virtual_lights()) {
     const float radius = std::max(scene_.bounds().radius(), 1e-6f);
     light_schedule_.set(most_, parameters_.vpl_clamp / (radius * radius));
+    light_schedule_.set(light_, part);
   } else {
     light_schedule_.set(cell_, photon_cell());
   }
-  const auto lights = virtual_lights() ? static_cast<uint32_t>(photons_.count()) : 1;
-  for (uint32_t light = 0; light < lights; ++light) {
-    if (virtual_lights()) light_schedule_.set(light_, light);
-    if (scheduler_.run(light_schedule_) == RunResult::cancelled) return false;
-  }
-  return true;
+  return scheduler_.run(light_schedule_) == RunResult::done;
 }
 
 void LightPaths::warm_up() {

@@ -17,8 +17,13 @@ class LightPaths {
              const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters, int bounces,
              const TypedBuffer<float4>& irradiance, const DynamicShading& shading, const std::string& owner);
 
-  /// Traces the paths of a frame and adds their light to the leaves' irradiance. False when cancelled midway.
-  bool run(uint32_t frame, uint32_t seed);
+  /// Traces the paths of a frame. False when cancelled.
+  bool trace(uint32_t frame, uint32_t seed);
+  double traced_rays() const { return static_cast<double>(paths_) * (first_vertex() + kept_vertices()); }  ///< by trace()
+  /// In how many parts their light is added: virtual lights, or one of all photons.
+  uint32_t parts() const { return !paths_schedule_ ? 0 : virtual_lights() ? static_cast<uint32_t>(photons_.count()) : 1; }
+  /// Adds a part to the leaves' irradiance. False when cancelled: it may have been added to some leaves.
+  bool add(uint32_t part);
   void warm_up();
   static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces);
 

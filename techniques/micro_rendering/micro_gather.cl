@@ -50,7 +50,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
                         __global const MicroLeafLobe* restrict leaf_lobes,
 #endif
                         const uint slice_base) {
-  const uint i = slice_base + get_global_id(0);
+  const uint i = settings.first + slice_base + get_global_id(0);
   if (i >= gather_count[0]) return;
   const float unit = radiance_unit[0];
 #if MICRO_GATHER_ENV

@@ -18,8 +18,8 @@
 // One light sample per leaf: shadow_light is the irradiance [lx] that arrives if shadow ray i is free.
 __kernel void mr_sample_light(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
                               const uint sample_index, const uint seed, __global Ray* restrict shadow_rays,
-                              __global float4* restrict shadow_light) {
-  const uint i = get_global_id(0);
+                              __global float4* restrict shadow_light, const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   Ray ray;
@@ -154,49 +154,4 @@ __kernel void mr_pull(__global const MicroTree* restrict trees, const uint tree,
       extremes[base + i] = (float4)(low, high, weight, 0.0f);
     }
   }
-}
-
-// ---- several bounces: irradiance gathered at the nodes of one level, pushed to the leaves
-
-// Work-item i: node 2^level + i of one tree gathers at the leaf nearest to its centre.
-__kernel void mr_node_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves,
-                              __global const MicroTree* restrict trees, const uint tree, const uint level,
-                              const uint first_slot, const uint micro_size, __global const uint4* restrict nodes,
-                              __global const MicroPatch* restrict patches,
-                              __global MicroGather* restrict gathers) {
-  const uint i = get_global_id(0);
-  if (i >= (1u << level)) return;
-  LUCARIUM_SCENE_BIND(scene);
-  __global const MicroTree* t = trees + tree;
-  __global const uint4* heap = nodes + t->first_node;
-  const float3 center = unpack_node(heap[(1u << level) + i]).center;
-  const uint below = t->depth - level, first = ((1u << level) + i) << below;
-  uint nearest = first;
-  float nearest2 = INFINITY;
-  for (uint k = first; k < first + (1u << below); ++k) {
-    const float3 d = unpack_node(heap[k]).center - center;
-    const float d2 = dot(d, d);
-    if (d2 < nearest2) nearest2 = d2, nearest = k;
-  }
-  const MicroLeaf leaf = leaves[t->first_node / 2u + nearest - (1u << t->depth)];
-  const Surface surface = leaf_surface(&scene, leaf);
-  MicroGather gather;
-  gather.position = (float4)(surface.position, as_float(first_slot + i));
-  gather.normal = pack_direction(surface.n_s);
-  gather.geometric = pack_direction(surface.n_g);
-  gather.view = gather.geometric;
-  gather.lobes = micro_size;
-  gather.hidden = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, !(leaf.triangle & MICRO_LEAF_BACK));
-  gather.eta = 0.0f;
-  gathers[first_slot + i] = gather;
-}
-
-// Leaf i of one tree: direct light and what its ancestor of `level` gathered.
-__kernel void mr_push(__global const MicroTree* restrict trees, const uint tree, const uint level, const uint first_slot,
-                      const uint count, __global const float4* restrict direct, __global const float4* restrict gathered,
-                      __global float4* restrict irradiance) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  const uint leaf = trees[tree].first_node / 2u + i;
-  irradiance[leaf] = (float4)(direct[leaf].xyz + gathered[first_slot + (i >> (trees[tree].depth - level))].xyz, 0.0f);
 }

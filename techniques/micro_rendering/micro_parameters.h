@@ -37,6 +37,7 @@ struct MicroParameters {
   NodeShading node_shading = NodeShading::stored;
   MultiBounce multibounce = MultiBounce::jacobi;
   int jacobi_level = 12;
+  float jacobi_cone = 30;
   DepthBits depth_bits = DepthBits::thirty_two;
   int vpls = 256;
   float vpl_clamp = 100;
@@ -86,6 +87,7 @@ struct MicroParameters {
              {{"jacobi", MultiBounce::jacobi}, {"instant_radiosity", MultiBounce::instant_radiosity}, {"photon_map", MultiBounce::photon_map}},
              "how light reaches the points over several bounces");
     v.number("jacobi_level", jacobi_level, 6, 23, "log2", "nodes of this level gather for the bounces before the last");
+    v.number("jacobi_cone", jacobi_cone, 1, 180, "degrees", "spread of normals beyond which nodes below them gather instead; at most twice as many in all");
     v.number("vpls", vpls, 1, 65536, "paths", "light paths of instant radiosity; each has one virtual light per bounce");
     v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²", "bound of a virtual light's geometry term, R the scene's radius");
     v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
@@ -95,7 +97,7 @@ struct MicroParameters {
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
     v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of the layer direct per frame");
     v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces", "bounces that are computed where their number is not limited");
-    v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers", "most gathers of one iteration");
+    v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers", "most gathers of one iteration at pixels; light at points takes iterations of its own beyond as much work");
     v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels", "column of the pixel whose micro-buffer is shown; -1: none");
     v.number("inspect_y", inspect_y, -1, 1 << 15, "pixels", "row of that pixel");
     v.presets({{"paper",

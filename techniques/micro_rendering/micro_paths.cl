@@ -86,8 +86,8 @@ Emission emit_light(const Scene* scene, float u_choice, float2 u, float2 v) {
 
 // powers: flux that path i carries, of `count` paths [lm].
 __kernel void mr_emit(LUCARIUM_SCENE_PARAMETERS const uint count, const uint frame, const uint seed,
-                      __global Ray* restrict rays, __global float4* restrict powers) {
-  const uint i = get_global_id(0);
+                      __global Ray* restrict rays, __global float4* restrict powers, const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   const Sampler sampler = make_sampler(MICRO_PATH_STREAM, frame, seed, i, LUCARIUM_SAMPLER_SOBOL);
@@ -106,8 +106,8 @@ __kernel void mr_emit(LUCARIUM_SCENE_PARAMETERS const uint count, const uint fra
 __kernel void mr_path_vertex(LUCARIUM_SCENE_PARAMETERS const uint count, const uint frame, const uint seed,
                              const uint vertex, const uint keep, const uint slot, const uint reflected,
                              __global const Hit* restrict hits, __global Ray* restrict rays,
-                             __global float4* restrict powers, __global MicroPhoton* restrict photons) {
-  const uint i = get_global_id(0);
+                             __global float4* restrict powers, __global MicroPhoton* restrict photons, const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   MicroPhoton photon;
@@ -142,8 +142,8 @@ __kernel void mr_path_vertex(LUCARIUM_SCENE_PARAMETERS const uint count, const u
 // geometry term cos cos / d² [1/m²].
 __kernel void mr_virtual_light(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
                                __global const MicroPhoton* restrict photons, const uint light, const float most,
-                               __global Ray* restrict shadow_rays, __global float4* restrict shadow_light) {
-  const uint i = get_global_id(0);
+                               __global Ray* restrict shadow_rays, __global float4* restrict shadow_light, const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   Ray ray;
@@ -229,8 +229,8 @@ void keep_photon(NearestPhotons* heap, uint most, float distance2, uint photon) 
 __kernel void mr_photon_density(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
                                 __global const MicroPhoton* restrict photons, __global const uint* restrict values,
                                 __global const uint* restrict starts, const float cell, const uint mask, const uint most,
-                                __global float4* restrict irradiance) {
-  const uint i = get_global_id(0);
+                                __global float4* restrict irradiance, const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   const Surface surface = leaf_surface(&scene, leaves[i]);

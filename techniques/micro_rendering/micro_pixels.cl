@@ -137,12 +137,22 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
 
 // ---- gathers at some pixels only
 
+// The last row or column of gathers that is not behind x: offset + k stride, below 0 where there is none.
+int lattice_line(uint x, uint offset, uint stride) { return (int)((x + stride - offset) / stride * stride + offset) - (int)stride; }
+
 // How alike the surfaces of two pixels are: normals, and distance of the one from the plane of the other.
 float surface_agreement(const global GBufferPoint* a, const global GBufferPoint* b, float sigma) {
   const float cosine = fmax(dot(a->shading.xyz, b->shading.xyz), 0.0f);
   const float c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8;
   const float off = dot(a->shading.xyz, b->position.xyz - a->position.xyz) / sigma;
   return c16 * c16 * exp(-0.5f * off * off);
+}
+
+// The gather that a pixel lies beside.
+uint lattice_pixel(MicroSubImage sub, uint pixel) {
+  const int x = lattice_line(pixel % sub.image_width, sub.offset_x, sub.stride),
+            y = lattice_line(pixel / sub.image_width, sub.offset_y, sub.stride);
+  return (uint)(y < 0 ? y + (int)sub.stride : y) * sub.image_width + (uint)(x < 0 ? x + (int)sub.stride : x);
 }
 
 float3 mirrored_view(const global GBufferPoint* point) {
@@ -153,8 +163,8 @@ float3 mirrored_view(const global GBufferPoint* point) {
 // Results of all pixels between gathers, from the four around: irradiance by bilateral weights, the specular lobe only
 // from pixels whose lobe is as wide and points the same way. Where the weights sum to less than `least` the pixel gets a
 // key (as mr_list_keys) and gathers itself. Footprint of a pixel: footprint.x · distance + footprint.y [m].
-__kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint width,
-                          const uint height, const uint stride, const float least, const float2 footprint,
+__kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint height,
+                          const MicroSubImage sub, const float least, const float2 footprint,
                           const uint morton, __global float4* restrict irradiance, __global float4* restrict specular,
                           __global MicroStatistics* restrict statistics, const uint sides,
                           __global uint* restrict keys, __global uint* restrict values,
@@ -162,7 +172,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
                           __global float4* restrict sky,
 #endif
                           __global uint* restrict failed) {
-  const uint pixel = get_global_id(0), pixels = width * height;
+  const uint pixel = get_global_id(0), width = sub.image_width, pixels = width * height;
   if (pixel >= pixels) return;
   const uint x = pixel % width, y = pixel / width;
   for (uint side = 0; side < sides; ++side) {
@@ -170,7 +180,10 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
     values[pixel + side * pixels] = pixel + side * pixels;
   }
   failed[pixel] = 0u;
-  if (x % stride == 0u && y % stride == 0u) return;
+  // The square of gathers about the pixel; at the borders half of it lies outside.
+  const int stride = (int)sub.stride;
+  const int x0 = lattice_line(x, sub.offset_x, sub.stride), y0 = lattice_line(y, sub.offset_y, sub.stride);
+  if (x0 == (int)x && y0 == (int)y) return;
   const MicroStatistics none = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
   for (uint side = 0; side < sides; ++side) statistics[pixel + side * pixels] = none;
   const global GBufferPoint* point = points + pixel;
@@ -188,12 +201,11 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
 #if MICRO_GATHER_ENV
   float4 sky_diffuse = (float4)(0.0f), sky_all = (float4)(0.0f), sky_grazing = (float4)(0.0f);
 #endif
-  const uint x0 = x / stride * stride, y0 = y / stride * stride;
-  const float fx = (float)(x - x0) / (float)stride, fy = (float)(y - y0) / (float)stride;
+  const float fx = (float)((int)x - x0) / (float)stride, fy = (float)((int)y - y0) / (float)stride;
   for (uint corner = 0u; corner < 4u; ++corner) {
-    const uint cx = x0 + (corner & 1u) * stride, cy = y0 + (corner >> 1) * stride;
-    if (cx >= width || cy >= height) continue;
-    const uint other = cy * width + cx;
+    const int cx = x0 + (int)(corner & 1u) * stride, cy = y0 + (int)(corner >> 1) * stride;
+    if (cx < 0 || cy < 0 || cx >= (int)width || cy >= (int)height) continue;
+    const uint other = (uint)cy * width + (uint)cx;
     if (points[other].state != LUCARIUM_GBUFFER_SURFACE) continue;
     const float bilinear = (corner & 1u ? fx : 1.0f - fx) * (corner >> 1 ? fy : 1.0f - fy);
     const float weight = bilinear * surface_agreement(point, points + other, sigma);
@@ -246,12 +258,13 @@ float3 transmitted_light(const Bsdf* bsdf, float3 all, float3 grazing) {
   return bsdf->transmission * ((1.0f - bsdf->dielectric_f0) * all - (bsdf->dielectric_f90 - bsdf->dielectric_f0) * grazing);
 }
 
-// Adds the light that the pixels of a sub-image reflect: xyz sum, w samples; sky_light: of the environment. looks: sums of what the inspection layers
-// show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1 where interpolation failed.
+// Adds the light that the pixels of a sub-image reflect: xyz sum, w samples; sky_light: of the environment. looks: sums of
+// what the inspection layers show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1 where
+// interpolation failed. Pixels that did not gather show the gather of `lattice` that they lie beside.
 __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
-                              const MicroSubImage sub, __global const float4* restrict irradiance,
-                              __global const float4* restrict specular, __global const MicroStatistics* restrict statistics,
-                              __global const uint* restrict failed, const uint pixels, const uint sides,
+                              const MicroSubImage sub, const MicroSubImage lattice,
+                              __global const float4* restrict irradiance, __global const float4* restrict specular,
+                              __global const MicroStatistics* restrict statistics, __global const uint* restrict failed, const uint pixels, const uint sides,
                               __global float4* restrict indirect,
 #if MICRO_LEVELS
                               __global float4* restrict levels,
@@ -290,7 +303,9 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
       levels[pixel] = (float4)(mean, before.z + squares, s.uneven ? frames : -frames);
     }
 #endif
-    looks[pixel] += (float4)((float)s.levels / (float)max(s.splats + s.listed, 1u), (float)s.listed, (float)s.visits, (float)failed[pixel]);
+    const MicroStatistics shown = s.visits > 0u ? s : statistics[lattice_pixel(lattice, pixel)];
+    looks[pixel] += (float4)((float)shown.levels / (float)max(shown.splats + shown.listed, 1u), (float)shown.listed,
+                             (float)shown.visits, (float)failed[pixel]);
   }
   indirect[pixel] += (float4)(light, 1.0f);
 }

@@ -139,14 +139,14 @@ class MicroRendering : public Technique {
   }
 
   IterationResult iterate() override {
-    if (step()) {
+    if (light() && step()) {
       ++batch_;
       if (!pixels_ || batch_ == pixels_->batches()) batch_ = 0, ++frame_;
     }
     IterationResult result;
     result.progress = -1;
     result.samples = frame_;
-    result.phase = "gather";
+    result.phase = leaf_light_ && !leaf_light_->lit(frame_, kernel_seed(seed_)) ? "light" : "gather";
     return result;
   }
 
@@ -263,13 +263,22 @@ class MicroRendering : public Technique {
     if (pixels_) pixels_->restart();
   }
 
-  /// One batch of a frame, before its first one G-buffer and light. False when cancelled: the sums are as before.
+  /// Light of the frame at the points, worth batch_gathers gathers at most. False when cancelled or when some is missing.
+  bool light() {
+    const uint32_t seed = kernel_seed(seed_);
+    double work = 0;
+    while (leaf_light_ && !leaf_light_->lit(frame_, seed)) {
+      if (work > 0 && work >= parameters_.batch_gathers) return false;
+      if (!leaf_light_->step(frame_, seed)) return false;
+      work += leaf_light_->last_work();
+    }
+    return true;
+  }
+
+  /// One batch of a frame, before its first one G-buffer. False when cancelled: the sums are as before.
   bool step() {
     const uint32_t seed = kernel_seed(seed_);
-    if (batch_ == 0) {
-      if (!gbuffer_->render(frame_)) return false;
-      if (leaf_light_ && !leaf_light_->run(frame_, seed)) return false;
-    }
+    if (batch_ == 0 && !gbuffer_->render(frame_)) return false;
     if (pixels_ && !pixels_->gather(batch_, frame_, seed)) return false;
     if (batch_ == 0) {
       context_->scheduler.finish();
@@ -279,7 +288,7 @@ class MicroRendering : public Technique {
         if (!direct_light_->accumulate_radiance(gbuffer_->points(), frame_direct_, frame_ * samples + s, seed)) return false;
       context_->scheduler.run_to_end(direct_schedule_);
     }
-    if (pixels_) pixels_->add(batch_);
+    if (pixels_) pixels_->add(batch_, frame_);
     return true;
   }
 

@@ -82,7 +82,7 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices, __g
                              __global const Triangle* restrict scene_triangles,
                              __global const Instance* restrict scene_instances,
                              __global const Material* restrict scene_materials, __global const MicroLeaf* restrict leaves,
-                             __global const half* restrict leaf_albedo, __global const MicroTree* restrict trees,
+                             __global const MicroTree* restrict trees,
                              const MicroLeafRules rules, const uint count,
                              __global const MicroPatch* restrict patches, __global uint4* restrict nodes,
                              __global uint4* restrict clips) {
@@ -116,7 +116,6 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices, __g
   node.radius = rules.disc_radius * (leaf.area > 0.0f ? sqrt(area / leaf.area) : 1.0f) * inverse_step;
   node.normal = safe_normalize(back ? -normal : normal, (float3)(0.0f, 0.0f, 1.0f));
   node.cone = 0.0f;
-  node.albedo = vload_half4(index, leaf_albedo).xyz;
   node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (two_sided || rules.all_cullable ? MICRO_NODE_CULLABLE : 0u);
   node.side = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, back);
   const uint4 packed = pack_node(node);
@@ -179,7 +178,6 @@ uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
   MicroNode sum;
   merge_spheres(&a, &b, &sum);
   merge_cones(&a, &b, &sum);
-  sum.albedo = 0.5f * (a.albedo + b.albedo);
   const float shown_a = leaves ? 1.0f : (float)a.side / 255.0f, shown_b = leaves ? 1.0f : (float)b.side / 255.0f;
   const float shown = 0.5f * dot(shown_a * a.normal + shown_b * b.normal, sum.normal);
   sum.side = (uint)clamp(ceil(shown * 255.0f), MICRO_LEAST_SHOWN, 255.0f);

@@ -71,10 +71,16 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
   record_add();
 }
 
-/// Sub-images in an order that refines evenly: the corners, then the middles of the squares between, and so on.
-MicroSubImage PixelGather::sub_image(uint32_t batch) const {
+/// Sub-images in an order that refines evenly: the corners, then the middles of the squares between, and so on. Where the
+/// others are interpolated every frame has another lattice, so that their mean shows none: all of them in turn.
+MicroSubImage PixelGather::sub_image(uint32_t batch, uint32_t frame) const {
   MicroSubImage sub{};
   sub.stride = stride_;
+  if (interpolates()) {
+    const uint32_t shift = frame * (2 * stride_ - 1) % (stride_ * stride_);  // without a common factor: a permutation
+    sub.offset_x = shift % stride_;
+    sub.offset_y = shift / stride_;
+  }
   for (uint32_t half = stride_ / 2; half > 0 && !interpolates(); half /= 2, batch /= 4) {
     const uint32_t corner = batch % 4;
     sub.offset_x += half * (corner == 1 || corner == 2);
@@ -88,7 +94,7 @@ MicroSubImage PixelGather::sub_image(uint32_t batch) const {
 
 /// The pixels that get light by a batch.
 MicroSubImage PixelGather::added_image(uint32_t batch) const {
-  if (!interpolates()) return sub_image(batch);
+  if (!interpolates()) return sub_image(batch, 0);
   return {0, 0, 1, width_, height_, width_, 0, 0};
 }
 
@@ -100,7 +106,7 @@ void PixelGather::set_camera(const Camera& camera) {
 
 bool PixelGather::inspects(uint32_t batch) const {
   if (inspect_ == LUCARIUM_NONE || interpolates()) return inspect_ != LUCARIUM_NONE;
-  const MicroSubImage sub = sub_image(batch);
+  const MicroSubImage sub = sub_image(batch, 0);
   return inspect_ % width_ % stride_ == sub.offset_x && inspect_ / width_ % stride_ == sub.offset_y;
 }
 
@@ -143,7 +149,7 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
   const BufferRef values = recorder.transient<uint32_t>("sorted failed pixels", size_t{sides_} * pixels, kRemedy);
   PassBuilder pass = recorder.pass("upsample", program_, "mr_upsample");
   scene_.bind(pass, program_, "mr_upsample");
-  pass.global(pixels).local(kLocalSize).arg("points", points_).arg("width", width_).arg("height", height_).arg("stride", stride_)
+  pass.global(pixels).local(kLocalSize).arg("points", points_).arg("height", height_).arg("sub", gather_sub_)
       .arg("least", parameters_.upsample_fail).arg("footprint", footprint_).arg("morton", parameters_.morton ? 1u : 0u)
       .arg("irradiance", results_.irradiance).arg("specular", results_.specular).arg("statistics", results_.statistics)
       .arg("sides", sides_).arg("keys", keys).arg("values", values).arg("failed", failed_);
@@ -154,9 +160,10 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
 void PixelGather::record_add() {
   ScheduleRecorder recorder = scheduler_.record("add indirect light", owner_);
   add_sub_ = recorder.variable("sub_image", MicroSubImage{});
+  lattice_ = recorder.variable("lattice", MicroSubImage{});
   PassBuilder pass = recorder.pass("add indirect light", program_, "mr_add_indirect");
   scene_.bind(pass, program_, "mr_add_indirect");
-  pass.global(added_).local(kLocalSize).arg("points", points_).arg("sub", add_sub_).arg("irradiance", results_.irradiance)
+  pass.global(added_).local(kLocalSize).arg("points", points_).arg("sub", add_sub_).arg("lattice", lattice_).arg("irradiance", results_.irradiance)
       .arg("specular", results_.specular).arg("statistics", results_.statistics).arg("failed", failed_)
       .arg("pixels", width_ * height_).arg("sides", sides_).arg("indirect", indirect_).arg("looks", looks_);
   if (parameters_.gather_env) pass.arg("sky", results_.sky).arg("sky_light", sky_);
@@ -190,13 +197,14 @@ void PixelGather::count(std::span<const std::byte> sums) {
 }
 
 bool PixelGather::gather(uint32_t batch, uint32_t frame, uint32_t seed) {
-  gather_schedule_.set(gather_sub_, sub_image(batch));
+  gather_schedule_.set(gather_sub_, sub_image(batch, frame));
   gather_schedule_.set(settings_, GatherPass::settings(parameters_, seed ^ (frame * 0x85ebca6bu), inspects(batch) ? inspect_ : LUCARIUM_NONE));
   return scheduler_.run(gather_schedule_) == RunResult::done;
 }
 
-void PixelGather::add(uint32_t batch) {
+void PixelGather::add(uint32_t batch, uint32_t frame) {
   add_schedule_.set(add_sub_, added_image(batch));
+  add_schedule_.set(lattice_, sub_image(batch, frame));
   scheduler_.run_to_end(add_schedule_);
   if (inspects(batch)) scheduler_.run_to_end(keep_schedule_);
 }
@@ -234,13 +242,11 @@ void PixelGather::resolve(Film& film) const {
       for (size_t c = 0; c < 3; ++c) light.pixels[3 * pixel + c] = scale * (&indirect[source].x)[c];
       if (direct)
         for (size_t c = 0; c < 3; ++c) direct->pixels[3 * pixel + c] += scale * (&sky[source].x)[c];
-      // Pixels that did not gather show the gather that they lie beside.
-      const size_t corner = size_t{y / stride_ * stride_} * width_ + x / stride_ * stride_;
-      const float4& look = looks[interpolates() && looks[source].z == 0 ? corner : source];
+      const float4& look = looks[source];
       level.pixels[pixel] = scale * look.x;
       listed.pixels[pixel] = scale * look.y;
       visits.pixels[pixel] = scale * look.z;
-      if (failures) failures->pixels[pixel] = scale * looks[source].w;
+      if (failures) failures->pixels[pixel] = scale * look.w;
     }
   }
   if (inspect_ != LUCARIUM_NONE) resolve_micro_buffer(film);

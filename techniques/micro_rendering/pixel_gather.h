@@ -27,7 +27,7 @@ class PixelGather {
   /// Gathers at the pixels of one sub-image. False when cancelled; nothing has changed then that resolve() shows.
   bool gather(uint32_t batch, uint32_t frame, uint32_t seed);
   /// Adds what the last gather() found to the sums; to its end, whatever is cancelled.
-  void add(uint32_t batch);
+  void add(uint32_t batch, uint32_t frame);
   void restart();
   void warm_up();
   /// Adds what gathers have seen of the environment to the layer `direct`, which exists; writes the layers `indirect`, `cut_level`, `list_length`, `node_visits`, `upsampling_failed` where pixels are interpolated, and `micro_buffer` where a pixel is inspected. Pixels that no
@@ -38,7 +38,7 @@ class PixelGather {
 
  private:
   bool interpolates() const { return parameters_.gather_step > 1; }
-  MicroSubImage sub_image(uint32_t batch) const;
+  MicroSubImage sub_image(uint32_t batch, uint32_t frame) const;
   MicroSubImage added_image(uint32_t batch) const;
   bool inspects(uint32_t batch) const;
   void record_gather();
@@ -66,7 +66,7 @@ class PixelGather {
   TypedBuffer<float4> indirect_, looks_, kept_micro_buffer_;
   TypedBuffer<float4> sky_;  ///< as indirect_, of the environment; with gather_env
   Schedule gather_schedule_, add_schedule_, keep_schedule_;
-  Variable<MicroSubImage> gather_sub_, add_sub_;
+  Variable<MicroSubImage> gather_sub_, add_sub_, lattice_;
   Variable<MicroSettings> settings_;
   Variable<float2> footprint_;
   std::map<std::string, double> counters_;

@@ -191,7 +191,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
     PassBuilder leaf_pass = recorder.pass("update leaves", program_, "mr_leaf_update");
     buffers_.bind(leaf_pass, program_, "mr_leaf_update");
     leaf_pass.global(tree.leaves()).local(kLocalSize).arg("mesh_vertices", buffers_.scene_mesh_vertices).arg("leaves", leaves)
-        .arg("leaf_albedo", leaf_albedo).arg("trees", tree_records).arg("rules", rules).arg("count", tree.leaves())
+        .arg("trees", tree_records).arg("rules", rules).arg("count", tree.leaves())
         .arg("patches", patches).arg("nodes", nodes).arg("clips", clips);
     for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
       recorder.pass("refit", program_, "mr_refit").global(size_t{1} << top).local(1).arg("trees", tree_records)
@@ -241,12 +241,7 @@ bool PointForest::update(const SceneChange& change) {
   std::sort(deformed.begin(), deformed.end());
   deformed.erase(std::unique(deformed.begin(), deformed.end()), deformed.end());
   for (const size_t t : deformed) set_grid(trees_[t], nullptr);
-  if (!change.materials.empty()) {
-    // Albedo and sidedness of any leaf.
-    derive_albedo();
-    deformed.resize(trees_.size());
-    for (size_t t = 0; t < deformed.size(); ++t) deformed[t] = t;
-  }
+  if (!change.materials.empty()) derive_albedo();  // sidedness is as it was, above
   derive(deformed);
   loosened_ = std::any_of(deformed.begin(), deformed.end(), [&](size_t t) { return too_loose(trees_[t]); });
   return !loosened_;

@@ -45,7 +45,6 @@ class PointForest {
 
   const std::vector<ForestTree>& trees() const { return trees_; }
   uint32_t leaf_count() const { return leaf_count_; }  ///< of all trees
-  const Program& program() const { return program_; }
 
   TypedBuffer<MicroTree> tree_records;
   TypedBuffer<MicroLeaf> leaves;     ///< leaf_count()

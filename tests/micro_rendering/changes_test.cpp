@@ -15,20 +15,8 @@ namespace {
 /// The room, whose box hangs on a node that an animation moves or stretches.
 Scene room_with_moving_box(bool stretched) {
   Scene scene = load_scene("builtin:room");
-  Node node;
-  node.meshes = {scene.instances.back().mesh};
-  scene.instances.back().node = static_cast<int>(scene.nodes.size());
-  scene.nodes.push_back(node);
-  Animation animation;
-  animation.duration = 1;
-  AnimationChannel channel;
-  channel.node = scene.instances.back().node;
-  if (stretched) channel.path = AnimationPath::scale;
-  channel.times = {0, 1};
-  channel.values = stretched ? std::vector<float>{1, 1.1f, 1, 1.1f, 1.3f, 1} : std::vector<float>{0, 0, 0, 0.1f, 0, 0.1f};
-  animation.channels.push_back(channel);
-  scene.animations.push_back(animation);
-  evaluate(scene, 0);
+  if (stretched) animate_last_instance(scene, AnimationPath::scale, {1, 1.1f, 1, 1.1f, 1.3f, 1});
+  else animate_last_instance(scene, AnimationPath::translation, {0, 0, 0, 0.1f, 0, 0.1f});
   return scene;
 }
 
@@ -79,6 +67,30 @@ TEST_CASE("a camera that moves costs gathers alone") {
   CHECK(counted.session().resolve().image() == fresh.session().resolve().image());
 }
 
+TEST_CASE("light at points that takes long takes iterations of its own, and is the same light") {
+  const Parameters by_paths = with(small, {{"multibounce", "instant_radiosity"}, {"vpls", "20"}});
+  for (const Parameters& parameters : {small, by_paths}) {
+    CAPTURE(parameters.size());
+    const Scene scene = load_scene("builtin:room");
+    const auto iterations = [&](const char* batch, std::vector<float>& image) {
+      RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings_for(scene, 8, 3),
+                            with(parameters, {{"batch_gathers", batch}}));
+      bool waited = false;
+      session.run({.samples = 1}, [&](const IterationResult& now) {
+        waited = waited || (now.samples == 0 && now.phase == "light");
+        return true;
+      });
+      CHECK(waited == (session.iterations() > 1));
+      image = session.resolve().find("indirect")->pixels;
+      return session.iterations();
+    };
+    std::vector<float> at_once, by_and_by;
+    CHECK(iterations("16384", at_once) == 1);
+    CHECK(iterations("64", by_and_by) >= 2);
+    CHECK(at_once == by_and_by);
+  }
+}
+
 TEST_CASE("lights that change cost light and gathers, and no geometry") {
   CountedSession counted(load_scene("builtin:room"), 2);
   counted.forget();
@@ -96,6 +108,30 @@ TEST_CASE("lights that change cost light and gathers, and no geometry") {
   for (const char* pass : {"sample light at points", "gather at nodes", "pull", "gather"}) {
     CAPTURE(pass);
     CHECK(counted.count(pass) > 0);
+  }
+}
+
+TEST_CASE("other colours cost light and gathers; another sidedness places the points anew") {
+  for (const bool sides : {false, true}) {
+    CAPTURE(sides);
+    const auto change = [&](Scene& scene) {
+      SceneMaterial& material = scene.materials[static_cast<size_t>(scene.instances.back().material)];
+      if (sides) material.double_sided = !material.double_sided;
+      else material.base_color = glm::vec4(0.2f, 0.5f, 0.3f, 1);
+      SceneChange done;
+      done.materials.push_back(scene.instances.back().material);
+      return done;
+    };
+    CountedSession counted(load_scene("builtin:room"), 2);
+    counted.forget();
+    counted.session().change_scene(change);
+    counted.session().run({.iterations = 1});
+    CHECK(counted.count("albedo of leaves") == 1);
+    CHECK((counted.count("update leaves") > 0) == sides);
+    Scene scene = load_scene("builtin:room");
+    change(scene);
+    CountedSession fresh(std::move(scene), 2);
+    CHECK(counted.session().resolve().image() == fresh.session().resolve().image());
   }
 }
 

@@ -12,7 +12,6 @@ __kernel void pack_forest(__global const float4* restrict in, uint count, __glob
   node.radius = in[3 * i].w;
   node.normal = in[3 * i + 1].xyz;
   node.cone = in[3 * i + 1].w;
-  node.albedo = (float3)(1.0f);
   node.flags = (uint)in[3 * i + 2].w;
   node.side = 255u;
   nodes[i] = pack_node(node);

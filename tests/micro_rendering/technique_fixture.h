@@ -41,6 +41,24 @@ inline std::vector<float> indirect_light(Scene scene, const std::string& techniq
   return rendered_layer(std::move(scene), technique, "indirect", size, max_bounces, iterations, parameters);
 }
 
+/// Hangs the scene's last instance on a node that an animation of one second moves, or stretches: values at its two ends.
+inline void animate_last_instance(Scene& scene, AnimationPath path, std::vector<float> values) {
+  Node node;
+  node.meshes = {scene.instances.back().mesh};
+  scene.instances.back().node = static_cast<int>(scene.nodes.size());
+  scene.nodes.push_back(node);
+  Animation animation;
+  animation.duration = 1;
+  AnimationChannel channel;
+  channel.node = scene.instances.back().node;
+  channel.path = path;
+  channel.times = {0, 1};
+  channel.values = std::move(values);
+  animation.channels.push_back(channel);
+  scene.animations.push_back(animation);
+  evaluate(scene, 0);
+}
+
 inline double mean(const std::vector<float>& values) {
   double sum = 0;
   for (const float v : values) sum += static_cast<double>(v);

@@ -102,20 +102,7 @@ TEST_CASE("no light comes through a thin wall") {
 
 TEST_CASE("after a motion of a rigid object the picture is that of a fresh start, and only its matrix was touched") {
   Scene scene = load_scene("builtin:cornell");
-  // The last box is made to hang on a node that an animation moves.
-  Node node;
-  node.meshes = {scene.instances.back().mesh};
-  scene.instances.back().node = static_cast<int>(scene.nodes.size());
-  scene.nodes.push_back(node);
-  Animation animation;
-  animation.duration = 1;
-  AnimationChannel channel;
-  channel.node = scene.instances.back().node;
-  channel.times = {0, 1};
-  channel.values = {0, 0, 0, -0.1f, 0.05f, 0.1f};
-  animation.channels.push_back(channel);
-  scene.animations.push_back(animation);
-  evaluate(scene, 0);
+  animate_last_instance(scene, AnimationPath::translation, {0, 0, 0, -0.1f, 0.05f, 0.1f});
   const RenderSettings settings = settings_for(scene, 24, 2);
   const TechniqueType& type = registry().find("micro_rendering");
   RenderSession moved(Device::open(), scene, type, settings, small);
@@ -178,6 +165,31 @@ TEST_CASE("pixels between gathers are interpolated, and gather themselves where 
   CHECK(std::sqrt(squares / static_cast<double>(every.size())) < 0.1 * mean(every));
   CHECK(mean(second) == test::relative(mean(every), 0.01));
   CHECK(mean(never) == test::relative(mean(every), 0.06));
+}
+
+TEST_CASE("the mean over frames of gathers at some pixels shows no lattice") {
+  constexpr uint32_t size = 32;
+  const auto room = [&](const char* step, uint64_t frames) {
+    const Parameters parameters = with(small, {{"gather_step", step}, {"upsample_fail", "0"}});
+    return indirect_light(load_scene("builtin:room"), "micro_rendering", size, 1, frames, parameters);
+  };
+  const std::vector<float> expected = room("1", 16), once = room("4", 1), often = room("4", 16);
+  // RMSE at the pixels that the first frame gathers at, and at the others.
+  const auto error = [&](const std::vector<float>& image, bool on_lattice) {
+    double sum = 0;
+    int count = 0;
+    for (size_t i = 0; i < image.size(); ++i) {
+      const size_t x = i / 3 % size, y = i / 3 / size;
+      if ((x % 4 == 0 && y % 4 == 0) != on_lattice) continue;
+      sum += std::pow(static_cast<double>(image[i] - expected[i]), 2);
+      ++count;
+    }
+    return std::sqrt(sum / count) / mean(expected);
+  };
+  MESSAGE("1 frame: ", error(once, true), " on the lattice, ", error(once, false), " beside; 16 frames: ", error(often, true), ", ", error(often, false));
+  CHECK(error(once, true) < 0.5 * error(once, false));
+  CHECK(error(often, true) > 0.7 * error(often, false));
+  CHECK(error(often, false) < 0.8 * error(once, false));
 }
 
 TEST_CASE("layers to look inside: the chosen pixel's micro-buffer, level of the cut, lists, failed interpolations") {

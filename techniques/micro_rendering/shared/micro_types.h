@@ -9,8 +9,8 @@
 //   x   centre x (16 bits), centre y << 16
 //   y   centre z (16 bits), half the radius as a half << 16
 //   z   octahedral normal 2 x 10 bits, cone half angle << 20 (8 bits, of pi / 255), flags << 28
-//   w   albedo R, G << 8, B << 16, of 255; << 24: of a leaf its side of a sheet (MICRO_SIDE),
-//       of an inner node the area that it shows along its axis over that of its surface [255]
+//   w   << 24: of a leaf on a two-sided triangle its side of a sheet (MICRO_SIDE), else 0; of an inner node the area that it
+//       shows along its axis over that of its surface [255]
 // Radius and cone angle are rounded up by what centre and normal lost.
 //
 // radiance (half4, 8 B): x y z radiance towards the front [units of radiance_unit[0] cd/m²], mean over the leaves by area;
@@ -50,6 +50,7 @@ LUCARIUM_STRUCT_END(MicroLeaf, 12)
 
 #define MICRO_LEAF_BACK 0x80000000u
 
+#define MICRO_CUT_LEVELS 6u     // most levels that the cut of gathering nodes reaches below its level
 #define MICRO_MOST_PHOTONS 256  // that a density is estimated from
 
 // Where a path from a light met a diffuse surface.
@@ -158,7 +159,7 @@ LUCARIUM_STRUCT_END(MicroStatistics, 32)
 //                           [MICRO_DYNAMIC: __global const MicroNodeChoice* choices,
 //                           __global const MicroLeafLight* leaf_lights, __global const MicroLeafLobe* leaf_lobes,]
 //                           uint slice_base)
-// Work-item i is gather i; it returns when i >= gather_count[0]. What slots hold that no gather has stays as it was.
+// Work-item i is gather settings.first + i; it returns when i >= gather_count[0]. What slots hold that no gather has stays as it was.
 // Rules that a program fixes come as definitions (gather_pass.cpp).
 
 // What changes from one gather pass to the next, or needs no program of its own.
@@ -168,7 +169,8 @@ LUCARIUM_STRUCT_BEGIN(MicroSettings)
   uint seed;           // of the jitter and of the frames; another one for every iteration
   uint inspect;        // slot whose micro-buffer is wanted, LUCARIUM_NONE: none
   float cut_error;     // share of a micro-buffer's mean that a node may err by (MICRO_ERROR_CUT)
-  float pad0, pad1, pad2;
+  uint first;          // gather of the first work-item
+  float pad0, pad1;
 LUCARIUM_STRUCT_END(MicroSettings, 32)
 
 #endif
