@@ -87,7 +87,12 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   MicroBuffer buffer;
   MicroWarp warp;
   for (uint lobe = MICRO_LOBE_DIFFUSE; lobe <= MICRO_LOBE_SPECULAR; ++lobe) {
-    if (edges[lobe] == 0u) continue;
+    if (edges[lobe] == 0u) {
+#if MICRO_LEVELS
+      if (lobe == MICRO_LOBE_SPECULAR) specular[2u * point.slot] = (float4)(0.0f);  // of a frame that saw another surface
+#endif
+      continue;
+    }
     const uint kind = lobe == MICRO_LOBE_SPECULAR && eta > 0.0f ? MICRO_LOBE_REFRACTED : lobe;
     make_micro_warp(kind, edges[lobe], half_value(lobes >> 16), eta, to_local(&point.basis, point.view), kappa, &warp);
 #if MICRO_ERROR_CUT

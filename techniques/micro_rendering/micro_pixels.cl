@@ -295,7 +295,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
     const MicroStatistics s = statistics[pixel];
 #if MICRO_LEVELS
     if (s.visits > 0u) {
-      const float2 now = (float2)(M_1_PI_F * max_component(irradiance[pixel].xyz), max_component(specular[2u * pixel].xyz));
+      const float2 now = (float2)(M_1_PI_F * max_component(irradiance[pixel].xyz), max_component(specular[2u * pixel].xyz) + (through ? max_component(specular[2u * far].xyz) : 0.0f));
       const float4 before = levels[pixel];
       const float frames = fabs(before.w) + 1.0f;
       const float2 mean = mix(before.xy, now, 1.0f / frames);

@@ -69,7 +69,9 @@ class MicroRendering : public Technique {
     set.indirect = set.max_bounces > 0;
     set.light_delta = false;
     // Of several bounces only the last one before the eye's is glossy: no path set says so.
-    set.secondary_lambert_only = parameters_.node_shading == NodeShading::stored || set.max_bounces > 1;
+    const bool glossy_nodes = parameters_.node_shading == NodeShading::dynamic &&
+                              !(parameters_.multibounce == MultiBounce::photon_map && parameters_.photon_direct);
+    set.secondary_lambert_only = !glossy_nodes || set.max_bounces > 1;
     return set;
   }
 
@@ -85,6 +87,10 @@ class MicroRendering : public Technique {
       list.push_back("virtual lights' geometry term is bounded by vpl_clamp: corners are too dark");
     if (parameters_.multibounce == MultiBounce::photon_map && (bounces(settings) > 1 || parameters_.photon_direct))
       list.push_back("the photon map blurs light over photon_k photons");
+    if (parameters_.node_shading == NodeShading::dynamic && parameters_.multibounce == MultiBounce::photon_map && parameters_.photon_direct)
+      list.push_back("node_shading=dynamic has no effect: photons stand for light samples (photon_direct=on)");
+    if (parameters_.backface == Backface::cull)
+      list.push_back("backs of single-sided surfaces let light through, which the reference's block (backface=cull)");
     if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
     return list;
   }
@@ -109,12 +115,12 @@ class MicroRendering : public Technique {
       gather_ = GatherPass(*context.device, parameters_, GatherAt::pixels);
       node_gather_ = GatherPass(*context.device, parameters_, GatherAt::nodes);
     }
-    make_forest();
-    make_passes();
+    make_anew();
   }
 
   void update(const SceneChange& change) override {
     if (!change.any()) return;
+    if (!made_) return make_anew();
     if (change.only_camera()) {
       gbuffer_->set_frame(frame());
       restart();
@@ -139,6 +145,7 @@ class MicroRendering : public Technique {
   }
 
   IterationResult iterate() override {
+    if (!made_) make_anew();  // the last attempt failed
     if (light() && step()) {
       ++batch_;
       if (!pixels_ || batch_ == pixels_->batches()) batch_ = 0, ++frame_;
@@ -151,6 +158,7 @@ class MicroRendering : public Technique {
   }
 
   void resolve(Film& film) override {
+    if (!made_) throw Error(ErrorClass::input, "micro_rendering: the scene's last change could not be followed; nothing to show");
     context_->scheduler.finish();
     resolve_sum(film, "emission", emission_);
     resolve_sum(film, "direct", direct_);
@@ -159,11 +167,13 @@ class MicroRendering : public Technique {
 
   void reset(uint64_t seed) override {
     seed_ = seed;
+    if (!made_) return make_anew();
     gbuffer_->set_frame(frame());
     restart();
   }
 
   void warm_up() override {
+    if (!made_) make_anew();
     gbuffer_->warm_up();
     direct_light_->warm_up(gbuffer_->points(), frame_direct_);
     context_->scheduler.warm_up(direct_schedule_);
@@ -209,7 +219,13 @@ class MicroRendering : public Technique {
     return frame;
   }
 
+  void make_anew() {
+    make_forest();
+    make_passes();
+  }
+
   void make_forest() {
+    made_ = false;
     if (bounces(context_->settings) == 0) return;
     pixels_.reset();  // what refers to memory goes before the memory
     leaf_light_.reset();
@@ -224,6 +240,7 @@ class MicroRendering : public Technique {
     KernelScheduler& scheduler = context_->scheduler;
     const SceneBuffers& scene = context_->scene_buffers;
     const RenderSettings& settings = context_->settings;
+    made_ = false;
     transmits_ = transmits(context_->scene);
     direct_schedule_ = {};
     pixels_.reset();
@@ -235,9 +252,11 @@ class MicroRendering : public Technique {
     const uint32_t kinds = gathers_sky ? DirectLight::kAllLights & ~(1u << LUCARIUM_LIGHT_ENVIRONMENT) : DirectLight::kAllLights;
     direct_light_ = std::make_unique<DirectLight>(device, scheduler, scene, context_->bvh(), kName, kinds);
     const uint32_t pixels = settings.width * settings.height;
-    emission_ = TypedBuffer<float4>(device, kName, "emission", pixels, "lower --size");
-    direct_ = TypedBuffer<float4>(device, kName, "direct light", pixels, "lower --size");
-    frame_direct_ = TypedBuffer<float4>(device, kName, "direct light of a frame", pixels, "lower --size");
+    if (!emission_) {  // the size of an image never changes
+      emission_ = TypedBuffer<float4>(device, kName, "emission", pixels, "lower --size");
+      direct_ = TypedBuffer<float4>(device, kName, "direct light", pixels, "lower --size");
+      frame_direct_ = TypedBuffer<float4>(device, kName, "direct light of a frame", pixels, "lower --size");
+    }
     ScheduleRecorder recorder = scheduler.record("add emission and direct light", kName);
     recorder.pass("add emission and direct light", program_, "mr_add_direct").global(pixels).local(64)
         .arg("points", gbuffer_->points()).arg("count", pixels).arg("frame_direct", frame_direct_).arg("emission", emission_)
@@ -252,6 +271,7 @@ class MicroRendering : public Technique {
     scene_generation_ = scene.generation();
     bvh_generation_ = context_->bvh().generation();
     restart();
+    made_ = true;
   }
 
   void restart() {
@@ -305,6 +325,7 @@ class MicroRendering : public Technique {
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1;
+  bool made_ = false;        ///< forest and passes are whole and those of the present scene
   bool posed_ = false;       ///< a deformation has loosened a tree
   std::vector<int> moving_;  ///< instances that have been moved though no animation does it
   uint32_t frame_ = 0, batch_ = 0;

@@ -58,7 +58,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
   if (inside(parameters.inspect_x, width) && inside(parameters.inspect_y, height))
     inspect_ = static_cast<uint32_t>(parameters.inspect_y) * width + static_cast<uint32_t>(parameters.inspect_x);
   results_ = GatherResults(device, owner, "pixels'", sides_ * pixels, true, parameters.gather_env);
-  if (parameters.keeps_levels()) results_.levels = TypedBuffer<float4>(device, owner, "levels of micro-buffers", pixels, kRemedy);
+  if (parameters.keeps_levels()) results_.levels = TypedBuffer<float4>(device, owner, "levels of micro-buffers", sides_ * pixels, kRemedy);
   added_ = interpolates() ? width * height : capacity_;
   failed_ = TypedBuffer<uint32_t>(device, owner, "failed interpolations", pixels, kRemedy);
   failed_count_ = TypedBuffer<uint32_t>(device, owner, "number of failed interpolations", 1);
@@ -270,7 +270,7 @@ size_t PixelGather::estimate_bytes(uint32_t width, uint32_t height, const MicroP
   const size_t pixels = size_t{width} * height, sides = transmits ? 2 : 1;
   const size_t batch = parameters.gather_step > 1 ? 2 * pixels : std::min(pixels, static_cast<size_t>(parameters.batch_gathers));
   const bool sky = parameters.gather_env, levels = parameters.keeps_levels();
-  return GatherResults::estimate_bytes(sides * pixels, true, sky) + pixels * ((2 + sky + levels) * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
+  return GatherResults::estimate_bytes(sides * pixels, true, sky) + pixels * ((2 + sky + (levels ? sides : 0)) * sizeof(float4) + sizeof(uint32_t)) + kMicroPixels * sizeof(float4) +
          sides * batch * (4 * sizeof(uint32_t) + sizeof(MicroGather)) + (size_t{1} << 18);
 }
 

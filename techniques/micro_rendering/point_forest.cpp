@@ -19,6 +19,7 @@ namespace {
 constexpr int kLeastDepth = 4;         // of a tree
 constexpr uint32_t kQualityLevel = 8;  // whose radii tell when a refitted tree is too loose
 constexpr double kLoosest = 1.5;       // times the sum when built
+constexpr double kMostGrowth = 4;      // of a tree's area, until it gets points anew
 constexpr uint32_t kPlacingSeed = 1;   // every run of a scene has the same points
 constexpr size_t kLocalSize = 64;
 const char* const kRemedy = "lower points_log2";
@@ -55,7 +56,12 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
       owner_(owner),
       program_(forest_program(device)) {
   placed_materials_ = placing();
-  place(find_tree_sources(scene, buffers, options.moving));
+  std::vector<TreeSource> sources = find_tree_sources(scene, buffers, options.moving);
+  std::erase_if(sources, [this](const TreeSource& source) {
+    if (source.sides.empty() && source.instance != none) uncovered_.push_back(source.instance);
+    return source.sides.empty();
+  });
+  place(std::move(sources));
   derive_albedo();
   std::vector<size_t> all(trees_.size());
   for (size_t t = 0; t < all.size(); ++t) all[t] = t;
@@ -104,6 +110,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
     }
     ordering_seconds_ += seconds_since(start);
     tree.placed_area = sampled.area;
+    tree.world_area = areas[t];
     tree.covered = sources[t].plain_area > 0 ? sources[t].covered_area / sources[t].plain_area : 1;
     set_grid(tree, &sources[t]);
     trees_.push_back(tree);
@@ -215,6 +222,18 @@ bool PointForest::too_loose(const ForestTree& tree) const {
   return radius_sum(tree) > kLoosest * tree.built_radius_sum;
 }
 
+/// Whether its area in the world has become much larger than when its number of points was chosen.
+bool PointForest::outgrown(const ForestTree& tree) const {
+  double area = 0;
+  if (tree.kind == TreeKind::rigid) {
+    const glm::vec3 axis(scene_.instances[static_cast<size_t>(tree.instance)].world_from_object[0]);
+    area = tree.placed_area * static_cast<double>(glm::dot(axis, axis));
+  } else {
+    area = tree.covered * instance_area(scene_, tree.instance);
+  }
+  return area > kMostGrowth * tree.world_area;
+}
+
 bool PointForest::update(const SceneChange& change) {
   if (change.topology) return false;
   if (placing() != placed_materials_) return false;
@@ -224,18 +243,23 @@ bool PointForest::update(const SceneChange& change) {
   const auto tree_of = [&](int instance) {
     return std::find_if(trees_.begin(), trees_.end(), [&](const ForestTree& t) { return t.instance == instance; });
   };
+  const auto is_uncovered = [this](int instance) {
+    return std::find(uncovered_.begin(), uncovered_.end(), instance) != uncovered_.end();
+  };
   std::vector<size_t> deformed;
   for (const int instance : change.moved_instances) {
+    if (is_uncovered(instance)) continue;
     const auto tree = tree_of(instance);
-    if (tree == trees_.end()) return false;
+    if (tree == trees_.end() || outgrown(*tree)) return false;
     const SceneInstance& moved = scene_.instances[static_cast<size_t>(instance)];
     if (tree->kind == TreeKind::rigid && !is_similarity(moved.world_from_object)) return false;
     if (tree->kind == TreeKind::rigid) set_transform(*tree);
     else deformed.push_back(static_cast<size_t>(tree - trees_.begin()));
   }
   for (const int instance : change.deformed_instances) {
+    if (is_uncovered(instance)) continue;
     const auto tree = tree_of(instance);
-    if (tree == trees_.end() || tree->kind != TreeKind::deforming) return false;
+    if (tree == trees_.end() || tree->kind != TreeKind::deforming || outgrown(*tree)) return false;
     deformed.push_back(static_cast<size_t>(tree - trees_.begin()));
   }
   std::sort(deformed.begin(), deformed.end());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "lucarium/compute/scheduler.h"
@@ -16,7 +18,7 @@ struct ForestOptions {
   bool all_cullable = false;   ///< surfaces are transparent from behind instead of black
   std::vector<int> moving;     ///< instances that have trees of their own though no animation moves them
   bool posed = false;          ///< leaves of deforming trees are ordered as they stand now, not as at rest
-  int threads = 2;
+  int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));  ///< the result is the same for any number
 };
 
 /// Tree as the host knows it.
@@ -26,6 +28,7 @@ struct ForestTree {
   MicroTree record{};           ///< as on the device
   double covered = 1;           ///< covered area / plain area
   double placed_area = 0;       ///< covered area in the space in which points were placed
+  double world_area = 0;        ///< covered area in the world then [m²], which decided how many points it has
   double built_radius_sum = 0;  ///< of level kQualityLevel when it was built [grid steps of the build · step]
   uint32_t leaves() const { return 1u << record.depth; }
 };
@@ -38,7 +41,8 @@ class PointForest {
               const ForestOptions& options, const std::string& owner);
 
   /// Follows moved and deformed instances and changed materials; returns false when the forest must be made anew
-  /// (topology; something moved that rests; a deformed tree has become too loose; coverage may have changed).
+  /// (topology; something moved that rests; a deformed tree has become too loose; something has grown so much that its
+  /// points no longer suffice; coverage may have changed).
   bool update(const SceneChange& change);
 
   bool loosened() const { return loosened_; }  ///< why update() failed: a deformed tree is too loose
@@ -86,6 +90,7 @@ class PointForest {
   void set_transform(ForestTree& tree) const;
   double radius_sum(const ForestTree& tree) const;
   bool too_loose(const ForestTree& tree) const;
+  bool outgrown(const ForestTree& tree) const;
 
   Device& device_;
   KernelScheduler& scheduler_;
@@ -96,6 +101,7 @@ class PointForest {
   Program program_;
   std::vector<ForestTree> trees_;
   std::vector<Placing> placed_materials_;
+  std::vector<int> uncovered_;  ///< moving instances without covered area, which have no tree
   bool loosened_ = false;
   uint32_t leaf_count_ = 0;
   double sampling_seconds_ = 0, ordering_seconds_ = 0;

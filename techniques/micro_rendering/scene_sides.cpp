@@ -175,7 +175,6 @@ std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers
       add_sides(tree, points, t, placed);
     }
   }
-  std::erase_if(trees, [](const TreeSource& tree) { return tree.sides.empty(); });
   return trees;
 }
 

@@ -33,7 +33,7 @@ bool is_similarity(const glm::mat4& world_from_object);
 /// Area of an instance's triangles in the world at present, each once [m²].
 double instance_area(const Scene& scene, int instance);
 
-/// Sources of all trees, the resting one first. A moving instance's points are placed on its mesh at rest, so that they do
+/// Sources of all trees, the resting one first; without sides where nothing is covered. A moving instance's points are placed on its mesh at rest, so that they do
 /// not depend on when the run began.
 /// `moving`: instances that move though no animation does it.
 std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers, const std::vector<int>& moving = {});

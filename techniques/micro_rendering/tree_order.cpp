@@ -42,11 +42,11 @@ bool parts_overlap(std::span<const Item> items, const Sheet& sheet, int axis) {
   return common > 0 && common >= 0.5f * std::min(high[0] - low[0], high[1] - low[1]);
 }
 
-/// Thin sheets about the normal of the first point whose parts a node must not mix: the two sides of one, of which one is
+/// Thin sheets about the normal of the point of least index (whatever order the library has left) whose parts a node must not mix: the two sides of one, of which one is
 /// seen, and parallel layers, of which one hides the other.
 Sheet find_sheet(std::span<const Item> items, int axis, float longest) {
   Sheet sheet;
-  sheet.normal = items[0].normal;
+  sheet.normal = std::min_element(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.index < b.index; })->normal;
   float low = INFINITY, high = -INFINITY, least = 1;
   for (const Item& item : items) {
     const float height = glm::dot(item.position, sheet.normal);

@@ -12,11 +12,14 @@ using namespace lucarium::test;
 
 namespace {
 
-/// The room, whose box hangs on a node that an animation moves or stretches.
-Scene room_with_moving_box(bool stretched) {
+enum class Motion { shift, stretch, appear };
+
+/// The room, whose box hangs on a node that an animation moves, stretches, or scales from nothing to its size.
+Scene room_with_moving_box(Motion motion) {
   Scene scene = load_scene("builtin:room");
-  if (stretched) animate_last_instance(scene, AnimationPath::scale, {1, 1.1f, 1, 1.1f, 1.3f, 1});
-  else animate_last_instance(scene, AnimationPath::translation, {0, 0, 0, 0.1f, 0, 0.1f});
+  if (motion == Motion::shift) animate_last_instance(scene, AnimationPath::translation, {0, 0, 0, 0.1f, 0, 0.1f});
+  if (motion == Motion::stretch) animate_last_instance(scene, AnimationPath::scale, {1, 1.1f, 1, 1.1f, 1.3f, 1});
+  if (motion == Motion::appear) animate_last_instance(scene, AnimationPath::scale, {0, 0, 0, 1, 1, 1});
   return scene;
 }
 
@@ -138,7 +141,7 @@ TEST_CASE("other colours cost light and gathers; another sidedness places the po
 TEST_CASE("a rigid object's motion refits nothing; a deformation refits its own tree alone") {
   for (const bool stretched : {false, true}) {
     CAPTURE(stretched);
-    CountedSession counted(room_with_moving_box(stretched), 2);
+    CountedSession counted(room_with_moving_box(stretched ? Motion::stretch : Motion::shift), 2);
     CHECK(counted.session().technique().counters().at("trees") == 2);
     counted.forget();
     counted.session().set_time(0.7);
@@ -149,6 +152,34 @@ TEST_CASE("a rigid object's motion refits nothing; a deformation refits its own 
     CHECK(counted.count("sample light at points") > 0);
     CHECK(counted.count("gather at nodes") > 0);
   }
+}
+
+TEST_CASE("what grows from nothing gets the points of its size, as in a fresh start") {
+  CountedSession counted(room_with_moving_box(Motion::appear), 1);
+  const double points_before = counted.session().technique().counters().at("points");
+  counted.session().set_time(0.999);
+  counted.session().run({.iterations = 1});
+  Scene grown = room_with_moving_box(Motion::appear);
+  evaluate(grown, 0.999);
+  CountedSession fresh(std::move(grown), 1);
+  CHECK(counted.session().technique().counters().at("points") > points_before);
+  CHECK(counted.session().resolve().image() == fresh.session().resolve().image());
+}
+
+TEST_CASE("a moving thing of which nothing is covered costs nothing") {
+  Scene scene = room_with_moving_box(Motion::shift);
+  SceneMaterial unseen;
+  unseen.alpha_mode = AlphaMode::blend;
+  unseen.base_color.a = 0;
+  scene.instances.back().material = static_cast<int>(scene.materials.size());
+  scene.materials.push_back(unseen);
+  CountedSession counted(std::move(scene), 1);
+  CHECK(counted.session().technique().counters().at("trees") == 1);
+  counted.forget();
+  counted.session().set_time(0.7);
+  counted.session().run({.iterations = 1});
+  CHECK(counted.count("update leaves") == 0);
+  CHECK(counted.count("albedo of leaves") == 0);
 }
 
 TEST_CASE("what a program moves gets a tree of its own: its second motion refits nothing") {
