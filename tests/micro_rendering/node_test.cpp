@@ -2,12 +2,15 @@
 // Packed nodes: what a node loses by rounding it must gain in radius and cone, and no more than the format's steps.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <glm/glm.hpp>
 #include <random>
 
 #include "lucarium/shared/dialect.h"
 #include "micro_fixture.h"
+#include "micro_rendering/shared/micro_types.h"
 
 using namespace lucarium;
 
