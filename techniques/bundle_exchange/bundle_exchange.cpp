@@ -306,7 +306,8 @@ class BundleExchange : public Technique {
 
   /// Whether more light samples at slots are of use.
   bool wants_light() const {
-    return context_->settings.max_bounces != 0 && !parts_->slot_light.exhausted();
+    return context_->settings.max_bounces != 0 && !parts_->slot_light.exhausted() &&
+           (!lit() || !exchange_done() || parts_->camera.pixel_gather());  // only bundles still send what they know
   }
 
   /// Whether slots know the direct light that they are to send.

@@ -44,7 +44,7 @@ struct Parameters {
 
   template <class V>
   void describe(V& v) {
-    v.number("directions", directions, 1, 1000000, "directions", "directions of exchange, then it has converged");
+    v.number("directions", directions, 1, 1000000, "directions", "directions of exchange");
     v.number("batch", batch, 1, 64, "directions", "directions that share one set of senders; begins at 1 and grows");
     v.choice("sequence", sequence,
              {{"iid", Sequence::iid},
@@ -95,7 +95,7 @@ struct Parameters {
     v.choice("pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
              "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below alpha_ring are traced)");
     v.flag("preview", preview,
-           "until it has converged, show the atlas smoothed as far as its errors go (interleave=sd and running)");
+           "until the exchange is done, show the atlas smoothed as far as its errors go (interleave=sd and running)");
     v.flag("warm_start", warm_start,
            "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and running)");
     v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance (interleave=sd and running); 0: never");

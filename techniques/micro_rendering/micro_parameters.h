@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of the technique; names and defaults as in the specification, section 3.
+// Parameters of the technique.
 #pragma once
 #include <algorithm>
 
@@ -78,7 +78,7 @@ struct MicroParameters {
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
     v.number("adaptive", adaptive, 0, 1, "",
              "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long; 0: off");
-    v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 a frame is one iteration");
+    v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one iteration");
     v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
     v.flag("gather_env", gather_env, "empty micro-pixels see the environment; light samples of the layer direct leave it out");
     v.choice("node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},

@@ -99,9 +99,8 @@ class MicroRendering : public Technique {
     const size_t pixels = size_t{settings.width} * settings.height;
     size_t bytes = GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) + 3 * pixels * sizeof(float4);
     if (bounces(settings) == 0) return bytes;
-    const size_t forest = PointForest::estimate_bytes(scene, forest_options());
-    const size_t leaves = forest / (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)) + sizeof(uint4));
-    return bytes + forest + LeafLight::estimate_bytes(parameters_, leaves, bounces(settings)) +
+    const PointForest::Size forest = PointForest::estimate(scene, forest_options());
+    return bytes + forest.bytes + LeafLight::estimate_bytes(parameters_, forest.leaves, bounces(settings)) +
            PixelGather::estimate_bytes(settings.width, settings.height, parameters_, transmits(scene));
   }
 

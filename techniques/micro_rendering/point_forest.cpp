@@ -271,13 +271,14 @@ bool PointForest::update(const SceneChange& change) {
   return !loosened_;
 }
 
-size_t PointForest::estimate_bytes(const Scene& scene, const ForestOptions& options) {
+PointForest::Size PointForest::estimate(const Scene& scene, const ForestOptions& options) {
   // Rounding to powers of two, and the least size of a tree.
   size_t trees = 1;
   for (const SceneInstance& instance : scene.instances) trees += instance.pose || !scene.animations.empty();
   const size_t leaves = (trees > 1 ? size_t{3} << options.points_log2 >> 1 : size_t{1} << options.points_log2) +
                         (trees - 1) * (size_t{1} << kLeastDepth);
-  return leaves * (sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)) + sizeof(uint4)) + trees * sizeof(MicroTree);
+  const size_t per_leaf = sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)) + sizeof(uint4);
+  return {leaves, leaves * per_leaf + trees * sizeof(MicroTree) + scene.triangle_count() * sizeof(MicroPatch)};
 }
 
 }  // namespace lucarium::micro

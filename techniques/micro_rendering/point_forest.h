@@ -62,8 +62,11 @@ class PointForest {
   double sampling_seconds() const { return sampling_seconds_; }
   double ordering_seconds() const { return ordering_seconds_; }
 
-  /// Most device bytes that a forest of this size takes.
-  static size_t estimate_bytes(const Scene& scene, const ForestOptions& options);
+  struct Size {
+    size_t leaves, bytes;
+  };
+  /// Most leaves that a forest may have, and device bytes that it takes.
+  static Size estimate(const Scene& scene, const ForestOptions& options);
   /// Calls pass(top, bottom) for a pass over inner levels [top, bottom) from the leaves of a tree up.
   template <class Pass>
   static void for_level_ranges(uint32_t depth, Pass pass) {
