@@ -62,7 +62,7 @@ struct Parameters {
     v.number("block", block, 128, 16384, "directions", "directions of a stratified block, and of a bounce of pingpong");
     v.number("env_guiding", env_guiding, 0.f, 0.9f, "", "share of directions drawn by the environment's luminance");
     v.number("texels", texels, 0, 1 << 24, "texels",
-             "wanted size of the surface atlas; 0: eight per pixel of the image, but 2048 to 262144");
+             "wanted size of the surface atlas; 0: eight per pixel of the image, but 32768 to 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a film pixel of a bundle");
     v.number("open_gap", open_gap, 0.f, 16.f, "texel edges",
              "rays that go farther tell how open a part of a texel is, and what it counts in the texel's mean; 0: all alike");

@@ -126,12 +126,15 @@ class MicroRendering : public Technique {
       return;
     }
     const bool rebuilt = forest_ && !forest_->update(change);
-    if (change.topology) moving_.clear();  // instances may have other numbers
+    if (change.topology) moved_.clear(), moving_.clear();  // instances may have other numbers
     if (rebuilt) {
       posed_ = !change.topology && (posed_ || forest_->loosened());
-      // What a program moves once gets a tree of its own, so that the next move is one of its matrix.
-      for (const int instance : change.moved_instances)
-        if (std::find(moving_.begin(), moving_.end(), instance) == moving_.end()) moving_.push_back(instance);
+      // What a program moves once gives the picture of a fresh start. What it moves again gets a tree of its own, so that
+      // the next move is one of its matrix.
+      for (const int instance : change.moved_instances) {
+        std::vector<int>& list = holds(moved_, instance) ? moving_ : moved_;
+        if (!holds(list, instance)) list.push_back(instance);
+      }
       make_forest();
     }
     if (rebuilt || transmits(context_->scene) != transmits_ || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
@@ -197,6 +200,8 @@ class MicroRendering : public Technique {
   static bool transmits(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) { return m.transmission > 0 && m.roughness >= LUCARIUM_MIRROR_ROUGHNESS; });
   }
+
+  static bool holds(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
 
   int bounces(const RenderSettings& settings) const {
     return settings.max_bounces < 0 ? parameters_.unlimited_bounces : settings.max_bounces;
@@ -326,7 +331,8 @@ class MicroRendering : public Technique {
   uint64_t seed_ = 1;
   bool made_ = false;        ///< forest and passes are whole and those of the present scene
   bool posed_ = false;       ///< a deformation has loosened a tree
-  std::vector<int> moving_;  ///< instances that have been moved though no animation does it
+  std::vector<int> moved_;   ///< instances that have been moved though no animation does it
+  std::vector<int> moving_;  ///< those that were moved again, and have trees of their own
   uint32_t frame_ = 0, batch_ = 0;
   bool transmits_ = false;
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;
