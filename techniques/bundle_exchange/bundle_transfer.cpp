@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "bundle_program.h"
-#include "texel_extent.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -20,10 +19,9 @@ LayeredRasterOptions raster_options(uint32_t side) {
 
 /// Edge of film pixels [m]. Work-items that add to the same texel at a time would lose rays of it, and what they touch is at
 /// least 16 pixels apart: no texel may be longer.
-double usable_pixel(const BundleTransfer::Options& options, const SurfaceAtlas& atlas, const SceneBuffers& buffers) {
+double usable_pixel(const BundleTransfer::Options& options, const SurfaceAtlas& atlas, const SlotOpenness& openness) {
   const double wanted = options.pixel_size * static_cast<double>(atlas.info().texel_edge);
-  if (options.transfer == Transfer::texel) return wanted;
-  return std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
+  return options.transfer == Transfer::texel ? wanted : std::max(wanted, openness.safe_pixel());
 }
 
 }  // namespace
@@ -35,7 +33,7 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       channels_(channels),
       options_(options),
       bounds_(scene.bounds()),
-      pixel_(usable_pixel(options, atlas, buffers)),
+      pixel_(usable_pixel(options, atlas, openness)),
       side_(film_side(bounds_, pixel_)),
       raster_(scheduler, buffers, raster_options(side_), kOwner),
       views_(device, kOwner, "view of a direction", 1),

@@ -35,7 +35,7 @@ SlotOpenness::SlotOpenness(Device& device, KernelScheduler& scheduler, const Pro
   const Bounds bounds = scene.bounds();
   const double texel = static_cast<double>(atlas.info().texel_edge), wanted = options.pixel_size * texel;
   // Work-items that count for the same texel at a time would lose rays of it.
-  const double pixel = std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
+  const double pixel = safe_pixel_ = std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
   LayeredRasterOptions films;
   films.max_width = films.max_height = film_side(bounds, pixel);
   const LayeredRaster raster(scheduler, buffers, films, kOwner);

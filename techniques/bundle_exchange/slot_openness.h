@@ -25,12 +25,15 @@ class SlotOpenness {
   const TypedBuffer<uint32_t>& parts() const { return parts_; }
   /// Per slot: the same of its random points, 4 bits each; 0: hidden, or closed.
   const TypedBuffer<uint32_t>& points() const { return points_; }
+  /// Least edge of film pixels, from `pixel_size` on, with which no two work-items reach the same texel at a time [m].
+  double safe_pixel() const { return safe_pixel_; }
   static size_t estimate_bytes(size_t slots);
 
  private:
   TypedBuffer<float> shares_;
   TypedBuffer<uint32_t> parts_;
   TypedBuffer<uint32_t> points_;
+  double safe_pixel_ = 0;
 };
 
 }  // namespace lucarium::bundle

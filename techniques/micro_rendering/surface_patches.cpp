@@ -13,6 +13,7 @@ namespace {
 
 constexpr float kCrease = 0.35f;  // angle from which on an edge counts [rad]
 constexpr float kBorder = 1e9f;
+constexpr size_t kMostFaces = 64;  // of one edge that are compared: copies of a triangle must not cost their number's square
 constexpr uint32_t kSheets = 127;  // that are told apart
 
 struct Face {
@@ -95,7 +96,7 @@ std::vector<uint32_t> join(std::vector<Face>& faces) {
     end = first + 1;
     while (end < edges.size() && edges[end].low == edges[first].low && edges[end].high == edges[first].high) ++end;
     for (size_t i = first; i < end; ++i) {
-      for (size_t j = first; j < end; ++j) {
+      for (size_t j = first; j < std::min(end, first + kMostFaces); ++j) {
         const HalfEdge &a = edges[i], &b = edges[j];
         if (a.face == b.face) continue;
         Face& face = faces[a.face];
