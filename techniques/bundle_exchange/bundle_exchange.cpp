@@ -148,6 +148,7 @@ class BundleExchange : public Technique {
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
     if (parts_) {
+      result["indirect_directions"] = static_cast<double>(parts_->means.reflecting(directions_));
       result["slots"] = parts_->atlas->info().texel_count;
       result["film_pixels"] = parts_->transfer.mean_film();
       result["hop_rays"] = static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
@@ -259,9 +260,9 @@ class BundleExchange : public Technique {
 
   bool run_batch(uint32_t count) {
     if (!parts_->means.make_senders()) return false;
-    const bool direct_only = parts_->means.direct_only(directions_);
+    const bool direct_only = parts_->means.direct_only(directions_), all_sent = parts_->means.carries_all(directions_);
     SlotSpecular* specular = direct_only ? nullptr : parts_->specular.get();
-    PixelGather* gather = direct_only ? nullptr : parts_->camera.pixel_gather();
+    PixelGather* gather = all_sent ? parts_->camera.pixel_gather() : nullptr;
     if (specular) specular->begin_batch(sequence_, directions_, count);
     for (uint32_t i = 0; i < count; ++i) {
       const Direction direction = sequence_.at(directions_ + i);
@@ -269,7 +270,7 @@ class BundleExchange : public Technique {
       if (specular && !specular->send(direction, i, seed, parts_->means.sends_direct())) return false;
       if (!(direct_only ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed))) return false;
       if (specular && !specular->receive(i)) return false;
-      if (gather && !parts_->transfer.gather(direction, seed, i == 0)) return false;
+      if (gather && !(specular ? parts_->transfer.gather(direction, seed, i == 0) : gather_along(directions_ + i, i == 0))) return false;
     }
     if (specular) specular->commit();
     if (gather) gather->commit(count);
@@ -280,18 +281,21 @@ class BundleExchange : public Technique {
 
   /// When slots have received enough: a direction for pixels only.
   bool run_gather() {
-    if (!parts_->means.make_senders()) return false;
-    const uint64_t index = directions_ + gathers_;
+    if (!parts_->means.make_senders() || !gather_along(directions_ + gathers_, true)) return false;
+    parts_->camera.pixel_gather()->commit(1);
+    ++gathers_;
+    return true;
+  }
+
+  /// Pixels gather what slots send along a direction, which itself changes nothing that slots know.
+  bool gather_along(uint64_t index, bool first) {
     const Direction direction = sequence_.at(index);
     const uint32_t seed = direction_seed(index);
     if (parts_->specular) {
       parts_->specular->begin_batch(sequence_, index, 1);
       if (!parts_->specular->send(direction, 0, seed, parts_->means.sends_direct())) return false;
     }
-    if (!parts_->transfer.gather(direction, seed, true)) return false;
-    parts_->camera.pixel_gather()->commit(1);
-    ++gathers_;
-    return true;
+    return parts_->transfer.gather(direction, seed, first);
   }
 
   uint32_t direction_seed(uint64_t index) const {
@@ -307,7 +311,8 @@ class BundleExchange : public Technique {
   /// Whether more light samples at slots are of use.
   bool wants_light() const {
     return context_->settings.max_bounces != 0 && !parts_->slot_light.exhausted() &&
-           (!lit() || !exchange_done() || parts_->camera.pixel_gather());  // only bundles still send what they know
+           (!lit() || !(exchange_done() || parts_->means.reflected_light_done()) ||
+            parts_->camera.pixel_gather());  // only bundles still send what they know
   }
 
   /// Whether slots know the direct light that they are to send.
@@ -323,7 +328,7 @@ class BundleExchange : public Technique {
   IterationResult state() const {
     IterationResult result;
     result.samples = parts_->camera.samples();
-    result.phase = lit() ? "exchange" : "light";
+    result.phase = !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
     result.progress = lit() ? static_cast<double>(directions_) / parameters_.directions : 0.0;
     if (exchange_done()) result.progress = 1;
     result.converged = lit() && exchange_done() && !wants_light() &&

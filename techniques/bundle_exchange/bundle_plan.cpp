@@ -39,10 +39,6 @@ bool has_specular_lobes(const Scene& scene) {
   });
 }
 
-bool forgets(const Parameters& parameters) {
-  return parameters.interleave == Interleave::sd || parameters.interleave == Interleave::running;
-}
-
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();

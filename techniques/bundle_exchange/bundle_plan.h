@@ -17,9 +17,6 @@ struct BundlePlan {
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
-/// Whether senders forget: what they knew before does no harm, and the error of a mean is that of the image.
-bool forgets(const Parameters& parameters);
-
 /// Whether some material may reflect or transmit otherwise than diffusely.
 bool has_specular_lobes(const Scene& scene);
 

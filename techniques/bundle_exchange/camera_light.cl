@@ -43,7 +43,7 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const Surface surface = gbuffer_surface(&scene, &point);
     const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
     if (held.w > 0.0f) reflected += point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
     const float4 emitted = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct, point.triangle,
                                           point.u, point.v, point.normal.w == 0.0f);
     if (emitted.w > 0.0f) once += point.throughput.xyz * bsdf.diffuse * (emitted.xyz / emitted.w);

@@ -4,12 +4,13 @@
 #include "lucarium/math.clh"
 #include "lucarium/shared/surface_atlas.h"
 
+float4 batch_statistics(float x, float n) { return (float4)(x * x, x * n, n * n, n); }
+
 // S = sender_scale S + sender_weight batch, D += display_weight batch (the channel of emission: D += batch).
 // visible: xy += sums of w, of rays that met a slot and of all. statistics: sums over batches of X^2, X N, N^2, N with
-// X = luminance of v sum w L (all channels), N = v sum w, from which the variance of D's ratio follows.
-// error_weight: v, display_weight but for batches that carry emission only, which would else count for nothing.
+// X = luminance of v sum w L (all channels of reflected light), N = v sum w, v display_weight, from which the variance of
+// D's ratio follows; behind those of all slots (BUNDLE_EXCHANGED) the same of the channel of emission, v = 1.
 __kernel void fold_batch(uint slots, float sender_scale, float sender_weight, float display_weight,
-                         float error_weight,
                          __global const float4* restrict records, __global float4* restrict senders,
                          __global float4* restrict display, __global float2* restrict visible,
                          __global float4* restrict statistics) {
@@ -18,9 +19,9 @@ __kernel void fold_batch(uint slots, float sender_scale, float sender_weight, fl
   const global float4* record = records + (size_t)slot * BUNDLE_RECORD;
   const float weight = record[1].w, seen = record[0].w;
   float3 total = (float3)(0.0f);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
   display[slot] += (float4)(record[1].xyz, weight);
-  total = record[1].xyz;
+  statistics[slots + slot] += batch_statistics(luminance(record[1].xyz), weight);
 #endif
   for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
     const float4 batch = (float4)(record[2u * channel + 1u].xyz, weight);
@@ -30,31 +31,34 @@ __kernel void fold_batch(uint slots, float sender_scale, float sender_weight, fl
     total += batch.xyz;
   }
   visible[slot] += (float2)(seen, weight);
-  const float x = error_weight * luminance(total), n = error_weight * weight;
-  statistics[slot] += (float4)(x * x, x * n, n * n, n);
+  statistics[slot] += batch_statistics(display_weight * luminance(total), display_weight * weight);
 }
 
 // Standard error of a slot's displayed irradiance and the irradiance itself, both over pi, luminance, times its area:
-// what the relative error of the whole is made of. The variance of the ratio R = sum X / sum N is, to first order,
-// sum (X - R N)^2 / (sum N)^2.
+// what the relative error of the whole is made of. indirect_errors: the error of what is reflected alone; both are taken
+// for independent.
 __kernel void measure_errors(uint slots, __global const float4* restrict albedo, __global const float4* restrict display,
                              __global const float4* restrict statistics, __global float* restrict errors,
-                             __global float* restrict values) {
+                             __global float* restrict indirect_errors, __global float* restrict values) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
-  float3 total = (float3)(0.0f);
-  for (uint channel = 0u; channel < BUNDLE_CHANNELS; ++channel)
-    total += slot_mean(display[(size_t)channel * slots + slot]);
-  const float ratio = luminance(total);
-  const float4 s = statistics[slot];
-  const float variance = fmax(s.x - ratio * (2.0f * s.y - ratio * s.z), 0.0f);
-  errors[slot] = s.w > 0.0f ? albedo[slot].w * sqrt(variance) / s.w : 0.0f;
-  values[slot] = albedo[slot].w * ratio;
+  float3 indirect = (float3)(0.0f);
+  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel)
+    indirect += slot_mean(display[(size_t)channel * slots + slot]);
+  float value = luminance(indirect), variance = ratio_variance(statistics[slot], value);
+  indirect_errors[slot] = albedo[slot].w * sqrt(variance);
+#ifdef BUNDLE_EXCHANGED
+  const float direct = luminance(slot_mean(display[slot]));
+  variance += ratio_variance(statistics[slots + slot], direct);
+  value += direct;
+#endif
+  errors[slot] = albedo[slot].w * sqrt(variance);
+  values[slot] = albedo[slot].w * value;
 }
 
 // Indirect irradiance over pi of every slot, all bounces, times openness, which is w (0 where no ray has come yet): what
 // is hardly seen counts little in interpolation. shown_direct
-// (BUNDLE_EMISSION): the same of exchanged emitted light. radiance (BUNDLE_HOPS):
+// (BUNDLE_EXCHANGED): the same of exchanged emitted light. radiance (BUNDLE_HOPS):
 // what slots reflect diffusely of all the light, BUNDLE_REFLECTED channels each, as diffuse of make_senders.
 __kernel void make_display(uint slots, float share, __global const float* restrict openness,
                            __global const float4* restrict albedo, __global const float4* restrict light_samples,
@@ -73,7 +77,7 @@ __kernel void make_display(uint slots, float share, __global const float* restri
   }
   const float open = weight > 0.0f ? openness[slot] : 0.0f;
   shown[slot] = open * (float4)(total, 1.0f);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
   const float4 emitted = display[slot];
   shown_direct[slot] = (emitted.w > 0.0f ? openness[slot] : 0.0f) * (float4)(slot_mean(emitted), 1.0f);
 #endif
@@ -101,10 +105,11 @@ __kernel void settle_bounce(uint slots, __global float4* restrict display, __glo
   display[own] = (float4)(0.0f);
 }
 
-__kernel void join_sums(__global const float* restrict error, __global const float* restrict value,
-                        __global float* restrict sums) {
+__kernel void join_sums(__global const float* restrict error, __global const float* restrict indirect_error,
+                        __global const float* restrict value, __global float* restrict sums) {
   sums[0] = error[0];
-  sums[1] = value[0];
+  sums[1] = indirect_error[0];
+  sums[2] = value[0];
 }
 
 // Diffuse albedo and emission of slots; w: area times openness [m^2].

@@ -119,4 +119,9 @@ struct Parameters {
   }
 };
 
+/// Whether senders forget: what they knew before does no harm, and the error of a mean is that of the image.
+inline bool forgets(const Parameters& parameters) {
+  return parameters.interleave == Interleave::sd || parameters.interleave == Interleave::running;
+}
+
 }  // namespace lucarium::bundle

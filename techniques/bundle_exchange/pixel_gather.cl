@@ -11,7 +11,7 @@
 // Adds the light that a slot (or, beyond the scene, `end`) sends to a pixel: gain[2 i] scattered once, gain[2 i + 1] more.
 void gather_light(global float4* gain, uint i, float3 share, const global float4* records, uint slot, float3 end) {
   float3 once = (float3)(0.0f), more = (float3)(0.0f);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
   once = slot == LUCARIUM_NONE ? end : records[(size_t)slot * BUNDLE_RECORD].xyz;
 #endif
   if (slot != LUCARIUM_NONE)

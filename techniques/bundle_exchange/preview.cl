@@ -20,15 +20,12 @@ __kernel void begin_preview(uint slots, float correction, __global const float4*
   if (slot >= slots) return;
   const float4 light = shown_light(shown[slot]);
   indirect[slot] = light;
-  float ratio = luminance(light.xyz);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+  float total = correction * ratio_variance(statistics[slot], luminance(light.xyz));
+#ifdef BUNDLE_EXCHANGED
   direct[slot] = shown_light(shown_direct[slot]);
-  ratio += luminance(direct[slot].xyz);
+  total += correction * ratio_variance(statistics[slots + slot], luminance(direct[slot].xyz));
 #endif
-  const float4 s = statistics[slot];
-  const float squares = fmax(s.x - ratio * (2.0f * s.y - ratio * s.z), 0.0f);
-  const float ignorance = shown[slot].w > 0.0f ? 0.0f : -1.0f;
-  variance[slot] = s.w > 0.0f ? correction * squares / (s.w * s.w) : ignorance;
+  variance[slot] = shown[slot].w > 0.0f ? total : -1.0f;
 }
 
 // The cell `step` cells away from one, where the surface goes on all the way; LUCARIUM_NONE where it does not.
@@ -60,7 +57,7 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
   const bool known = own_variance >= 0.0f;
   float own = luminance(indirect[slot].xyz), weight = 0.0f, squares = 0.0f;
   float3 sum = (float3)(0.0f), direct_sum = (float3)(0.0f);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
   own += luminance(direct[slot].xyz);
 #endif
   for (int k = 0; k < 9; ++k) {
@@ -76,13 +73,13 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
     const float other_variance = variance[other];
     if (other_variance < 0.0f) continue;
     float w = (du == 0 ? 0.5f : 0.25f) * (dv == 0 ? 0.5f : 0.25f), value = luminance(indirect[other].xyz);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
     value += luminance(direct[other].xyz);
 #endif
     const float spread = own_variance + other_variance, difference = value - own;
     if (known && other != slot) w *= spread > 0.0f ? exp(-difference * difference / (2.0f * spread)) : 0.0f;
     sum += w * indirect[other].xyz;
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
     direct_sum += w * direct[other].xyz;
 #endif
     squares += w * w * other_variance;
@@ -90,7 +87,7 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
   }
   const float scale = weight > 0.0f ? 1.0f / weight : 0.0f, found = weight > 0.0f ? 1.0f : 0.0f;
   next_indirect[slot] = (float4)(scale * sum, found);
-#if defined(BUNDLE_EMISSION) && !defined(BUNDLE_EMISSION_APART)
+#ifdef BUNDLE_EXCHANGED
   next_direct[slot] = (float4)(scale * direct_sum, found);
 #endif
   next_variance[slot] = weight > 0.0f ? squares * scale * scale : -1.0f;

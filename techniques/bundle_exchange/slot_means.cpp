@@ -12,6 +12,7 @@ constexpr size_t kLocalSize = 64;
 constexpr uint32_t kBalanceChunk = 1024;  // BALANCE_CHUNK of senders.cl
 constexpr uint64_t kKeptBatches = 16;     // that what was known before a change counts for at most
 constexpr uint64_t kErrorBatches = 16;    // between two measurements of the error
+constexpr double kIndirectPart = 0.7071;  // of the wanted error: half of its variance, the other half is for direct light
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 const char* const kOwner = "bundle_exchange";
 const char* const kFewerTexels = "lower texels";
@@ -21,7 +22,7 @@ const char* const kFewerTexels = "lower texels";
 std::map<std::string, std::string> Channels::defines() const {
   std::map<std::string, std::string> result{{"BUNDLE_CHANNELS", std::to_string(count) + "u"}};
   if (emission) result["BUNDLE_EMISSION"] = "";
-  if (apart) result["BUNDLE_EMISSION_APART"] = "";
+  if (exchanged()) result["BUNDLE_EXCHANGED"] = "";
   if (self_fed) result["BUNDLE_SELF_FED"] = "";
   if (hops) result["BUNDLE_HOPS"] = "";
   return result;
@@ -44,7 +45,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       senders_(device, kOwner, "sender means", size_t{slots_} * channels.reflected(), kFewerTexels),
       display_(device, kOwner, "display means", size_t{slots_} * channels.count, kFewerTexels),
       settled_(device, kOwner, "settled bounces", one_by_one() ? slots_ : 1, kFewerTexels),
-      statistics_(device, kOwner, "batch statistics", slots_, kFewerTexels),
+      statistics_(device, kOwner, "batch statistics", size_t{slots_} * (channels.exchanged() ? 2 : 1), kFewerTexels),
       shown_(device, kOwner, "displayed slots", slots_, kFewerTexels),
       shown_direct_(device, kOwner, "displayed direct light", channels.exchanged() ? slots_ : 1, kFewerTexels),
       diffuse_(device, kOwner, "diffuse senders", channels.hops ? size_t{slots_} * channels.reflected() : 1, kFewerTexels),
@@ -54,8 +55,9 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       specular_(device, kOwner, "light of specular lobes", 1),
       visible_(device, kOwner, "visible shares", slots_, kFewerTexels),
       errors_(device, kOwner, "errors of slots", slots_, kFewerTexels),
+      indirect_errors_(device, kOwner, "errors of slots' indirect light", slots_, kFewerTexels),
       values_(device, kOwner, "values of slots", slots_, kFewerTexels),
-      sums_(device, kOwner, "sums of errors and values", 2) {
+      sums_(device, kOwner, "sums of errors and values", 3) {
   record_materials(program, atlas, openness);
   record_senders(program);
   record_fold(program);
@@ -65,9 +67,9 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
 
 size_t SlotMeans::estimate_bytes(size_t slots, const Channels& channels, const Parameters& parameters) {
   const size_t float4s = 2 * channels.count + channels.reflected() + channels.count + 4 +
-                         (bounces_one_by_one(channels, parameters) ? 1 : 0) + (channels.exchanged() ? 1 : 0) +
+                         (bounces_one_by_one(channels, parameters) ? 1 : 0) + (channels.exchanged() ? 2 : 0) +
                          (channels.hops ? 2 * channels.reflected() : 0);
-  return slots * (float4s * sizeof(float4) + sizeof(float2) + 2 * sizeof(float));
+  return slots * (float4s * sizeof(float4) + sizeof(float2) + 3 * sizeof(float));
 }
 
 void SlotMeans::record_materials(const Program& program, const SurfaceAtlas& atlas, const TypedBuffer<float>& openness) {
@@ -124,7 +126,6 @@ void SlotMeans::record_fold(const Program& program) {
   sender_scale_ = recorder.variable("sender scale", 1.f);
   sender_weight_ = recorder.variable("sender weight", 1.f);
   display_weight_ = recorder.variable("display weight", 1.f);
-  error_weight_ = recorder.variable("error weight", 1.f);
   show_share_ = recorder.variable("share shown", 1.f);
   if (balanced() && channels_.hops) {
     recorder.pass("light of specular lobes", program, "specular_chunks")
@@ -150,7 +151,6 @@ void SlotMeans::record_fold(const Program& program) {
       .arg("sender_scale", sender_scale_)
       .arg("sender_weight", sender_weight_)
       .arg("display_weight", display_weight_)
-      .arg("error_weight", error_weight_)
       .arg("records", records_)
       .arg("senders", senders_)
       .arg("display", display_)
@@ -187,6 +187,7 @@ void SlotMeans::record_fold(const Program& program) {
 void SlotMeans::record_errors(const Program& program) {
   ScheduleRecorder recorder = scheduler_->record("measure error", kOwner);
   const BufferRef error = recorder.transient<float>("error", 1), value = recorder.transient<float>("value", 1);
+  const BufferRef indirect_error = recorder.transient<float>("error of indirect light", 1);
   recorder.pass("errors of slots", program, "measure_errors")
       .global(slots_)
       .local(kLocalSize)
@@ -195,14 +196,24 @@ void SlotMeans::record_errors(const Program& program) {
       .arg("display", display_)
       .arg("statistics", statistics_)
       .arg("errors", errors_)
+      .arg("indirect_errors", indirect_errors_)
       .arg("values", values_);
   primitives_.record_reduce(recorder, "sum of errors", Primitives::Reduction::sum_float, errors_, error, slots_);
+  primitives_.record_reduce(recorder, "sum of indirect errors", Primitives::Reduction::sum_float, indirect_errors_, indirect_error, slots_);
   primitives_.record_reduce(recorder, "sum of values", Primitives::Reduction::sum_float, values_, value, slots_);
-  recorder.pass("join sums", program, "join_sums").global(1).local(1).arg("error", error).arg("value", value).arg("sums", sums_);
+  recorder.pass("join sums", program, "join_sums")
+      .global(1)
+      .local(1)
+      .arg("error", error)
+      .arg("indirect_error", indirect_error)
+      .arg("value", value)
+      .arg("sums", sums_);
   recorder.read_back("error", sums_, [this](std::span<const std::byte> bytes) {
-    float sums[2];
+    float sums[3];
     std::memcpy(sums, bytes.data(), sizeof sums);
-    relative_error_ = sums[1] > 0 ? sums[0] / sums[1] : kUnknown;  // nothing met yet is no accuracy
+    const bool met = sums[2] > 0;  // nothing met yet is no accuracy
+    relative_error_ = met ? sums[0] / sums[2] : kUnknown;
+    indirect_error_ = met ? sums[1] / sums[2] : kUnknown;
   });
   measure_ = recorder.compile();
 }
@@ -215,7 +226,8 @@ bool SlotMeans::balanced() const {
 
 uint64_t SlotMeans::reflecting(uint64_t directions) const {
   const uint64_t head = channels_.exchanged() ? static_cast<uint64_t>(parameters_.direct_first) : 0;
-  return directions - std::min(directions, head);
+  const uint64_t done = std::min(directions, reflected_end_);
+  return done - std::min(done, head);
 }
 
 // Equal shares of the total: of the directions that carry reflected light, how many are done.
@@ -237,21 +249,20 @@ bool SlotMeans::make_senders() {
 }
 
 bool SlotMeans::direct_only(uint64_t first) const {
-  return channels_.exchanged() && (first < uint64_t(parameters_.direct_first) || channels_.reflected() == 0);
+  return channels_.exchanged() &&
+         (first < uint64_t(parameters_.direct_first) || first >= reflected_end_ || channels_.reflected() == 0);
 }
 
 bool SlotMeans::carries_all(uint64_t directions) const {
-  return !direct_only(directions) || channels_.reflected() == 0;
+  return !direct_only(directions) || directions >= reflected_end_ || channels_.reflected() == 0;
 }
 
 void SlotMeans::commit(uint64_t first, uint32_t count) {
   SenderWeights::Step step = weights_.next(reflecting(first), count);
-  const bool without_reflection = direct_only(first);
-  const double error_weight = without_reflection ? 1 : step.display_weight;
+  const bool without_reflection = direct_only(first), head = !carries_all(first);
   directions_ = first + count;
   if (one_by_one()) step.sender_weight = 0;
   if (without_reflection) step = {1, 0, 0};
-  fold_.set(error_weight_, static_cast<float>(error_weight));
   fold_.set(sender_scale_, static_cast<float>(step.sender_scale));
   fold_.set(sender_weight_, static_cast<float>(step.sender_weight));
   fold_.set(display_weight_, static_cast<float>(step.display_weight));
@@ -261,23 +272,25 @@ void SlotMeans::commit(uint64_t first, uint32_t count) {
   if (!without_reflection) weights_.advance();
   if (one_by_one() && !without_reflection && reflecting(directions_) % uint64_t(parameters_.block) == 0)
     scheduler_->run_to_end(settle_);
-  if (batches_ % kErrorBatches == 0) scheduler_->run_to_end(measure_);
-  if (without_reflection && !direct_only(directions_)) forget_errors();
+  if (head) head_batches_ = batches_;
+  if (batches_ > head_batches_ && (batches_ - head_batches_) % kErrorBatches == 0) measure_errors();
 }
 
-void SlotMeans::forget_errors() {
+void SlotMeans::measure_errors() {
+  scheduler_->run_to_end(measure_);
   scheduler_->finish();
-  statistics_.fill_zero();
-  relative_error_ = kUnknown;
+  if (!channels_.exchanged() || channels_.reflected() == 0 || !forgets(parameters_) || directions_ >= reflected_end_) return;
+  if (indirect_error_ < kIndirectPart * static_cast<double>(parameters_.stop_error)) reflected_end_ = directions_;
 }
 
 void SlotMeans::reset() {
   weights_ = SenderWeights(parameters_);
-  for (Buffer* buffer : std::initializer_list<Buffer*>{&senders_, &display_, &settled_, &shown_, &shown_direct_, &radiance_, &visible_, &specular_})
+  for (Buffer* buffer : std::initializer_list<Buffer*>{&senders_, &display_, &settled_, &shown_, &shown_direct_, &radiance_, &visible_, &specular_, &statistics_})
     buffer->fill_zero();
   scale_.upload({{1, 1, 1, 0}});
-  directions_ = batches_ = 0;
-  forget_errors();
+  directions_ = batches_ = head_batches_ = 0;
+  reflected_end_ = UINT64_MAX;
+  relative_error_ = indirect_error_ = kUnknown;
   scheduler_->run_to_end(materials_);
   scheduler_->finish();
 }

@@ -32,13 +32,13 @@ class SlotMeans {
 
   /// Prepares the records of the next batch; false when cancelled.
   bool make_senders();
-  /// How many of the first `directions` carry reflected light: those behind direct_first.
+  /// How many of the first `directions` carry reflected light: those behind direct_first, until that light is known well.
   uint64_t reflecting(uint64_t directions) const;
-  /// Whether the batch that begins with direction `first` carries emission only (direct_first).
+  /// Whether the batch that begins with direction `first` carries emission only: before or behind those.
   bool direct_only(uint64_t first) const;
   /// Whether direct light is sent: of bounces that are computed one by one only the first does.
   bool sends_direct() const { return !one_by_one() || reflecting(directions_) < static_cast<uint64_t>(parameters_.block); }
-  /// Whether every kind of light is under way after so many directions, so that the error speaks of the image.
+  /// Whether every kind of light has begun to travel after so many directions, so that the error speaks of the image.
   bool carries_all(uint64_t directions) const;
   /// Adds the records of a batch of `count` directions, of which `first` came before, and renews what is displayed.
   void commit(uint64_t first, uint32_t count);
@@ -65,11 +65,15 @@ class SlotMeans {
   const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
   const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
   const Channels& channels() const { return channels_; }
-  /// Of batches, per slot, for its error (fold.cl), and how many batches there were.
+  /// Of batches, per slot, for its error, those of exchanged emitted light behind the others (fold.cl); and how many batches
+  /// there were.
   const TypedBuffer<float4>& statistics() const { return statistics_; }
   uint64_t batches() const { return batches_; }
-  /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches.
+  /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches of all the light.
   double relative_error() const { return relative_error_; }
+  /// Whether reflected light is known well enough (of the wanted error it makes up half of the variance at most), and only
+  /// emission is exchanged further, which takes longer.
+  bool reflected_light_done() const { return directions_ >= reflected_end_; }
   /// What the balance scales senders by, per colour.
   float4 balance() const { return scale_.download().front(); }
   static size_t estimate_bytes(size_t slots, const Channels& channels, const Parameters& parameters);
@@ -89,7 +93,7 @@ class SlotMeans {
   void set_shares();
   /// Of the first `directions`, those that carry reflected light.
   double fixed_share() const;
-  void forget_errors();
+  void measure_errors();
   KernelScheduler* scheduler_;
   Primitives primitives_;
   Channels channels_;
@@ -99,12 +103,14 @@ class SlotMeans {
   TypedBuffer<float> openness_;
   TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, settled_, statistics_, shown_, shown_direct_, diffuse_, radiance_, chunk_sums_, scale_, specular_;
   TypedBuffer<float2> visible_;
-  TypedBuffer<float> errors_, values_, sums_;
+  TypedBuffer<float> errors_, indirect_errors_, values_, sums_;
   Schedule materials_, make_senders_, fold_, settle_, measure_;
-  Variable<float> direct_share_, feedback_share_, sender_scale_, sender_weight_, display_weight_, error_weight_, show_share_;
+  Variable<float> direct_share_, feedback_share_, sender_scale_, sender_weight_, display_weight_, show_share_;
   SenderWeights weights_;
   uint64_t directions_ = 0, batches_ = 0;
-  double relative_error_ = 1e30;
+  uint64_t head_batches_ = 0;            ///< of them, those of direct_first
+  uint64_t reflected_end_ = UINT64_MAX;  ///< directions after which only emission travels
+  double relative_error_, indirect_error_;
 };
 
 }  // namespace lucarium::bundle

@@ -32,7 +32,7 @@ class BundleRig {
   BundleRig(Scene scene, uint64_t texels, float pixel_size, bundle::Channels channels = {},
             bundle::Parameters parameters = {}, std::map<std::string, std::string> defines = {})
       : channels_(channels),
-        parameters_(parameters),
+        parameters_(endless(parameters)),
         scene_(std::move(scene)),
         device_(Device::open()),
         scheduler_(device_),
@@ -179,6 +179,11 @@ class BundleRig {
     result.texel_count = texels;
     result.samples = bundle::kSlotPoints;
     return result;
+  }
+  /// solve() says how many directions there are.
+  static bundle::Parameters endless(bundle::Parameters parameters) {
+    parameters.stop_error = 0;
+    return parameters;
   }
   static Program make_program(Device& device, const bundle::Channels& channels, std::map<std::string, std::string> defines) {
     SourceLibrary library;

@@ -60,6 +60,25 @@ TEST_CASE("an image forgets that indirect light was missing while bundles carrie
         test::relative(expected, 0.06));
 }
 
+TEST_CASE("when indirect light is known well, directions carry emission until direct light is, too") {
+  const Options options = {{"texels", "2048"}, {"direct_mode", "exchange"}, {"directions", "20000"}, {"batch", "4"},
+                           {"stop_error", "0.1"}, {"camera_samples", "1"}};
+  const double expected = indirect_mean("path_tracing", "builtin:cornell", -1, 16, {{"samples_per_iteration", "64"}});
+  for (const Options& more : {Options{}, Options{{"final_gather", "all"}, {"pixel_rays", "bundle"}}}) {
+    CAPTURE(more.size());
+    const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, with(options, more));
+    run->run({.iterations = 4000});
+    REQUIRE(run->last().converged);
+    const std::map<std::string, double> done = run->technique().counters();
+    MESSAGE(done.at("directions"), " directions, of them with indirect light ", done.at("indirect_directions"));
+    CHECK(done.at("relative_error") < 0.1);
+    CHECK(done.at("directions") < 20000);
+    CHECK(done.at("indirect_directions") < 0.6 * done.at("directions"));
+    CHECK(done.at("indirect_directions") >= 64);
+    CHECK(mean(indirect(*run)) == relative(expected, 0.03));
+  }
+}
+
 TEST_CASE("one bounce for each block: directions of emission only are none of its, and a limit of bounces is kept") {
   const auto run = [](const char* direct_first, const char* directions, int max_bounces) {
     auto made = session("bundle_exchange", load_scene("builtin:cornell"), max_bounces,
