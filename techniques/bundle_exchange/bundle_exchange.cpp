@@ -30,6 +30,8 @@
 // slot_means (S, D, balance, error), slot_light and camera_light (light samples, image), slot_hops and hop_tracer
 // (specular chains).
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "bundle_plan.h"
@@ -93,11 +95,13 @@ class BundleExchange : public Technique {
   void prepare(const TechniqueContext& context) override {
     context_ = std::make_unique<TechniqueContext>(context);
     seed_ = context.settings.seed;
+    guide_ = make_guide(parameters_, environment());
     build();
   }
 
   void update(const SceneChange& change) override {
     if (!change.any()) return;
+    if (change.environment || change.topology) guide_ = make_guide(parameters_, environment());
     if (change.only_camera() && parts_) {
       step_ = {};
       parts_->camera.set_frame(make_frame(context_->settings));
@@ -106,7 +110,9 @@ class BundleExchange : public Technique {
     if (parameters_.warm_start && parts_ && forgets(parameters_)) {
       build_from(change);
     } else if (parts_ && !change.geometry() && change.materials.empty()) {
-      build(std::move(parts_->atlas));  // it knows surfaces and their emission only
+      Kept kept{std::move(parts_->atlas), nullptr, nullptr};  // it knows surfaces and their emission only
+      if (parts_->openness->complete()) kept.exposure = std::move(parts_->exposure), kept.openness = std::move(parts_->openness);
+      build(std::move(kept));
     } else {
       build();
     }
@@ -128,7 +134,8 @@ class BundleExchange : public Technique {
     if (!parts_) return build();
     directions_ = gathers_ = 0;
     step_ = {};
-    sequence_ = DirectionSequence(sequence_parameters(), seed_, environment(), has_ring());
+    batch_ = {};
+    sequence_ = DirectionSequence(sequence_parameters(), seed_, guide_, has_ring());
     if (parts_->specular) parts_->specular->reset();
     parts_->slot_light.reset(kernel_seed(seed_));
     parts_->means.reset();
@@ -137,6 +144,8 @@ class BundleExchange : public Technique {
 
   void warm_up() override {
     if (!parts_) build();
+    parts_->exposure->warm_up();
+    parts_->openness->warm_up();
     parts_->slot_light.warm_up();
     parts_->means.warm_up();
     if (parts_->preview) parts_->preview->warm_up();
@@ -158,13 +167,20 @@ class BundleExchange : public Technique {
   }
 
  private:
+  /// What may outlast a change of the scene, or null: the atlas, and what of its texels counts.
+  struct Kept {
+    std::unique_ptr<SurfaceAtlas> atlas;
+    std::unique_ptr<SlotExposure> exposure;
+    std::unique_ptr<SlotOpenness> openness;
+  };
+
   /// Everything that is made for one scene, in the order of dependence.
   struct Parts {
-    Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, std::unique_ptr<SurfaceAtlas> kept_atlas);
+    Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept);
     std::unique_ptr<SurfaceAtlas> atlas;
     Program program;
-    SlotExposure exposure;
-    SlotOpenness openness;
+    std::unique_ptr<SlotExposure> exposure;
+    std::unique_ptr<SlotOpenness> openness;
     SlotLight slot_light;
     SlotMeans means;
     std::unique_ptr<SlotPreview> preview;    ///< null unless asked for
@@ -186,10 +202,10 @@ class BundleExchange : public Technique {
     return context_->scene.environment ? &*context_->scene.environment : nullptr;
   }
 
-  void build(std::unique_ptr<SurfaceAtlas> atlas = nullptr) {
+  void build(Kept kept = {}) {
     parts_.reset();  // its memory first
     const BundlePlan plan = make_plan(parameters_, context_->scene, context_->settings);
-    parts_ = std::make_unique<Parts>(*context_, parameters_, plan, std::move(atlas));
+    parts_ = std::make_unique<Parts>(*context_, parameters_, plan, std::move(kept));
     reset(seed_);
   }
 
@@ -201,7 +217,7 @@ class BundleExchange : public Technique {
     const uint64_t generation = atlas->generation();
     atlas->refit(context_->scene, change);
     const bool same = atlas->generation() == generation;
-    build(std::move(atlas));
+    build({std::move(atlas), nullptr, nullptr});
     if (same) parts_->means.start_from(std::move(kept));
   }
 
@@ -219,7 +235,7 @@ class BundleExchange : public Technique {
   /// Whether bundles carry anything.
   bool exchanges() const { return context_->settings.max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange; }
 
-  /// Directions of the next iteration: few at first, when much is learnt from each, and none across a boundary.
+  /// Directions of the next batch: few at first, when much is learnt from each, and none across a boundary.
   uint32_t next_batch() const {
     if (exchange_done()) return 0;
     const uint64_t first = static_cast<uint64_t>(parameters_.direct_first);
@@ -233,23 +249,23 @@ class BundleExchange : public Technique {
     return static_cast<uint32_t>(count);
   }
 
-  /// An iteration: light samples for some slots, batches of about kPixels film pixels, a camera sample, which alone
+  /// An iteration: at first what of texels counts; light samples for some slots, directions of about kPixels film pixels, a camera sample, which alone
   /// changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
   bool run_steps() {
     Parts& parts = *parts_;
-    if (!step_.begun) step_ = {true, false, parts.slot_light.runs(), directions_per_iteration()};
+    if (!step_.begun) step_ = {true, false, 1, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
-    for (; step_.light_runs > 0 && wants_light(); --step_.light_runs) {
+    if (!run_probes()) return false;
+    for (; step_.light_runs > 0 && probed() && wants_light(); --step_.light_runs) {
       if (!parts.slot_light.sample()) return false;
       parts.slot_light.commit();
     }
     step_.light_runs = 0;
-    while (step_.directions > 0 && lit()) {
-      const uint32_t count = std::min(next_batch(), step_.directions);
-      if (count == 0 && !parts.camera.pixel_gather()) break;
-      if (!(count > 0 ? run_batch(count) : run_gather())) return false;
-      step_.directions -= std::max(1u, count);
+    while (position() < step_.end && lit()) {
+      const bool exchanging = next_batch() > 0;
+      if (!exchanging && !parts.camera.pixel_gather()) break;
+      if (!(exchanging ? run_batch() : run_gather())) return false;
     }
     if (!parts.camera.sample()) return false;
     if (parts.preview && !exchange_done() && !parts.preview->smooth()) return false;
@@ -258,26 +274,71 @@ class BundleExchange : public Technique {
     return true;
   }
 
-  bool run_batch(uint32_t count) {
-    if (!parts_->means.make_senders()) return false;
-    const bool direct_only = parts_->means.direct_only(directions_), all_sent = parts_->means.carries_all(directions_);
-    SlotSpecular* specular = direct_only ? nullptr : parts_->specular.get();
-    PixelGather* gather = all_sent ? parts_->camera.pixel_gather() : nullptr;
-    if (specular) specular->begin_batch(sequence_, directions_, count);
-    for (uint32_t i = 0; i < count; ++i) {
-      const Direction direction = sequence_.at(directions_ + i);
-      const uint32_t seed = direction_seed(directions_ + i);
-      if (specular && !specular->send(direction, i, seed, parts_->means.sends_direct())) return false;
-      if (!(direct_only ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed))) return false;
-      if (specular && !specular->receive(i)) return false;
-      if (gather && !(specular ? parts_->transfer.gather(direction, seed, i == 0) : gather_along(directions_ + i, i == 0))) return false;
+  /// What of texels is hidden, and how open the rest is, as far as an iteration gets.
+  bool run_probes() {
+    Parts& parts = *parts_;
+    const double film = std::max(parts.transfer.largest_film() / kPixels, 1.0 / 128);
+    const double chunk = static_cast<double>(parts.exposure->chunk()) / kProbedSlots;
+    while (step_.probes > 0 && !probed()) {
+      const bool exposed = parts.exposure->complete();
+      if (!(exposed ? parts.openness->advance() : parts.exposure->advance())) return false;
+      step_.probes -= exposed ? film : chunk;
+      if (probed()) parts.means.take_materials();
     }
-    if (specular) specular->commit();
-    if (gather) gather->commit(count);
-    parts_->means.commit(directions_, count);
-    directions_ += count;
     return true;
   }
+
+  /// Whether it is known what of texels counts, if anything asks.
+  bool probed() const { return !exchanges() || parts_->openness->complete(); }
+
+  /// Directions of the batch, which share what senders know, up to its end or that of the iteration. A batch that was
+  /// cancelled begins anew, since half a direction may have been added.
+  bool run_batch() {
+    if (batch_.done == 0 && !begin_batch()) return false;
+    PixelGather* gather = parts_->means.carries_all(directions_) ? parts_->camera.pixel_gather() : nullptr;
+    const uint64_t gathered_from = std::max(directions_, step_.begin);  // the rest was for another camera sample
+    for (; batch_.done < batch_.count && position() < step_.end; ++batch_.done)
+      if (!exchange_along(position() >= gathered_from ? gather : nullptr, position() == gathered_from)) {
+        batch_ = {};
+        return false;
+      }
+    if (gather) gather->commit(static_cast<uint32_t>(position() - gathered_from));
+    if (batch_.done == batch_.count) commit_batch();
+    return true;
+  }
+
+  bool begin_batch() {
+    batch_.count = next_batch();
+    if (!parts_->means.make_senders()) return false;
+    if (SlotSpecular* specular = reflecting()) specular->begin_batch(sequence_, directions_, batch_.count);
+    return true;
+  }
+
+  /// The next direction of the batch; pixels gather along it (null: not), `first`: the first one since they last did.
+  bool exchange_along(PixelGather* gather, bool first) {
+    const uint64_t index = position();
+    const Direction direction = sequence_.at(index);
+    const uint32_t seed = direction_seed(index);
+    SlotSpecular* specular = reflecting();
+    if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
+    const bool direct_only = parts_->means.direct_only(directions_);
+    if (!(direct_only ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed))) return false;
+    if (specular && !specular->receive(batch_.done)) return false;
+    return !gather || (specular ? parts_->transfer.gather(direction, seed, first) : gather_along(index, first));
+  }
+
+  void commit_batch() {
+    if (SlotSpecular* specular = reflecting()) specular->commit();
+    parts_->means.commit(directions_, batch_.count);
+    directions_ += batch_.count;
+    batch_ = {};
+  }
+
+  /// What slots send by specular lobes in the batch; null where bundles carry emission only.
+  SlotSpecular* reflecting() const { return parts_->means.direct_only(directions_) ? nullptr : parts_->specular.get(); }
+
+  /// Directions so far, those of pixels only included.
+  uint64_t position() const { return directions_ + batch_.done + gathers_; }
 
   /// When slots have received enough: a direction for pixels only.
   bool run_gather() {
@@ -316,19 +377,27 @@ class BundleExchange : public Technique {
   }
 
   /// Whether slots know the direct light that they are to send.
-  bool lit() const { return parts_->slot_light.complete() || context_->settings.max_bounces == 0; }
+  bool lit() const { return probed() && (parts_->slot_light.complete() || context_->settings.max_bounces == 0); }
 
   uint32_t directions_per_iteration() const {
     // Fragments that are stored cost about three times as much as those that are exchanged at once.
     const double films = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
     const double count = kPixels / films / parts_->transfer.largest_film();
-    return static_cast<uint32_t>(std::max(std::min(count, 64 / films), static_cast<double>(parameters_.batch)));
+    return static_cast<uint32_t>(std::clamp(count, 1.0, 64 / films));
+  }
+
+  std::string phase() const {
+    if (!probed()) {
+      const bool exposed = parts_->exposure->complete();
+      return fmt::format("{} {:.0f} %", exposed ? "openness" : "hidden places", 100 * (exposed ? parts_->openness->progress() : parts_->exposure->progress()));
+    }
+    return !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
   }
 
   IterationResult state() const {
     IterationResult result;
     result.samples = parts_->camera.samples();
-    result.phase = !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
+    result.phase = phase();
     result.progress = lit() ? static_cast<double>(directions_) / parameters_.directions : 0.0;
     if (exchange_done()) result.progress = 1;
     result.converged = lit() && exchange_done() && !wants_light() &&
@@ -339,15 +408,25 @@ class BundleExchange : public Technique {
   /// Where an iteration is.
   struct Step {
     bool begun = false, seen = false;
-    uint32_t light_runs = 0, directions = 0;  ///< left to do
+    double probes = 0;                        ///< share of an iteration that is left for them
+    uint32_t light_runs = 0;                  ///< left to do
+    uint64_t begin = 0, end = 0;              ///< position() at first, and when it is done
   };
 
-  static constexpr double kPixels = 4e6;  ///< film pixels of an iteration, about 100 ms
+  /// The batch that is under way.
+  struct Batch {
+    uint32_t count = 0, done = 0;  ///< directions
+  };
+
+  static constexpr double kPixels = 4e6;         ///< film pixels of an iteration, about 100 ms
+  static constexpr double kProbedSlots = 16384;  ///< slots of an iteration, the same
   Parameters parameters_;
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;
+  std::shared_ptr<const EnvironmentGuide> guide_;
   uint64_t seed_ = 1, directions_ = 0, gathers_ = 0;
   Step step_;
+  Batch batch_;
   DirectionSequence sequence_{parameters_, 1, nullptr};
   std::unique_ptr<Parts> parts_;
 };
@@ -368,17 +447,23 @@ std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, const Surfac
 }
 
 BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan,
-                             std::unique_ptr<SurfaceAtlas> kept_atlas)
-    : atlas(kept_atlas ? std::move(kept_atlas) : make_atlas(c, plan.atlas)),
+                             Kept kept)
+    : atlas(kept.atlas ? std::move(kept.atlas) : make_atlas(c, plan.atlas)),
       program(make_program(*c.device, plan.channels)),
-      exposure(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas),
-      openness(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, exposure, {p.pixel_size, p.open_gap}),
-      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, openness, plan.light_kinds),
-      means(*c.device, c.scheduler, program, *atlas, openness.shares(), slot_light.light_samples(), plan.channels, p),
+      exposure(kept.exposure ? std::move(kept.exposure)
+                             : std::make_unique<SlotExposure>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas)),
+      openness(kept.openness ? std::move(kept.openness)
+                             : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas, SlotOpenness::Options{p.pixel_size, p.open_gap})),
+      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, *openness, plan.light_kinds),
+      means(*c.device, c.scheduler, program, *atlas, openness->shares(), slot_light.light_samples(), plan.channels, p),
       preview(plan.preview ? std::make_unique<SlotPreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(), make_frame(c.settings), plan.camera),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), exposure, openness, plan.channels,
+      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *exposure, *openness, plan.channels,
                {p.pixel_size, p.transfer, camera.pixel_gather()}) {
+  if (openness->complete())
+    means.take_materials();
+  else
+    openness->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *exposure, transfer.raster());
   if (!plan.reflects) return;
   specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
                                             !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);

@@ -42,7 +42,7 @@ bool has_specular_lobes(const Scene& scene) {
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
-  plan.atlas.samples = kSlotPoints;
+  plan.atlas.samples = SLOT_POINTS;
   const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 32768, 262144);
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   // Direct light needs no lobes of slots: they begin behind the first scattering.

@@ -8,7 +8,6 @@
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 
 LayeredRasterOptions raster_options(uint32_t side) {
@@ -75,7 +74,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
     const Program program = make_bundle_program(device, kernel, defines);
     const auto bind = [&](PassBuilder& pass) {
       atlas.bind(pass, program, kernel);
-      pass.arg("openness", openness.parts()).arg("weight", result.weight).arg("ends", ends_).arg("records", records);
+      pass.arg("openness", openness.parts()).arg("weight", result.weight).arg("ends", ends_).arg("records", records).arg("exposure", exposure.shares());
     };
     if (by_texels) {
       const LayeredRaster::Stored stored = raster_.record_stored(recorder, "fragments", view);
@@ -83,16 +82,12 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
       buffers.bind(pass, program, kernel);
       bind(pass);
       pass.global(atlas.info().texel_count)
-          .local(kLocalSize)
           .arg("slots", atlas.info().texel_count)
           .arg("views", views_)
           .arg("pixel_start", stored.pixel_start)
           .arg("fragments", stored.fragments);
     } else {
-      raster_.record_tiles(recorder, "exchange", view, program, kernel, [&](PassBuilder& pass) {
-        bind(pass);
-        pass.arg("exposure", exposure.shares());
-      });
+      raster_.record_tiles(recorder, "exchange", view, program, kernel, bind);
     }
   }
   result.schedule = recorder.compile();

@@ -33,6 +33,7 @@ class BundleTransfer {
   /// Expected device memory [bytes], with texels of that edge [m].
   static size_t estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters, bool gathers);
   double pixel() const { return pixel_; }  ///< edge of film pixels [m]
+  const LayeredRaster& raster() const { return raster_; }
   /// Largest film of a direction [pixels].
   double largest_film() const { return static_cast<double>(side_) * side_; }
   /// Mean film of the directions until now [pixels]; 0 before the first.

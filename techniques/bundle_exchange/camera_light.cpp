@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <limits>
 
+#include "bundle_program.h"
+
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 const char* const kLowerSize = "lower --size";
 
@@ -62,7 +63,6 @@ void CameraLight::record(const Program& program, const SceneBuffers& scene, cons
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
   recorder.pass("add camera sample", program, "add_camera_sample")
       .global(pixels_)
-      .local(kLocalSize)
       .arg("points", gbuffer_.points())
       .arg("count", pixels_)
       .arg("direct_sample", direct_sample_)
@@ -78,11 +78,8 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
                                      const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
                                      const TypedBuffer<float4>& shown_direct, const TypedBuffer<float4>& exchanged,
                                      const TypedBuffer<float4>& indirect) {
-  PassBuilder add = recorder.pass("add light of the atlas", program, "add_atlas_light");
-  scene.bind(add, program, "add_atlas_light");
-  atlas.bind(add, program, "add_atlas_light");
+  PassBuilder add = surface_pass(recorder, "add light of the atlas", program, "add_atlas_light", scene, atlas);
   add.global(pixels_)
-      .local(kLocalSize)
       .arg("points", gbuffer_.points())
       .arg("count", pixels_)
       .arg("atlas_weight", atlas_weight_)
@@ -101,7 +98,6 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
   PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_hops");
   scene.bind(begin, program, "begin_pixel_hops");
   begin.global(pixels_)
-      .local(kLocalSize)
       .arg("points", gbuffer_.points())
       .arg("count", pixels_)
       .arg("whole", whole() && !bundles_ ? 1u : 0u)

@@ -120,22 +120,25 @@ double EnvironmentGuide::density(const glm::vec3& direction) const {
   return (rows_[j + 1] - rows_[j]) * (row[i + 1] - row[i]) * width_ / band;
 }
 
-DirectionSequence::DirectionSequence(const Parameters& parameters, uint64_t seed, const Environment* environment,
+std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters, const Environment* environment) {
+  // A constant environment guides as the uniform share does.
+  if (!environment || environment->width == 0 || parameters.env_guiding <= 0) return nullptr;
+  return std::make_shared<EnvironmentGuide>(*environment);
+}
+
+DirectionSequence::DirectionSequence(const Parameters& parameters, uint64_t seed, std::shared_ptr<const EnvironmentGuide> guide,
                                      bool permuted)
     : kind_(parameters.sequence),
       block_size_(static_cast<uint32_t>(parameters.block)),
       total_(static_cast<uint32_t>(parameters.directions)),
       seed_(hash(static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32), 0x62756e64u)),
-      permuted_(permuted) {
+      permuted_(permuted),
+      guiding_(guide ? static_cast<double>(parameters.env_guiding) : 0.0),
+      guide_(std::move(guide)) {
   if (kind_ == Sequence::hammersley) {
     order_.resize(total_);
     std::iota(order_.begin(), order_.end(), 0u);
     shuffle(std::span(order_), hash(seed_, 12));
-  }
-  // A constant environment guides as the uniform share does.
-  if (environment && environment->width > 0 && parameters.env_guiding > 0) {
-    guiding_ = parameters.env_guiding;
-    guide_ = std::make_shared<EnvironmentGuide>(*environment);
   }
 }
 

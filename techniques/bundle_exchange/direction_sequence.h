@@ -32,9 +32,12 @@ class EnvironmentGuide {
   std::vector<double> columns_;  ///< height × (width + 1)
 };
 
+/// Null where the environment (which may be null) guides nobody: it is constant, or `env_guiding` is 0.
+std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters, const Environment* environment);
+
 /// The sequence of directions of a run. Any index may be asked for; the same seed gives the same directions. `total` is
 /// the N of Hammersley's points, which come in random order: their own sweeps the sphere once, and means that forget
-/// would know only its end. `environment` (may be null) is drawn from with probability `env_guiding`.
+/// would know only its end. `guide` (may be null: nothing guides) is drawn from with probability `env_guiding`.
 ///
 /// Blocks are in Sobol's order, in which beginnings are even too, but for runs of 128 directions (the first: 32, 32, 64),
 /// which are permuted: what senders know comes mostly from the last few directions, and Sobol's next ones lie where those
@@ -42,7 +45,7 @@ class EnvironmentGuide {
 /// whole block is `permuted` where slots reflect directions: then pairs of successive ones fill the product space.
 class DirectionSequence {
  public:
-  DirectionSequence(const Parameters& parameters, uint64_t seed, const Environment* environment, bool permuted = false);
+  DirectionSequence(const Parameters& parameters, uint64_t seed, std::shared_ptr<const EnvironmentGuide> guide, bool permuted = false);
   Direction at(uint64_t index) const;
   /// Density of directions over the sphere, where uniform ones count for both of their ends [1/sr].
   double density(const glm::vec3& direction) const;

@@ -32,7 +32,8 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global const SurfacePoint* restrict atlas_points, uint slots,
                               __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
                               __global const LayeredFragment* restrict fragments, float weight,
-                              __global const uint* restrict openness, __global const float4* restrict ends, __global float4* records) {
+                              __global const uint* restrict openness, __global const float2* restrict exposure,
+                              __global const float4* restrict ends, __global float4* records) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -54,7 +55,8 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   global float4* to = records + (size_t)slot * BUNDLE_RECORD;
   if (neighbour.slot == LUCARIUM_NONE) {
     const float3 end = cosine > 0.0f ? ends[1].xyz : ends[0].xyz;
-    to[1] += w * (float4)(neighbour.beyond ? end : (float3)(0.0f), 1.0f);
+    // Backs are black, and count but for rays that begin in hidden places (exchange_rows.cl).
+    to[1] += neighbour.beyond ? w * (float4)(end, 1.0f) : (float4)(0.0f, 0.0f, 0.0f, w * exposure[slot].y);
     return;
   }
   const global float4* from = records + (size_t)neighbour.slot * BUNDLE_RECORD;

@@ -3,10 +3,11 @@
 
 #include <cstring>
 
+#include "bundle_program.h"
+
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 
 }  // namespace
@@ -41,7 +42,6 @@ void HopTracer::record_punctual(ScheduleRecorder& recorder, const Variable<HopSe
   intersector_->record_any(recorder, "shadow rays of " + options_.what, shadow_rays, occluded, active_, 0, options_.targets);
   recorder.pass("punctual light of " + options_.what, program_, "add_punctual")
       .global(options_.targets)
-      .local(kLocalSize)
       .arg("settings", settings)
       .arg("queue", queue_)
       .arg("active", active_)
@@ -64,11 +64,8 @@ void HopTracer::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, con
   const BufferRef shadow_light = recorder.transient<float4>("light behind them", targets);
   recorder.fill_zero("clear count", counts_);
   intersector_->record_closest(recorder, "hits of " + options_.what, rays_, hits, active_, 0, targets);
-  PassBuilder advance = recorder.pass("advance " + options_.what, program_, "advance_hops");
-  scene.bind(advance, program_, "advance_hops");
-  atlas.bind(advance, program_, "advance_hops");
+  PassBuilder advance = surface_pass(recorder, "advance " + options_.what, program_, "advance_hops", scene, atlas);
   advance.global_by(active_)
-      .local(kLocalSize)
       .arg("diffuse", diffuse)
       .arg("settings", settings_)
       .arg("hits", hits)
@@ -82,7 +79,6 @@ void HopTracer::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, con
   primitives_.record_compact(recorder, "compact " + options_.what, alive, survivors, next_active, 0, active_, 0, targets);
   recorder.pass("next " + options_.what, program_, "advance_queue")
       .global_by(active_)
-      .local(kLocalSize)
       .arg("survivors", survivors)
       .arg("next_active", next_active)
       .arg("next_rays", next_rays)

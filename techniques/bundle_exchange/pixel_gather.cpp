@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pixel_gather.h"
 
+#include "bundle_program.h"
+
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 const char* const kLowerSize = "lower --size";
 
@@ -30,7 +31,6 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Progr
   directions_ = recorder.variable("directions", 0u);
   recorder.pass("add gathered light", program_, "add_gathered")
       .global(options_.pixels)
-      .local(kLocalSize)
       .arg("count", options_.pixels)
       .arg("directions", directions_)
       .arg("gain", gain_)
@@ -45,11 +45,8 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
                          const TypedBuffer<LayeredView>& views, const TypedBuffer<float4>& ends,
                          const Variable<uint32_t>& first, const Variable<float>& weight) const {
   const BufferRef hits = recorder.transient<Hit>("hits of pixels", options_.pixels);
-  PassBuilder gather = recorder.pass("gather at pixels", program_, "gather_pixels");
-  scene_->bind(gather, program_, "gather_pixels");
-  atlas_->bind(gather, program_, "gather_pixels");
+  PassBuilder gather = surface_pass(recorder, "gather at pixels", program_, "gather_pixels", *scene_, *atlas_);
   gather.global(options_.pixels)
-      .local(kLocalSize)
       .arg("points", points_)
       .arg("count", options_.pixels)
       .arg("whole", options_.whole ? 1u : 0u)
@@ -65,11 +62,8 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
       .arg("rays", rays_)
       .arg("shares", shares_);
   intersector_->record_closest(recorder, "rays of pixels not found", rays_, hits, count_, 0, options_.pixels);
-  PassBuilder missed = recorder.pass("gather at pixels not found", program_, "gather_missed");
-  scene_->bind(missed, program_, "gather_missed");
-  atlas_->bind(missed, program_, "gather_missed");
+  PassBuilder missed = surface_pass(recorder, "gather at pixels not found", program_, "gather_missed", *scene_, *atlas_);
   missed.global(options_.pixels)
-      .local(kLocalSize)
       .arg("count", options_.pixels)
       .arg("views", views)
       .arg("ends", ends)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every slot sends during the next batch, and the balance of sent and held power that scales it.
 #include "bundle_exchange/exchange_layout.clh"
+#include "bundle_exchange/shared/slots.h"
 
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of emission.
 // scale[0]: of what a self-fed channel has received. feedback_share: of all that has been received. Clears the sums of the exchange records. diffuse (BUNDLE_HOPS): what
@@ -32,7 +33,6 @@ __kernel void make_senders(uint slots, __global const float4* restrict albedo, _
   }
 }
 
-#define BALANCE_CHUNK 1024u
 #define BALANCE_MOST_SPECULAR 0.2f
 
 // Numerator and denominator of the balance over a chunk of slots (balance_scale), but for specular light:

@@ -3,14 +3,13 @@
 
 #include <algorithm>
 
-#include "lucarium/base/error.h"
+#include "bundle_program.h"
 
 namespace lucarium::bundle {
 namespace {
 
 constexpr uint32_t kChunk = 16384;  // slots at a time
 constexpr uint32_t kRounds = 16;    // of rays: a point that sees backs in 3 of 4 directions passes for hidden in 1 of 100 cases
-constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 const char* const kFewerTexels = "lower texels";
 
@@ -25,17 +24,16 @@ SlotExposure::SlotExposure(Device& device, KernelScheduler& scheduler, const Pro
       shares_(device, kOwner, "exposed shares of slots", slots_, kFewerTexels),
       hidden_(device, kOwner, "hidden points of slots", slots_, kFewerTexels) {
   record(program, scene, intersector, atlas);
-  measure();
 }
 
 size_t SlotExposure::estimate_bytes(size_t slots) {
-  const size_t points = size_t{kSlotPoints} * std::min<size_t>(slots, kChunk);
+  const size_t points = size_t{SLOT_POINTS} * std::min<size_t>(slots, kChunk);
   return slots * (sizeof(float2) + sizeof(uint32_t)) + points * (3 * sizeof(uint32_t) + sizeof(Ray) + sizeof(Hit));
 }
 
 void SlotExposure::record(const Program& program, const SceneBuffers& scene, const Intersector& intersector,
                           const SurfaceAtlas& atlas) {
-  const uint32_t capacity = chunk_ * kSlotPoints;
+  const uint32_t capacity = chunk_ * SLOT_POINTS;
   ScheduleRecorder recorder = scheduler_->record("what is hidden", kOwner);
   first_ = recorder.variable("first", 0u);
   count_ = recorder.variable("count", chunk_);
@@ -46,27 +44,21 @@ void SlotExposure::record(const Program& program, const SceneBuffers& scene, con
   const BufferRef rays = recorder.transient<Ray>("probes", capacity), hits = recorder.transient<Hit>("hits", capacity);
   recorder.pass("begin probes", program, "begin_probes")
       .global(capacity)
-      .local(kLocalSize)
       .arg("count", points_)
       .arg("states", states)
       .arg("wanted", wanted)
       .arg("total", all);
   for (uint32_t round = 0; round < kRounds; ++round) {
     primitives_.record_compact(recorder, "compact probes", wanted, list, active, 0, all, 0, capacity);
-    PassBuilder aim = recorder.pass("aim probes", program, "aim_probes");
-    scene.bind(aim, program, "aim_probes");
-    atlas.bind(aim, program, "aim_probes");
-    aim.global_by(active).local(kLocalSize).arg("first", first_).arg("turn", round).arg("list", list).arg("active", active).arg("rays", rays);
+    PassBuilder aim = surface_pass(recorder, "aim probes", program, "aim_probes", scene, atlas);
+    aim.global_by(active).arg("first", first_).arg("turn", round).arg("list", list).arg("active", active).arg("rays", rays);
     intersector.record_closest(recorder, "probes", rays, hits, active, 0, capacity);
-    PassBuilder judge = recorder.pass("judge probes", program, "judge_probes");
-    scene.bind(judge, program, "judge_probes");
-    atlas.bind(judge, program, "judge_probes");
-    judge.global_by(active).local(kLocalSize).arg("turn", round).arg("list", list).arg("active", active);
+    PassBuilder judge = surface_pass(recorder, "judge probes", program, "judge_probes", scene, atlas);
+    judge.global_by(active).arg("turn", round).arg("list", list).arg("active", active);
     judge.arg("rays", rays).arg("hits", hits).arg("states", states);
     if (round + 1 == kRounds) break;
     recorder.pass("choose probes", program, "choose_probes")
         .global(chunk_)
-        .local(kLocalSize)
         .arg("slots", count_)
         .arg("turn", round)
         .arg("states", states)
@@ -74,7 +66,6 @@ void SlotExposure::record(const Program& program, const SceneBuffers& scene, con
   }
   recorder.pass("finish probes", program, "finish_probes")
       .global(chunk_)
-      .local(kLocalSize)
       .arg("first", first_)
       .arg("slots", count_)
       .arg("states", states)
@@ -83,16 +74,16 @@ void SlotExposure::record(const Program& program, const SceneBuffers& scene, con
   measure_ = recorder.compile();
 }
 
-void SlotExposure::measure() {
-  for (uint32_t first = 0; first < slots_; first += chunk_) {
-    const uint32_t count = std::min(chunk_, slots_ - first);
-    measure_.set(first_, first);
-    measure_.set(count_, count);
-    measure_.set(points_, count * kSlotPoints);
-    if (scheduler_->run(measure_) == RunResult::cancelled)
-      throw Error(ErrorClass::interrupted, "bundle_exchange: stopped while it looked for hidden surfaces");
-  }
-  scheduler_->finish();
+bool SlotExposure::advance() {
+  const uint32_t count = std::min(chunk_, slots_ - next_);
+  measure_.set(first_, next_);
+  measure_.set(count_, count);
+  measure_.set(points_, count * SLOT_POINTS);
+  if (scheduler_->run(measure_) == RunResult::cancelled) return false;
+  next_ += count;
+  return true;
 }
+
+void SlotExposure::warm_up() { scheduler_->warm_up(measure_); }
 
 }  // namespace lucarium::bundle

@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "bundle_exchange/shared/slots.h"
 #include "lucarium/services/intersector.h"
 #include "lucarium/services/primitives.h"
 #include "lucarium/services/surface_atlas.h"
 
 namespace lucarium::bundle {
 
-/// Random points per slot that the atlas is to have (SLOT_POINTS of slot_points.clh).
-constexpr uint32_t kSlotPoints = 8;
-
 /// What of every slot lies hidden inside other solids: where surfaces pass through each other (columns that stand in
 /// floors), texels are partly, or all, where no light ever comes and nothing looks. Such parts must not count, or the
-/// texel would be too dark where it is seen. Found by up to 16 rays from each of its random points.
+/// texel would be too dark where it is seen. Found by up to 16 rays from each of its random points, some slots at a time.
 class SlotExposure {
  public:
-  /// Traces the rays. Throws Error{interrupted} when cancelled.
   SlotExposure(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
                const Intersector& intersector, const SurfaceAtlas& atlas);
+
+  /// Traces the rays of the next slots; false when cancelled, and nothing has changed.
+  bool advance();
+  /// What of the slots has been done [1]; what follows holds when all has.
+  double progress() const { return static_cast<double>(next_) / slots_; }
+  bool complete() const { return next_ == slots_; }
+  /// Slots that advance() takes at a time.
+  uint32_t chunk() const { return chunk_; }
+  void warm_up();
 
   /// Per slot: x the share of its area that light can reach; y which share of its rays that end at backs of single-sided
   /// surfaces leaves from there, and therefore counts.
@@ -26,7 +32,6 @@ class SlotExposure {
   static size_t estimate_bytes(size_t slots);
 
  private:
-  void measure();
   void record(const Program& program, const SceneBuffers& scene, const Intersector& intersector, const SurfaceAtlas& atlas);
   KernelScheduler* scheduler_;
   Primitives primitives_;
@@ -35,6 +40,7 @@ class SlotExposure {
   TypedBuffer<uint32_t> hidden_;
   Schedule measure_;
   Variable<uint32_t> first_, count_, points_;
+  uint32_t next_ = 0;  ///< slots done
 };
 
 }  // namespace lucarium::bundle

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 
+#include "bundle_program.h"
+
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 
 HopTracer::Options tracer_options(uint32_t count, const Channels& channels, const SlotHops::Options& options) {
@@ -71,18 +72,14 @@ void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, cons
   const BufferRef chosen = recorder.transient<uint32_t>("chosen", count_);
   recorder.pass("choose slots", program_, "choose_slots")
       .global(count_)
-      .local(kLocalSize)
       .arg("count", count_)
       .arg("probabilities", probabilities_)
       .arg("settings", settings_)
       .arg("chosen", chosen)
       .arg("gain", tracer_.gain());
   primitives_.record_compact(recorder, "compact slots", chosen, tracer_.queue(), tracer_.active(), 0, size_, 0, count_);
-  PassBuilder begin = recorder.pass("begin chains of slots", program_, "begin_slot_hops");
-  scene.bind(begin, program_, "begin_slot_hops");
-  atlas.bind(begin, program_, "begin_slot_hops");
+  PassBuilder begin = surface_pass(recorder, "begin chains of slots", program_, "begin_slot_hops", scene, atlas);
   begin.global_by(tracer_.active())
-      .local(kLocalSize)
       .arg("list", list_)
       .arg("probabilities", probabilities_)
       .arg("omega", omega_)
@@ -98,7 +95,6 @@ void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, cons
   ScheduleRecorder apply = scheduler_->record("send chains' light", kOwner);
   apply.pass("send chains' light", program_, "apply_slot_gains")
       .global(count_)
-      .local(kLocalSize)
       .arg("count", count_)
       .arg("list", list_)
       .arg("diffuse", means.diffuse_sent())

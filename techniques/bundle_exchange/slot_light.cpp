@@ -3,11 +3,12 @@
 
 #include <algorithm>
 
+#include "bundle_program.h"
+
 namespace lucarium::bundle {
 namespace {
 
 constexpr uint32_t kChunk = 65536;  // shadow rays of an iteration: about 20 ms
-constexpr size_t kLocalSize = 64;
 const char* const kFewerTexels = "lower texels";
 
 }  // namespace
@@ -37,11 +38,8 @@ void SlotLight::record(const Program& program, const SceneBuffers& scene, const 
   gather_first_ = gather.variable("first", 0u);
   gather_count_ = gather.variable("count", chunk_);
   gather_round_ = gather.variable("round", 0u);
-  PassBuilder take = gather.pass("take slots", program, "gather_points");
-  scene.bind(take, program, "gather_points");
-  atlas.bind(take, program, "gather_points");
+  PassBuilder take = surface_pass(gather, "take slots", program, "gather_points", scene, atlas);
   take.global(chunk_)
-      .local(kLocalSize)
       .arg("levels", openness.points())
       .arg("first", gather_first_)
       .arg("count", gather_count_)
@@ -55,7 +53,6 @@ void SlotLight::record(const Program& program, const SceneBuffers& scene, const 
   scatter_round_ = scatter.variable("round", 0u);
   scatter.pass("light slots", program, "scatter_samples")
       .global(chunk_)
-      .local(kLocalSize)
       .arg("first", scatter_first_)
       .arg("count", scatter_count_)
       .arg("turn", scatter_round_)

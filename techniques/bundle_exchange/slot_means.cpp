@@ -5,11 +5,11 @@
 #include <cstring>
 #include <limits>
 
+#include "bundle_exchange/shared/slots.h"
+
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
-constexpr uint32_t kBalanceChunk = 1024;  // BALANCE_CHUNK of senders.cl
 constexpr uint64_t kKeptBatches = 16;     // that what was known before a change counts for at most
 constexpr uint64_t kErrorBatches = 16;    // between two measurements of the error
 constexpr double kIndirectPart = 0.7071;  // of the wanted error: half of its variance, the other half is for direct light
@@ -36,7 +36,7 @@ SlotMeans::SlotMeans(Device& device, KernelScheduler& scheduler, const Program& 
       channels_(channels),
       parameters_(parameters),
       slots_(atlas.info().texel_count),
-      chunks_((slots_ + kBalanceChunk - 1) / kBalanceChunk),
+      chunks_((slots_ + BALANCE_CHUNK - 1) / BALANCE_CHUNK),
       light_samples_(light_samples),
       openness_(openness),
       albedo_(device, kOwner, "albedo of slots", slots_, kFewerTexels),
@@ -76,7 +76,7 @@ void SlotMeans::record_materials(const Program& program, const SurfaceAtlas& atl
   ScheduleRecorder recorder = scheduler_->record("slot materials", kOwner);
   PassBuilder pass = recorder.pass("take materials", program, "take_materials");
   atlas.bind(pass, program, "take_materials");
-  pass.global(slots_).local(kLocalSize).arg("slots", slots_).arg("openness", openness);
+  pass.global(slots_).arg("slots", slots_).arg("openness", openness);
   pass.arg("albedo", albedo_).arg("emission", emission_);
   materials_ = recorder.compile();
 }
@@ -106,7 +106,6 @@ void SlotMeans::record_senders(const Program& program) {
   }
   recorder.pass("make senders", program, "make_senders")
       .global(slots_)
-      .local(kLocalSize)
       .arg("slots", slots_)
       .arg("albedo", albedo_)
       .arg("emission", emission_)
@@ -146,7 +145,6 @@ void SlotMeans::record_fold(const Program& program) {
   }
   recorder.pass("fold batch", program, "fold_batch")
       .global(slots_)
-      .local(kLocalSize)
       .arg("slots", slots_)
       .arg("sender_scale", sender_scale_)
       .arg("sender_weight", sender_weight_)
@@ -158,7 +156,6 @@ void SlotMeans::record_fold(const Program& program) {
       .arg("statistics", statistics_);
   recorder.pass("make display", program, "make_display")
       .global(slots_)
-      .local(kLocalSize)
       .arg("slots", slots_)
       .arg("share", show_share_)
       .arg("openness", openness_)
@@ -176,7 +173,6 @@ void SlotMeans::record_fold(const Program& program) {
   ScheduleRecorder settle = scheduler_->record("settle bounce", kOwner);
   settle.pass("settle bounce", program, "settle_bounce")
       .global(slots_)
-      .local(kLocalSize)
       .arg("slots", slots_)
       .arg("display", display_)
       .arg("senders", senders_)
@@ -190,7 +186,6 @@ void SlotMeans::record_errors(const Program& program) {
   const BufferRef indirect_error = recorder.transient<float>("error of indirect light", 1);
   recorder.pass("errors of slots", program, "measure_errors")
       .global(slots_)
-      .local(kLocalSize)
       .arg("slots", slots_)
       .arg("albedo", albedo_)
       .arg("display", display_)
@@ -243,6 +238,8 @@ void SlotMeans::set_shares() {
   make_senders_.set(feedback_share_, static_cast<float>(feedback));
 }
 
+void SlotMeans::take_materials() { scheduler_->run_to_end(materials_); }
+
 bool SlotMeans::make_senders() {
   set_shares();
   return scheduler_->run(make_senders_) == RunResult::done;
@@ -291,8 +288,6 @@ void SlotMeans::reset() {
   directions_ = batches_ = head_batches_ = 0;
   reflected_end_ = UINT64_MAX;
   relative_error_ = indirect_error_ = kUnknown;
-  scheduler_->run_to_end(materials_);
-  scheduler_->finish();
 }
 
 SlotMeans::Kept SlotMeans::keep() const {

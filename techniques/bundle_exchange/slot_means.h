@@ -30,6 +30,8 @@ class SlotMeans {
   SlotMeans(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,
             const TypedBuffer<float>& openness, const TypedBuffer<float4>& light_samples, const Channels& channels, const Parameters& parameters);
 
+  /// Takes albedo, emission and area of slots from the atlas; before anything else, when openness is known.
+  void take_materials();
   /// Prepares the records of the next batch; false when cancelled.
   bool make_senders();
   /// How many of the first `directions` carry reflected light: those behind direct_first, until that light is known well.

@@ -5,7 +5,6 @@
 #include "lucarium/random.clh"
 #include "lucarium/surface_atlas.clh"
 
-#define POINTS 8u          // random points per slot, kSlotPoints
 #define SURELY_HIDDEN 6u   // rays to backs that tell so also where no point of the slot is hidden
 
 // Of 0 to SLOT_MOST_OPEN, at random one of the two about `open` [1], so that the mean is right.
@@ -51,9 +50,9 @@ __kernel void finish_openness(uint slots, AtlasInfo atlas_info, __global const A
   // Slots that no ray has met are too small to matter.
   share[slot] = rays > 0u ? total / (float)(SLOT_MOST_OPEN * rays) : exposure[slot].x;
   uint of_points = 0u;
-  for (uint k = 0u; k < POINTS; ++k) {
+  for (uint k = 0u; k < SLOT_POINTS; ++k) {
     if (hidden[slot] >> k & 1u) continue;
-    const AtlasSample sample = atlas_samples[(size_t)slot * POINTS + k];
+    const AtlasSample sample = atlas_samples[(size_t)slot * SLOT_POINTS + k];
     const AtlasTriangle triangle = atlas_triangles[sample.triangle];
     const uint part = slot_part(triangle.pitch, sample.triangle, atlas_uv(triangle, sample.b1, sample.b2));
     of_points |= part_level(openness, slot, part) << 4u * k;

@@ -4,7 +4,6 @@
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 constexpr size_t kSlice = 1 << 18;  // slots between two looks whether to stop, less than 0.1 s
 constexpr uint32_t kLevels = 4;  // even: the last one ends in the first buffers. 31 cells across
 const char* const kOwner = "bundle_exchange";
@@ -25,7 +24,6 @@ SlotPreview::SlotPreview(Device& device, KernelScheduler& scheduler, const Progr
   correction_ = recorder.variable("correction", 0.f);
   recorder.pass("errors to smooth", program, "begin_preview")
       .global(slots)
-      .local(kLocalSize)
       .arg("slots", slots)
       .arg("correction", correction_)
       .arg("shown", means.shown())
@@ -39,7 +37,6 @@ SlotPreview::SlotPreview(Device& device, KernelScheduler& scheduler, const Progr
     PassBuilder pass = recorder.pass("smooth slots " + std::to_string(1u << level), program, "smooth_preview");
     atlas.bind(pass, program, "smooth_preview");
     pass.global(slots)
-        .local(kLocalSize)
         .slice(kSlice)
         .arg("slots", slots)
         .arg("stride", 1u << level)

@@ -3,10 +3,11 @@
 
 #include <algorithm>
 
+#include "bundle_program.h"
+
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kOwner = "bundle_exchange";
 const char* const kSmaller = "lower texels or glossy_window";
 
@@ -34,11 +35,8 @@ void SlotRing::record(const Program& program, const SceneBuffers& scene, const S
   ScheduleRecorder sending = scheduler_->record("send glossy light", kOwner);
   send_step_ = sending.variable("step", RingStep{});
   omega_ = sending.variable("omega", float4{});
-  PassBuilder send = sending.pass("send glossy light", program, "ring_send");
-  scene.bind(send, program, "ring_send");
-  atlas.bind(send, program, "ring_send");
+  PassBuilder send = surface_pass(sending, "send glossy light", program, "ring_send", scene, atlas);
   send.global(count_)
-      .local(kLocalSize)
       .arg("count", count_)
       .arg("turn", send_step_)
       .arg("omega", omega_)
@@ -53,7 +51,6 @@ void SlotRing::record(const Program& program, const SceneBuffers& scene, const S
   receive_step_ = receiving.variable("step", RingStep{});
   receiving.pass("receive glossy light", program, "ring_receive")
       .global(count_)
-      .local(kLocalSize)
       .arg("count", count_)
       .arg("turn", receive_step_)
       .arg("list", list_)

@@ -41,10 +41,14 @@ class BundleRig {
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
         program_(make_program(*device_, channels, std::move(defines))),
         exposure_(*device_, scheduler_, program_, buffers_, bvh_, atlas_),
-        openness_(*device_, scheduler_, program_, scene_, buffers_, atlas_, exposure_, {pixel_size, parameters.open_gap}),
+        openness_(*device_, buffers_, atlas_, {pixel_size, parameters.open_gap}),
         light_(*device_, "test", "light samples", atlas_.info().texel_count),
         means_(*device_, scheduler_, program_, atlas_, openness_.shares(), light_, channels, parameters_),
         transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), exposure_, openness_, channels, {pixel_size, parameters.transfer, nullptr}) {
+    while (!exposure_.complete()) exposure_.advance();
+    openness_.begin(*device_, scheduler_, program_, scene_, buffers_, atlas_, exposure_, transfer_.raster());
+    while (!openness_.complete()) openness_.advance();
+    means_.take_materials();
     if (!channels.hops) return;
     specular_ = std::make_unique<bundle::SlotSpecular>(*device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, parameters_,
                                                        !scene_.lights.empty(),
@@ -131,9 +135,16 @@ class BundleRig {
   }
 
   double film_pixel() const { return transfer_.pixel(); }  ///< edge [m]
+  /// What the film's pixels would be when the texels have followed a change, as they do in a warm start [m].
+  double film_pixel_after(const std::function<SceneChange(Scene&)>& change_scene) {
+    const SceneChange change = change_scene(scene_);
+    buffers_.update(scene_, change);
+    atlas_.refit(scene_, change);
+    return bundle::SlotOpenness(*device_, buffers_, atlas_, {0.5f, parameters_.open_gap}).safe_pixel();
+  }
   double texel_edge() const { return static_cast<double>(atlas_.info().texel_edge); }
   double texel_extent(double limit) const { return bundle::largest_texel_extent(atlas_, buffers_, limit); }
-  /// Largest distance of two sample points of a slot, kSlotPoints each.
+  /// Largest distance of two sample points of a slot, SLOT_POINTS each.
   double sampled_extent() const {
     const std::vector<AtlasSample> samples = atlas_.samples().download();
     const auto triangles = buffers_.scene_triangles.download();
@@ -145,9 +156,9 @@ class BundleRig {
     };
     float result = 0;
     for (size_t slot = 0; slot < slots(); ++slot)
-      for (uint32_t i = 0; i < bundle::kSlotPoints; ++i)
+      for (uint32_t i = 0; i < SLOT_POINTS; ++i)
         for (uint32_t j = 0; j < i; ++j)
-          result = std::max(result, glm::length(point(samples[slot * bundle::kSlotPoints + i]) - point(samples[slot * bundle::kSlotPoints + j])));
+          result = std::max(result, glm::length(point(samples[slot * SLOT_POINTS + i]) - point(samples[slot * SLOT_POINTS + j])));
     return static_cast<double>(result);
   }
   uint32_t slots() const { return atlas_.info().texel_count; }
@@ -177,7 +188,7 @@ class BundleRig {
   static SurfaceAtlasOptions options(uint64_t texels) {
     SurfaceAtlasOptions result;
     result.texel_count = texels;
-    result.samples = bundle::kSlotPoints;
+    result.samples = SLOT_POINTS;
     return result;
   }
   /// solve() says how many directions there are.

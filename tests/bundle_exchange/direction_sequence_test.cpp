@@ -103,7 +103,7 @@ TEST_CASE("guided directions follow the density that W is made of") {
   parameters.env_guiding = 0.6f;
   for (const Sequence kind : {Sequence::iid, Sequence::blocks}) {
     parameters.sequence = kind;
-    const DirectionSequence sequence(parameters, 9, &environment);
+    const DirectionSequence sequence(parameters, 9, make_guide(parameters, &environment));
     const int rows = 12, count = 40960;
     const std::vector<uint64_t> cells = count_cells(sequence, 0, count, rows);
     std::vector<double> expected;  // by a fine grid per cell

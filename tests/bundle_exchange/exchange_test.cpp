@@ -102,6 +102,20 @@ TEST_CASE("film pixels are no smaller than a sixteenth of the longest texel") {
   }
 }
 
+TEST_CASE("film pixels are chosen for texels as they are, not as they were when the atlas was made") {
+  test::BundleRig box(closed_box(), 384, 0.5f);  // squares of 1/8
+  CHECK(box.film_pixel() == test::relative(0.5 / 8, 0.02));
+  const double stretched = box.film_pixel_after([](Scene& scene) {
+    SceneChange change;
+    SceneInstance& wall = scene.instances.back();
+    change.moved_instances = {static_cast<int>(scene.instances.size()) - 1};
+    change.previous_world_from_object = {wall.world_from_object};
+    wall.world_from_object[0] *= 12.f;
+    return change;
+  });
+  CHECK(stretched == test::relative(std::sqrt(12 * 12 + 1) / 8 / 16, 0.003));
+}
+
 TEST_CASE("form factors of unit squares") {
   for (const bool parallel : {true, false}) {
     CAPTURE(parallel);
@@ -144,7 +158,7 @@ TEST_CASE("a double-sided plate under a sky of radiance 1 + w_y: 5 pi / 3 above,
     Parameters parameters;
     parameters.env_guiding = guiding;
     const int count = test::full_run() ? 8192 : 2048;
-    rig.run(DirectionSequence(parameters, 3, &*scene.environment), count);
+    rig.run(DirectionSequence(parameters, 3, make_guide(parameters, &*scene.environment)), count);
     const std::vector<glm::dvec4> sums = rig.sums();
     const std::vector<SurfacePoint> points = rig.points();
     double ratio[2][2] = {}, flux[2] = {};

@@ -61,8 +61,8 @@ TEST_CASE("an image forgets that indirect light was missing while bundles carrie
 }
 
 TEST_CASE("when indirect light is known well, directions carry emission until direct light is, too") {
-  const Options options = {{"texels", "2048"}, {"direct_mode", "exchange"}, {"directions", "20000"}, {"batch", "4"},
-                           {"stop_error", "0.1"}, {"camera_samples", "1"}};
+  const Options options = {{"texels", "1024"}, {"direct_mode", "exchange"}, {"directions", "20000"}, {"batch", "4"},
+                           {"stop_error", "0.15"}, {"camera_samples", "1"}};
   const double expected = indirect_mean("path_tracing", "builtin:cornell", -1, 16, {{"samples_per_iteration", "64"}});
   for (const Options& more : {Options{}, Options{{"final_gather", "all"}, {"pixel_rays", "bundle"}}}) {
     CAPTURE(more.size());
@@ -71,12 +71,45 @@ TEST_CASE("when indirect light is known well, directions carry emission until di
     REQUIRE(run->last().converged);
     const std::map<std::string, double> done = run->technique().counters();
     MESSAGE(done.at("directions"), " directions, of them with indirect light ", done.at("indirect_directions"));
-    CHECK(done.at("relative_error") < 0.1);
+    CHECK(done.at("relative_error") < 0.15);
     CHECK(done.at("directions") < 20000);
     CHECK(done.at("indirect_directions") < 0.6 * done.at("directions"));
     CHECK(done.at("indirect_directions") >= 64);
     CHECK(mean(indirect(*run)) == relative(expected, 0.03));
   }
+}
+
+TEST_CASE("what is measured before the exchange can be cancelled anywhere, and so can batches") {
+  const Options options = {{"texels", "4096"}, {"batch", "16"}, {"directions", "96"}, {"stop_error", "0"}, {"transfer", "texel"},
+                           {"final_gather", "all"}, {"pixel_rays", "bundle"}, {"direct_mode", "exchange"}};
+  constexpr uint64_t kSamples = 12;
+  const auto whole = session("bundle_exchange", load_scene("builtin:cornell"), -1, options);
+  whole->run({.iterations = kSamples});
+  const auto halting = session("bundle_exchange", load_scene("builtin:cornell"), -1, options);
+  int left = 0, requests = 0, cancelled = 0;
+  while (halting->last().samples < kSamples) {
+    // Ever later in the iteration, so that in the end it gets through.
+    const uint64_t before = halting->last().samples;
+    for (left = 3; halting->last().samples == before; left += 37, ++cancelled) {
+      requests = left;
+      halting->scheduler().set_cancel([&] { return requests-- <= 0; });
+      halting->iterate();
+    }
+  }
+  halting->scheduler().set_cancel([] { return false; });
+  CHECK(cancelled > 2 * int(kSamples));
+  CHECK(halting->technique().counters().at("directions") == whole->technique().counters().at("directions"));
+  CHECK(indirect(*halting) == indirect(*whole));
+}
+
+TEST_CASE("a long batch takes several iterations") {
+  const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1,
+                           {{"texels", "2048"}, {"batch", "64"}, {"directions", "4096"}, {"stop_error", "0"}, {"transfer", "texel"},
+                            {"direct_mode", "exchange"}, {"direct_first", "4096"}});
+  run->run({.iterations = 8});
+  const double directions = run->technique().counters().at("directions");
+  CHECK(directions >= 64);
+  CHECK(directions <= 8 * 64.0 / 3);  // what is stored costs three times as much as what is exchanged at once
 }
 
 TEST_CASE("one bounce for each block: directions of emission only are none of its, and a limit of bounces is kept") {
