@@ -189,6 +189,7 @@ class MicroRendering : public Technique {
     all = pixels_->counters();
     all["gathers at nodes"] = static_cast<double>(leaf_light_->gathers());
     all["points"] = forest_->leaf_count();
+    all["share of points on fine details"] = forest_->fine_details();
     all["trees"] = static_cast<double>(forest_->trees().size());
     all["sampling seconds"] = forest_->sampling_seconds();
     all["tree seconds"] = forest_->ordering_seconds();

@@ -59,6 +59,8 @@ class PointForest {
   TypedBuffer<uint2> radiance;       ///< half4 per node
   TypedBuffer<float> radiance_unit;  ///< one element [cd/m²]
 
+  /// Share of the points that lie on details finer than their discs: beside one that faces another way by more than 60 degrees.
+  double fine_details() const { return fine_details_; }
   double sampling_seconds() const { return sampling_seconds_; }
   double ordering_seconds() const { return ordering_seconds_; }
 
@@ -91,6 +93,7 @@ class PointForest {
   void derive(const std::vector<size_t>& trees);
   void set_grid(ForestTree& tree, const TreeSource* source);
   void set_transform(ForestTree& tree) const;
+  double bent_pairs() const;
   double radius_sum(const ForestTree& tree) const;
   bool too_loose(const ForestTree& tree) const;
   bool outgrown(const ForestTree& tree) const;
@@ -107,6 +110,7 @@ class PointForest {
   std::vector<int> uncovered_;  ///< moving instances without covered area, which have no tree
   bool loosened_ = false;
   uint32_t leaf_count_ = 0;
+  double fine_details_ = 0;
   double sampling_seconds_ = 0, ordering_seconds_ = 0;
 };
 

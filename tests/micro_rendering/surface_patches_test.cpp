@@ -89,6 +89,28 @@ TEST_CASE("a node's area is what it shows along its axis") {
   }
 }
 
+TEST_CASE("folds much finer than discs are told, wide ones are not") {
+  for (const int folds : {1, 100}) {
+    Scene scene;
+    scene.source = "test:folds";
+    MeshBuilder sheet("sheet");
+    const float width = 1 / static_cast<float>(folds);
+    for (int i = 0; i < folds; ++i) {
+      const float low = static_cast<float>(i) * width, middle = low + width / 2, high = low + width, top = width / 2;
+      sheet.quad({low, 0, 0}, {low, 0, 1}, {middle, top, 1}, {middle, top, 0}).quad({middle, top, 0}, {middle, top, 1}, {high, 0, 1}, {high, 0, 0});
+    }
+    add_instance(scene, add_mesh(scene, sheet.take()), add_lambert(scene, "grey", glm::vec3(0.5f)));
+    KernelScheduler scheduler(test_device());
+    const SceneBuffers buffers(*test_device(), scene);
+    const PointForest forest(*test_device(), scheduler, scene, buffers, {.points_log2 = 10}, "test");
+    MESSAGE(folds, " folds: ", forest.fine_details());
+    // Of two points on fine folds each is on either face, whose normals are at right angles: half of the pairs would be on both,
+    // and more are, since points that face alike keep farther apart.
+    CHECK(forest.fine_details() >= (folds == 1 ? 0 : 0.5));
+    CHECK(forest.fine_details() <= (folds == 1 ? 0.03 : 0.75));
+  }
+}
+
 TEST_CASE("a strip hardly wider than its discs gives the light of its form factor") {
   // Under an environment of 1 a strip that faces down has its albedo as radiance. Discs of radius 0.18 m on 0.4 m of width: a far
   // surface, seen from its black back, takes nearly all points.
