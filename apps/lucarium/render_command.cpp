@@ -217,7 +217,7 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session, con
     if (i > 0) start = std::chrono::steady_clock::now();
     if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
     const bool interrupted = render_within_budget(arguments, session, curve, start);
-    if (interrupted && session.last().samples == 0) return true;
+    if (interrupted && session.last().samples == 0 && !session.last().visible) return true;
     Film film = session.resolve();
     if (interrupted) film.metadata["partial"] = "yes";
     write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
@@ -288,6 +288,7 @@ int render(RenderArguments arguments) {
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
 
+  auto nothing_to_keep = std::make_unique<EndOnInterrupt>();
   const auto load_start = std::chrono::steady_clock::now();
   Scene scene = load(arguments);
   const double load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - load_start).count();
@@ -295,7 +296,11 @@ int render(RenderArguments arguments) {
   settings.camera = scene.cameras.front();
   const std::unique_ptr<CurveRecorder> curve = make_curve(arguments, settings, scene.exposure);
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
-  RenderSession session(device, std::move(scene), type, settings, spec.parameters);
+  auto preparing = std::make_unique<Progress>("preparing", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  RenderSession session(device, std::move(scene), type, settings, spec.parameters,
+                        [&preparing](double fraction, const std::string& stage) { if (preparing) preparing->update(fraction, stage); });
+  preparing.reset();
+  nothing_to_keep.reset();
   for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
 
   ordered_json summaries = ordered_json::array();

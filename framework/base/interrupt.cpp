@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/base/interrupt.h"
 
+#include <unistd.h>
+
 #include <csignal>
+
+#include "lucarium/base/error.h"
 
 namespace lucarium {
 namespace {
 
-volatile std::sig_atomic_t requested = 0;
+constexpr char kNothingKept[] = "lucarium: error: interrupted before the first iteration was done; nothing was written\n";
+
+volatile std::sig_atomic_t requested = 0, nothing_to_keep = 0;
 
 void on_signal(int number) {
   requested = 1;
+  if (nothing_to_keep) {
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kNothingKept, sizeof kNothingKept - 1);
+    ::_exit(static_cast<int>(ErrorClass::interrupted));
+  }
   std::signal(number, SIG_DFL);  // the second one ends the process
 }
 
@@ -22,5 +32,18 @@ void install_interrupt_handler() {
 
 bool interrupt_requested() { return requested != 0; }
 void set_interrupt_requested(bool value) { requested = value ? 1 : 0; }
+
+void throw_if_interrupted(const char* what) {
+  if (interrupt_requested()) throw_error(ErrorClass::interrupted, "{}: interrupted", what);
+}
+
+EndOnInterrupt::EndOnInterrupt() {
+  nothing_to_keep = 1;
+  if (!interrupt_requested()) return;
+  nothing_to_keep = 0;
+  throw_if_interrupted("start");
+}
+
+EndOnInterrupt::~EndOnInterrupt() { nothing_to_keep = 0; }
 
 }  // namespace lucarium

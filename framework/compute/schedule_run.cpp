@@ -12,6 +12,9 @@ namespace {
 
 /// Work enqueued ahead of the device is limited to this, because what is enqueued cannot be cancelled.
 constexpr double queued_seconds_limit = 0.05;
+/// Slices of a pass that are enqueued at once, whatever was measured of them before: with a counter that was zero they
+/// took no time. Two, so that the device need not wait.
+constexpr size_t queued_slices = 2;
 /// Expected of a step that was never measured.
 constexpr double unknown_step_seconds = 0.005;
 
@@ -173,10 +176,11 @@ bool ScheduleRun::enqueue_kernel(size_t index) {
 /// The slices of a pass run one after the other, so that the last one's event stands for all. False: cancelled.
 bool ScheduleRun::enqueue_slices(size_t index, std::array<size_t, 3> global) {
   CompiledStep& sliced = step(index);
-  const size_t items = global[0];
+  const size_t items = global[0], first_event = record_.events.size();
   for (size_t base = 0; base < items; base += sliced.slice_items) {
     if (base > 0) {
       limit_queued_work(index);
+      while (record_.events.size() - std::max(first_queued_, first_event) >= queued_slices) wait_for_oldest();
       if (cancelled()) return false;
     }
     const cl_uint slice_base = static_cast<cl_uint>(base);
@@ -297,11 +301,14 @@ double ScheduleRun::expected_seconds(size_t index) const {
 
 void ScheduleRun::limit_queued_work(size_t index) {
   const double next = expected_seconds(index);
-  while (first_queued_ < record_.events.size() && queued_seconds_ + next > queued_seconds_limit) {
-    const RunRecord::StepEvent& oldest = record_.events[first_queued_++];
-    wait({oldest.event.get()}, state_.where(step(oldest.step)));
-    queued_seconds_ -= expected_seconds(oldest.step);
-  }
+  while (first_queued_ < record_.events.size() && queued_seconds_ + next > queued_seconds_limit) wait_for_oldest();
+}
+
+/// Of what is enqueued and was not waited for yet.
+void ScheduleRun::wait_for_oldest() {
+  const RunRecord::StepEvent& oldest = record_.events[first_queued_++];
+  wait({oldest.event.get()}, state_.where(step(oldest.step)));
+  queued_seconds_ -= expected_seconds(oldest.step);
 }
 
 void ScheduleRun::wait(const std::vector<cl_event>& events, const std::string& about) {

@@ -61,6 +61,7 @@ class ScheduleRun {
   void add_event(size_t index, bool first, cl_event event, size_t bytes);
   double expected_seconds(size_t step) const;
   void limit_queued_work(size_t step);
+  void wait_for_oldest();
   void wait(const std::vector<cl_event>& events, const std::string& about);
   void set_argument(CompiledStep& step, cl_uint position, size_t bytes, const void* value);
   std::array<size_t, 3> global_size(const CompiledStep& step) const;

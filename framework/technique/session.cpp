@@ -93,9 +93,12 @@ struct RenderSession::State {
   Clocks clocks;
   IterationResult last;
   uint64_t iterations = 0;
+  OnPreparing on_preparing;
 
-  State(std::shared_ptr<Device> d, Scene s, TechniqueType t, RenderSettings r)
-      : type(std::move(t)), device(std::move(d)), scene(std::move(s)), settings(std::move(r)), scheduler(device) {}
+  State(std::shared_ptr<Device> d, Scene s, TechniqueType t, RenderSettings r, OnPreparing p)
+      : type(std::move(t)), device(std::move(d)), scene(std::move(s)), settings(std::move(r)), scheduler(device), on_preparing(std::move(p)) {
+    if (!on_preparing) on_preparing = [](double, const std::string&) {};
+  }
 
   Bvh& built_bvh() {
     if (!type.info().capabilities.uses_bvh) throw_error(ErrorClass::technique, "it asks for the BVH but declares uses_bvh = false");
@@ -157,18 +160,21 @@ struct RenderSession::State {
     device->memory().require_total("scene, bvh and technique", "all buffers",
                                    needed_bytes(type.info(), *technique, scene, settings),
                                    "lower --size or --texture-size, or what makes the technique large");
+    on_preparing(-1, "upload");
     timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
-    const TechniqueContext context{device, scheduler, scene, *buffers, [this]() -> Bvh& { return built_bvh(); }, settings};
+    const TechniqueContext context{device, scheduler, scene, *buffers, [this]() -> Bvh& { return built_bvh(); }, settings, on_preparing};
+    on_preparing(-1, "kernels");
     timed(clocks.prepare, [&] { technique->prepare(context); });
+    on_preparing(-1, "kernels");
     timed(clocks.warm_up, [&] { technique->warm_up(); });
     scheduler.reset_profile();
   }
 };
 
 RenderSession::RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
-                             const std::vector<std::pair<std::string, std::string>>& parameters) {
+                             const std::vector<std::pair<std::string, std::string>>& parameters, OnPreparing on_preparing) {
   check_settings(type.info(), settings);
-  state_ = std::make_unique<State>(std::move(device), std::move(scene), type, std::move(settings));
+  state_ = std::make_unique<State>(std::move(device), std::move(scene), type, std::move(settings), std::move(on_preparing));
   state_->technique = type.create();
   call_technique(type.info(), [&] { state_->prepare(parameters); });
 }

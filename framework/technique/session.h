@@ -31,9 +31,13 @@ class RenderSession {
     double upload = 0, bvh = 0, compile = 0, prepare = 0, warm_up = 0, iterate = 0;
   };
 
+  /// How far the work before the first iteration is: `fraction` (negative: unknown), and what is being done.
+  using OnPreparing = std::function<void(double fraction, const std::string& stage)>;
+
   /// Applies `parameters` (name, value), checks capabilities and memory, uploads the scene, prepares and warms up.
+  /// `on_preparing` is kept, for later changes of the scene.
   RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
-                const std::vector<std::pair<std::string, std::string>>& parameters = {});
+                const std::vector<std::pair<std::string, std::string>>& parameters = {}, OnPreparing on_preparing = {});
   ~RenderSession();
 
   Technique& technique();

@@ -42,6 +42,9 @@ struct TechniqueContext {
   /// The scene's BVH, built at the first call (services/bvh.h) and kept up to date by the framework.
   std::function<Bvh&()> bvh;
   const RenderSettings& settings;
+  /// Tells how far a prepare() or update() is that takes seconds: `fraction` of the work (negative: unknown), and what is
+  /// being done. May be called at any rate, from the calling thread; never empty.
+  std::function<void(double fraction, const std::string& stage)> progress;
 };
 
 /// Can this be done, and if not, what is lost: checked before a run, printed and kept in the report.
@@ -72,6 +75,7 @@ struct IterationResult {
   double progress = 0;      ///< of a known amount of work, 0…1; negative: unknown
   uint64_t samples = 0;     ///< per pixel so far, or the technique's own unit
   std::string phase;        ///< "propagate", "gather"; shown beside the progress
+  bool visible = false;     ///< resolve() has a picture worth keeping though `samples` is 0: a coarse or an unfinished one
 };
 
 /// A technique instance. Life cycle: construct → (set parameters) → prepare → { update | iterate | resolve | reset }*.
@@ -88,7 +92,8 @@ class Technique {
   /// Device bytes it will allocate, stated before it does.
   virtual size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const = 0;
 
-  /// Compiles programs, allocates, records schedules; short. Long precomputation is made of iterations.
+  /// Compiles programs, allocates, records schedules; short. Long precomputation is made of iterations, or tells its
+  /// progress and ends soon with Error{interrupted} when interrupt_requested() (base/interrupt.h).
   virtual void prepare(const TechniqueContext& context) = 0;
   /// The scene or camera changed; buffers are already up to date.
   virtual void update(const SceneChange& change) = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gather_pass.h"
 
+#include <algorithm>
+
 #include "lucarium/compute/embedded_sources.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
@@ -9,7 +11,7 @@ namespace lucarium::micro {
 namespace {
 
 constexpr size_t kLargestBuffer = 64;   // edge of a micro-buffer
-constexpr size_t kGathersPerSlice = 256;  // 20 to 200 ms: how soon a cancellation is felt
+constexpr int kPixelsPerSlice = 256 * 24 * 24;  // of micro-buffers; 20 to 200 ms: how soon a cancellation is felt
 const char* const kRemedy = "lower --size";
 const char* const kRemedyPoints = "lower points_log2";
 
@@ -58,7 +60,9 @@ GatherPass::GatherPass(Device& device, const MicroParameters& parameters, Gather
       levels_(parameters.keeps_levels() && at == GatherAt::pixels) {
   SourceLibrary library;
   library.add(micro_rendering_kernels());
-  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, at == GatherAt::pixels ? parameters.largest_edge() : parameters.micro_size, sky_, dynamic_, levels_)});
+  const int edge = at == GatherAt::pixels ? parameters.largest_edge() : parameters.micro_size;
+  gathers_per_slice_ = static_cast<size_t>(std::clamp(kPixelsPerSlice / (edge * edge), 16, 256));
+  program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, edge, sky_, dynamic_, levels_)});
 }
 
 MicroSettings GatherPass::settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect) {
@@ -66,7 +70,7 @@ MicroSettings GatherPass::settings(const MicroParameters& parameters, uint32_t s
 }
 
 void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
-                        const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
+                        const BufferRef& gather_count, uint32_t most, const Variable<MicroSettings>& settings,
                         const GatherResults& results, const DynamicShading& shading) const {
   PassBuilder pass = recorder.pass(name, program_, "mr_gather");
   if (sky_) {
@@ -75,7 +79,9 @@ void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, con
   }
   if (levels_) pass.arg("levels", results.levels);
   if (dynamic_) pass.arg("choices", shading.choices).arg("leaf_lights", shading.leaf_lights).arg("leaf_lobes", shading.leaf_lobes);
-  pass.global(capacity).local(1).slice(kGathersPerSlice)
+  if (most > 0) pass.global(most);
+  else pass.global_by(gather_count);
+  pass.local(1).slice(gathers_per_slice_)
       .arg("trees", forest.tree_records).arg("tree_count", static_cast<uint32_t>(forest.trees().size()))
       .arg("nodes", forest.nodes).arg("radiance", forest.radiance).arg("clips", forest.clips).arg("radiance_unit", forest.radiance_unit)
       .arg("gathers", gathers).arg("gather_count", gather_count).arg("settings", settings)

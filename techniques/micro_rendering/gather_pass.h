@@ -47,13 +47,15 @@ class GatherPass {
   /// What all passes of these parameters have in common.
   static MicroSettings settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect);
 
-  /// Records a pass over gathers [settings.first, gather_count[0]), at most `capacity`. `shading` is used at pixels alone.
+  /// Records a pass over gathers [settings.first, gather_count[0]), at most `most` of them; 0: from settings.first = 0 on,
+  /// all. `shading` is used at pixels alone.
   void record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,
-              const BufferRef& gather_count, uint32_t capacity, const Variable<MicroSettings>& settings,
+              const BufferRef& gather_count, uint32_t most, const Variable<MicroSettings>& settings,
               const GatherResults& results, const DynamicShading& shading) const;
 
  private:
   Program program_;
+  size_t gathers_per_slice_ = 1;
   bool sky_ = false, dynamic_ = false, levels_ = false;
 };
 

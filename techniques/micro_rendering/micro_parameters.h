@@ -47,7 +47,7 @@ struct MicroParameters {
   int light_samples = 1;
   int direct_samples = 4;
   int unlimited_bounces = 4;
-  int batch_gathers = 16384;
+  int batch_gathers = 4096;
   int inspect_x = -1, inspect_y = -1;
 
   /// Longest edge of a micro-buffer.

@@ -117,33 +117,13 @@ class MicroRendering : public Technique {
     make_anew();
   }
 
+  /// Interrupted while points are placed anew it leaves that to the next iterate(): there is nothing to show.
   void update(const SceneChange& change) override {
-    if (!change.any()) return;
-    if (!made_) return make_anew();
-    if (change.only_camera()) {
-      gbuffer_->set_frame(frame());
-      restart();
-      return;
+    try {
+      follow(change);
+    } catch (const Error& error) {
+      if (error.error_class() != ErrorClass::interrupted) throw;
     }
-    const bool rebuilt = forest_ && !forest_->update(change);
-    if (change.topology) moved_.clear(), moving_.clear();  // instances may have other numbers
-    if (rebuilt) {
-      posed_ = !change.topology && (posed_ || forest_->loosened());
-      // What a program moves once gives the picture of a fresh start. What it moves again gets a tree of its own, so that
-      // the next move is one of its matrix.
-      for (const int instance : change.moved_instances) {
-        std::vector<int>& list = holds(moved_, instance) ? moving_ : moved_;
-        if (!holds(list, instance)) list.push_back(instance);
-      }
-      make_forest();
-    }
-    if (rebuilt || transmits(context_->scene) != transmits_ || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
-      make_passes();
-      return;
-    }
-    if (change.camera) gbuffer_->set_frame(frame());
-    if (leaf_light_) leaf_light_->changed(change.geometry() || !change.materials.empty());
-    restart();
   }
 
   IterationResult iterate() override {
@@ -155,6 +135,7 @@ class MicroRendering : public Technique {
     IterationResult result;
     result.progress = -1;
     result.samples = frame_;
+    result.visible = batch_ > 0;
     result.phase = leaf_light_ && !leaf_light_->lit(frame_, kernel_seed(seed_)) ? "light" : "gather";
     return result;
   }
@@ -184,10 +165,8 @@ class MicroRendering : public Technique {
   }
 
   std::map<std::string, double> counters() const override {
-    std::map<std::string, double> all;
-    if (!pixels_) return all;
-    all = pixels_->counters();
-    all["gathers at nodes"] = static_cast<double>(leaf_light_->gathers());
+    std::map<std::string, double> all = counted();
+    if (!forest_) return all;
     all["points"] = forest_->leaf_count();
     all["share of points on fine details"] = forest_->fine_details();
     all["trees"] = static_cast<double>(forest_->trees().size());
@@ -200,6 +179,35 @@ class MicroRendering : public Technique {
   /// Whether some surface is rough and lets light through.
   static bool transmits(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) { return m.transmission > 0 && m.roughness >= LUCARIUM_MIRROR_ROUGHNESS; });
+  }
+
+  void follow(const SceneChange& change) {
+    if (!change.any()) return;
+    if (!made_) return make_anew();
+    if (change.only_camera()) {
+      gbuffer_->set_frame(frame());
+      restart();
+      return;
+    }
+    const bool rebuilt = forest_ && !forest_->update(change);
+    if (change.topology) moved_.clear(), moving_.clear();  // instances may have other numbers
+    if (rebuilt) {
+      posed_ = !change.topology && (posed_ || forest_->loosened());
+      // What a program moves once gives the picture of a fresh start. What it moves again gets a tree of its own, so that
+      // the next move is one of its matrix.
+      for (const int instance : change.moved_instances) {
+        std::vector<int>& list = holds(moved_, instance) ? moving_ : moved_;
+        if (!holds(list, instance)) list.push_back(instance);
+      }
+      make_forest();
+    }
+    if (rebuilt || transmits(context_->scene) != transmits_ || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
+      make_passes();
+      return;
+    }
+    if (change.camera) gbuffer_->set_frame(frame());
+    if (leaf_light_) leaf_light_->changed(change.geometry() || !change.materials.empty());
+    restart();
   }
 
   static bool holds(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
@@ -215,6 +223,7 @@ class MicroRendering : public Technique {
     options.all_cullable = parameters_.backface == Backface::cull;
     options.moving = moving_;
     options.posed = posed_;
+    if (context_) options.progress = context_->progress;
     return options;
   }
 
@@ -229,11 +238,25 @@ class MicroRendering : public Technique {
     make_passes();
   }
 
+  /// What was counted since prepare(), also by passes that are gone.
+  std::map<std::string, double> counted() const {
+    std::map<std::string, double> all = counted_before_;
+    if (pixels_)
+      for (const auto& [name, count] : pixels_->counters()) all[name] += count;
+    if (leaf_light_) all["gathers at nodes"] += static_cast<double>(leaf_light_->gathers());
+    return all;
+  }
+
+  void drop_gathers() {
+    counted_before_ = counted();
+    pixels_.reset();
+    leaf_light_.reset();
+  }
+
   void make_forest() {
     made_ = false;
     if (bounces(context_->settings) == 0) return;
-    pixels_.reset();  // what refers to memory goes before the memory
-    leaf_light_.reset();
+    drop_gathers();  // what refers to memory goes before the memory
     forest_.reset();
     forest_ = std::make_unique<PointForest>(*context_->device, context_->scheduler, context_->scene, context_->scene_buffers,
                                             forest_options(), kName);
@@ -248,8 +271,7 @@ class MicroRendering : public Technique {
     made_ = false;
     transmits_ = transmits(context_->scene);
     direct_schedule_ = {};
-    pixels_.reset();
-    leaf_light_.reset();
+    drop_gathers();
     direct_light_.reset();
     gbuffer_.reset();
     gbuffer_ = std::make_unique<GBuffer>(device, scheduler, scene, context_->bvh(), frame(), kName);
@@ -337,6 +359,7 @@ class MicroRendering : public Technique {
   uint32_t frame_ = 0, batch_ = 0;
   bool transmits_ = false;
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;
+  std::map<std::string, double> counted_before_;
   Program program_;
   GatherPass gather_, node_gather_;
   std::unique_ptr<PointForest> forest_;

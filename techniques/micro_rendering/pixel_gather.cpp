@@ -138,7 +138,7 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
       .arg("gathers", gathers).arg("gather_count", count);
   if (parameters_.keeps_levels())
     fill.arg("levels", results_.levels).arg("adaptive", failed ? -1.f : parameters_.adaptive).arg("larger", static_cast<uint32_t>(parameters_.largest_edge()));
-  gather_.record(recorder, "gather", scene_, forest_, gathers, count, capacity, settings_, results_, shading_);
+  gather_.record(recorder, "gather", scene_, forest_, gathers, count, 0, settings_, results_, shading_);
 }
 
 /// Pixels between gathers are interpolated; those where that fails gather themselves.

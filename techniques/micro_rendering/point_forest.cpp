@@ -7,6 +7,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/interrupt.h"
 #include "lucarium/compute/embedded_sources.h"
 #include "point_sampling.h"
 #include "surface_patches.h"
@@ -59,7 +60,8 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
       owner_(owner),
       program_(forest_program(device)) {
   placed_materials_ = placing();
-  std::vector<TreeSource> sources = find_tree_sources(scene, buffers, options.moving);
+  tell(0, "surfaces");
+  std::vector<TreeSource> sources = find_tree_sources(scene, buffers, options.moving, options.threads);
   std::erase_if(sources, [this](const TreeSource& source) {
     if (source.sides.empty() && source.instance != none) uncovered_.push_back(source.instance);
     return source.sides.empty();
@@ -94,6 +96,10 @@ std::vector<PointForest::Placing> PointForest::placing() const {
   return list;
 }
 
+void PointForest::tell(double fraction, const char* stage) const {
+  if (options_.progress) options_.progress(fraction, stage);
+}
+
 /// Points in proportion to area in the world, a power of two per tree.
 void PointForest::place(std::vector<TreeSource> sources) {
   if (sources.empty()) throw_error(ErrorClass::input, "the scene has no surface to gather light from");
@@ -106,7 +112,9 @@ void PointForest::place(std::vector<TreeSource> sources) {
     total += area;
   }
   patches = TypedBuffer<MicroPatch>(device_, owner_, "edges of triangles", find_patches(sources, buffers_.scene_triangles.download(0, buffers_.info().triangle_count)));
+  throw_if_interrupted("edges of triangles");
   const ScenePoints points(scene_, buffers_);
+  const double expected = std::exp2(options_.points_log2);  // points, but for rounding
   std::vector<MicroLeaf> all_leaves;
   for (size_t t = 0; t < sources.size(); ++t) {
     const double share = total > 0 ? areas[t] / total : 1;
@@ -119,7 +127,8 @@ void PointForest::place(std::vector<TreeSource> sources) {
 
     auto start = std::chrono::steady_clock::now();
     SampledSurface sampled =
-        sample_surface(sources[t].sides, tree.leaves(), kPlacingSeed, options_.threads, point_is_there, &points);
+        sample_surface(sources[t].sides, tree.leaves(), kPlacingSeed, options_.threads, point_is_there, &points,
+                       [&](uint32_t placed) { tell(std::min(1.0, static_cast<double>(all_leaves.size() + placed) / expected), "points"); });
     sampling_seconds_ += seconds_since(start);
     start = std::chrono::steady_clock::now();
     if (options_.posed && tree.kind == TreeKind::deforming) pose_points(buffers_, sampled.points);

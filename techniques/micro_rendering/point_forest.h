@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -19,6 +20,7 @@ struct ForestOptions {
   std::vector<int> moving;     ///< instances that have trees of their own though no animation moves them
   bool posed = false;          ///< leaves of deforming trees are ordered as they stand now, not as at rest
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));  ///< the result is the same for any number
+  std::function<void(double fraction, const std::string& stage)> progress;  ///< may be empty
 };
 
 /// Tree as the host knows it.
@@ -37,6 +39,7 @@ struct ForestTree {
 /// on the device. Owner of all memory: `owner`.
 class PointForest {
  public:
+  /// Throws Error{interrupted}.
   PointForest(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
               const ForestOptions& options, const std::string& owner);
 
@@ -88,6 +91,7 @@ class PointForest {
     bool operator==(const Placing&) const = default;
   };
   std::vector<Placing> placing() const;
+  void tell(double fraction, const char* stage) const;
   void place(std::vector<TreeSource> sources);
   void derive_albedo();
   void derive(const std::vector<size_t>& trees);

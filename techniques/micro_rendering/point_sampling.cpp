@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint32_t kFirstRound = 64;
 constexpr uint32_t kCandidates = 8;
-constexpr uint32_t kRejections = 64;  // draws for a candidate that is there, before one is taken as it is
+constexpr uint32_t kRejections = 4096;  // draws for a candidate that is there, before one is taken as it is
 constexpr uint32_t kSubRounds = 8;
 constexpr uint32_t kNone = 0xffffffffu;
 
@@ -180,7 +180,7 @@ double covered_area(const std::vector<SurfaceSide>& sides) {
 }
 
 SampledSurface sample_surface(const std::vector<SurfaceSide>& sides, uint32_t count, uint32_t seed, int threads,
-                              PointTest test, const void* test_context) {
+                              PointTest test, const void* test_context, const std::function<void(uint32_t)>& progress) {
   SampledSurface result;
   const AreaTable table(sides);
   result.area = table.total();
@@ -213,7 +213,9 @@ SampledSurface sample_surface(const std::vector<SurfaceSide>& sides, uint32_t co
     for (uint32_t sub = 0; sub < kSubRounds; ++sub) {
       const uint32_t members = (strata + kSubRounds - 1 - sub) / kSubRounds;
       parallel_for(members, threads, [&](uint32_t m) { sample(first, sub + kSubRounds * m, strata); });
+      throw_if_interrupted("points on surfaces");
       for (uint32_t m = 0; m < members; ++m) grid.insert(points, first + sub + kSubRounds * m);
+      if (progress) progress(first + strata / kSubRounds * (sub + 1));
     }
     first += strata;
   }

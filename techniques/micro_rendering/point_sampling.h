@@ -2,6 +2,7 @@
 // Points spread evenly over surfaces: best candidates in rounds (Mitchell 1991, stratified by area).
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -37,7 +38,9 @@ using PointTest = bool (*)(const void* context, uint32_t source, glm::vec2 weigh
 /// `count` points (a power of two), in proportion to covered area: every run of count / 2, / 4, … (down to 64) equal
 /// parts of the area, taken in Morton order of the triangles, holds the same number of points. The result depends on
 /// `seed` alone, not on the number of threads. Without area all points lie on the first side. `test` may be null.
+/// `progress`, which may be empty, gets the number of points that are placed. Throws Error{interrupted}.
 SampledSurface sample_surface(const std::vector<SurfaceSide>& sides, uint32_t count, uint32_t seed, int threads,
-                              PointTest test = nullptr, const void* test_context = nullptr);
+                              PointTest test = nullptr, const void* test_context = nullptr,
+                              const std::function<void(uint32_t)>& progress = {});
 
 }  // namespace lucarium::micro

@@ -3,16 +3,19 @@
 
 #include <algorithm>
 
+#include "coverage.h"
+#include "lucarium/base/interrupt.h"
 #include "lucarium/scene/animation.h"
 #include "lucarium/scene/scene_layout.h"
 #include "lucarium/scene/texture_sampling.h"
 #include "micro_rendering/shared/micro_types.h"
+#include "parallel.h"
 
 namespace lucarium::micro {
 namespace {
 
-// Points per edge of a triangle at which coverage is looked up: two per texel, within these.
-constexpr int kLeastCoverageGrid = 4, kMostCoverageGrid = 128;
+// Triangles of an instance whose coverage is looked up between two looks whether to stop.
+constexpr uint32_t kTrianglesAtOnce = 1 << 14;
 
 TreeKind kind_of(const SceneInstance& instance, bool moves) {
   if (instance.pose) return TreeKind::deforming;
@@ -24,27 +27,19 @@ double triangle_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
   return 0.5 * static_cast<double>(glm::length(glm::cross(b - a, c - a)));
 }
 
-/// Mean coverage over a grid of points.
-float triangle_coverage(const ScenePoints& points, uint32_t triangle) {
-  const SceneMaterial& material = points.material(triangle);
-  if (material.alpha_mode == AlphaMode::opaque) return 1;
-  float sum = 0;
-  int count = 0;
-  const int grid = std::clamp(static_cast<int>(std::ceil(2 * points.texels(triangle))), kLeastCoverageGrid, kMostCoverageGrid);
-  const float step = 1 / static_cast<float>(grid);
-  for (int i = 0; i < grid; ++i) {
-    for (int j = 0; i + j < grid; ++j, ++count) {
-      const glm::vec2 weights((static_cast<float>(i) + 1 / 3.f) * step, (static_cast<float>(j) + 1 / 3.f) * step);
-      const float alpha = points.alpha(triangle, weights);
-      sum += material.alpha_mode == AlphaMode::mask ? (alpha >= material.alpha_cutoff ? 1.f : 0.f) : glm::clamp(alpha, 0.f, 1.f);
-    }
+std::vector<float> coverage_of_triangles(const ScenePoints& points, int threads) {
+  const TriangleCoverage coverage_of(points, threads);
+  const auto triangles = static_cast<uint32_t>(points.instance_of_triangle.size());
+  std::vector<float> coverage(triangles);
+  for (uint32_t first = 0; first < triangles; first += kTrianglesAtOnce) {
+    throw_if_interrupted("coverage of triangles");
+    parallel_for(std::min(kTrianglesAtOnce, triangles - first), threads, [&](uint32_t i) { coverage[first + i] = coverage_of(first + i); });
   }
-  return sum / static_cast<float>(count);
+  return coverage;
 }
 
 /// One or two sides of a triangle whose corners in the placing space are a, b, c.
-void add_sides(TreeSource& tree, const ScenePoints& points, uint32_t triangle, const glm::vec3 corners[3]) {
-  const float coverage = triangle_coverage(points, triangle);
+void add_sides(TreeSource& tree, const ScenePoints& points, uint32_t triangle, float coverage, const glm::vec3 corners[3]) {
   const double area = triangle_area(corners[0], corners[1], corners[2]);
   tree.plain_area += area;
   if (coverage <= 0) return;
@@ -109,18 +104,29 @@ float ScenePoints::alpha(uint32_t triangle, glm::vec2 weights) const {
   return value * sample_texture(*scene, scene->textures[static_cast<size_t>(use.texture)], texture_transform(use)(at)).a;
 }
 
-float ScenePoints::texels(uint32_t triangle) const {
+bool ScenePoints::alpha_corners(uint32_t triangle, std::array<glm::vec2, 3>& at) const {
   const int index = instance_of_triangle[triangle];
   const Mesh& mesh = scene->meshes[static_cast<size_t>(scene->instances[static_cast<size_t>(index)].mesh)];
   const TextureUse& use = material(triangle).base_color_texture;
-  if (use.texture == none || mesh.uv[use.uv_set].empty()) return 0;
-  const Image& image = scene->images[static_cast<size_t>(scene->textures[static_cast<size_t>(use.texture)].image)];
-  const glm::vec2 size(image.width, image.height);
+  if (use.texture == none || mesh.uv[use.uv_set].empty()) return false;
   const TextureTransform transform = texture_transform(use);
   const glm::uvec3 corner = mesh.triangles[triangle - first_triangle[static_cast<size_t>(index)]];
-  glm::vec2 at[3];
-  for (int k = 0; k < 3; ++k) at[k] = size * transform(mesh.uv[use.uv_set][corner[k]]);
-  return std::max({glm::distance(at[0], at[1]), glm::distance(at[1], at[2]), glm::distance(at[2], at[0])});
+  bool alone = true;
+  for (int k = 0; k < 3; ++k) {
+    at[static_cast<size_t>(k)] = transform(mesh.uv[use.uv_set][corner[k]]);
+    if (!mesh.colors.empty()) alone &= mesh.colors[corner[k]].a == 1;
+  }
+  return alone;
+}
+
+float ScenePoints::texels(uint32_t triangle) const {
+  std::array<glm::vec2, 3> at{};
+  alpha_corners(triangle, at);
+  const TextureUse& use = material(triangle).base_color_texture;
+  if (use.texture == none) return 0;
+  const Image& image = scene->images[static_cast<size_t>(scene->textures[static_cast<size_t>(use.texture)].image)];
+  const glm::vec2 size(image.width, image.height);
+  return std::max({glm::distance(size * at[0], size * at[1]), glm::distance(size * at[1], size * at[2]), glm::distance(size * at[2], size * at[0])});
 }
 
 bool point_is_there(const void* scene_points, uint32_t source, glm::vec2 weights, float random) {
@@ -144,9 +150,10 @@ void pose_points(const SceneBuffers& buffers, std::vector<SampledPoint>& points)
   }
 }
 
-std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers, const std::vector<int>& moving) {
+std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers, const std::vector<int>& moving, int threads) {
   const std::vector<bool> animated = animated_nodes(scene);
   const ScenePoints points(scene, buffers);
+  const std::vector<float> coverage = coverage_of_triangles(points, threads);
   const std::vector<Vertex> vertices = buffers.scene_vertices.download();
   const std::vector<Triangle> triangles = buffers.scene_triangles.download(0, buffers.info().triangle_count);
   const SceneLayout layout(scene);
@@ -172,7 +179,7 @@ std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers
         tree.low = glm::min(tree.low, placed[k]);
         tree.high = glm::max(tree.high, placed[k]);
       }
-      add_sides(tree, points, t, placed);
+      add_sides(tree, points, t, coverage[t], placed);
     }
   }
   return trees;

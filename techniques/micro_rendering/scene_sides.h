@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which surfaces of a scene carry points, and which of them move together.
 #pragma once
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -35,8 +36,8 @@ double instance_area(const Scene& scene, int instance);
 
 /// Sources of all trees, the resting one first; without sides where nothing is covered. A moving instance's points are placed on its mesh at rest, so that they do
 /// not depend on when the run began.
-/// `moving`: instances that move though no animation does it.
-std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers, const std::vector<int>& moving = {});
+/// `moving`: instances that move though no animation does it. Throws Error{interrupted}.
+std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers& buffers, const std::vector<int>& moving = {}, int threads = 1);
 
 /// Moves points to where their triangles are in the world at present.
 void pose_points(const SceneBuffers& buffers, std::vector<SampledPoint>& points);
@@ -50,6 +51,8 @@ struct ScenePoints {
   std::vector<int> instance_of_triangle;     ///< by world triangle
   std::vector<uint32_t> first_triangle;      ///< by instance
   ScenePoints(const Scene& scene_, const SceneBuffers& buffers);
+  /// Texture coordinates of a triangle's corners in its alpha's texture; whether that texture alone decides the alpha.
+  bool alpha_corners(uint32_t triangle, std::array<glm::vec2, 3>& at) const;
   /// Length of a triangle's longest edge in its alpha's texture [texels]; 0 without one.
   float texels(uint32_t triangle) const;
   /// Linear alpha of a point.

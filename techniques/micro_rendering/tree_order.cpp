@@ -7,6 +7,8 @@
 #include <numeric>
 #include <thread>
 
+#include "lucarium/base/interrupt.h"
+
 namespace lucarium::micro {
 namespace {
 
@@ -80,7 +82,7 @@ void partition_at_median(std::span<Item> items, Key key) {
 }
 
 void split(std::span<Item> items, int threads) {
-  if (items.size() < 2) return;
+  if (items.size() < 2 || interrupt_requested()) return;
   glm::vec3 low = items[0].position, high = low;
   for (const Item& item : items) low = glm::min(low, item.position), high = glm::max(high, item.position);
   const glm::vec3 extent = high - low;
@@ -113,6 +115,7 @@ std::vector<uint32_t> tree_order(std::span<const SampledPoint> points, int threa
   std::vector<Item> items(points.size());
   for (uint32_t i = 0; i < items.size(); ++i) items[i] = {points[i].position, points[i].normal, i};
   split(items, threads);
+  throw_if_interrupted("order of points");
   std::vector<uint32_t> order(items.size());
   for (size_t i = 0; i < items.size(); ++i) order[i] = items[i].index;
   return order;

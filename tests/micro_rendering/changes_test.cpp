@@ -2,6 +2,8 @@
 // What a change of the scene costs: passes are counted.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "technique_fixture.h"
@@ -232,4 +234,35 @@ TEST_CASE("an animated character in a room: every frame is that of a fresh start
   evaluate(scene, 0.25, scene.animation);
   CountedSession fresh(scene, 1);
   CHECK(counted.session().resolve().image() == fresh.session().resolve().image());
+}
+
+TEST_CASE("the first batch of the first frame is a picture that is worth keeping") {
+  const Scene scene = load_scene("builtin:room");
+  RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings_for(scene, 16, 1),
+                        with(small, {{"batch_gathers", "64"}}));
+  session.run({}, [](const IterationResult& now) { return !now.visible; });
+  CHECK(session.last().samples == 0);
+  const std::vector<float> coarse = session.resolve().find("indirect")->pixels;
+  const auto iterations = session.iterations();
+  session.run({.samples = 1});
+  CHECK(session.iterations() == iterations + 3);  // sub-images of a quarter of the pixels
+  const std::vector<float> whole = session.resolve().find("indirect")->pixels;
+  CHECK(std::count(coarse.begin(), coarse.end(), 0.f) <= std::count(whole.begin(), whole.end(), 0.f) + 8);
+  CHECK(std::abs(mean(coarse) - mean(whole)) < 0.2 * mean(whole));
+}
+
+TEST_CASE("counters go on where the points are placed anew") {
+  CountedSession counted(load_scene("builtin:room"), 1);
+  const double before = counted.session().technique().counters().at("gathers");
+  CHECK(before > 0);
+  counted.session().change_scene([](Scene& scene) {
+    scene.materials.front().double_sided = !scene.materials.front().double_sided;
+    SceneChange change;
+    change.materials = {0};
+    return change;
+  });
+  CHECK(counted.count("gather") == 0);  // all passes are new
+  CHECK(counted.session().technique().counters().at("gathers") == before);
+  counted.session().run({.iterations = 1});
+  CHECK(counted.session().technique().counters().at("gathers") == 2 * before);
 }

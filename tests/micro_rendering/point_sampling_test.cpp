@@ -9,6 +9,8 @@
 #include <glm/glm.hpp>
 #include <random>
 
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
 #include "micro_rendering/point_sampling.h"
 #include "micro_rendering/tree_order.h"
 #include "test_support.h"
@@ -116,6 +118,31 @@ TEST_CASE("points are where the test says that the surface is") {
   const SampledSurface sampled = sample_surface(sides, 1 << 10, 3, 1, half, nullptr);
   CHECK(sampled.area == test::relative(0.5));
   for (const SampledPoint& p : sampled.points) CHECK(p.weights.x + p.weights.y < 0.5f);
+}
+
+TEST_CASE("placing points tells how far it is, and ends when the user asks") {
+  std::vector<SurfaceSide> sides;
+  add_square(sides, 0, 1, 2, true, 0);
+  uint32_t last = 0;
+  sample_surface(sides, 1 << 12, 3, 2, nullptr, nullptr, [&](uint32_t placed) {
+    CHECK(placed >= last);
+    last = placed;
+  });
+  CHECK(last == 1 << 12);
+  const auto interrupted = [](auto work) {
+    set_interrupt_requested(true);
+    bool thrown = false;
+    try {
+      work();
+    } catch (const Error& error) {
+      thrown = error.error_class() == ErrorClass::interrupted;
+    }
+    set_interrupt_requested(false);
+    return thrown;
+  };
+  const SampledSurface sampled = sample_surface(sides, 64, 3, 1);
+  CHECK(interrupted([&] { sample_surface(sides, 1 << 12, 3, 2); }));
+  CHECK(interrupted([&] { tree_order(sampled.points, 1); }));
 }
 
 TEST_CASE("surfaces without area give points all the same") {
