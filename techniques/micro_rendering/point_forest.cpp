@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/log.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/log.h"
 #include "lucarium/compute/embedded_sources.h"
 #include "point_sampling.h"
 #include "surface_patches.h"
