@@ -442,7 +442,8 @@ Program make_program(Device& device, const Channels& channels) {
                   channels.defines()});
 }
 
-std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, const SurfaceAtlasOptions& options) {
+std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlasOptions options) {
+  options.progress = [report = c.progress](double fraction, const std::string& stage) { report(fraction, "surface atlas, " + stage); };
   return std::make_unique<SurfaceAtlas>(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner);
 }
 

@@ -84,7 +84,8 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
     result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
   if (parameters.interleave == Interleave::running && settings.max_bounces < 0)
     result.push_back("light of many bounces comes late: 19 % are missing after 2048 directions where surfaces reflect 0.8 (interleave=running is there for comparison)");
-  if (SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene)) {
+  const bool ring = SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene) && parameters.glossy_bounces == GlossyBounces::multiple;
+  if (ring) {
     if (parameters.sequence == Sequence::halton)
       result.push_back("glossy light between surfaces is about half of what it should be (sequence=halton with glossy_window)");
     if (std::none_of(scene.materials.begin(), scene.materials.end(), [&](const SceneMaterial& m) {
@@ -93,7 +94,7 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
       result.push_back(fmt::format("glossy_window has no effect: no surface is as rough as alpha_ring asks for (GGX width {:.2f})",
                                    SlotSpecular::alpha_least(parameters)));
   }
-  if (parameters.interleave == Interleave::pingpong && SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene))
+  if (parameters.interleave == Interleave::pingpong && ring)
     result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
   if (parameters.interleave == Interleave::pingpong && has_specular_lobes(scene))
     result.push_back("specular reflections between diffuse ones are no bounces of their own (interleave=pingpong)");

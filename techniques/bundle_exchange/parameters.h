@@ -70,8 +70,8 @@ struct Parameters {
              "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
     v.number("direct_first", direct_first, 0, 100000, "directions",
              "directions that carry emitted light only, before the others (direct_mode=exchange)");
-    v.number("gain_exp", gain_exp, 0.3f, 1.f, "", "step of senders: batch k counts k^-gain_exp of the mean");
-    v.number("avg_exp", avg_exp, 0.f, 2.f, "", "weight of direction i in what is displayed: i^avg_exp");
+    v.number("gain_exp", gain_exp, 0.3f, 1.f, "", "step of senders: batch k counts k^-gain_exp of the mean (interleave=sd)");
+    v.number("avg_exp", avg_exp, 0.f, 2.f, "", "weight of direction i in what is displayed: i^avg_exp (interleave=sd)");
     v.flag("balance", balance,
            "scale senders so that they send the power that receivers hold (unlimited bounces; not while specular lobes deliver "
            "more than a fifth)");
@@ -98,7 +98,9 @@ struct Parameters {
            "until the exchange is done, show the atlas smoothed as far as its errors go (interleave=sd and running)");
     v.flag("warm_start", warm_start,
            "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and running)");
-    v.number("stop_error", stop_error, 0.f, 1.f, "", "converged at this relative standard error of irradiance (interleave=sd and running); 0: never");
+    v.number("stop_error", stop_error, 0.f, 1.f, "",
+             "converged at this relative standard error of irradiance (interleave=sd and running); 0: never. With direct_mode=exchange "
+             "directions carry emission only as soon as indirect light makes up half of its square");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "samples per pixel that an image has at least when it counts as converged: direct light and edges are theirs");
     v.presets({{"paper",
