@@ -220,6 +220,7 @@ bool SlotMeans::balanced() const {
 }
 
 uint64_t SlotMeans::reflecting(uint64_t directions) const {
+  if (channels_.reflected() == 0) return 0;
   const uint64_t head = channels_.exchanged() ? static_cast<uint64_t>(parameters_.direct_first) : 0;
   const uint64_t done = std::min(directions, reflected_end_);
   return done - std::min(done, head);
