@@ -25,7 +25,7 @@
 // metals, coats): texels send what a ray finds that leaves by such a lobe; from vertex to vertex it follows specular lobes
 // only, since the atlas knows the diffuse light. So do rays from the pixels towards the eye.
 //
-// Parts: direction_sequence and bundle_view (ω, W, film), slot_exposure and slot_openness (what of texels counts),
+// Parts (bundle_parts): direction_sequence and bundle_view (ω, W, film), slot_exposure and slot_openness (what of texels counts),
 // bundle_transfer (a direction's exchange), sender_weights and
 // slot_means (S, D, balance, error), slot_light and camera_light (light samples, image), slot_hops and hop_tracer
 // (specular chains).
@@ -33,15 +33,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-#include "bundle_plan.h"
-#include "bundle_transfer.h"
-#include "lucarium/services/bvh.h"
+#include "bundle_parts.h"
 #include "lucarium/technique/plugin.h"
-#include "slot_light.h"
-#include "slot_specular.h"
-
-const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
 namespace lucarium {
 namespace {
@@ -110,7 +105,7 @@ class BundleExchange : public Technique {
     if (parameters_.warm_start && parts_ && forgets(parameters_)) {
       build_from(change);
     } else if (parts_ && !change.geometry() && change.materials.empty()) {
-      Kept kept{std::move(parts_->atlas), nullptr, nullptr};  // it knows surfaces and their emission only
+      BundleParts::Kept kept{std::move(parts_->atlas), nullptr, nullptr};  // it knows surfaces and their emission only
       if (parts_->openness->complete()) kept.exposure = std::move(parts_->exposure), kept.openness = std::move(parts_->openness);
       build(std::move(kept));
     } else {
@@ -144,14 +139,7 @@ class BundleExchange : public Technique {
 
   void warm_up() override {
     if (!parts_) build();
-    parts_->exposure->warm_up();
-    parts_->openness->warm_up();
-    parts_->slot_light.warm_up();
-    parts_->means.warm_up();
-    if (parts_->preview) parts_->preview->warm_up();
-    if (parts_->specular) parts_->specular->warm_up();
-    parts_->transfer.warm_up();
-    parts_->camera.warm_up();
+    parts_->warm_up();
   }
 
   std::map<std::string, double> counters() const override {
@@ -167,28 +155,6 @@ class BundleExchange : public Technique {
   }
 
  private:
-  /// What may outlast a change of the scene, or null: the atlas, and what of its texels counts.
-  struct Kept {
-    std::unique_ptr<SurfaceAtlas> atlas;
-    std::unique_ptr<SlotExposure> exposure;
-    std::unique_ptr<SlotOpenness> openness;
-  };
-
-  /// Everything that is made for one scene, in the order of dependence.
-  struct Parts {
-    Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept);
-    std::unique_ptr<SurfaceAtlas> atlas;
-    Program program;
-    std::unique_ptr<SlotExposure> exposure;
-    std::unique_ptr<SlotOpenness> openness;
-    SlotLight slot_light;
-    SlotMeans means;
-    std::unique_ptr<SlotPreview> preview;    ///< null unless asked for
-    std::unique_ptr<SlotSpecular> specular;  ///< null where no slot has a specular lobe that takes part
-    CameraLight camera;
-    BundleTransfer transfer;
-  };
-
   bool has_ring() const { return parts_ && parts_->specular && parts_->specular->has_ring(); }
 
   /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at least.
@@ -202,10 +168,10 @@ class BundleExchange : public Technique {
     return context_->scene.environment ? &*context_->scene.environment : nullptr;
   }
 
-  void build(Kept kept = {}) {
+  void build(BundleParts::Kept kept = {}) {
     parts_.reset();  // its memory first
     const BundlePlan plan = make_plan(parameters_, context_->scene, context_->settings);
-    parts_ = std::make_unique<Parts>(*context_, parameters_, plan, std::move(kept));
+    parts_ = std::make_unique<BundleParts>(*context_, parameters_, plan, std::move(kept));
     reset(seed_);
   }
 
@@ -249,10 +215,10 @@ class BundleExchange : public Technique {
     return static_cast<uint32_t>(count);
   }
 
-  /// An iteration: at first what of texels counts; light samples for some slots, directions of about kPixels film pixels, a camera sample, which alone
-  /// changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
+  /// An iteration: at first what of texels counts; light samples for some slots, directions of about kPixels film pixels,
+  /// a camera sample, which alone changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
   bool run_steps() {
-    Parts& parts = *parts_;
+    BundleParts& parts = *parts_;
     if (!step_.begun) step_ = {true, false, 1, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
@@ -276,7 +242,7 @@ class BundleExchange : public Technique {
 
   /// What of texels is hidden, and how open the rest is, as far as an iteration gets.
   bool run_probes() {
-    Parts& parts = *parts_;
+    BundleParts& parts = *parts_;
     const double film = std::max(parts.transfer.largest_film() / kPixels, 1.0 / 128);
     const double chunk = static_cast<double>(parts.exposure->chunk()) / kProbedSlots;
     while (step_.probes > 0 && !probed()) {
@@ -389,7 +355,8 @@ class BundleExchange : public Technique {
   std::string phase() const {
     if (!probed()) {
       const bool exposed = parts_->exposure->complete();
-      return fmt::format("{} {:.0f} %", exposed ? "openness" : "hidden places", 100 * (exposed ? parts_->openness->progress() : parts_->exposure->progress()));
+      const double done = exposed ? parts_->openness->progress() : parts_->exposure->progress();
+      return fmt::format("{} {:.0f} %", exposed ? "openness" : "hidden places", 100 * done);
     }
     return !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
   }
@@ -428,47 +395,8 @@ class BundleExchange : public Technique {
   Step step_;
   Batch batch_;
   DirectionSequence sequence_{parameters_, 1, nullptr};
-  std::unique_ptr<Parts> parts_;
+  std::unique_ptr<BundleParts> parts_;
 };
-
-Program make_program(Device& device, const Channels& channels) {
-  SourceLibrary library;
-  library.add(bundle_exchange_kernels());
-  return Program(device, library,
-                 {"bundle_exchange/means",
-                  {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_exposure.cl", "bundle_exchange/slot_openness.cl",
-                   "bundle_exchange/slot_light.cl", "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl",
-                   "bundle_exchange/pixel_gather.cl", "bundle_exchange/preview.cl"},
-                  channels.defines()});
-}
-
-std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlasOptions options) {
-  options.progress = [report = c.progress](double fraction, const std::string& stage) { report(fraction, "surface atlas, " + stage); };
-  return std::make_unique<SurfaceAtlas>(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner);
-}
-
-BundleExchange::Parts::Parts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan,
-                             Kept kept)
-    : atlas(kept.atlas ? std::move(kept.atlas) : make_atlas(c, plan.atlas)),
-      program(make_program(*c.device, plan.channels)),
-      exposure(kept.exposure ? std::move(kept.exposure)
-                             : std::make_unique<SlotExposure>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas)),
-      openness(kept.openness ? std::move(kept.openness)
-                             : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas, SlotOpenness::Options{p.pixel_size, p.open_gap})),
-      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, *openness, plan.light_kinds),
-      means(*c.device, c.scheduler, program, *atlas, openness->shares(), slot_light.light_samples(), plan.channels, p),
-      preview(plan.preview ? std::make_unique<SlotPreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
-      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(), make_frame(c.settings), plan.camera),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *exposure, *openness, plan.channels,
-               {p.pixel_size, p.transfer, camera.pixel_gather()}) {
-  if (openness->complete())
-    means.take_materials();
-  else
-    openness->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *exposure, transfer.raster());
-  if (!plan.reflects) return;
-  specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
-                                            !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
-}
 
 std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<BundleExchange>(); }
 

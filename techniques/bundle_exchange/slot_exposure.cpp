@@ -81,9 +81,14 @@ bool SlotExposure::advance() {
   measure_.set(points_, count * SLOT_POINTS);
   if (scheduler_->run(measure_) == RunResult::cancelled) return false;
   next_ += count;
+  if (!complete()) return true;
+  scheduler_->finish();
+  measure_ = {};  // and its memory
   return true;
 }
 
-void SlotExposure::warm_up() { scheduler_->warm_up(measure_); }
+void SlotExposure::warm_up() {
+  if (!complete()) scheduler_->warm_up(measure_);
+}
 
 }  // namespace lucarium::bundle

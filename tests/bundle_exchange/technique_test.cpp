@@ -149,6 +149,30 @@ TEST_CASE("a change begins anew with the bits of a fresh start, or with what sen
   CHECK(mean(after_change(true, 24)) == test::relative(mean(indirect(*fresh)), 0.03));
 }
 
+TEST_CASE("a change of lights alone keeps what is known of texels, and has the bits of a fresh start") {
+  const auto room = [](float brightness) {
+    Scene scene = load_scene("builtin:cornell");
+    Environment sky;
+    sky.width = 2, sky.height = 1;
+    sky.radiance.assign(2, glm::vec3(brightness));
+    scene.environment = sky;
+    return scene;
+  };
+  const auto changed = session("bundle_exchange", room(1), -1, few_texels);
+  changed->run({.iterations = 8});
+  changed->change_scene([](Scene& scene) {
+    for (glm::vec3& radiance : scene.environment->radiance) radiance *= 0.5f;
+    SceneChange change;
+    change.environment = true;
+    return change;
+  });
+  changed->run({.iterations = 12});
+  const auto fresh = session("bundle_exchange", room(0.5f), -1, few_texels);
+  fresh->run({.iterations = 12});
+  CHECK(changed->technique().counters().at("directions") > 0);
+  CHECK(indirect(*changed) == indirect(*fresh));
+}
+
 TEST_CASE("a warm start follows what moves") {
   // A box of the room is lifted: what its old place knew is wrong, and fades.
   const auto lift = [](Scene& scene) {

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+
+#include "bundle_plan.h"
+#include "bundle_transfer.h"
+#include "slot_light.h"
+#include "slot_specular.h"
+
+namespace lucarium::bundle {
+
+/// Everything that is made for one scene, in the order of dependence.
+struct BundleParts {
+  /// What may outlast a change of the scene, or null: the atlas, and what of its texels counts.
+  struct Kept {
+    std::unique_ptr<SurfaceAtlas> atlas;
+    std::unique_ptr<SlotExposure> exposure;
+    std::unique_ptr<SlotOpenness> openness;
+  };
+
+  BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept);
+  void warm_up();
+
+  std::unique_ptr<SurfaceAtlas> atlas;
+  Program program;
+  std::unique_ptr<SlotExposure> exposure;
+  std::unique_ptr<SlotOpenness> openness;
+  SlotLight slot_light;
+  SlotMeans means;
+  std::unique_ptr<SlotPreview> preview;    ///< null unless asked for
+  std::unique_ptr<SlotSpecular> specular;  ///< null where no slot has a specular lobe that takes part
+  CameraLight camera;
+  BundleTransfer transfer;
+};
+
+}  // namespace lucarium::bundle
