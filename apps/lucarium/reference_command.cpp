@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium reference: a reference image rendered to a wanted error, and extended later.
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/compare/reference_identity.h"
@@ -127,6 +129,7 @@ int reference(ReferenceArguments arguments) {
   ReferenceGoal& goal = arguments.goal;
   if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) goal.samples = default_samples;
 
+  auto nothing_to_keep = std::make_unique<EndOnInterrupt>();
   Scene scene = arguments.overrides.load(arguments.scene);
   require_light(scene);
   for (const std::string& warning : scene.warnings) log_warning("{}", warning);
@@ -140,6 +143,7 @@ int reference(ReferenceArguments arguments) {
 
   RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"), settings,
                         reference_parameters(path_set));
+  nothing_to_keep.reset();
   const uint64_t rounds_before = image.rounds();
   const bool done = extend(arguments, session, identity, image);
   if (image.samples() == 0) {

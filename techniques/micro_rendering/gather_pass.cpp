@@ -65,8 +65,8 @@ GatherPass::GatherPass(Device& device, const MicroParameters& parameters, Gather
   program_ = Program(device, library, {"micro_rendering/gather", {"micro_rendering/micro_gather.cl"}, definitions(parameters, edge, sky_, dynamic_, levels_)});
 }
 
-MicroSettings GatherPass::settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect) {
-  return {parameters.cut_kappa, parameters.splat_radius, seed, inspect, parameters.cut_error, 0, 0, 0};
+MicroSettings GatherPass::settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect, uint32_t inspect_too) {
+  return {parameters.cut_kappa, parameters.splat_radius, seed, inspect, parameters.cut_error, 0, inspect_too, 0};
 }
 
 void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest, const BufferRef& gathers,

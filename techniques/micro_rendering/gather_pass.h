@@ -45,7 +45,8 @@ class GatherPass {
   GatherPass(Device& device, const MicroParameters& parameters, GatherAt at);
 
   /// What all passes of these parameters have in common.
-  static MicroSettings settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect);
+  static MicroSettings settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect = LUCARIUM_NONE,
+                                uint32_t inspect_too = LUCARIUM_NONE);
 
   /// Records a pass over gathers [settings.first, gather_count[0]), at most `most` of them; 0: from settings.first = 0 on,
   /// all. `shading` is used at pixels alone.

@@ -25,6 +25,11 @@ Program micro_program(Device& device, const char* name, const char* file) {
   return Program(device, library, {name, {file}, {}});
 }
 
+MicroParameters at_points(MicroParameters parameters) {
+  parameters.node_shading = NodeShading::stored;  // nothing is kept for lobes of leaves
+  return parameters;
+}
+
 uint32_t bucket_mask(uint32_t photons) { return std::clamp(std::bit_ceil(photons / 16), 1024u, 1u << 20) - 1; }
 
 }  // namespace
@@ -44,26 +49,28 @@ uint32_t LightPaths::kept_vertices() const {
 LightPaths::LightPaths(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
                        const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters,
                        int bounces, const TypedBuffer<float4>& irradiance, const DynamicShading& shading,
-                       const std::string& owner)
+                       const std::string& owner, const TypedBuffer<GBufferPoint>* points)
     : device_(device),
       scheduler_(scheduler),
       scene_(scene),
       buffers_(buffers),
       intersector_(intersector),
       forest_(forest),
-      parameters_(parameters),
+      parameters_(points ? at_points(parameters) : parameters),
       bounces_(bounces),
       irradiance_(irradiance),
       shading_(shading),
       owner_(owner),
       paths_(paths_of(parameters)),
       program_(micro_program(device, "micro_rendering/paths", "micro_rendering/micro_paths.cl")),
-      light_program_(light_program(device, parameters)),
+      light_program_(light_program(device, parameters_)),
       primitives_(device) {
   if (kept_vertices() == 0) return;
   photons_ = TypedBuffer<MicroPhoton>(device, owner, "photons", size_t{paths_} * kept_vertices(), kRemedy);
   path_count_ = TypedBuffer<uint32_t>(device, owner, "number of light paths", std::vector<uint32_t>{paths_});
-  leaf_count_ = TypedBuffer<uint32_t>(device, owner, "number of leaves", std::vector<uint32_t>{forest.leaf_count()});
+  if (points) points_ = *points;
+  const auto receivers = points ? static_cast<uint32_t>(points->count()) : forest.leaf_count();
+  receiver_count_ = TypedBuffer<uint32_t>(device, owner, "number of receivers", std::vector<uint32_t>{receivers});
   record_paths();
   if (virtual_lights())
     record_virtual_light();
@@ -94,22 +101,26 @@ void LightPaths::record_paths() {
   paths_schedule_ = recorder.compile();
 }
 
-/// The light of one virtual light at all leaves.
+/// The light of one virtual light at all leaves, or at all visible points.
 void LightPaths::record_virtual_light() {
-  const uint32_t leaves = forest_.leaf_count();
+  const auto receivers = static_cast<uint32_t>(points_ ? points_.count() : forest_.leaf_count());
+  const char* const kernel = points_ ? "mr_virtual_light_at_pixels" : "mr_virtual_light";
   ScheduleRecorder recorder = scheduler_.record("virtual light", owner_);
   most_ = recorder.variable("most", 0.f);
   light_ = recorder.variable("light", 0u);
-  const BufferRef rays = recorder.transient<Ray>("rays to virtual lights", leaves, kRemedy);
-  const BufferRef light = recorder.transient<float4>("light of virtual lights", leaves, kRemedy);
-  const BufferRef occluded = recorder.transient<uint32_t>("occluded virtual lights", leaves, kRemedy);
-  PassBuilder pass = recorder.pass("virtual light", program_, "mr_virtual_light");
-  buffers_.bind(pass, program_, "mr_virtual_light");
-  pass.global(leaves).local(kLocalSize).slice(kPathsPerSlice).arg("leaves", forest_.leaves).arg("count", leaves).arg("photons", photons_)
-      .arg("light", light_).arg("most", most_).arg("shadow_rays", rays).arg("shadow_light", light);
-  intersector_.record_any(recorder, "rays to virtual lights", rays, occluded, leaf_count_, 0, leaves);
+  shadow_seed_ = recorder.variable("seed", 0u);
+  const BufferRef rays = recorder.transient<Ray>("rays to virtual lights", receivers, kRemedy);
+  const BufferRef light = recorder.transient<float4>("light of virtual lights", receivers, kRemedy);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded virtual lights", receivers, kRemedy);
+  PassBuilder pass = recorder.pass("virtual light", program_, kernel);
+  buffers_.bind(pass, program_, kernel);
+  if (points_) pass.arg("points", points_);
+  else pass.arg("leaves", forest_.leaves);
+  pass.global(receivers).local(kLocalSize).slice(kPathsPerSlice).arg("count", receivers).arg("photons", photons_)
+      .arg("light", light_).arg("seed", shadow_seed_).arg("most", most_).arg("shadow_rays", rays).arg("shadow_light", light);
+  intersector_.record_any(recorder, "rays to virtual lights", rays, occluded, receiver_count_, 0, receivers);
   PassBuilder add = recorder.pass("add virtual light", light_program_, "mr_add_light");
-  add.global(leaves).local(kLocalSize).arg("count", leaves).arg("weight", 1.f).arg("shadow_light", light).arg("occluded", occluded)
+  add.global(receivers).local(kLocalSize).arg("count", receivers).arg("weight", 1.f).arg("shadow_light", light).arg("occluded", occluded)
       .arg("irradiance", irradiance_);
   if (parameters_.node_shading == NodeShading::dynamic)
     add.arg("shadow_rays", rays).arg("number", light_).arg("leaf_lights", shading_.leaf_lights);
@@ -150,6 +161,7 @@ bool LightPaths::trace(uint32_t frame, uint32_t seed) {
   if (!paths_schedule_) return true;
   paths_schedule_.set(frame_, frame);
   paths_schedule_.set(seed_, seed);
+  frame_seed_ = seed ^ (frame * 0x9e3779b9u);
   return scheduler_.run(paths_schedule_) == RunResult::done;
 }
 
@@ -159,6 +171,7 @@ bool LightPaths::add(uint32_t part) {
     const float radius = std::max(scene_.bounds().radius(), 1e-6f);
     light_schedule_.set(most_, parameters_.vpl_clamp / (radius * radius));
     light_schedule_.set(light_, part);
+    light_schedule_.set(shadow_seed_, frame_seed_);
   } else {
     light_schedule_.set(cell_, photon_cell());
   }

@@ -117,7 +117,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
       sky[3u * point.slot + 2u] = (float4)(grazing_sky, 0.0f);
     }
 #endif
-    if (point.slot == settings.inspect && edges[lobe] >= edges[1u - lobe])
+    if ((point.slot == settings.inspect || point.slot == settings.inspect_too) && edges[lobe] >= edges[1u - lobe])
       keep_micro_buffer(&warp, &point, &buffer, &node_light, unit, micro_buffer);
   }
   statistics[point.slot] = counts;

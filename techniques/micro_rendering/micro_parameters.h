@@ -41,6 +41,7 @@ struct MicroParameters {
   DepthBits depth_bits = DepthBits::thirty_two;
   int vpls = 256;
   float vpl_clamp = 100;
+  bool final_gather = true;
   int photons = 1000000;
   int photon_k = 50;
   bool photon_direct = false;
@@ -54,6 +55,9 @@ struct MicroParameters {
   int largest_edge() const { return adaptive > 0 ? std::min(64, micro_size * 3 / 2) : micro_size; }
   /// Whether gathers at pixels know what the frames before have found.
   bool keeps_levels() const { return cut_error > 0 || adaptive > 0; }
+
+  /// Whether virtual lights light the visible points themselves.
+  bool shows_virtual_lights() const { return !final_gather && multibounce == MultiBounce::instant_radiosity; }
 
   template <class V>
   void describe(V& v) {
@@ -77,7 +81,7 @@ struct MicroParameters {
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
     v.number("adaptive", adaptive, 0, 1, "",
-             "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long; 0: off");
+             "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long, 64 at most; 0: off");
     v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one iteration");
     v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
     v.flag("gather_env", gather_env, "empty micro-pixels see the environment; light samples of the layer direct leave it out");
@@ -90,6 +94,8 @@ struct MicroParameters {
     v.number("jacobi_cone", jacobi_cone, 1, 180, "degrees", "spread of normals beyond which nodes below them gather instead; at most twice as many in all");
     v.number("vpls", vpls, 1, 65536, "paths", "light paths of instant radiosity; each has one virtual light per bounce");
     v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²", "bound of a virtual light's geometry term, R the scene's radius");
+    v.flag("final_gather", final_gather,
+           "gather; off, with multibounce=instant_radiosity: virtual lights light the diffuse lobes of visible points themselves, for comparison");
     v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
     v.number("photon_k", photon_k, 4, 256, "photons", "from which a density is estimated");
     v.flag("photon_direct", photon_direct, "photons stand for direct light too, instead of light samples");

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paths from the lights: emission, and at every diffuse hit a vertex that is kept as a photon or as a virtual point light
 // (Keller 1997; Jensen 1996). A path that hits something else than diffuse ends.
+//
+// Normals. The path tracer's irradiance has the cosine to the shading normal, but as many paths arrive at a surface as its
+// geometric normal lets in, and leave it as they are spread about that normal. So what arrives is weighted by the ratio of
+// the two cosines, and paths go on about the geometric normal (the adjoint BSDF of Veach 1996, "Non-symmetric scattering in
+// light transport algorithms").
 #include "lucarium/lights.clh"
+#include "lucarium/shared/gbuffer.h"
 #include "lucarium/sobol.clh"
 #include "micro_rendering/micro_node.clh"
 #include "micro_rendering/micro_surface.clh"
@@ -119,14 +125,16 @@ __kernel void mr_path_vertex(LUCARIUM_SCENE_PARAMETERS const uint count, const u
   ray.direction.w = -1.0f;
   if (active) {
     const Surface surface = make_surface(&scene, hit, ray.direction.xyz, 0u);
-    const float3 albedo = leaf_diffuse(&scene, &surface), power = powers[i].xyz;
-    if (!is_black(albedo)) {
+    const float3 albedo = leaf_diffuse(&scene, &surface);
+    const float shaded = dot(surface.n_s, surface.view), met = dot(surface.n_g, surface.view);
+    if (!is_black(albedo) && shaded > 0.0f && met > 0.0f) {
+      const float3 power = powers[i].xyz * (shaded / fmax(met, 1e-4f));
       photon.position = (float4)(surface.position, as_float(pack_direction(surface.n_s)));
-      photon.power = (float4)(reflected ? albedo * power : power, 1.0f);
+      photon.power = (float4)(reflected ? albedo * power : power, as_float(pack_direction(surface.n_g)));
       const Sampler sampler = make_sampler(MICRO_PATH_STREAM, frame, seed, i, LUCARIUM_SAMPLER_SOBOL);
-      const Basis basis = make_basis(surface.n_s);
+      const Basis basis = make_basis(surface.n_g);
       const float3 direction = to_world(&basis, sample_cosine_hemisphere(sampler_block(&sampler, 2u + vertex).xy));
-      if (dot(direction, surface.n_g) > 0.0f) {
+      if (dot(direction, surface.n_s) > 0.0f) {
         ray = make_ray(&surface, direction, make_ray_seed(hash_uint3(seed ^ vertex, frame, i)));
         powers[i] = (float4)(albedo * power, 0.0f);
       }
@@ -138,34 +146,63 @@ __kernel void mr_path_vertex(LUCARIUM_SCENE_PARAMETERS const uint count, const u
 
 // ---- instant radiosity
 
-// Shadow rays from all leaves to one virtual light: the irradiance it brings if nothing is between. most: bound of the
-// geometry term cos cos / d² [1/m²].
+// The irradiance that one virtual light brings if nothing is between, and the shadow ray. most: bound of the geometry term
+// cos cos / d² [1/m²].
+float3 virtual_light_at(const Surface* surface, const global MicroPhoton* light, float most, uint ray_seed, Ray* ray) {
+  ray->origin = (float4)(0.0f);
+  ray->direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
+  const MicroPhoton photon = *light;
+  if (is_black(photon.power.xyz)) return (float3)(0.0f);
+  const float3 between = photon.position.xyz - surface->position;
+  const float distance2 = dot(between, between);
+  const float3 direction = between * rsqrt(fmax(distance2, 1e-30f));
+  const float here = dot(surface->n_s, direction), there = -dot(unpack_direction(as_uint(photon.power.w)), direction);
+  if (here <= 0.0f || there <= 0.0f || dot(surface->n_g, direction) <= 0.0f) return (float3)(0.0f);
+  if (dot(unpack_direction(as_uint(photon.position.w)), direction) >= 0.0f) return (float3)(0.0f);
+  LightSample sample = no_light_sample();
+  sample.direction = direction;
+  sample.end = photon.position.xyz - (surface->ray_offset + 1e-4f * sqrt(distance2)) * direction;
+  *ray = make_shadow_ray(surface, &sample, ray_seed);
+  if (ray->direction.w < 0.0f) return (float3)(0.0f);
+  return photon.power.xyz * (M_1_PI_F * fmin(here * there / distance2, most));
+}
+
+// Shadow rays from all leaves to one virtual light. seed: another one for every frame.
 __kernel void mr_virtual_light(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
-                               __global const MicroPhoton* restrict photons, const uint light, const float most,
+                               __global const MicroPhoton* restrict photons, const uint light, const uint seed, const float most,
                                __global Ray* restrict shadow_rays, __global float4* restrict shadow_light, const uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const Surface surface = leaf_surface(&scene, leaves[i]);
+  Ray ray;
+  shadow_light[i] = (float4)(virtual_light_at(&surface, photons + light, most, make_ray_seed(hash_uint3(seed, light, i)), &ray), 0.0f);
+  shadow_rays[i] = ray;
+}
+
+// The same from the points of a G-buffer (final_gather=off).
+__kernel void mr_virtual_light_at_pixels(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint count,
+                                         __global const MicroPhoton* restrict photons, const uint light, const uint seed,
+                                         const float most, __global Ray* restrict shadow_rays,
+                                         __global float4* restrict shadow_light, const uint slice_base) {
   const uint i = slice_base + get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   Ray ray;
   ray.origin = (float4)(0.0f);
   ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
+  float3 irradiance = (float3)(0.0f);
+  if (points[i].state == LUCARIUM_GBUFFER_SURFACE) {
+    Hit hit;
+    hit.distance = points[i].position.w;
+    hit.triangle = points[i].triangle;
+    hit.u = points[i].u;
+    hit.v = points[i].v;
+    const Surface surface = make_surface(&scene, hit, -points[i].view.xyz, 0u);
+    irradiance = virtual_light_at(&surface, photons + light, most, make_ray_seed(hash_uint3(seed, light, i)), &ray);
+  }
+  shadow_light[i] = (float4)(irradiance, 0.0f);
   shadow_rays[i] = ray;
-  shadow_light[i] = (float4)(0.0f);
-  const MicroPhoton photon = photons[light];
-  if (photon.power.w == 0.0f) return;
-  const Surface surface = leaf_surface(&scene, leaves[i]);
-  const float3 between = photon.position.xyz - surface.position;
-  const float distance2 = dot(between, between);
-  const float3 direction = between * rsqrt(fmax(distance2, 1e-30f));
-  const float here = dot(surface.n_s, direction), there = -dot(unpack_direction(as_uint(photon.position.w)), direction);
-  if (here <= 0.0f || there <= 0.0f || dot(surface.n_g, direction) <= 0.0f) return;
-  LightSample sample = no_light_sample();
-  sample.direction = direction;
-  sample.end = photon.position.xyz - (surface.ray_offset + 1e-4f * sqrt(distance2)) * direction;
-  ray = make_shadow_ray(&surface, &sample, make_ray_seed(hash_uint2(light, i)));
-  if (ray.direction.w < 0.0f) return;
-  shadow_rays[i] = ray;
-  shadow_light[i] = (float4)(photon.power.xyz * (M_1_PI_F * fmin(here * there / distance2, most)), 0.0f);
 }
 
 // ---- photon map
@@ -181,7 +218,7 @@ __kernel void mr_photon_keys(__global const MicroPhoton* restrict photons, const
   const uint i = get_global_id(0);
   if (i >= count) return;
   values[i] = i;
-  keys[i] = photons[i].power.w > 0.0f ? photon_bucket(photon_cell(photons[i].position.xyz, cell), mask) : mask + 1u;
+  keys[i] = !is_black(photons[i].power.xyz) ? photon_bucket(photon_cell(photons[i].position.xyz, cell), mask) : mask + 1u;
 }
 
 // starts[b]: first of the sorted photons whose bucket is b or higher, for b <= mask + 1.

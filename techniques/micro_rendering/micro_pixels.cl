@@ -131,7 +131,7 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   gather.lobes = sizes.x | (sizes.y << 8) | ((uint)alpha << 16);
   const bool front = (surface.flags & LUCARIUM_SURFACE_FRONT) != 0u;
   gather.hidden = MICRO_SIDE(patches[points[pixel].triangle].sheet, front != through);
-  gather.eta = through && !(bsdf.flags & LUCARIUM_BSDF_THIN) ? bsdf.eta : 0.0f;
+  gather.eta = through ? (bsdf.flags & LUCARIUM_BSDF_THIN ? 0.0f : bsdf.eta) : bsdf.eta > 1.0f ? -bsdf.eta : 0.0f;
   gathers[i] = gather;
 }
 

@@ -83,12 +83,17 @@ class MicroRendering : public Technique {
     });
     if (parameters_.node_shading == NodeShading::dynamic && bounces(settings) > 1)
       list.push_back("node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples and virtual lights");
-    if (parameters_.multibounce == MultiBounce::instant_radiosity && bounces(settings) > 1)
+    if (parameters_.multibounce == MultiBounce::instant_radiosity && (bounces(settings) > 1 || parameters_.shows_virtual_lights()))
       list.push_back("virtual lights' geometry term is bounded by vpl_clamp: corners are too dark");
     if (parameters_.multibounce == MultiBounce::photon_map && (bounces(settings) > 1 || parameters_.photon_direct))
       list.push_back("the photon map blurs light over photon_k photons");
     if (parameters_.node_shading == NodeShading::dynamic && parameters_.multibounce == MultiBounce::photon_map && parameters_.photon_direct)
       list.push_back("node_shading=dynamic has no effect: photons stand for light samples (photon_direct=on)");
+    if (parameters_.shows_virtual_lights()) list.push_back("final_gather=off: visible surfaces reflect indirect light by their diffuse lobes alone, and nothing is gathered");
+    if (!parameters_.final_gather && !parameters_.shows_virtual_lights())
+      list.push_back("final_gather=off has no effect without multibounce=instant_radiosity");
+    if (parameters_.adaptive > 0 && parameters_.largest_edge() < parameters_.micro_size * 3 / 2)
+      list.push_back(fmt::format("adaptive: larger micro-buffers have edges of {} micro-pixels, not {}", parameters_.largest_edge(), parameters_.micro_size * 3 / 2));
     if (parameters_.backface == Backface::cull)
       list.push_back("backs of single-sided surfaces let light through, which the reference's block (backface=cull)");
     if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
@@ -100,6 +105,7 @@ class MicroRendering : public Technique {
     size_t bytes = GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) + 3 * pixels * sizeof(float4);
     if (bounces(settings) == 0) return bytes;
     const PointForest::Size forest = PointForest::estimate(scene, forest_options());
+    if (parameters_.shows_virtual_lights()) bytes += LightPaths::estimate_bytes(parameters_, pixels, bounces(settings) + 1);
     return bytes + forest.bytes + LeafLight::estimate_bytes(parameters_, forest.leaves, bounces(settings)) +
            PixelGather::estimate_bytes(settings.width, settings.height, parameters_, transmits(scene));
   }
@@ -112,7 +118,8 @@ class MicroRendering : public Technique {
     program_ = Program(*context.device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {}});
     if (bounces(context.settings) > 0) {
       gather_ = GatherPass(*context.device, parameters_, GatherAt::pixels);
-      node_gather_ = GatherPass(*context.device, parameters_, GatherAt::nodes);
+      if (bounces(context.settings) > 1 && parameters_.multibounce == MultiBounce::jacobi)
+        node_gather_ = GatherPass(*context.device, parameters_, GatherAt::nodes);
     }
     make_anew();
   }
@@ -136,7 +143,7 @@ class MicroRendering : public Technique {
     result.progress = -1;
     result.samples = frame_;
     result.visible = batch_ > 0;
-    result.phase = leaf_light_ && !leaf_light_->lit(frame_, kernel_seed(seed_)) ? "light" : "gather";
+    result.phase = leaf_light_ && !virtual_lights_ && !leaf_light_->lit(frame_, kernel_seed(seed_)) ? "light" : "gather";
     return result;
   }
 
@@ -162,6 +169,7 @@ class MicroRendering : public Technique {
     context_->scheduler.warm_up(direct_schedule_);
     if (leaf_light_) leaf_light_->warm_up();
     if (pixels_) pixels_->warm_up();
+    if (virtual_lights_) virtual_lights_->warm_up();
   }
 
   std::map<std::string, double> counters() const override {
@@ -172,6 +180,7 @@ class MicroRendering : public Technique {
     all["trees"] = static_cast<double>(forest_->trees().size());
     all["sampling seconds"] = forest_->sampling_seconds();
     all["tree seconds"] = forest_->ordering_seconds();
+    all["tree update seconds"] = forest_->updating_seconds();
     return all;
   }
 
@@ -249,6 +258,7 @@ class MicroRendering : public Technique {
 
   void drop_gathers() {
     counted_before_ = counted();
+    virtual_lights_.reset();
     pixels_.reset();
     leaf_light_.reset();
   }
@@ -257,9 +267,13 @@ class MicroRendering : public Technique {
     made_ = false;
     if (bounces(context_->settings) == 0) return;
     drop_gathers();  // what refers to memory goes before the memory
-    forest_.reset();
-    forest_ = std::make_unique<PointForest>(*context_->device, context_->scheduler, context_->scene, context_->scene_buffers,
-                                            forest_options(), kName);
+    for (bool again = true; again;) {
+      forest_.reset();
+      forest_ = std::make_unique<PointForest>(*context_->device, context_->scheduler, context_->scene, context_->scene_buffers,
+                                              forest_options(), kName);
+      again = !posed_ && forest_->loosened();
+      posed_ = posed_ || again;
+    }
   }
 
   /// Everything that is recorded over the buffers of scene and hierarchy.
@@ -294,6 +308,10 @@ class MicroRendering : public Technique {
                                                 bounces(settings), kName);
       pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, gbuffer_->points(), settings.width, settings.height,
                                               *forest_, gather_, leaf_light_->shading(), parameters_, transmits_, kName);
+      if (parameters_.shows_virtual_lights()) {
+        virtual_lights_ = std::make_unique<LightPaths>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, parameters_, bounces(settings) + 1,
+                                                       pixels_->irradiance(), leaf_light_->shading(), kName, &gbuffer_->points());
+      }
     }
     scene_generation_ = scene.generation();
     bvh_generation_ = context_->bvh().generation();
@@ -314,7 +332,7 @@ class MicroRendering : public Technique {
   bool light() {
     const uint32_t seed = kernel_seed(seed_);
     double work = 0;
-    while (leaf_light_ && !leaf_light_->lit(frame_, seed)) {
+    while (leaf_light_ && !virtual_lights_ && !leaf_light_->lit(frame_, seed)) {
       if (work > 0 && work >= parameters_.batch_gathers) return false;
       if (!leaf_light_->step(frame_, seed)) return false;
       work += leaf_light_->last_work();
@@ -326,7 +344,7 @@ class MicroRendering : public Technique {
   bool step() {
     const uint32_t seed = kernel_seed(seed_);
     if (batch_ == 0 && !gbuffer_->render(frame_)) return false;
-    if (pixels_ && !pixels_->gather(batch_, frame_, seed)) return false;
+    if (virtual_lights_ ? batch_ == 0 && !show_virtual_lights(seed) : pixels_ && !pixels_->gather(batch_, frame_, seed)) return false;
     if (batch_ == 0) {
       context_->scheduler.finish();
       frame_direct_.fill_zero();
@@ -336,6 +354,16 @@ class MicroRendering : public Technique {
       context_->scheduler.run_to_end(direct_schedule_);
     }
     if (pixels_) pixels_->add(batch_, frame_);
+    return true;
+  }
+
+  /// The light of all virtual lights at the pixels. False when cancelled.
+  bool show_virtual_lights(uint32_t seed) {
+    context_->scheduler.finish();
+    pixels_->irradiance().fill_zero();
+    if (!virtual_lights_->trace(frame_, seed)) return false;
+    for (uint32_t part = 0; part < virtual_lights_->parts(); ++part)
+      if (!virtual_lights_->add(part)) return false;
     return true;
   }
 
@@ -367,6 +395,7 @@ class MicroRendering : public Technique {
   std::unique_ptr<DirectLight> direct_light_;
   std::unique_ptr<LeafLight> leaf_light_;
   std::unique_ptr<PixelGather> pixels_;
+  std::unique_ptr<LightPaths> virtual_lights_;  ///< with final_gather=off
   TypedBuffer<float4> emission_, direct_, frame_direct_;  ///< xyz sum, w samples
   Schedule direct_schedule_;
 };

@@ -8,13 +8,13 @@
 #define MICRO_CLIP_STEPS 32u  // directions over which the area of a bounded disc is summed up
 
 // Albedo of the diffuse lobe per leaf, as 4 halfs; needs materials and texture coordinates only.
-__kernel void mr_leaf_albedo(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint first_leaf,
-                             const uint count, __global half* restrict leaf_albedo) {
+__kernel void mr_leaf_albedo(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
+                             __global half* restrict leaf_albedo) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
-  const Surface surface = leaf_surface(&scene, leaves[first_leaf + i]);
-  vstore_half4((float4)(leaf_diffuse(&scene, &surface), 0.0f), first_leaf + i, leaf_albedo);
+  const Surface surface = leaf_surface(&scene, leaves[i]);
+  vstore_half4((float4)(leaf_diffuse(&scene, &surface), 0.0f), i, leaf_albedo);
 }
 
 float3 mesh_position(__global const Vertex* mesh_vertices, __global const Instance* instance, uint vertex) {

@@ -99,7 +99,7 @@ void NodeGather::list() {
 }
 
 bool NodeGather::gather(uint32_t first, uint32_t seed) {
-  MicroSettings settings = GatherPass::settings(parameters_, seed, LUCARIUM_NONE);
+  MicroSettings settings = GatherPass::settings(parameters_, seed);
   settings.first = first;
   gather_schedule_.set(settings_, settings);
   return scheduler_.run(gather_schedule_) == RunResult::done;

@@ -104,10 +104,14 @@ void PixelGather::set_camera(const Camera& camera) {
   gather_schedule_.set(footprint_, float2(size(camera.direction_dx) / std::max(glm::length(camera.direction.xyz()), 1e-20f), size(camera.origin_dx)));
 }
 
-bool PixelGather::inspects(uint32_t batch) const {
-  if (inspect_ == LUCARIUM_NONE || interpolates()) return inspect_ != LUCARIUM_NONE;
-  const MicroSubImage sub = sub_image(batch, 0);
-  return inspect_ % width_ % stride_ == sub.offset_x && inspect_ / width_ % stride_ == sub.offset_y;
+/// The pixel whose gather a batch shows in `micro_buffer`: the inspected one, or the one that it lies beside.
+uint32_t PixelGather::inspected(uint32_t batch, uint32_t frame) const {
+  if (inspect_ == LUCARIUM_NONE) return LUCARIUM_NONE;
+  const MicroSubImage sub = sub_image(batch, frame);
+  const auto line = [&](uint32_t x, uint32_t offset) { return x < offset ? offset : x - (x - offset) % stride_; };
+  const uint32_t x = line(inspect_ % width_, sub.offset_x), y = line(inspect_ / width_, sub.offset_y);
+  const bool beside = x >= width_ || y >= height_ || (!interpolates() && y * width_ + x != inspect_);
+  return beside ? LUCARIUM_NONE : y * width_ + x;
 }
 
 void PixelGather::record_gather() {
@@ -198,7 +202,7 @@ void PixelGather::count(std::span<const std::byte> sums) {
 
 bool PixelGather::gather(uint32_t batch, uint32_t frame, uint32_t seed) {
   gather_schedule_.set(gather_sub_, sub_image(batch, frame));
-  gather_schedule_.set(settings_, GatherPass::settings(parameters_, seed ^ (frame * 0x85ebca6bu), inspects(batch) ? inspect_ : LUCARIUM_NONE));
+  gather_schedule_.set(settings_, GatherPass::settings(parameters_, seed ^ (frame * 0x85ebca6bu), inspected(batch, frame), inspect_));
   return scheduler_.run(gather_schedule_) == RunResult::done;
 }
 
@@ -206,7 +210,7 @@ void PixelGather::add(uint32_t batch, uint32_t frame) {
   add_schedule_.set(add_sub_, added_image(batch));
   add_schedule_.set(lattice_, sub_image(batch, frame));
   scheduler_.run_to_end(add_schedule_);
-  if (inspects(batch)) scheduler_.run_to_end(keep_schedule_);
+  if (inspected(batch, frame) != LUCARIUM_NONE) scheduler_.run_to_end(keep_schedule_);
 }
 
 void PixelGather::restart() {
@@ -215,7 +219,7 @@ void PixelGather::restart() {
   looks_.fill_zero();
   if (parameters_.gather_env) sky_.fill_zero();
   if (parameters_.keeps_levels()) results_.levels.fill_zero();
-  kept_micro_buffer_.fill_zero();
+  for (TypedBuffer<float4>* buffer : {&results_.micro_buffer, &kept_micro_buffer_}) buffer->fill_zero();
 }
 
 void PixelGather::warm_up() {

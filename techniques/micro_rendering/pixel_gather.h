@@ -26,6 +26,8 @@ class PixelGather {
   void set_camera(const Camera& camera);
   /// Gathers at the pixels of one sub-image. False when cancelled; nothing has changed then that resolve() shows.
   bool gather(uint32_t batch, uint32_t frame, uint32_t seed);
+  /// By pixel [lx]: what add() takes for gathered where gather() was not called.
+  TypedBuffer<float4>& irradiance() { return results_.irradiance; }
   /// Adds what the last gather() found to the sums; to its end, whatever is cancelled.
   void add(uint32_t batch, uint32_t frame);
   void restart();
@@ -40,7 +42,7 @@ class PixelGather {
   bool interpolates() const { return parameters_.gather_step > 1; }
   MicroSubImage sub_image(uint32_t batch, uint32_t frame) const;
   MicroSubImage added_image(uint32_t batch) const;
-  bool inspects(uint32_t batch) const;
+  uint32_t inspected(uint32_t batch, uint32_t frame) const;
   void record_gather();
   void record_upsample(ScheduleRecorder& recorder);
   void list_gathers(ScheduleRecorder& recorder, const BufferRef& keys, const BufferRef& values, const BufferRef& count, uint32_t capacity,

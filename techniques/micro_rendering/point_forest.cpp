@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <glm/glm.hpp>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
@@ -27,6 +28,7 @@ constexpr double kMostBent = 0.06;     // share of such pairs up to which the de
 constexpr uint32_t kPlacingSeed = 1;   // every run of a scene has the same points
 constexpr size_t kLocalSize = 64;
 const char* const kRemedy = "lower points_log2";
+const char* const kDerivation = "points and hierarchy";
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -45,6 +47,38 @@ float half_to_float(uint32_t bits) {
 }
 
 uint32_t quantize_weight(float w) { return static_cast<uint32_t>(std::clamp(w * 65535.f, 0.f, 65535.f)); }
+
+/// What PointForest::radius_sum() gives for points in their order, by the rules of refitting: of where they were ordered, so
+/// that it does not depend on the pose in which a run begins. `leaf_area`: that a point stands for, in the points' space.
+double ordered_radius_sum(const std::vector<SampledPoint>& points, const std::vector<uint32_t>& order, uint32_t depth, double leaf_area,
+                          float disc_scale) {
+  struct Sphere {
+    glm::vec3 center;
+    float radius;
+  };
+  const auto leaf_length = static_cast<float>(std::sqrt(std::max(leaf_area, 1e-30)));
+  std::vector<Sphere> spheres;
+  for (const uint32_t i : order) spheres.push_back({points[i].position, disc_scale * 0.56418958f * leaf_length});
+  for (uint32_t level = depth; level > std::min(kQualityLevel, depth); --level) {
+    for (size_t i = 0; i < spheres.size() / 2; ++i) {
+      const Sphere &left = spheres[2 * i], &right = spheres[2 * i + 1];
+      const glm::vec3 between = right.center - left.center;
+      const float d = glm::length(between);
+      if (d + right.radius <= left.radius) {
+        spheres[i] = left;
+      } else if (d + left.radius <= right.radius) {
+        spheres[i] = right;
+      } else {
+        const float radius = 0.5f * (d + left.radius + right.radius);
+        spheres[i] = {left.center + between * ((radius - left.radius) / d), radius};
+      }
+    }
+    spheres.resize(spheres.size() / 2);
+  }
+  double sum = 0;
+  for (const Sphere& sphere : spheres) sum += static_cast<double>(sphere.radius);
+  return 0.5 * sum / static_cast<double>(leaf_length);
+}
 
 float4 matrix_row(const glm::mat4& m, int row) { return {m[0][row], m[1][row], m[2][row], m[3][row]}; }
 
@@ -71,7 +105,7 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
   std::vector<size_t> all(trees_.size());
   for (size_t t = 0; t < all.size(); ++t) all[t] = t;
   derive(all);
-  for (ForestTree& tree : trees_) tree.built_radius_sum = radius_sum(tree);
+  loosened_ = std::any_of(trees_.begin(), trees_.end(), [this](const ForestTree& tree) { return tree.kind == TreeKind::deforming && too_loose(tree); });
   fine_details_ = bent_pairs();
   if (fine_details_ > kMostBent)
     log_warning("micro_rendering: {:.0f} % of the points are on details finer than their discs: indirect light may be off by several "
@@ -132,14 +166,17 @@ void PointForest::place(std::vector<TreeSource> sources) {
     sampling_seconds_ += seconds_since(start);
     start = std::chrono::steady_clock::now();
     if (options_.posed && tree.kind == TreeKind::deforming) pose_points(buffers_, sampled.points);
-    for (const uint32_t i : tree_order(sampled.points, options_.threads)) {
+    const std::vector<uint32_t> order = tree_order(sampled.points, options_.threads);
+    tree.placed_area = sampled.area;
+    tree.world_area = areas[t];
+    tree.covered = sources[t].plain_area > 0 ? sources[t].covered_area / sources[t].plain_area : 1;
+    const bool posed = options_.posed && tree.kind == TreeKind::deforming;
+    tree.built_radius_sum = ordered_radius_sum(sampled.points, order, tree.record.depth, (posed ? areas[t] : sampled.area) / tree.leaves(), options_.disc_scale);
+    for (const uint32_t i : order) {
       const SampledPoint& p = sampled.points[i];
       all_leaves.push_back({p.source, quantize_weight(p.weights.x) | quantize_weight(p.weights.y) << 16, p.area});
     }
     ordering_seconds_ += seconds_since(start);
-    tree.placed_area = sampled.area;
-    tree.world_area = areas[t];
-    tree.covered = sources[t].plain_area > 0 ? sources[t].covered_area / sources[t].plain_area : 1;
     set_grid(tree, &sources[t]);
     trees_.push_back(tree);
     sources[t].sides = {};
@@ -188,11 +225,7 @@ void PointForest::set_transform(ForestTree& tree) const {
   const glm::mat4 grid_from_world(glm::inverse(glm::dmat4(world_from_grid)));
   MicroTree& record = tree.record;
   float4* const grid_rows[3] = {&record.grid_row0, &record.grid_row1, &record.grid_row2};
-  float4* const world_rows[3] = {&record.world_row0, &record.world_row1, &record.world_row2};
-  for (int row = 0; row < 3; ++row) {
-    *grid_rows[row] = matrix_row(grid_from_world, row);
-    *world_rows[row] = matrix_row(world_from_grid, row);
-  }
+  for (int row = 0; row < 3; ++row) *grid_rows[row] = matrix_row(grid_from_world, row);
   record.world_step = glm::length(glm::vec3(world_from_grid[0]));
 }
 
@@ -200,7 +233,7 @@ void PointForest::derive_albedo() {
   ScheduleRecorder recorder = scheduler_.record("albedo of leaves", owner_);
   PassBuilder pass = recorder.pass("albedo of leaves", program_, "mr_leaf_albedo");
   buffers_.bind(pass, program_, "mr_leaf_albedo");
-  pass.global(leaf_count_).local(kLocalSize).arg("leaves", leaves).arg("first_leaf", 0u).arg("count", leaf_count_)
+  pass.global(leaf_count_).local(kLocalSize).arg("leaves", leaves).arg("count", leaf_count_)
       .arg("leaf_albedo", leaf_albedo);
   Schedule schedule = recorder.compile();
   scheduler_.run_to_end(schedule);
@@ -213,7 +246,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
   scheduler_.finish();
   tree_records.write(records.data(), records.size() * sizeof(MicroTree));
   if (which.empty()) return;
-  ScheduleRecorder recorder = scheduler_.record("points and hierarchy", owner_);
+  ScheduleRecorder recorder = scheduler_.record(kDerivation, owner_);
   for (const size_t t : which) {
     const ForestTree& tree = trees_[t];
     const auto number = static_cast<uint32_t>(t);
@@ -234,7 +267,17 @@ void PointForest::derive(const std::vector<size_t>& which) {
     });
   }
   Schedule schedule = recorder.compile();
+  const double before = update_seconds();
   scheduler_.run_to_end(schedule);
+  updating_seconds_ = update_seconds() - before;
+}
+
+/// Device time of all derivations that the profile holds.
+double PointForest::update_seconds() const {
+  scheduler_.finish();
+  double sum = 0;
+  for (const PassProfile& pass : scheduler_.profile().passes) sum += pass.schedule == kDerivation ? pass.device_seconds : 0;
+  return sum;
 }
 
 double PointForest::radius_sum(const ForestTree& tree) const {

@@ -31,7 +31,7 @@ struct ForestTree {
   double covered = 1;           ///< covered area / plain area
   double placed_area = 0;       ///< covered area in the space in which points were placed
   double world_area = 0;        ///< covered area in the world then [m²], which decided how many points it has
-  double built_radius_sum = 0;  ///< of level kQualityLevel when it was built [grid steps of the build · step]
+  double built_radius_sum = 0;  ///< radius_sum() of the points as they were ordered: at rest, or posed
   uint32_t leaves() const { return 1u << record.depth; }
 };
 
@@ -48,7 +48,7 @@ class PointForest {
   /// points no longer suffice; coverage may have changed).
   bool update(const SceneChange& change);
 
-  bool loosened() const { return loosened_; }  ///< why update() failed: a deformed tree is too loose
+  bool loosened() const { return loosened_; }  ///< a deformed tree is too loose, at first or since update() failed
 
   const std::vector<ForestTree>& trees() const { return trees_; }
   uint32_t leaf_count() const { return leaf_count_; }  ///< of all trees
@@ -66,6 +66,7 @@ class PointForest {
   double fine_details() const { return fine_details_; }
   double sampling_seconds() const { return sampling_seconds_; }
   double ordering_seconds() const { return ordering_seconds_; }
+  double updating_seconds() const { return updating_seconds_; }  ///< on the device: the last leaves and nodes
 
   struct Size {
     size_t leaves, bytes;
@@ -98,6 +99,7 @@ class PointForest {
   void set_grid(ForestTree& tree, const TreeSource* source);
   void set_transform(ForestTree& tree) const;
   double bent_pairs() const;
+  double update_seconds() const;
   double radius_sum(const ForestTree& tree) const;
   bool too_loose(const ForestTree& tree) const;
   bool outgrown(const ForestTree& tree) const;
@@ -116,6 +118,7 @@ class PointForest {
   uint32_t leaf_count_ = 0;
   double fine_details_ = 0;
   double sampling_seconds_ = 0, ordering_seconds_ = 0;
+  double sampling_seconds_ = 0, ordering_seconds_ = 0, updating_seconds_ = 0;
 };
 
 }  // namespace lucarium::micro

@@ -83,6 +83,7 @@ TEST_CASE("nodes contain what is below them, also after a deformation, and the t
   PointForest forest(device, scheduler, scene, buffers, {.points_log2 = 13}, "test");
   REQUIRE(forest.trees().size() == 2);
   CHECK(violations(forest) == 0);
+  CHECK_FALSE(forest.loosened());
 
   SceneChange change;
   change.deformed_instances = {0};
@@ -124,8 +125,11 @@ TEST_CASE("a pose that folds neighbours apart asks for a new tree") {
   buffers.update(scene, change);
   CHECK_FALSE(forest.update(change));
   CHECK(forest.loosened());
+  // A run that begins in this pose finds the same.
+  CHECK(PointForest(device, scheduler, scene, buffers, {.points_log2 = 12}, "test").loosened());
   // One that is ordered as it stands now has small nodes and keeps them.
   PointForest posed(device, scheduler, scene, buffers, {.points_log2 = 12, .posed = true}, "test");
+  CHECK_FALSE(posed.loosened());
   CHECK(posed.update(change));
   CHECK(violations(posed) == 0);
   const auto radii = [](const PointForest& f) {

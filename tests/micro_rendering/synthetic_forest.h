@@ -108,13 +108,8 @@ class SyntheticForest {
     for (size_t i = n - 1; i > 0; --i) nodes[i] = merge(nodes[2 * i], nodes[2 * i + 1]);
     nodes[0] = nodes[1];
     MicroTree tree{};
-    float4* rows[6] = {&tree.grid_row0,  &tree.grid_row1,  &tree.grid_row2,
-                       &tree.world_row0, &tree.world_row1, &tree.world_row2};
-    for (int r = 0; r < 3; ++r) {
-      *rows[r] = float4(glm::vec3(axes[r] / step), static_cast<float>(-low[r] / step));
-      const dvec3 row = dvec3(axes[0][r], axes[1][r], axes[2][r]);
-      *rows[3 + r] = float4(glm::vec3(row * step), static_cast<float>(glm::dot(row, low)));
-    }
+    float4* rows[3] = {&tree.grid_row0, &tree.grid_row1, &tree.grid_row2};
+    for (int r = 0; r < 3; ++r) *rows[r] = float4(glm::vec3(axes[r] / step), static_cast<float>(-low[r] / step));
     tree.first_node = static_cast<uint>(packed_.size() / 3);
     while ((1u << tree.depth) < n) ++tree.depth;
     tree.leaf_area = static_cast<float>(leaf_area / (step * step));
@@ -261,6 +256,7 @@ inline TypedBuffer<MicroGather> pack_gathers(const std::vector<GatherPoint>& poi
 
 inline MicroSettings default_settings(uint32_t seed = 1) {
   MicroSettings settings{};
+  settings.inspect_too = LUCARIUM_NONE;
   settings.kappa = 1;
   settings.splat_radius = 1.35f;
   settings.seed = seed;

@@ -42,6 +42,29 @@ TEST_CASE("virtual lights and photons bring the light of several bounces") {
   CHECK(room(photons) == test::relative(expected, 0.04));
 }
 
+TEST_CASE("light paths follow shading normals as the path tracer does") {
+  // Normals that lean by 35 degrees: without the ratio of the cosines what arrives is wrong by a third and more.
+  Scene scene = load_scene("builtin:room");
+  for (Mesh& mesh : scene.meshes)
+    for (glm::vec3& n : mesh.normals) n = glm::normalize(n + 0.7f * glm::vec3(n.y, n.z, n.x));
+  const double expected = mean(indirect_light(scene, "path_tracing", 24, 3, 16, reference));
+  const Parameters lights = with(small, {{"multibounce", "instant_radiosity"}, {"vpls", "64"}, {"vpl_clamp", "1e5"}, {"points_log2", "11"}});
+  CHECK(mean(indirect_light(scene, "micro_rendering", 24, 3, 8, lights)) == test::relative(expected, 0.03));
+  const Parameters photons = with(small, {{"multibounce", "photon_map"}, {"photons", "50000"}, {"photon_direct", "on"}});
+  CHECK(mean(indirect_light(scene, "micro_rendering", 24, 3, 8, photons)) == test::relative(expected, 0.04));
+}
+
+TEST_CASE("virtual lights that are shown directly bring the light of the reference's paths") {
+  const std::vector<float> expected = indirect_light(load_scene("builtin:room"), "path_tracing", 24, 2, 16, reference);
+  const auto direct = [](const char* vpls) {
+    return indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 2, 4,
+                          with(small, {{"multibounce", "instant_radiosity"}, {"vpls", vpls}, {"vpl_clamp", "1e5"}, {"final_gather", "off"}}));
+  };
+  const std::vector<float> many = direct("512");
+  CHECK(mean(many) == test::relative(mean(expected), 0.03));
+  CHECK(relative_rmse(many, expected) < relative_rmse(direct("32"), expected));
+}
+
 TEST_CASE("pixel by pixel the room is the path tracer's, the better the larger the micro-buffers") {
   const std::vector<float> expected = indirect_light(load_scene("builtin:room"), "path_tracing", 16, 2, 64, reference);
   const auto error = [&](const char* micro_size) {
@@ -216,6 +239,10 @@ TEST_CASE("layers to look inside: the chosen pixel's micro-buffer, level of the 
     CHECK(mean(looks.find("list_length")->pixels) > 0);
     for (const float visits : looks.find("node_visits")->pixels) CHECK(visits > 100);
   }
+  // A pixel that does not gather shows the micro-buffer of the gather that it lies beside.
+  CHECK(film({{"inspect_x", "9"}, {"inspect_y", "21"}, {"gather_step", "2"}, {"upsample_fail", "0"}}).find("micro_buffer")->pixels ==
+        film({{"inspect_x", "8"}, {"inspect_y", "20"}, {"gather_step", "2"}, {"upsample_fail", "0"}}).find("micro_buffer")->pixels);
+  CHECK(mean(film({{"inspect_x", "9"}, {"inspect_y", "21"}, {"gather_step", "2"}}).find("micro_buffer")->pixels) > 0);
   const Film interpolated = film({{"gather_step", "2"}});
   for (const float failed : interpolated.find("upsampling_failed")->pixels) CHECK((failed == 0 || failed == 1));
 }

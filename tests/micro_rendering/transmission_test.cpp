@@ -60,6 +60,23 @@ TEST_CASE("light through frosted glass and into a rough medium is the path trace
   CHECK(relative_rmse(second, every) < 0.02);
 }
 
+TEST_CASE("what a rough surface reflects into the medium below it is the path tracer's") {
+  // Beyond 42 degrees all of it, where the same surface reflects a twentieth from outside.
+  for (const float roughness : {0.4f, 0.7f}) {
+    CAPTURE(roughness);
+    Scene scene = frosted_pane(false, roughness);
+    scene.cameras.front() = look_at_camera("below", {-0.5f, 1.6f, -1.2f}, {0.2f, 0.9f, 0}, 45);
+    const std::vector<float> expected = indirect_light(scene, "path_tracing", 16, 1, 32, reference);
+    for (const char* warp : {"analytic", "table"}) {
+      CAPTURE(std::string(warp));
+      const std::vector<float> mine = indirect_light(scene, "micro_rendering", 16, 1, 8, with(small, {{"warp", warp}, {"points_log2", "16"}, {"micro_size", "24"}}));
+      MESSAGE("mean ", mean(mine), " of ", mean(expected), ", RMSE over it ", relative_rmse(mine, expected));
+      CHECK(std::abs(mean(mine) / mean(expected) - 1) < 0.02);
+      CHECK(relative_rmse(mine, expected) < 0.03);
+    }
+  }
+}
+
 TEST_CASE("a cut driven by the spread of light is the same in every run, on both sides of a pane") {
   const Scene scene = frosted_pane(true, 0.7f);
   const auto visits = [&] {

@@ -34,13 +34,12 @@
 // One hierarchy: what rests, or one moving instance.
 LUCARIUM_STRUCT_BEGIN(MicroTree)
   float4 grid_row0, grid_row1, grid_row2;     // grid_from_world, 3 x 4, a similarity
-  float4 world_row0, world_row1, world_row2;  // its inverse, world_from_grid
   float4 origin_step;  // xyz: tree space's point at grid (0, 0, 0); w: tree-space length of one grid step
   uint first_node;     // in nodes and radiance
   uint depth;          // levels below the root
   float leaf_area;     // mean surface area that a leaf stands for [grid steps²]
   float world_step;    // length of one grid step [m]
-LUCARIUM_STRUCT_END(MicroTree, 128)
+LUCARIUM_STRUCT_END(MicroTree, 80)
 
 // Where a leaf lies on its triangle. Leaves do not move on it.
 LUCARIUM_STRUCT_BEGIN(MicroLeaf)
@@ -57,7 +56,8 @@ LUCARIUM_STRUCT_END(MicroLeaf, 12)
 // Where a path from a light met a diffuse surface.
 LUCARIUM_STRUCT_BEGIN(MicroPhoton)
   float4 position;  // xyz [m]; w: bits of the shading normal (pack_direction)
-  float4 power;     // xyz flux [lm], that arrives or is reflected; w: 1, 0 where the path has no such vertex
+  float4 power;     // xyz flux [lm], that arrives or is reflected, black where the path has no such vertex; w: bits of the
+                    // geometric normal
 LUCARIUM_STRUCT_END(MicroPhoton, 32)
 
 // Glossy lobe of a leaf (node_shading=dynamic); ideal ones are left out.
@@ -113,7 +113,8 @@ LUCARIUM_STRUCT_BEGIN(MicroGather)
   uint view;        // unit, towards the viewer (specular lobe only); through a surface: mirrored at it to the normal's side
   uint lobes;       // B_d (8 bits), B_s << 8: micro-buffer edges of the diffuse and the specular lobe, 0: none;
                     // GGX alpha as a half << 16
-  float eta;        // 0: the specular lobe reflects; else it refracts: index of the viewer's side over that of this side
+  float eta;        // 0: the specular lobe reflects; above, it refracts: index of the viewer's side over that of this side; below,
+                    // it reflects inside a medium: minus the index of this side over that of the other, denser than it
   uint hidden;      // MICRO_SIDE of the other side of the surface, which is not seen from near; 0: none
   uint pad0, pad1;
 LUCARIUM_STRUCT_END(MicroGather, 48)
@@ -171,7 +172,8 @@ LUCARIUM_STRUCT_BEGIN(MicroSettings)
   uint inspect;        // slot whose micro-buffer is wanted, LUCARIUM_NONE: none
   float cut_error;     // share of a micro-buffer's mean that a node may err by (MICRO_ERROR_CUT)
   uint first;          // gather of the first work-item
-  float pad0, pad1;
+  uint inspect_too;    // another such slot
+  float pad0;
 LUCARIUM_STRUCT_END(MicroSettings, 32)
 
 #endif
