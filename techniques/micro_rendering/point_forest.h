@@ -117,7 +117,6 @@ class PointForest {
   bool loosened_ = false;
   uint32_t leaf_count_ = 0;
   double fine_details_ = 0;
-  double sampling_seconds_ = 0, ordering_seconds_ = 0;
   double sampling_seconds_ = 0, ordering_seconds_ = 0, updating_seconds_ = 0;
 };
 

@@ -256,7 +256,7 @@ inline TypedBuffer<MicroGather> pack_gathers(const std::vector<GatherPoint>& poi
 
 inline MicroSettings default_settings(uint32_t seed = 1) {
   MicroSettings settings{};
-  settings.inspect_too = LUCARIUM_NONE;
+  settings.inspect_too = 0xffffffffu;
   settings.kappa = 1;
   settings.splat_radius = 1.35f;
   settings.seed = seed;

@@ -43,22 +43,22 @@ TEST_CASE("virtual lights and photons bring the light of several bounces") {
 }
 
 TEST_CASE("light paths follow shading normals as the path tracer does") {
-  // Normals that lean by 35 degrees: without the ratio of the cosines what arrives is wrong by a third and more.
+  // Normals that lean by 17 degrees: without the ratio of the cosines 8 and 5 % too much light.
   Scene scene = load_scene("builtin:room");
   for (Mesh& mesh : scene.meshes)
-    for (glm::vec3& n : mesh.normals) n = glm::normalize(n + 0.7f * glm::vec3(n.y, n.z, n.x));
+    for (glm::vec3& n : mesh.normals) n = glm::normalize(n + 0.3f * glm::vec3(n.y, n.z, n.x));
   const double expected = mean(indirect_light(scene, "path_tracing", 24, 3, 16, reference));
   const Parameters lights = with(small, {{"multibounce", "instant_radiosity"}, {"vpls", "64"}, {"vpl_clamp", "1e5"}, {"points_log2", "11"}});
   CHECK(mean(indirect_light(scene, "micro_rendering", 24, 3, 8, lights)) == test::relative(expected, 0.03));
-  const Parameters photons = with(small, {{"multibounce", "photon_map"}, {"photons", "50000"}, {"photon_direct", "on"}});
-  CHECK(mean(indirect_light(scene, "micro_rendering", 24, 3, 8, photons)) == test::relative(expected, 0.04));
+  const Parameters photons = with(small, {{"multibounce", "photon_map"}, {"photons", "50000"}});
+  CHECK(mean(indirect_light(scene, "micro_rendering", 24, 3, 8, photons)) == test::relative(expected, 0.03));
 }
 
 TEST_CASE("virtual lights that are shown directly bring the light of the reference's paths") {
   const std::vector<float> expected = indirect_light(load_scene("builtin:room"), "path_tracing", 24, 2, 16, reference);
   const auto direct = [](const char* vpls) {
     return indirect_light(load_scene("builtin:room"), "micro_rendering", 24, 2, 4,
-                          with(small, {{"multibounce", "instant_radiosity"}, {"vpls", vpls}, {"vpl_clamp", "1e5"}, {"final_gather", "off"}}));
+                          with(small, {{"multibounce", "instant_radiosity"}, {"vpls", vpls}, {"vpl_clamp", "1000"}, {"final_gather", "off"}}));
   };
   const std::vector<float> many = direct("512");
   CHECK(mean(many) == test::relative(mean(expected), 0.03));

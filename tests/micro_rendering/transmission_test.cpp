@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "technique_fixture.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -61,18 +62,17 @@ TEST_CASE("light through frosted glass and into a rough medium is the path trace
 }
 
 TEST_CASE("what a rough surface reflects into the medium below it is the path tracer's") {
-  // Beyond 42 degrees all of it, where the same surface reflects a twentieth from outside.
+  // Beyond 42 degrees all of it, where the same surface reflects a twentieth from outside. Pixel by pixel the path tracer's
+  // noise is 5 to 8 % here.
   for (const float roughness : {0.4f, 0.7f}) {
     CAPTURE(roughness);
     Scene scene = frosted_pane(false, roughness);
     scene.cameras.front() = look_at_camera("below", {-0.5f, 1.6f, -1.2f}, {0.2f, 0.9f, 0}, 45);
-    const std::vector<float> expected = indirect_light(scene, "path_tracing", 16, 1, 32, reference);
+    const double expected = mean(indirect_light(scene, "path_tracing", 16, 1, 64, reference));
     for (const char* warp : {"analytic", "table"}) {
       CAPTURE(std::string(warp));
-      const std::vector<float> mine = indirect_light(scene, "micro_rendering", 16, 1, 8, with(small, {{"warp", warp}, {"points_log2", "16"}, {"micro_size", "24"}}));
-      MESSAGE("mean ", mean(mine), " of ", mean(expected), ", RMSE over it ", relative_rmse(mine, expected));
-      CHECK(std::abs(mean(mine) / mean(expected) - 1) < 0.02);
-      CHECK(relative_rmse(mine, expected) < 0.03);
+      const double mine = mean(indirect_light(scene, "micro_rendering", 16, 1, 8, with(small, {{"warp", warp}, {"points_log2", "16"}, {"micro_size", "24"}})));
+      CHECK(mine == test::relative(expected, 0.02));
     }
   }
 }
