@@ -81,7 +81,12 @@ void CheckContext::run_long(RenderSession& session) const {
 }
 
 Picture CheckContext::run_short(RenderSession& session, uint64_t iterations) const {
-  session.run({.iterations = iterations});
+  // What a technique does before its work proper (its progress is known, and 0) comes first, or it alone would be seen.
+  constexpr uint64_t longest_lead = 64;
+  const auto leads = [&] { return session.last().progress == 0 && !session.last().phase.empty() && !session.last().converged; };
+  session.run({.iterations = 1});
+  for (uint64_t lead = 0; lead < longest_lead && leads(); ++lead) session.run({.iterations = 1});
+  if (iterations > 1) session.run({.iterations = iterations - 1});
   return picture(session);
 }
 

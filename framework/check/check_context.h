@@ -56,7 +56,7 @@ struct CheckContext {
 
   /// Iterates until converged, else 64 samples or iterations, else 10 s.
   void run_long(RenderSession& session) const;
-  /// A few iterations, the same number every time.
+  /// A few iterations once there is progress, the same number every time.
   Picture run_short(RenderSession& session, uint64_t iterations = 3) const;
   Picture picture(RenderSession& session) const { return picture_of(session.resolve()); }
 };

@@ -104,10 +104,8 @@ class BundleExchange : public Technique {
     }
     if (parameters_.warm_start && parts_ && forgets(parameters_)) {
       build_from(change);
-    } else if (parts_ && !change.geometry() && change.materials.empty()) {
-      BundleParts::Kept kept{std::move(parts_->atlas), nullptr, nullptr};  // it knows surfaces and their emission only
-      if (parts_->openness->complete()) kept.exposure = std::move(parts_->exposure), kept.openness = std::move(parts_->openness);
-      build(std::move(kept));
+    } else if (parts_ && !touches_surfaces(change)) {
+      build(keep_surfaces());
     } else {
       build();
     }
@@ -171,20 +169,30 @@ class BundleExchange : public Technique {
   void build(BundleParts::Kept kept = {}) {
     parts_.reset();  // its memory first
     const BundlePlan plan = make_plan(parameters_, context_->scene, context_->settings);
-    parts_ = std::make_unique<BundleParts>(*context_, parameters_, plan, std::move(kept));
+    auto parts = std::make_unique<BundleParts>(*context_, parameters_, plan, std::move(kept));
+    if (exchanges()) parts->measure_openness(context_->progress);
+    parts_ = std::move(parts);
     reset(seed_);
+  }
+
+  static bool touches_surfaces(const SceneChange& change) { return change.geometry() || !change.materials.empty(); }
+
+  /// The atlas, which knows surfaces and their emission only, and what of its texels counts.
+  BundleParts::Kept keep_surfaces() {
+    return {std::move(parts_->atlas), std::move(parts_->exposure), std::move(parts_->openness)};
   }
 
   /// Texels stay what they are, and senders know what they knew, where the atlas can follow the change.
   void build_from(const SceneChange& change) {
-    SlotMeans::Kept kept = parts_->means.keep();
-    std::unique_ptr<SurfaceAtlas> atlas = std::move(parts_->atlas);
+    SlotMeans::Kept known = parts_->means.keep();
+    BundleParts::Kept kept = keep_surfaces();
     parts_.reset();
-    const uint64_t generation = atlas->generation();
-    atlas->refit(context_->scene, change);
-    const bool same = atlas->generation() == generation;
-    build({std::move(atlas), nullptr, nullptr});
-    if (same) parts_->means.start_from(std::move(kept));
+    const uint64_t generation = kept.atlas->generation();
+    kept.atlas->refit(context_->scene, change);
+    const bool same = kept.atlas->generation() == generation;
+    if (touches_surfaces(change)) kept.exposure = nullptr, kept.openness = nullptr;
+    build(std::move(kept));
+    if (same) parts_->means.start_from(std::move(known));
   }
 
   bool exchange_done() const {
@@ -215,15 +223,14 @@ class BundleExchange : public Technique {
     return static_cast<uint32_t>(count);
   }
 
-  /// An iteration: at first what of texels counts; light samples for some slots, directions of about kPixels film pixels,
+  /// An iteration: light samples for some slots, directions of about kPixels film pixels,
   /// a camera sample, which alone changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
   bool run_steps() {
     BundleParts& parts = *parts_;
-    if (!step_.begun) step_ = {true, false, 1, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
+    if (!step_.begun) step_ = {true, false, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
-    if (!run_probes()) return false;
-    for (; step_.light_runs > 0 && probed() && wants_light(); --step_.light_runs) {
+    for (; step_.light_runs > 0 && wants_light(); --step_.light_runs) {
       if (!parts.slot_light.sample()) return false;
       parts.slot_light.commit();
     }
@@ -240,34 +247,14 @@ class BundleExchange : public Technique {
     return true;
   }
 
-  /// What of texels is hidden, and how open the rest is, as far as an iteration gets.
-  bool run_probes() {
-    BundleParts& parts = *parts_;
-    const double film = std::max(parts.transfer.largest_film() / kPixels, 1.0 / 128);
-    const double chunk = static_cast<double>(parts.exposure->chunk()) / kProbedSlots;
-    while (step_.probes > 0 && !probed()) {
-      const bool exposed = parts.exposure->complete();
-      if (!(exposed ? parts.openness->advance() : parts.exposure->advance())) return false;
-      step_.probes -= exposed ? film : chunk;
-      if (probed()) parts.means.take_materials();
-    }
-    return true;
-  }
-
-  /// Whether it is known what of texels counts, if anything asks.
-  bool probed() const { return !exchanges() || parts_->openness->complete(); }
-
-  /// Directions of the batch, which share what senders know, up to its end or that of the iteration. A batch that was
-  /// cancelled begins anew, since half a direction may have been added.
+  /// Directions of the batch, which share what senders know, up to its end or that of the iteration. Cancelled between
+  /// directions, it goes on with the next one.
   bool run_batch() {
     if (batch_.done == 0 && !begin_batch()) return false;
     PixelGather* gather = parts_->means.carries_all(directions_) ? parts_->camera.pixel_gather() : nullptr;
     const uint64_t gathered_from = std::max(directions_, step_.begin);  // the rest was for another camera sample
     for (; batch_.done < batch_.count && position() < step_.end; ++batch_.done)
-      if (!exchange_along(position() >= gathered_from ? gather : nullptr, position() == gathered_from)) {
-        batch_ = {};
-        return false;
-      }
+      if (!exchange_along(position() >= gathered_from ? gather : nullptr, position() == gathered_from)) return false;
     if (gather) gather->commit(static_cast<uint32_t>(position() - gathered_from));
     if (batch_.done == batch_.count) commit_batch();
     return true;
@@ -280,17 +267,19 @@ class BundleExchange : public Technique {
     return true;
   }
 
-  /// The next direction of the batch; pixels gather along it (null: not), `first`: the first one since they last did.
+  /// The next direction of the batch; pixels gather along it (null: not), `first`: the first one since they last did. False
+  /// when cancelled while slots find what they send, which may be done again; sums are added to in one go.
   bool exchange_along(PixelGather* gather, bool first) {
     const uint64_t index = position();
     const Direction direction = sequence_.at(index);
     const uint32_t seed = direction_seed(index);
     SlotSpecular* specular = reflecting();
     if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
-    const bool direct_only = parts_->means.direct_only(directions_);
-    if (!(direct_only ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed))) return false;
-    if (specular && !specular->receive(batch_.done)) return false;
-    return !gather || (specular ? parts_->transfer.gather(direction, seed, first) : gather_along(index, first));
+    if (gather && specular) parts_->transfer.gather(direction, seed, first);
+    if (gather && !specular && !gather_along(index, first)) return false;
+    parts_->means.direct_only(directions_) ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed);
+    if (specular) specular->receive(batch_.done);
+    return true;
   }
 
   void commit_batch() {
@@ -322,7 +311,8 @@ class BundleExchange : public Technique {
       parts_->specular->begin_batch(sequence_, index, 1);
       if (!parts_->specular->send(direction, 0, seed, parts_->means.sends_direct())) return false;
     }
-    return parts_->transfer.gather(direction, seed, first);
+    parts_->transfer.gather(direction, seed, first);
+    return true;
   }
 
   uint32_t direction_seed(uint64_t index) const {
@@ -343,7 +333,7 @@ class BundleExchange : public Technique {
   }
 
   /// Whether slots know the direct light that they are to send.
-  bool lit() const { return probed() && (parts_->slot_light.complete() || context_->settings.max_bounces == 0); }
+  bool lit() const { return parts_->slot_light.complete() || context_->settings.max_bounces == 0; }
 
   uint32_t directions_per_iteration() const {
     // Fragments that are stored cost about three times as much as those that are exchanged at once.
@@ -353,11 +343,6 @@ class BundleExchange : public Technique {
   }
 
   std::string phase() const {
-    if (!probed()) {
-      const bool exposed = parts_->exposure->complete();
-      const double done = exposed ? parts_->openness->progress() : parts_->exposure->progress();
-      return fmt::format("{} {:.0f} %", exposed ? "openness" : "hidden places", 100 * done);
-    }
     return !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
   }
 
@@ -375,9 +360,8 @@ class BundleExchange : public Technique {
   /// Where an iteration is.
   struct Step {
     bool begun = false, seen = false;
-    double probes = 0;                        ///< share of an iteration that is left for them
-    uint32_t light_runs = 0;                  ///< left to do
-    uint64_t begin = 0, end = 0;              ///< position() at first, and when it is done
+    uint32_t light_runs = 0;      ///< left to do
+    uint64_t begin = 0, end = 0;  ///< position() at first, and when it is done
   };
 
   /// The batch that is under way.
@@ -385,8 +369,7 @@ class BundleExchange : public Technique {
     uint32_t count = 0, done = 0;  ///< directions
   };
 
-  static constexpr double kPixels = 4e6;         ///< film pixels of an iteration, about 100 ms
-  static constexpr double kProbedSlots = 16384;  ///< slots of an iteration, the same
+  static constexpr double kPixels = 4e6;  ///< film pixels of an iteration, about 100 ms
   Parameters parameters_;
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_parts.h"
 
+#include "lucarium/base/error.h"
 #include "lucarium/services/bvh.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
@@ -41,18 +42,23 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(), make_frame(c.settings), plan.camera),
       transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *exposure, *openness, plan.channels,
                {p.pixel_size, p.transfer, camera.pixel_gather()}) {
-  if (openness->complete())
-    means.take_materials();
-  else
+  if (!openness->complete())
     openness->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *exposure, transfer.raster());
   if (!plan.reflects) return;
   specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
                                             !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
 }
 
+void BundleParts::measure_openness(const std::function<void(double, const std::string&)>& report) {
+  const auto check = [](bool done) {
+    if (!done) throw Error(ErrorClass::interrupted, "bundle_exchange: interrupted while texels were measured; nothing is kept");
+  };
+  for (; !exposure->complete(); report(exposure->progress(), "hidden places")) check(exposure->advance());
+  for (; !openness->complete(); report(openness->progress(), "openness")) check(openness->advance());
+  means.take_materials();
+}
+
 void BundleParts::warm_up() {
-  exposure->warm_up();
-  openness->warm_up();
   slot_light.warm_up();
   means.warm_up();
   if (preview) preview->warm_up();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <memory>
+#include <string>
 
 #include "bundle_plan.h"
 #include "bundle_transfer.h"
@@ -19,6 +21,9 @@ struct BundleParts {
   };
 
   BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept);
+  /// What of texels is hidden, and how open the rest is. `report`: as TechniqueContext::progress. Throws Error{interrupted}
+  /// when cancelled.
+  void measure_openness(const std::function<void(double, const std::string&)>& report);
   void warm_up();
 
   std::unique_ptr<SurfaceAtlas> atlas;

@@ -94,27 +94,27 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
   return result;
 }
 
-bool BundleTransfer::run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray) {
+void BundleTransfer::run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray) {
   const BundleView view = make_bundle_view(bounds_, direction, pixel_, seed);
   ++films_;
   film_pixels_ += static_cast<double>(view.view.width) * view.view.height;
   recorded.schedule.set(recorded.view, view.view);
   recorded.schedule.set(recorded.omega, float4(direction.direction, 0.f));
   recorded.schedule.set(recorded.weight, static_cast<float>(direction.weight * (per_ray ? view.pixel_area : 1.0)));
-  return scheduler_->run(recorded.schedule) == RunResult::done;
+  scheduler_->run_to_end(recorded.schedule);  // half a film would be counted twice
 }
 
-bool BundleTransfer::exchange(const Direction& direction, uint32_t seed) {
-  return run(all_, direction, seed, options_.transfer == Transfer::ray);
+void BundleTransfer::exchange(const Direction& direction, uint32_t seed) {
+  run(all_, direction, seed, options_.transfer == Transfer::ray);
 }
 
-bool BundleTransfer::exchange_emission(const Direction& direction, uint32_t seed) {
-  return run(emission_.schedule ? emission_ : all_, direction, seed, options_.transfer == Transfer::ray);
+void BundleTransfer::exchange_emission(const Direction& direction, uint32_t seed) {
+  run(emission_.schedule ? emission_ : all_, direction, seed, options_.transfer == Transfer::ray);
 }
 
-bool BundleTransfer::gather(const Direction& direction, uint32_t seed, bool first) {
+void BundleTransfer::gather(const Direction& direction, uint32_t seed, bool first) {
   gather_.schedule.set(gather_.first, first ? 1u : 0u);
-  return run(gather_, direction, seed, false);
+  run(gather_, direction, seed, false);
 }
 
 size_t BundleTransfer::estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters, bool gathers) {

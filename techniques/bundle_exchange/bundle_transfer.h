@@ -23,12 +23,12 @@ class BundleTransfer {
                  const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness,
                  const Channels& channels, const Options& options);
 
-  /// Adds the rays of one direction to the records; false when cancelled. `seed` decides BLEND.
-  bool exchange(const Direction& direction, uint32_t seed);
+  /// Adds the rays of one direction to the records, to the end whoever cancels. `seed` decides BLEND.
+  void exchange(const Direction& direction, uint32_t seed);
   /// Only the channel of emission.
-  bool exchange_emission(const Direction& direction, uint32_t seed);
+  void exchange_emission(const Direction& direction, uint32_t seed);
   /// What pixels gather along the direction; `first` of a batch.
-  bool gather(const Direction& direction, uint32_t seed, bool first);
+  void gather(const Direction& direction, uint32_t seed, bool first);
   void warm_up();
   /// Expected device memory [bytes], with texels of that edge [m].
   static size_t estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters, bool gathers);
@@ -50,7 +50,7 @@ class BundleTransfer {
   enum class What { all, emission, gather };
   Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
                   const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness, What what);
-  bool run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray);
+  void run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray);
   KernelScheduler* scheduler_;
   Channels channels_;
   Options options_;

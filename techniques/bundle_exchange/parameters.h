@@ -100,7 +100,7 @@ struct Parameters {
            "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and running)");
     v.number("stop_error", stop_error, 0.f, 1.f, "",
              "converged at this relative standard error of irradiance (interleave=sd and running); 0: never. With direct_mode=exchange "
-             "directions carry emission only as soon as indirect light makes up half of its square");
+             "directions carry emission only as soon as at most half of the squared error comes from indirect light");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "samples per pixel that an image has at least when it counts as converged: direct light and edges are theirs");
     v.presets({{"paper",

@@ -25,7 +25,11 @@ __kernel void begin_preview(uint slots, float correction, __global const float4*
   direct[slot] = shown_light(shown_direct[slot]);
   total += correction * ratio_variance(statistics[slots + slot], luminance(direct[slot].xyz));
 #endif
-  variance[slot] = shown[slot].w > 0.0f ? total : -1.0f;
+  bool known = shown[slot].w > 0.0f;
+#ifdef BUNDLE_EXCHANGED
+  known = known || shown_direct[slot].w > 0.0f;  // directions that carry emission only come first
+#endif
+  variance[slot] = known ? total : -1.0f;
 }
 
 // The cell `step` cells away from one, where the surface goes on all the way; LUCARIUM_NONE where it does not.

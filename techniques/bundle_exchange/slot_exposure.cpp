@@ -87,8 +87,4 @@ bool SlotExposure::advance() {
   return true;
 }
 
-void SlotExposure::warm_up() {
-  if (!complete()) scheduler_->warm_up(measure_);
-}
-
 }  // namespace lucarium::bundle

@@ -20,9 +20,6 @@ class SlotExposure {
   /// What of the slots has been done [1]; what follows holds when all has.
   double progress() const { return static_cast<double>(next_) / slots_; }
   bool complete() const { return next_ == slots_; }
-  /// Slots that advance() takes at a time.
-  uint32_t chunk() const { return chunk_; }
-  void warm_up();
 
   /// Per slot: x the share of its area that light can reach; y which share of its rays that end at backs of single-sided
   /// surfaces leaves from there, and therefore counts.

@@ -117,11 +117,6 @@ bool SlotOpenness::advance() {
 
 double SlotOpenness::progress() const { return probes_ ? static_cast<double>(drawn_) / static_cast<double>(probes_->count) : 1.0; }
 
-void SlotOpenness::warm_up() {
-  if (!probes_) return;
-  for (Schedule* schedule : {&probes_->begin, &probes_->draw, &probes_->sum}) probes_->scheduler->warm_up(*schedule);
-}
-
 size_t SlotOpenness::estimate_bytes(size_t slots) {
   return slots * (sizeof(float) + (1 + SLOT_PART_WORDS) * sizeof(uint32_t) + SLOT_PARTS * sizeof(uint32_t));
 }

@@ -29,7 +29,6 @@ class SlotOpenness {
   bool advance();
   double progress() const;  ///< what of the bundles has been drawn [1]
   bool complete() const { return complete_; }
-  void warm_up();
 
   // What holds when complete:
   /// Per slot: mean openness over its area [1], which is what its area counts.

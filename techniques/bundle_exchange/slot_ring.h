@@ -28,9 +28,9 @@ class SlotRing {
 
   /// Directions `first` … `first + count - 1` of the sequence are the next batch.
   void begin_batch(const DirectionSequence& sequence, uint64_t first, uint32_t count);
-  /// Before direction i of the batch is exchanged, and after; false when cancelled. A batch may be begun again.
+  /// Before direction i of the batch is exchanged (false when cancelled, and may be done again), and after.
   bool send(uint32_t i);
-  bool receive(uint32_t i);
+  void receive(uint32_t i);
   /// The batch counts.
   void commit();
   void reset();

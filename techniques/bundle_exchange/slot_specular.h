@@ -25,9 +25,10 @@ class SlotSpecular {
 
   /// The next batch; a batch that was cancelled may be begun again.
   void begin_batch(const DirectionSequence& sequence, uint64_t first, uint32_t count);
-  /// Around the exchange along direction i of the batch; false when cancelled. `lit`: chains find lights.
+  /// Before direction i of the batch is exchanged; false when cancelled, and may be done again. `lit`: chains find lights.
   bool send(const Direction& direction, uint32_t i, uint32_t seed, bool lit);
-  bool receive(uint32_t i);
+  /// After it.
+  void receive(uint32_t i);
   void commit();
   void reset();
   void warm_up();

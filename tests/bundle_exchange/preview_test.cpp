@@ -76,3 +76,11 @@ TEST_CASE("a preview is nearer to what it becomes, and becomes the same") {
   CHECK(smooth < 0.85 * plain);
   CHECK(image(with("on", "128"), 128) == image(with("off", "128"), 128));
 }
+
+TEST_CASE("a preview shows exchanged direct light while bundles carry nothing else") {
+  const auto run = test::session("bundle_exchange", load_scene("builtin:cornell"), -1,
+                                 {{"texels", "2048"}, {"direct_mode", "exchange"}, {"direct_first", "4096"}, {"preview", "on"}});
+  run->run({.iterations = 2});
+  CHECK(run->technique().counters().at("indirect_directions") == 0);
+  CHECK(test::mean(run->resolve().find("direct")->pixels) > 0);
+}

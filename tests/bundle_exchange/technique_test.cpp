@@ -79,27 +79,42 @@ TEST_CASE("when indirect light is known well, directions carry emission until di
   }
 }
 
-TEST_CASE("what is measured before the exchange can be cancelled anywhere, and so can batches") {
-  const Options options = {{"texels", "4096"}, {"batch", "16"}, {"directions", "96"}, {"stop_error", "0"}, {"transfer", "texel"},
-                           {"final_gather", "all"}, {"pixel_rays", "bundle"}, {"direct_mode", "exchange"}};
-  constexpr uint64_t kSamples = 12;
-  const auto whole = session("bundle_exchange", load_scene("builtin:cornell"), -1, options);
-  whole->run({.iterations = kSamples});
-  const auto halting = session("bundle_exchange", load_scene("builtin:cornell"), -1, options);
-  int left = 0, requests = 0, cancelled = 0;
-  while (halting->last().samples < kSamples) {
-    // Ever later in the iteration, so that in the end it gets through.
-    const uint64_t before = halting->last().samples;
-    for (left = 3; halting->last().samples == before; left += 37, ++cancelled) {
-      requests = left;
-      halting->scheduler().set_cancel([&] { return requests-- <= 0; });
-      halting->iterate();
+TEST_CASE("iterations can be cancelled anywhere, batches that several of them share included") {
+  const Options by_lights = {{"texels", "4096"}, {"batch", "48"}, {"directions", "1000"}, {"stop_error", "0"}};
+  const Options by_texels = {{"texels", "4096"}, {"batch", "16"}, {"directions", "96"}, {"stop_error", "0"}, {"transfer", "texel"},
+                             {"final_gather", "all"}, {"pixel_rays", "bundle"}, {"direct_mode", "exchange"}};
+  for (const Options& options : {by_lights, by_texels}) {
+    const uint64_t samples = 20;
+    const auto whole = session("bundle_exchange", load_scene("builtin:spheres"), -1, options);
+    whole->run({.iterations = samples});
+    const auto halting = session("bundle_exchange", load_scene("builtin:spheres"), -1, options);
+    int requests = 0, cancelled = 0;
+    while (halting->last().samples < samples) {
+      // Ever later in the iteration, so that in the end it gets through.
+      const uint64_t before = halting->last().samples;
+      for (int left = 3; halting->last().samples == before; left += 37, ++cancelled) {
+        requests = left;
+        halting->scheduler().set_cancel([&] { return requests-- <= 0; });
+        halting->iterate();
+      }
     }
+    halting->scheduler().set_cancel([] { return false; });
+    CHECK(cancelled > static_cast<int>(samples));
+    CHECK(whole->technique().counters().at("directions") > 90);
+    CHECK(halting->technique().counters().at("directions") == whole->technique().counters().at("directions"));
+    CHECK(indirect(*halting) == indirect(*whole));
   }
-  halting->scheduler().set_cancel([] { return false; });
-  CHECK(cancelled > 2 * int(kSamples));
-  CHECK(halting->technique().counters().at("directions") == whole->technique().counters().at("directions"));
-  CHECK(indirect(*halting) == indirect(*whole));
+}
+
+TEST_CASE("a reset gives the bits of a new run, however many texels had to be measured first") {
+  const Options options = {{"texels", "16384"}, {"direct_mode", "exchange"}};
+  const auto used = session("bundle_exchange", load_scene("builtin:cornell"), -1, options);
+  const auto fresh = session("bundle_exchange", load_scene("builtin:cornell"), -1, options);
+  used->run({.iterations = 2});
+  used->restart(1);
+  for (const auto& run : {used.get(), fresh.get()}) run->run({.iterations = 3});
+  CHECK(fresh->technique().counters().at("directions") > 0);
+  CHECK(indirect(*used) == indirect(*fresh));
 }
 
 TEST_CASE("a long batch takes several iterations") {
