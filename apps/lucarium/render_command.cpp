@@ -216,7 +216,12 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session, con
                    std::chrono::steady_clock::time_point start, ordered_json& summaries) {
   for (size_t i = 0; i < outputs.size(); ++i) {
     if (i > 0) start = std::chrono::steady_clock::now();
-    if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
+    try {
+      if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
+    } catch (const Error& error) {
+      if (i == 0 || error.error_class() != ErrorClass::interrupted) throw;
+      return true;  // frames that are done are told of
+    }
     const bool interrupted = render_within_budget(arguments, session, curve, start);
     if (interrupted && session.last().samples == 0 && !session.last().visible) return true;
     Film film = session.resolve();

@@ -11,13 +11,15 @@ namespace lucarium {
 namespace {
 
 constexpr char kNothingKept[] = "lucarium: error: interrupted before the first iteration was done; nothing was written\n";
+constexpr char kClearLine[] = "\r\x1b[2K";  // a progress bar may stand there
 
-volatile std::sig_atomic_t requested = 0, nothing_to_keep = 0;
+volatile std::sig_atomic_t requested = 0, nothing_to_keep = 0, on_terminal = 0;
 
 void on_signal(int number) {
   requested = 1;
   if (nothing_to_keep) {
-    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kNothingKept, sizeof kNothingKept - 1);
+    [[maybe_unused]] ssize_t written = on_terminal ? ::write(STDERR_FILENO, kClearLine, sizeof kClearLine - 1) : 0;
+    written = ::write(STDERR_FILENO, kNothingKept, sizeof kNothingKept - 1);
     ::_exit(static_cast<int>(ErrorClass::interrupted));
   }
   std::signal(number, SIG_DFL);  // the second one ends the process
@@ -26,6 +28,7 @@ void on_signal(int number) {
 }  // namespace
 
 void install_interrupt_handler() {
+  on_terminal = ::isatty(STDERR_FILENO);
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
 }

@@ -8,7 +8,6 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
-#include "lucarium/base/log.h"
 #include "lucarium/compute/embedded_sources.h"
 #include "point_sampling.h"
 #include "surface_patches.h"
@@ -24,7 +23,6 @@ constexpr uint32_t kQualityLevel = 8;  // whose radii tell when a refitted tree 
 constexpr double kLoosest = 1.5;       // times the sum when built
 constexpr double kMostGrowth = 4;      // of a tree's area, until it gets points anew
 constexpr double kBent = 30;           // degrees that the normals of a pair of leaves are off their mean, for fine details
-constexpr double kMostBent = 0.06;     // share of such pairs up to which the declared bias was seen to hold
 constexpr uint32_t kPlacingSeed = 1;   // every run of a scene has the same points
 constexpr size_t kLocalSize = 64;
 const char* const kRemedy = "lower points_log2";
@@ -107,9 +105,6 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
   derive(all);
   loosened_ = std::any_of(trees_.begin(), trees_.end(), [this](const ForestTree& tree) { return tree.kind == TreeKind::deforming && too_loose(tree); });
   fine_details_ = bent_pairs();
-  if (fine_details_ > kMostBent)
-    log_warning("micro_rendering: {:.0f} % of the points are on details finer than their discs: indirect light may be off by several "
-                "per cent; raise points_log2, or compare with a reference", 100 * fine_details_);
 }
 
 /// Share of the leaves whose sibling, a neighbour on the surface where that is smooth, faces another way.

@@ -35,6 +35,7 @@ std::vector<float> coverage_of_triangles(const ScenePoints& points, int threads)
     throw_if_interrupted("coverage of triangles");
     parallel_for(std::min(kTrianglesAtOnce, triangles - first), threads, [&](uint32_t i) { coverage[first + i] = coverage_of(first + i); });
   }
+  throw_if_interrupted("coverage of triangles");  // the last ones may have been left out
   return coverage;
 }
 
