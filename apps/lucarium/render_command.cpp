@@ -190,10 +190,10 @@ RenderBudget budget_of(const RenderArguments& arguments, RenderSession& session,
 /// Renders within the budget; returns whether it was interrupted.
 bool render_within_budget(const RenderArguments& arguments, RenderSession& session, CurveRecorder* curve,
                           std::chrono::steady_clock::time_point start) {
-  const RenderBudget budget = budget_of(arguments, session, start);
+  RenderBudget budget = budget_of(arguments, session, start);
   Progress progress("rendering", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
   const double before = session.clocks().iterate;
-  return session.run(budget, [&](const IterationResult& now) {
+  const auto on_progress = [&](const IterationResult& now) {
     double fraction = now.progress;
     if (budget.samples > 0) fraction = std::max(fraction, static_cast<double>(now.samples) / static_cast<double>(budget.samples));
     if (budget.iterations > 0) {
@@ -207,7 +207,13 @@ bool render_within_budget(const RenderArguments& arguments, RenderSession& sessi
     progress.update(fraction, fmt::format("{}{} samples per pixel, {:.2f} Msamples/s", phase, now.samples, rate));
     const std::optional<double> error = curve ? curve->sample(session) : std::nullopt;
     return !(error && arguments.until_relmse > 0 && *error <= arguments.until_relmse);
-  });
+  };
+  const bool interrupted = session.run(budget, on_progress);
+  const auto nothing_yet = [&] { return session.last().samples == 0 && !session.last().visible && !session.last().converged; };
+  if (interrupted || !nothing_yet()) return interrupted;
+  log_warning("the budget ended before there was any picture; going on to the first one");
+  budget = {};
+  return session.run(budget, [&](const IterationResult& now) { return on_progress(now) && nothing_yet(); });
 }
 
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
@@ -225,7 +231,9 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session, con
     const bool interrupted = render_within_budget(arguments, session, curve, start);
     if (interrupted && session.last().samples == 0 && !session.last().visible) return true;
     Film film = session.resolve();
-    if (interrupted) film.metadata["partial"] = "yes";
+    const bool first_unfinished = session.last().samples == 0 && session.last().visible;
+    if (first_unfinished && !interrupted) log_warning("the budget ended within the first sample per pixel: a coarse picture");
+    if (interrupted || first_unfinished) film.metadata["partial"] = "yes";
     write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     summaries.push_back(summary_json(session, film, interrupted, i == 0 ? load_seconds : 0, seconds, outputs[i]));
