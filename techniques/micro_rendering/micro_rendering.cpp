@@ -22,18 +22,14 @@
 // Error. Points stand for surfaces: light is smoothed over a leaf's disc, and visibility below a micro-pixel is
 // approximate. Both vanish with more points and smaller cut_kappa; jitter is averaged over frames.
 
-#include <algorithm>
-
+#include "declaration.h"
+#include "eye_light.h"
 #include "gather_pass.h"
 #include "leaf_light.h"
-#include "lucarium/base/log.h"
 #include "lucarium/services/bvh.h"
-#include "lucarium/services/direct_light.h"
-#include "lucarium/services/gbuffer.h"
 #include "lucarium/technique/plugin.h"
 #include "pixel_gather.h"
-
-const lucarium::EmbeddedSources& micro_rendering_kernels();
+#include "scene_forest.h"
 
 namespace lucarium {
 namespace {
@@ -42,88 +38,33 @@ using namespace micro;
 
 const char* const kName = "micro_rendering";
 
-TechniqueInfo micro_rendering_info() {
-  TechniqueInfo info;
-  info.name = kName;
-  info.version = "1.0";
-  info.summary = "final gathering by rendering a hierarchy of discs into BRDF-warped micro-buffers";
-  info.citation =
-      "T. Ritschel, T. Engelhardt, T. Grosch, H.-P. Seidel, J. Kautz and C. Dachsbacher, Micro-Rendering for Scalable, "
-      "Parallel Final Gathering, SIGGRAPH Asia 2009";
-  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
-  info.capabilities.bias = 0.02;
-  info.capabilities.pixel_sampling = {};
-  for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
-  info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits", "upsampling_failed", "micro_buffer"};
-  return info;
-}
-
 class MicroRendering : public Technique {
  public:
   ParameterTable& parameters() override { return table_; }
 
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
-    PathSet set;
-    set.max_bounces = bounces(settings);
-    set.indirect = set.max_bounces > 0;
-    set.light_delta = false;
-    // Of several bounces only the last one before the eye's is glossy: no path set says so.
-    const bool glossy_nodes = parameters_.node_shading == NodeShading::dynamic &&
-                              !(parameters_.multibounce == MultiBounce::photon_map && parameters_.photon_direct);
-    set.secondary_lambert_only = !glossy_nodes || set.max_bounces > 1;
-    return set;
+    return micro::path_set(parameters_, settings);
   }
 
   std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
-    std::vector<std::string> list;
-    if (settings.max_bounces < 0) list.push_back(fmt::format("computes {} bounces (unlimited_bounces), not all", bounces(settings)));
-    const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-      return m.transmission > 0 || m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
-    });
-    if (parameters_.node_shading == NodeShading::dynamic && bounces(settings) > 1)
-      list.push_back("node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples and virtual lights");
-    if (parameters_.multibounce == MultiBounce::instant_radiosity && (bounces(settings) > 1 || parameters_.shows_virtual_lights()))
-      list.push_back("virtual lights' geometry term is bounded by vpl_clamp: corners are too dark");
-    if (parameters_.multibounce == MultiBounce::photon_map && (bounces(settings) > 1 || parameters_.photon_direct))
-      list.push_back("the photon map blurs light over photon_k photons");
-    if (parameters_.node_shading == NodeShading::dynamic && parameters_.multibounce == MultiBounce::photon_map && parameters_.photon_direct)
-      list.push_back("node_shading=dynamic has no effect: photons stand for light samples (photon_direct=on)");
-    if (parameters_.shows_virtual_lights()) list.push_back("final_gather=off: visible surfaces reflect indirect light by their diffuse lobes alone, and nothing is gathered");
-    if (!parameters_.final_gather && !parameters_.shows_virtual_lights())
-      list.push_back("final_gather=off has no effect without multibounce=instant_radiosity");
-    if (parameters_.adaptive > 0 && parameters_.largest_edge() < parameters_.micro_size * 3 / 2)
-      list.push_back(fmt::format("adaptive: larger micro-buffers have edges of {} micro-pixels, not {}", parameters_.largest_edge(), parameters_.micro_size * 3 / 2));
-    if (parameters_.backface == Backface::cull)
-      list.push_back("backs of single-sided surfaces let light through, which the reference's block (backface=cull)");
-    if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
-    return list;
+    return micro::limitations(parameters_, scene, settings);
   }
 
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
-    const size_t pixels = size_t{settings.width} * settings.height;
-    size_t bytes = GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) + 3 * pixels * sizeof(float4);
-    if (bounces(settings) == 0) return bytes;
-    const PointForest::Size forest = PointForest::estimate(scene, forest_options());
-    if (parameters_.shows_virtual_lights()) bytes += LightPaths::estimate_bytes(parameters_, pixels, bounces(settings) + 1);
-    return bytes + forest.bytes + LeafLight::estimate_bytes(parameters_, forest.leaves, bounces(settings)) +
-           PixelGather::estimate_bytes(settings.width, settings.height, parameters_, transmits(scene));
+    return micro::estimate_bytes(parameters_, scene, settings);
   }
 
   void prepare(const TechniqueContext& context) override {
     context_ = std::make_unique<TechniqueContext>(context);
     seed_ = context.settings.seed;
-    SourceLibrary library;
-    library.add(micro_rendering_kernels());
-    program_ = Program(*context.device, library, {"micro_rendering/pixels", {"micro_rendering/micro_pixels.cl"}, {}});
-    if (bounces(context.settings) > 0) {
+    if (bounces() > 0) {
       gather_ = GatherPass(*context.device, parameters_, GatherAt::pixels);
-      if (bounces(context.settings) > 1 && parameters_.multibounce == MultiBounce::jacobi)
+      if (bounces() > 1 && parameters_.multibounce == MultiBounce::jacobi)
         node_gather_ = GatherPass(*context.device, parameters_, GatherAt::nodes);
+      forest_ = std::make_unique<SceneForest>(*context_, parameters_, kName);
     }
     make_anew();
-    warn_of_details();
+    if (forest_) forest_->warn_of_details();
   }
 
   /// Interrupted while points are placed anew it leaves that to the next iterate(): there is nothing to show.
@@ -152,23 +93,20 @@ class MicroRendering : public Technique {
   void resolve(Film& film) override {
     if (!made_) throw Error(ErrorClass::input, "micro_rendering: the scene's last change could not be followed; nothing to show");
     context_->scheduler.finish();
-    resolve_sum(film, "emission", emission_);
-    resolve_sum(film, "direct", direct_);
+    eye_light_->resolve(film);
     if (pixels_) pixels_->resolve(film);
   }
 
   void reset(uint64_t seed) override {
     seed_ = seed;
     if (!made_) return make_anew();
-    gbuffer_->set_frame(frame());
+    eye_light_->set_frame(frame());
     restart();
   }
 
   void warm_up() override {
     if (!made_) make_anew();
-    gbuffer_->warm_up();
-    direct_light_->warm_up(gbuffer_->points(), frame_direct_);
-    context_->scheduler.warm_up(direct_schedule_);
+    eye_light_->warm_up();
     if (leaf_light_) leaf_light_->warm_up();
     if (pixels_) pixels_->warm_up();
     if (virtual_lights_) virtual_lights_->warm_up();
@@ -176,81 +114,43 @@ class MicroRendering : public Technique {
 
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> all = counted();
-    if (!forest_) return all;
-    all["points"] = forest_->leaf_count();
-    all["share of points on fine details"] = forest_->fine_details();
-    all["trees"] = static_cast<double>(forest_->trees().size());
-    all["sampling seconds"] = forest_->sampling_seconds();
-    all["tree seconds"] = forest_->ordering_seconds();
-    all["tree update seconds"] = forest_->updating_seconds();
+    if (!forest_ || !forest_->get()) return all;
+    const PointForest& forest = *forest_->get();
+    all["points"] = forest.leaf_count();
+    all["share of points on fine details"] = forest.fine_details();
+    all["trees"] = static_cast<double>(forest.trees().size());
+    all["sampling seconds"] = forest.sampling_seconds();
+    all["tree seconds"] = forest.ordering_seconds();
+    all["tree update seconds"] = forest.updating_seconds();
     return all;
   }
 
  private:
-  /// Whether some surface is rough and lets light through.
-  static bool transmits(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) { return m.transmission > 0 && m.roughness >= LUCARIUM_MIRROR_ROUGHNESS; });
-  }
-
   void follow(const SceneChange& change) {
     if (!change.any()) return;
     if (!made_) return make_anew();
     if (change.only_camera()) {
-      gbuffer_->set_frame(frame());
+      eye_light_->set_frame(frame());
       restart();
       return;
     }
-    const bool rebuilt = forest_ && !forest_->update(change);
-    if (change.topology) moved_.clear(), moving_.clear();  // instances may have other numbers
-    if (rebuilt) {
-      posed_ = !change.topology && (posed_ || forest_->loosened());
-      // What a program moves once gives the picture of a fresh start. What it moves again gets a tree of its own, so that
-      // the next move is one of its matrix.
-      for (const int instance : change.moved_instances) {
-        std::vector<int>& list = holds(moved_, instance) ? moving_ : moved_;
-        if (!holds(list, instance)) list.push_back(instance);
-      }
-      make_forest();
-    }
+    const bool rebuilt = forest_ && !forest_->follow(change);
+    if (rebuilt) make_forest();
     if (rebuilt || transmits(context_->scene) != transmits_ || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
       make_passes();
       return;
     }
-    if (change.camera) gbuffer_->set_frame(frame());
+    if (change.camera) eye_light_->set_frame(frame());
     if (leaf_light_) leaf_light_->changed(change.geometry() || !change.materials.empty());
     restart();
   }
 
-  static bool holds(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
-
-  int bounces(const RenderSettings& settings) const {
-    return settings.max_bounces < 0 ? parameters_.unlimited_bounces : settings.max_bounces;
-  }
-
-  ForestOptions forest_options() const {
-    ForestOptions options;
-    options.points_log2 = parameters_.points_log2;
-    options.disc_scale = parameters_.disc_scale;
-    options.all_cullable = parameters_.backface == Backface::cull;
-    options.moving = moving_;
-    options.posed = posed_;
-    if (context_) options.progress = context_->progress;
-    return options;
-  }
+  int bounces() const { return micro::bounces(parameters_, context_->settings); }
 
   Frame frame() const {
     Frame frame = make_frame(context_->settings);
     frame.seed = kernel_seed(seed_);
     return frame;
-  }
-
-  /// Above this share of points on fine details indirect light was seen to err by more than the declared bias.
-  static constexpr double kMostFineDetails = 0.06;
-
-  void warn_of_details() const {
-    if (!forest_ || forest_->fine_details() <= kMostFineDetails) return;
-    log_warning("micro_rendering: {:.0f} % of the points are on details finer than their discs: indirect light may be off by several "
-                "per cent; raise points_log2, or compare with a reference", 100 * forest_->fine_details());
   }
 
   void make_anew() {
@@ -276,15 +176,9 @@ class MicroRendering : public Technique {
 
   void make_forest() {
     made_ = false;
-    if (bounces(context_->settings) == 0) return;
+    if (!forest_) return;
     drop_gathers();  // what refers to memory goes before the memory
-    for (bool again = true; again;) {
-      forest_.reset();
-      forest_ = std::make_unique<PointForest>(*context_->device, context_->scheduler, context_->scene, context_->scene_buffers,
-                                              forest_options(), kName);
-      again = !posed_ && forest_->loosened();
-      posed_ = posed_ || again;
-    }
+    forest_->make();
   }
 
   /// Everything that is recorded over the buffers of scene and hierarchy.
@@ -295,33 +189,21 @@ class MicroRendering : public Technique {
     const RenderSettings& settings = context_->settings;
     made_ = false;
     transmits_ = transmits(context_->scene);
-    direct_schedule_ = {};
     drop_gathers();
-    direct_light_.reset();
-    gbuffer_.reset();
-    gbuffer_ = std::make_unique<GBuffer>(device, scheduler, scene, context_->bvh(), frame(), kName);
+    eye_light_.reset();
     const bool gathers_sky = forest_ && parameters_.gather_env;
     const uint32_t kinds = gathers_sky ? DirectLight::kAllLights & ~(1u << LUCARIUM_LIGHT_ENVIRONMENT) : DirectLight::kAllLights;
-    direct_light_ = std::make_unique<DirectLight>(device, scheduler, scene, context_->bvh(), kName, kinds);
-    const uint32_t pixels = settings.width * settings.height;
-    if (!emission_) {  // the size of an image never changes
-      emission_ = TypedBuffer<float4>(device, kName, "emission", pixels, "lower --size");
-      direct_ = TypedBuffer<float4>(device, kName, "direct light", pixels, "lower --size");
-      frame_direct_ = TypedBuffer<float4>(device, kName, "direct light of a frame", pixels, "lower --size");
-    }
-    ScheduleRecorder recorder = scheduler.record("add emission and direct light", kName);
-    recorder.pass("add emission and direct light", program_, "mr_add_direct").global(pixels).local(64)
-        .arg("points", gbuffer_->points()).arg("count", pixels).arg("frame_direct", frame_direct_).arg("emission", emission_)
-        .arg("direct", direct_);
-    direct_schedule_ = recorder.compile();
+    eye_light_ = std::make_unique<EyeLight>(device, scheduler, scene, context_->bvh(), frame(), kinds,
+                                            static_cast<uint32_t>(parameters_.direct_samples), kName);
     if (forest_) {
-      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, node_gather_, parameters_,
-                                                bounces(settings), kName);
-      pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, gbuffer_->points(), settings.width, settings.height,
-                                              *forest_, gather_, leaf_light_->shading(), parameters_, transmits_, kName);
+      const PointForest& forest = *forest_->get();
+      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), forest, node_gather_, parameters_,
+                                                bounces(), kName);
+      pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, eye_light_->points(), settings.width, settings.height,
+                                              forest, gather_, leaf_light_->shading(), parameters_, transmits_, kName);
       if (parameters_.shows_virtual_lights()) {
-        virtual_lights_ = std::make_unique<LightPaths>(device, scheduler, context_->scene, scene, context_->bvh(), *forest_, parameters_, bounces(settings) + 1,
-                                                       pixels_->irradiance(), leaf_light_->shading(), kName, &gbuffer_->points());
+        virtual_lights_ = std::make_unique<LightPaths>(device, scheduler, context_->scene, scene, context_->bvh(), forest, parameters_, bounces() + 1,
+                                                       pixels_->irradiance(), leaf_light_->shading(), kName, &eye_light_->points());
       }
     }
     scene_generation_ = scene.generation();
@@ -334,8 +216,7 @@ class MicroRendering : public Technique {
     context_->scheduler.finish();
     frame_ = batch_ = 0;
     if (pixels_) pixels_->set_camera(frame().camera);
-    emission_.fill_zero();
-    direct_.fill_zero();
+    eye_light_->restart();
     if (pixels_) pixels_->restart();
   }
 
@@ -354,16 +235,9 @@ class MicroRendering : public Technique {
   /// One batch of a frame, before its first one G-buffer. False when cancelled: the sums are as before.
   bool step() {
     const uint32_t seed = kernel_seed(seed_);
-    if (batch_ == 0 && !gbuffer_->render(frame_)) return false;
+    if (batch_ == 0 && !eye_light_->see(frame_)) return false;
     if (virtual_lights_ ? batch_ == 0 && !show_virtual_lights(seed) : pixels_ && !pixels_->gather(batch_, frame_, seed)) return false;
-    if (batch_ == 0) {
-      context_->scheduler.finish();
-      frame_direct_.fill_zero();
-      const auto samples = static_cast<uint32_t>(parameters_.direct_samples);
-      for (uint32_t s = 0; s < samples; ++s)
-        if (!direct_light_->accumulate_radiance(gbuffer_->points(), frame_direct_, frame_ * samples + s, seed)) return false;
-      context_->scheduler.run_to_end(direct_schedule_);
-    }
+    if (batch_ == 0 && !eye_light_->add(frame_)) return false;
     if (pixels_) pixels_->add(batch_, frame_);
     return true;
   }
@@ -378,37 +252,21 @@ class MicroRendering : public Technique {
     return true;
   }
 
-  static void resolve_sum(Film& film, const char* name, const TypedBuffer<float4>& sums) {
-    FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);
-    const std::vector<float4> values = sums.download();
-    for (size_t i = 0; i < values.size(); ++i) {
-      const float scale = values[i].w > 0 ? 1 / values[i].w : 0;
-      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * i + c] = scale * (&values[i].x)[c];
-    }
-  }
-
   MicroParameters parameters_;
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1;
   bool made_ = false;        ///< forest and passes are whole and those of the present scene
-  bool posed_ = false;       ///< a deformation has loosened a tree
-  std::vector<int> moved_;   ///< instances that have been moved though no animation does it
-  std::vector<int> moving_;  ///< those that were moved again, and have trees of their own
   uint32_t frame_ = 0, batch_ = 0;
   bool transmits_ = false;
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;
   std::map<std::string, double> counted_before_;
-  Program program_;
   GatherPass gather_, node_gather_;
-  std::unique_ptr<PointForest> forest_;
-  std::unique_ptr<GBuffer> gbuffer_;
-  std::unique_ptr<DirectLight> direct_light_;
+  std::unique_ptr<SceneForest> forest_;  ///< null without indirect light
+  std::unique_ptr<EyeLight> eye_light_;
   std::unique_ptr<LeafLight> leaf_light_;
   std::unique_ptr<PixelGather> pixels_;
   std::unique_ptr<LightPaths> virtual_lights_;  ///< with final_gather=off
-  TypedBuffer<float4> emission_, direct_, frame_direct_;  ///< xyz sum, w samples
-  Schedule direct_schedule_;
 };
 
 std::unique_ptr<Technique> create_micro_rendering() { return std::make_unique<MicroRendering>(); }
@@ -416,4 +274,4 @@ std::unique_ptr<Technique> create_micro_rendering() { return std::make_unique<Mi
 }  // namespace
 }  // namespace lucarium
 
-LUCARIUM_EXPORT_TECHNIQUE(lucarium::micro_rendering_info, lucarium::create_micro_rendering)
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::micro::technique_info, lucarium::create_micro_rendering)

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "declaration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "eye_light.h"
+#include "leaf_light.h"
+#include "pixel_gather.h"
+#include "scene_forest.h"
+
+namespace lucarium::micro {
+
+TechniqueInfo technique_info() {
+  TechniqueInfo info;
+  info.name = "micro_rendering";
+  info.version = "1.0";
+  info.summary = "final gathering by rendering a hierarchy of discs into BRDF-warped micro-buffers";
+  info.citation =
+      "T. Ritschel, T. Engelhardt, T. Grosch, H.-P. Seidel, J. Kautz and C. Dachsbacher, Micro-Rendering for Scalable, "
+      "Parallel Final Gathering, SIGGRAPH Asia 2009";
+  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
+  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
+  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.bias = 0.02;
+  info.capabilities.pixel_sampling = {};
+  for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
+  info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits", "upsampling_failed", "micro_buffer"};
+  return info;
+}
+
+int bounces(const MicroParameters& parameters, const RenderSettings& settings) {
+  return settings.max_bounces < 0 ? parameters.unlimited_bounces : settings.max_bounces;
+}
+
+bool transmits(const Scene& scene) {
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const SceneMaterial& m) { return m.transmission > 0 && m.roughness >= LUCARIUM_MIRROR_ROUGHNESS; });
+}
+
+PathSet path_set(const MicroParameters& parameters, const RenderSettings& settings) {
+  PathSet set;
+  set.max_bounces = bounces(parameters, settings);
+  set.indirect = set.max_bounces > 0;
+  set.light_delta = false;
+  // Of several bounces only the last one before the eye's is glossy: no path set says so.
+  const bool glossy_nodes = parameters.node_shading == NodeShading::dynamic &&
+                            !(parameters.multibounce == MultiBounce::photon_map && parameters.photon_direct);
+  set.secondary_lambert_only = !glossy_nodes || set.max_bounces > 1;
+  return set;
+}
+
+std::vector<std::string> limitations(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  std::vector<std::string> list;
+  if (settings.max_bounces < 0) list.push_back(fmt::format("computes {} bounces (unlimited_bounces), not all", bounces(parameters, settings)));
+  const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return m.transmission > 0 || m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
+  });
+  if (parameters.node_shading == NodeShading::dynamic && bounces(parameters, settings) > 1)
+    list.push_back("node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples and virtual lights");
+  if (parameters.multibounce == MultiBounce::instant_radiosity && (bounces(parameters, settings) > 1 || parameters.shows_virtual_lights()))
+    list.push_back("virtual lights' geometry term is bounded by vpl_clamp: corners are too dark");
+  if (parameters.multibounce == MultiBounce::photon_map && (bounces(parameters, settings) > 1 || parameters.photon_direct))
+    list.push_back("the photon map blurs light over photon_k photons");
+  if (parameters.node_shading == NodeShading::dynamic && parameters.multibounce == MultiBounce::photon_map && parameters.photon_direct)
+    list.push_back("node_shading=dynamic has no effect: photons stand for light samples (photon_direct=on)");
+  if (parameters.shows_virtual_lights()) list.push_back("final_gather=off: visible surfaces reflect indirect light by their diffuse lobes alone, and nothing is gathered");
+  if (!parameters.final_gather && !parameters.shows_virtual_lights())
+    list.push_back("final_gather=off has no effect without multibounce=instant_radiosity");
+  if (parameters.adaptive > 0 && parameters.largest_edge() < parameters.micro_size * 3 / 2)
+    list.push_back(fmt::format("adaptive: larger micro-buffers have edges of {} micro-pixels, not {}", parameters.largest_edge(), parameters.micro_size * 3 / 2));
+  if (parameters.backface == Backface::cull)
+    list.push_back("backs of single-sided surfaces let light through, which the reference's block (backface=cull)");
+  if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
+  return list;
+}
+
+size_t estimate_bytes(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  const size_t pixels = size_t{settings.width} * settings.height;
+  size_t bytes = EyeLight::estimate_bytes(settings.width, settings.height);
+  if (bounces(parameters, settings) == 0) return bytes;
+  const PointForest::Size forest = PointForest::estimate(scene, forest_options(parameters));
+  if (parameters.shows_virtual_lights()) bytes += LightPaths::estimate_bytes(parameters, pixels, bounces(parameters, settings) + 1);
+  return bytes + forest.bytes + LeafLight::estimate_bytes(parameters, forest.leaves, bounces(parameters, settings)) +
+         PixelGather::estimate_bytes(settings.width, settings.height, parameters, transmits(scene));
+}
+
+}  // namespace lucarium::micro
