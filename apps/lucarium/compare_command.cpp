@@ -155,7 +155,7 @@ void add_compare_command(CLI::App& program, Action& action) {
   command.add_option("--gate", arguments->gates, "METRIC<VALUE, METRIC>VALUE or LABEL:METRIC<VALUE: exit code 1 when it is missed")
       ->take_all()->expected(1)->allow_extra_args(false);
   command.add_option("--baseline", arguments->options.baseline, "folder of an earlier comparison: say what changed");
-  command.add_flag("--dry-run", arguments->dry_run, "print the plan, with light paths, memory and time, and render nothing but one iteration each");
+  command.add_flag("--dry-run", arguments->dry_run, "print the plan, with light paths, memory and time, and render nothing but first iterations");
   command.add_flag("--link-images", arguments->options.report.link_images, "report with images beside it, in full precision");
   arguments->image.add_to(command, false);
   arguments->overrides.add_to(command);

@@ -20,6 +20,7 @@
 #include "lucarium/version.h"
 #include "options.h"
 #include "output_files.h"
+#include "render_budget.h"
 #include "watch.h"
 
 namespace lucarium::app {
@@ -28,7 +29,6 @@ using nlohmann::ordered_json;
 
 namespace {
 
-constexpr uint64_t default_samples = 64;
 constexpr int most_frames = 100000;
 
 struct RenderArguments {
@@ -39,11 +39,9 @@ struct RenderArguments {
   TechniqueArguments technique;
   OutputArguments output;
   std::vector<fs::path> files;
-  uint64_t samples = 0, iterations = 0;
-  double seconds = 0, compute_seconds = 0;
+  BudgetArguments budget;
   fs::path reference;
   bool curve = false;
-  double until_relmse = 0;
   std::string frames;
   double frames_per_second = 24;
   bool overwrite = false, half = false, watch = false;
@@ -139,7 +137,7 @@ ordered_json passes_json(RenderSession& session) {
   return json;
 }
 
-ordered_json summary_json(RenderSession& session, const Film& film, bool partial, double load_seconds, double total_seconds,
+ordered_json summary_json(RenderSession& session, const Film& film, const RenderEnd& end, double load_seconds, double total_seconds,
                           const std::vector<fs::path>& files) {
   const MemoryAccount& memory = session.scheduler().device().memory();
   const RenderSession::Clocks& clocks = session.clocks();
@@ -154,8 +152,11 @@ ordered_json summary_json(RenderSession& session, const Film& film, bool partial
   json["max_bounces"] = session.settings().max_bounces;
   json["pixel_sampling"] = session.settings().pixel_sampling;
   json["scene_time_seconds"] = session.scene().time;
-  json["partial"] = partial;
+  json["partial"] = end.interrupted;
   json["converged"] = session.last().converged;
+  json["progress"] = session.last().progress < 0 ? ordered_json(nullptr) : ordered_json(session.last().progress);
+  json["ended_by"] = end.by;
+  json["seconds_left"] = end.seconds_left ? ordered_json(*end.seconds_left) : ordered_json(nullptr);
   json["seconds"] = total_seconds;
   json["clocks"] = {{"load_seconds", load_seconds},        {"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
                     {"compile_seconds", clocks.compile}, {"prepare_seconds", clocks.prepare},
@@ -171,55 +172,11 @@ ordered_json summary_json(RenderSession& session, const Film& film, bool partial
   return json;
 }
 
-/// The budget of the arguments, at `start` of the program for --time.
-RenderBudget budget_of(const RenderArguments& arguments, RenderSession& session, std::chrono::steady_clock::time_point start) {
-  constexpr double no_time = 1e-9;  // 0 would be no limit
-  RenderBudget budget{0, arguments.iterations, arguments.samples};
-  if (arguments.compute_seconds > 0) {
-    budget.seconds = std::max(no_time, arguments.compute_seconds - counted_seconds(session.clocks()));
-  }
-  if (arguments.seconds > 0) {
-    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left = std::max(no_time, arguments.seconds - spent);
-    budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
-  }
-  if (budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0) budget.samples = default_samples;
-  return budget;
-}
-
-/// Renders within the budget; returns whether it was interrupted.
-bool render_within_budget(const RenderArguments& arguments, RenderSession& session, CurveRecorder* curve,
-                          std::chrono::steady_clock::time_point start) {
-  RenderBudget budget = budget_of(arguments, session, start);
-  Progress progress("rendering", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
-  const double before = session.clocks().iterate;
-  const auto on_progress = [&](const IterationResult& now) {
-    double fraction = now.progress;
-    if (budget.samples > 0) fraction = std::max(fraction, static_cast<double>(now.samples) / static_cast<double>(budget.samples));
-    if (budget.iterations > 0) {
-      fraction = std::max(fraction, static_cast<double>(session.iterations()) / static_cast<double>(budget.iterations));
-    }
-    const double seconds = session.clocks().iterate - before;
-    if (budget.seconds > 0) fraction = std::max(fraction, seconds / budget.seconds);
-    const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
-                        std::max(1e-9, seconds);
-    const std::string phase = now.phase.empty() ? "" : now.phase + ", ";
-    progress.update(fraction, fmt::format("{}{} samples per pixel, {:.2f} Msamples/s", phase, now.samples, rate));
-    const std::optional<double> error = curve ? curve->sample(session) : std::nullopt;
-    return !(error && arguments.until_relmse > 0 && *error <= arguments.until_relmse);
-  };
-  const bool interrupted = session.run(budget, on_progress);
-  const auto nothing_yet = [&] { return session.last().samples == 0 && !session.last().visible && !session.last().converged; };
-  if (interrupted || !nothing_yet()) return interrupted;
-  log_warning("the budget ended before there was any picture; going on to the first one");
-  budget = {};
-  return session.run(budget, [&](const IterationResult& now) { return on_progress(now) && nothing_yet(); });
-}
-
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
 bool render_frames(const RenderArguments& arguments, RenderSession& session, const std::vector<std::vector<fs::path>>& outputs,
                    const std::optional<FrameRange>& frames, CurveRecorder* curve, double load_seconds,
                    std::chrono::steady_clock::time_point start, ordered_json& summaries) {
+  const auto relmse = [curve](RenderSession& now) { return curve ? curve->sample(now) : std::nullopt; };
   for (size_t i = 0; i < outputs.size(); ++i) {
     if (i > 0) start = std::chrono::steady_clock::now();
     try {
@@ -228,23 +185,28 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session, con
       if (i == 0 || error.error_class() != ErrorClass::interrupted) throw;
       return true;  // frames that are done are told of
     }
-    const bool interrupted = render_within_budget(arguments, session, curve, start);
-    if (interrupted && session.last().samples == 0 && !session.last().visible) return true;
+    const RenderEnd end = render_within_budget(arguments.budget, session, arguments.output.quiet, relmse, start);
+    if (end.interrupted && session.last().samples == 0 && !session.last().visible) return true;
     Film film = session.resolve();
     const bool first_unfinished = session.last().samples == 0 && session.last().visible;
-    if (first_unfinished && !interrupted) log_warning("the budget ended within the first sample per pixel: a coarse picture");
-    if (interrupted || first_unfinished) film.metadata["partial"] = "yes";
+    if (first_unfinished && !end.interrupted) log_warning("the budget ended within the first sample per pixel: a coarse picture");
+    const bool not_begun = session.last().progress == 0 && !session.last().phase.empty() && !session.last().converged;
+    if (not_begun && !end.interrupted && !first_unfinished)
+      log_warning("the budget ended in the stage '{}', before {} had begun its work proper: light is missing", session.last().phase,
+                  arguments.technique.specs.front().name);
+    if (end.interrupted || first_unfinished || not_begun) film.metadata["partial"] = "yes";
     write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    summaries.push_back(summary_json(session, film, interrupted, i == 0 ? load_seconds : 0, seconds, outputs[i]));
+    summaries.push_back(summary_json(session, film, end, i == 0 ? load_seconds : 0, seconds, outputs[i]));
     if (!arguments.output.quiet && !arguments.output.json) {
-      fmt::print("{}: {} samples per pixel, {:.1f} s\n", outputs[i].front().string(), session.last().samples, seconds);
+      fmt::print("{}: {} samples per pixel, {:.1f} s{}\n", outputs[i].front().string(), session.last().samples, seconds,
+                 session.last().converged ? fmt::format("; ended by {}: {}", arguments.technique.specs.front().name, end.by) : "");
     }
     if (curve) {
       curve->finish(session, film.image());
       summaries.back().update(curve->to_json());
     }
-    if (interrupted) return true;
+    if (end.interrupted) return true;
   }
   return false;
 }
@@ -260,19 +222,19 @@ Scene load(const RenderArguments& arguments) {
 /// The curve that --reference asks for, or none.
 std::unique_ptr<CurveRecorder> make_curve(const RenderArguments& arguments, const RenderSettings& settings, float exposure) {
   if (arguments.reference.empty()) {
-    if (arguments.curve || arguments.until_relmse > 0) {
+    if (arguments.curve || arguments.budget.relmse > 0) {
       throw_error(ErrorClass::usage, "{} needs --reference FILE", arguments.curve ? "--curve" : "--until-relmse");
     }
     return nullptr;
   }
   if (!arguments.frames.empty()) throw_error(ErrorClass::usage, "give --frames or --reference, not both");
   CurveSchedule schedule{false, INFINITY, INFINITY};  // the end alone
-  if (arguments.until_relmse > 0) {
+  if (arguments.budget.relmse > 0) {
     schedule = CurveSchedule::open_ended();
-  } else if (arguments.curve && arguments.compute_seconds > 0) {
-    schedule = CurveSchedule::up_to_seconds(arguments.compute_seconds);
-  } else if (arguments.curve && arguments.iterations > 0) {
-    schedule = CurveSchedule::up_to_iterations(arguments.iterations);
+  } else if (arguments.curve && arguments.budget.compute_seconds > 0) {
+    schedule = CurveSchedule::up_to_seconds(arguments.budget.compute_seconds);
+  } else if (arguments.curve && arguments.budget.iterations > 0) {
+    schedule = CurveSchedule::up_to_iterations(arguments.budget.iterations);
   } else if (arguments.curve) {
     schedule = CurveSchedule::open_ended();
   }
@@ -339,16 +301,16 @@ void add_render_command(CLI::App& program, Action& action) {
   arguments->technique.add_to(command);
   command.add_option("-o,--output", arguments->files, ".exr (layers, metadata) or .png (picture); may be given twice")
       ->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--spp", arguments->samples, "samples per pixel (default 64 when no other budget is given)")->check(positive_number());
-  command.add_option("--iterations", arguments->iterations, "iterations of the technique")->check(positive_number());
-  command.add_option("--time", arguments->seconds, "seconds, preparation included")->check(positive_number());
-  command.add_option("--compute-time", arguments->compute_seconds, "seconds of preparing and iterating, without loading and compiling")->check(positive_number());
+  command.add_option("--spp", arguments->budget.samples, "samples per pixel (default 64 when no other budget is given)")->check(positive_number());
+  command.add_option("--iterations", arguments->budget.iterations, "iterations of the technique")->check(positive_number());
+  command.add_option("--time", arguments->budget.seconds, "seconds from the start of the program: loading, kernels and preparing count; of a later frame, from the one before")->check(positive_number());
+  command.add_option("--compute-time", arguments->budget.compute_seconds, "seconds of preparing and iterating, without loading and compiling")->check(positive_number());
   command.add_option("--reference", arguments->reference, "image to measure the error against; for --json");
   command.add_flag("--curve", arguments->curve, "with --reference: the error also at times t*2^(i/2)");
-  command.add_option("--until-relmse", arguments->until_relmse, "with --reference: stop when the error is at most this")->check(positive_number());
+  command.add_option("--until-relmse", arguments->budget.relmse, "with --reference: stop when the error is at most this")->check(positive_number());
   arguments->image.add_to(command, true);
   arguments->overrides.add_to(command);
-  command.add_option("--frames", arguments->frames, "FIRST:LAST of the animation; files are numbered");
+  command.add_option("--frames", arguments->frames, "FIRST:LAST of the animation; out.exr becomes out.0000.exr and so on, by the frame's number");
   command.add_option("--fps", arguments->frames_per_second, "frames per second of --frames")->check(positive_number())->capture_default_str();
   command.add_flag("--half", arguments->half, "16-bit floats in EXR");
   command.add_flag("--overwrite", arguments->overwrite, "replace existing files");

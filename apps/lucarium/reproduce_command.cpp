@@ -123,7 +123,7 @@ void add_reproduce_command(CLI::App& program, Action& action) {
   command.add_flag("--list", arguments->list, "print the papers and experiments that there are");
   command.add_flag("--full", arguments->full, "the full setting, not the quick one that ends within minutes");
   command.add_option("-o,--output", arguments->options.folder, "folder of the results, with a folder for each experiment");
-  command.add_flag("--dry-run", arguments->dry_run, "print the plan and render nothing but one iteration each");
+  command.add_flag("--dry-run", arguments->dry_run, "print the plan and render nothing but first iterations");
   command.add_flag("--resume", arguments->options.resume, "continue what was interrupted in the same folder");
   command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder");
   command.add_option("--technique-path", arguments->folders, "further folder with plug-ins")->take_all()->expected(1)->allow_extra_args(false);

@@ -36,24 +36,26 @@ Progress::~Progress() {
 void Progress::update(double fraction, const std::string& text) {
   if (quiet_) return;
   const auto now = std::chrono::steady_clock::now();
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  left_.update(fraction, elapsed);
   const double since_last = std::chrono::duration<double>(now - last_).count();
   const double interval = terminal_ ? redraw_seconds : line_interval_;
   if (since_last < interval && !(fraction >= 1 && terminal_)) return;
   last_ = now;
   if (!terminal_) line_interval_ = std::min(2 * line_interval_, longest_line_interval);
-  draw(fraction, text, std::chrono::duration<double>(now - start_).count());
+  draw(fraction, text, elapsed);
 }
 
 void Progress::draw(double fraction, const std::string& text, double elapsed) {
-  std::string left = format_duration(elapsed);
-  if (fraction > 0) left += fmt::format(", {} left", format_duration(elapsed * (1 - std::min(1.0, fraction)) / fraction));
+  std::string time = format_duration(elapsed);
+  if (const std::optional<double> left = left_.settled_estimate()) time += fmt::format(", {} left", format_duration(*left));
   const std::string percent = fraction >= 0 ? fmt::format("{:3.0f} % ", 100 * std::min(1.0, fraction)) : "";
   if (!terminal_) {
-    fmt::print(stderr, "{}: {}{}, {}\n", label_, percent, text, left);
+    fmt::print(stderr, "{}: {}{}, {}\n", label_, percent, text, time);
     return;
   }
   const int filled = static_cast<int>(std::clamp(fraction, 0.0, 1.0) * bar_width);
-  fmt::print(stderr, "\r\x1b[2K{} [{:#<{}}{:.<{}}] {}{}  {}", label_, "", filled, "", bar_width - filled, percent, text, left);
+  fmt::print(stderr, "\r\x1b[2K{} [{:#<{}}{:.<{}}] {}{}  {}", label_, "", filled, "", bar_width - filled, percent, text, time);
   std::fflush(stderr);
   drawn_ = true;
 }

@@ -3,10 +3,12 @@
 #include <chrono>
 #include <string>
 
+#include "lucarium/base/time_left.h"
+
 namespace lucarium {
 
-/// Progress of long work on standard error: a bar with rate and time left on a terminal, a plain line now and then
-/// otherwise, nothing when quiet.
+/// Progress of long work on standard error: a bar with rate and, as soon as it can be told, time left on a terminal, a plain
+/// line now and then otherwise, nothing when quiet.
 class Progress {
  public:
   enum class Style { quiet, automatic };
@@ -23,6 +25,7 @@ class Progress {
   std::string label_;
   bool quiet_, terminal_, drawn_ = false;
   std::chrono::steady_clock::time_point start_, last_;
+  TimeLeft left_;
   double line_interval_ = 2;  // [s]; grows, so that a long run does not fill a log
 };
 

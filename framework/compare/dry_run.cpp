@@ -3,6 +3,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "lucarium/base/child_process.h"
@@ -20,36 +22,53 @@ using nlohmann::json;
 
 namespace {
 
-/// Measured on one iteration.
+/// Measured on the first iterations.
 struct Rate {
   std::string failure;
   double start_seconds = 0;      ///< of everything but iterating
+  double counted_seconds = 0;    ///< of them, those that a budget of seconds counts
   double iteration_seconds = 0;
+  double own_seconds = INFINITY; ///< of iterating until the technique ends by itself, by its own account
+  bool leads = false;            ///< its work proper, of which it knows the amount, has not begun
 };
 
-Rate measure_rate(std::vector<std::string> command, const std::string& technique, int max_bounces) {
-  command.insert(command.end(), {"--iterations", "1", "--max-bounces", std::to_string(max_bounces), "-t", technique, "--quiet"});
+Rate measure_rate(std::vector<std::string> command, const std::string& technique, int max_bounces, int iterations) {
+  command.insert(command.end(), {"--iterations", std::to_string(iterations), "--max-bounces", std::to_string(max_bounces), "-t", technique, "--quiet"});
   const ChildResult child = run_child(command);
   Rate rate;
   if (child.exit_code != 0) {
     rate.failure = child.last_words.empty() ? describe_end(child) : child.last_words.back();
     return rate;
   }
-  rate.iteration_seconds = json::parse(child.out).at("clocks").at("iterate_seconds");
-  rate.start_seconds = child.seconds - rate.iteration_seconds;
+  const json summary = json::parse(child.out), clocks = summary.at("clocks");
+  const double iterate_seconds = clocks.at("iterate_seconds");
+  rate.iteration_seconds = iterate_seconds / summary.at("iterations").get<double>();
+  rate.start_seconds = child.seconds - iterate_seconds;
+  for (const char* clock : {"upload_seconds", "bvh_seconds", "prepare_seconds"}) rate.counted_seconds += clocks.at(clock).get<double>();
+  const json& left = summary.at("seconds_left");
+  if (summary.at("converged")) rate.own_seconds = iterate_seconds;
+  if (left.is_number()) rate.own_seconds = iterate_seconds + left.get<double>();
+  rate.leads = summary.at("progress") == 0 && !summary.at("converged");
   return rate;
 }
 
-/// Seconds of all runs of a variant on one scene.
-double seconds_of_runs(const ComparisonSpec& spec, const Rate& rate) {
-  double seconds = 0;
-  for (const ComparisonBudget& budget : spec.budgets) {
-    const double iterate = budget.seconds > 0      ? budget.seconds
-                           : budget.iterations > 0 ? static_cast<double>(budget.iterations) * rate.iteration_seconds
-                                                   : budget.limit_seconds;
-    seconds += rate.start_seconds + iterate;
+/// On one iteration, or on as many as lead to the work whose amount the technique knows.
+Rate measure_variant(const std::vector<std::string>& command, const std::string& technique, int max_bounces) {
+  Rate rate;
+  for (const int iterations : {1, 16, 64}) {
+    rate = measure_rate(command, technique, max_bounces, iterations);
+    if (!rate.leads) break;
   }
-  return seconds * spec.seeds;
+  return rate;
+}
+
+/// Seconds of a run of a variant on one scene; `bound`: it may take less.
+double seconds_of_run(const ComparisonBudget& budget, const Rate& rate, bool& bound) {
+  const double seconds = budget.seconds > 0 ? budget.seconds : budget.limit_seconds;
+  const double iterate = budget.iterations > 0 ? static_cast<double>(budget.iterations) * rate.iteration_seconds
+                                               : std::max(rate.iteration_seconds, seconds - rate.counted_seconds);
+  bound = budget.relmse > 0 || std::isfinite(rate.own_seconds);
+  return rate.start_seconds + std::min(iterate, rate.own_seconds);
 }
 
 /// Samples per pixel that the cache already holds.
@@ -115,7 +134,7 @@ class DryRun {
     for (const auto& [name, value] : reference_parameters(PathSet::parse(set))) {
       technique += fmt::format("{}{}={}", technique == "path_tracing" ? ":" : ",", name, value);
     }
-    const Rate rate = missing > 0 ? measure_rate(command(scene, plan), technique, PathSet::parse(set).max_bounces) : Rate();
+    const Rate rate = missing > 0 ? measure_rate(command(scene, plan), technique, PathSet::parse(set).max_bounces, 1) : Rate();
     const double seconds = rate.iteration_seconds * static_cast<double>(missing) / reference_batch;
     seconds_ += seconds;
     open_ended_ |= missing > 0 && spec_.reference.relmse > 0;
@@ -130,16 +149,20 @@ class DryRun {
       text_ += fmt::format("does not run: {}\n", variant.refused);
       return;
     }
-    const Rate rate = measure_rate(command(scene, plan), spec_.variants[index].words(), spec_.max_bounces);
+    const Rate rate = measure_variant(command(scene, plan), spec_.variants[index].words(), spec_.max_bounces);
     if (!rate.failure.empty()) {
       text_ += fmt::format("fails: {}\n", rate.failure);
       return;
     }
     runs_ += spec_.budgets.size() * spec_.seeds;
-    seconds_ += seconds_of_runs(spec_, rate);
-    for (const ComparisonBudget& budget : spec_.budgets) open_ended_ |= budget.relmse > 0;
-    text_ += fmt::format("reference {}, {} of device memory, {:.3g} s to start, {:.3g} s per iteration\n", variant.reference + 1,
-                         format_bytes(variant.device_bytes), rate.start_seconds, rate.iteration_seconds);
+    for (const ComparisonBudget& budget : spec_.budgets) {
+      bool bound = false;
+      seconds_ += spec_.seeds * seconds_of_run(budget, rate, bound);
+      open_ended_ |= bound;
+    }
+    text_ += fmt::format("reference {}, {} of device memory, {:.3g} s to start, {:.3g} s per iteration{}\n", variant.reference + 1,
+                         format_bytes(variant.device_bytes), rate.start_seconds, rate.iteration_seconds,
+                         std::isfinite(rate.own_seconds) ? fmt::format(", at most {:.3g} s until it ends by itself", rate.own_seconds) : "");
     for (const std::string& limitation : variant.limitations) text_ += fmt::format("    {}\n", limitation);
   }
 
@@ -149,7 +172,7 @@ class DryRun {
   std::string text_;
   size_t runs_ = 0;
   double seconds_ = 0;
-  bool open_ended_ = false;  ///< an error decides, and the estimate is a bound
+  bool open_ended_ = false;  ///< some run may end before, and the estimate is a bound
 };
 
 }  // namespace

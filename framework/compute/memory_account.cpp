@@ -83,8 +83,8 @@ void MemoryAccount::require_locked(const std::string& owner, const std::string& 
                                    const std::string& remedy) const {
   if (bytes > single_) {
     throw_error(ErrorClass::device,
-                "not enough device memory: {} of {} needs {} in one piece, the limit for one allocation is {}{}", what,
-                owner, format_bytes(bytes), format_bytes(single_), advice(remedy));
+                "not enough device memory for {} of {}: {} in one piece, while the limit for one allocation is {}{}", what, owner,
+                format_bytes(bytes), format_bytes(single_), advice(remedy));
   }
   require_total_locked(owner, what, bytes, remedy);
 }
@@ -92,8 +92,8 @@ void MemoryAccount::require_locked(const std::string& owner, const std::string& 
 void MemoryAccount::require_total_locked(const std::string& owner, const std::string& what, size_t bytes,
                                          const std::string& remedy) const {
   if (bytes > total_ - used_) {
-    throw_error(ErrorClass::device, "not enough device memory: {} of {} needs {}, but {} of {} are in use{}{}", what,
-                owner, format_bytes(bytes), format_bytes(used_), format_bytes(total_), holders_locked(), advice(remedy));
+    throw_error(ErrorClass::device, "not enough device memory for {} of {}: {}, while {} of {} are in use{}{}", what, owner,
+                format_bytes(bytes), format_bytes(used_), format_bytes(total_), holders_locked(), advice(remedy));
   }
 }
 

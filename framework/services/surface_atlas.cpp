@@ -15,7 +15,6 @@ namespace lucarium {
 namespace {
 
 constexpr size_t kLocalSize = 64;
-const char* const kFewerTexels = "ask for fewer atlas texels";
 
 /// Area of all reflecting sides [m²].
 double scene_side_area(const Scene& scene) {
@@ -108,7 +107,7 @@ void SurfaceAtlas::State::refuse_if_too_large(const Scene& scene) const {
   if (least <= account.total_bytes() - std::min(account.used_bytes(), account.total_bytes())) return;
   throw_error(ErrorClass::device, "surface atlas: about {} are needed, but {} of {} are in use; {}",
               format_bytes(estimate_bytes(scene, options)), format_bytes(account.used_bytes()),
-              format_bytes(account.total_bytes()), kFewerTexels);
+              format_bytes(account.total_bytes()), options.remedy);
 }
 
 void SurfaceAtlas::State::build(const Scene& scene) {
@@ -136,7 +135,7 @@ void SurfaceAtlas::State::build(const Scene& scene) {
 
 void SurfaceAtlas::State::upload(const AtlasLayout& layout) {
   const auto store = [&](auto& buffer, const char* name, const auto& values) {
-    buffer = std::remove_reference_t<decltype(buffer)>(device, owner, name, values, kFewerTexels);
+    buffer = std::remove_reference_t<decltype(buffer)>(device, owner, name, values, options.remedy);
   };
   store(triangles, "atlas triangles", layout.triangles);
   store(table, "atlas table", layout.table);
@@ -145,8 +144,8 @@ void SurfaceAtlas::State::upload(const AtlasLayout& layout) {
   store(ranges, "atlas ranges", layout.ranges);
   store(pieces, "atlas pieces", layout.pieces);
   if (options.samples > 0) store(samples, "atlas samples", layout.samples);
-  points = TypedBuffer<SurfacePoint>(device, owner, "atlas points", info.texel_count, kFewerTexels);
-  materials = TypedBuffer<AtlasMaterial>(device, owner, "atlas materials", info.texel_count, kFewerTexels);
+  points = TypedBuffer<SurfacePoint>(device, owner, "atlas points", info.texel_count, options.remedy);
+  materials = TypedBuffer<AtlasMaterial>(device, owner, "atlas materials", info.texel_count, options.remedy);
 }
 
 void SurfaceAtlas::State::record() {
@@ -221,7 +220,7 @@ void SurfaceAtlas::resolve(const TypedBuffer<GBufferPoint>& points, Film& film) 
 std::vector<float4> SurfaceAtlas::slot_colors() const {
   State& s = *state_;
   if (s.info.texel_count == 0) return {};
-  const TypedBuffer<float4> colors(s.device, s.owner, "atlas colors", s.info.texel_count, kFewerTexels);
+  const TypedBuffer<float4> colors(s.device, s.owner, "atlas colors", s.info.texel_count, s.options.remedy);
   ScheduleRecorder recorder = s.scheduler.record("color atlas slots", s.owner);
   recorder.pass("color atlas slots", s.program, "color_atlas_slots")
       .global(s.info.texel_count)

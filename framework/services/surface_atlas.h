@@ -14,6 +14,7 @@
 namespace lucarium {
 
 struct SurfaceAtlasOptions : AtlasLayoutOptions {
+  std::string remedy = "ask for fewer atlas texels";  ///< said where memory is missing
   bool use_texcoord1 = false;  ///< lay out by TEXCOORD_1 the instances that have it; unusable ones are refused
 };
 

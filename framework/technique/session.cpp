@@ -79,6 +79,41 @@ size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const
   return SceneBuffers::estimate_bytes(scene) + bvh + technique.estimate_bytes(scene, settings);
 }
 
+namespace {
+
+/// What lowers the need for memory: settings of the framework, and the technique's parameters that do when they are halved
+/// (those whose least value stands for an automatic choice: when they are 1 instead), largest savings first.
+std::string describe_remedy(Technique& technique, const Scene& scene, const RenderSettings& settings) {
+  constexpr double least_saving = 0.1;
+  constexpr size_t most_named = 3;
+  const auto bytes = static_cast<double>(technique.estimate_bytes(scene, settings));
+  std::vector<std::pair<double, std::string>> savings;
+  for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
+    if (entry.info.type != "int") continue;
+    const std::string value = entry.get();
+    const long number = std::stol(value);
+    for (const long less : {number / 2, number - 1, 1L}) {
+      try {
+        entry.set(std::to_string(less));
+      } catch (const Error&) {
+        continue;  // out of range
+      }
+      const double saved = bytes - static_cast<double>(technique.estimate_bytes(scene, settings));
+      entry.set(value);
+      if (less == number || saved < least_saving * bytes) continue;
+      savings.emplace_back(saved, entry.info.name);
+      break;
+    }
+  }
+  std::sort(savings.rbegin(), savings.rend());
+  savings.resize(std::min(savings.size(), most_named));
+  std::string remedy = "lower --size or --texture-size";
+  for (const auto& [saved, name] : savings) remedy += fmt::format(", {}", name);
+  return remedy;
+}
+
+}  // namespace
+
 struct RenderSession::State {
   // In order of construction; the technique goes first at the end, then what it refers to.
   TechniqueType type;
@@ -157,9 +192,10 @@ struct RenderSession::State {
   void prepare(const std::vector<std::pair<std::string, std::string>>& parameters) {
     technique->parameters().set_all(parameters);
     limitations = technique->limitations(scene, settings);
-    device->memory().require_total("scene, bvh and technique", "all buffers",
-                                   needed_bytes(type.info(), *technique, scene, settings),
-                                   "lower --size or --texture-size, or what makes the technique large");
+    const size_t bytes = needed_bytes(type.info(), *technique, scene, settings);
+    const MemoryAccount& memory = device->memory();
+    if (bytes > memory.total_bytes() - memory.used_bytes())
+      memory.require_total("scene, BVH and technique", "all buffers", bytes, describe_remedy(*technique, scene, settings));
     on_preparing(-1, "upload");
     timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
     const TechniqueContext context{device, scheduler, scene, *buffers, [this]() -> Bvh& { return built_bvh(); }, settings, on_preparing};

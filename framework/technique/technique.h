@@ -71,10 +71,10 @@ struct TechniqueInfo {
 
 /// State of progress after an iterate().
 struct IterationResult {
-  bool converged = false;   ///< nothing more to gain
+  bool converged = false;   ///< nothing more to do: all is done, or as accurate as wanted
   double progress = 0;      ///< of a known amount of work, 0…1; negative: unknown
   uint64_t samples = 0;     ///< per pixel so far, or the technique's own unit
-  std::string phase;        ///< "propagate", "gather"; shown beside the progress
+  std::string phase;        ///< "propagate", "gather"; shown beside the progress. When converged, why: "all 200 rounds are done"
   bool visible = false;     ///< resolve() has a picture worth keeping though `samples` is 0: a coarse or an unfinished one
 };
 

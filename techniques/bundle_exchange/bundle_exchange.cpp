@@ -342,18 +342,22 @@ class BundleExchange : public Technique {
     return static_cast<uint32_t>(std::clamp(count, 1.0, 64 / films));
   }
 
-  std::string phase() const {
+  /// When converged, why.
+  std::string phase(bool converged) const {
+    if (converged && !exchanges()) return fmt::format("all {} camera_samples are done", parameters_.camera_samples);
+    if (converged && is_accurate()) return fmt::format("the relative error is {:.2g}, below stop_error", parts_->means.relative_error());
+    if (converged) return fmt::format("all {} directions are done", parameters_.directions);
     return !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
   }
 
   IterationResult state() const {
     IterationResult result;
     result.samples = parts_->camera.samples();
-    result.phase = phase();
-    result.progress = lit() ? static_cast<double>(directions_) / parameters_.directions : 0.0;
-    if (exchange_done()) result.progress = 1;
-    result.converged = lit() && exchange_done() && !wants_light() &&
-                       parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
+    const double exchanged = exchange_done() ? 1.0 : static_cast<double>(directions_) / parameters_.directions;
+    const double seen = static_cast<double>(parts_->camera.atlas_samples()) / parameters_.camera_samples;
+    result.progress = lit() ? std::min(exchanged, seen) : 0.0;
+    result.converged = lit() && exchange_done() && !wants_light() && seen >= 1;
+    result.phase = phase(result.converged);
     return result;
   }
 

@@ -54,7 +54,7 @@ void BundleParts::measure_openness(const std::function<void(double, const std::s
     if (!done) throw Error(ErrorClass::interrupted, "bundle_exchange: interrupted while texels were measured; nothing is kept");
   };
   for (; !exposure->complete(); report(exposure->progress(), "hidden places")) check(exposure->advance());
-  for (; !openness->complete(); report(openness->progress(), "openness")) check(openness->advance());
+  for (; !openness->complete(); report(openness->progress(), openness->measured())) check(openness->advance());
   means.take_materials();
 }
 

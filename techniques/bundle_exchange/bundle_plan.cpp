@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "bundle_transfer.h"
 #include "slot_light.h"
@@ -43,6 +44,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
   plan.atlas.samples = SLOT_POINTS;
+  plan.atlas.remedy = "lower texels";
   const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 32768, 262144);
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   // Direct light needs no lobes of slots: they begin behind the first scattering.
@@ -100,6 +102,8 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
     result.push_back("specular reflections between diffuse ones are no bounces of their own (interleave=pingpong)");
   if (parameters.interleave == Interleave::pingpong && parameters.pixel_rays == PixelRays::bundle)
     result.push_back("pixel_rays=bundle has no effect: bundles carry one bounce at a time (interleave=pingpong)");
+  for (const auto& [name, on] : {std::pair("preview", parameters.preview), std::pair("warm_start", parameters.warm_start)})
+    if (on && !forgets(parameters)) result.push_back(fmt::format("{}=on has no effect: it needs interleave=sd or running", name));
   if (parameters.final_gather == FinalGather::off && has_specular_lobes(scene))
     result.push_back(parameters.direct_mode == DirectMode::exchange
                          ? "what specular lobes reflect towards the eye is left out but for light of punctual lights (final_gather=off)"

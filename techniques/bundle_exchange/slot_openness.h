@@ -27,6 +27,7 @@ class SlotOpenness {
   /// When `exposure` is complete: draws the next bundle; false when cancelled, and nothing has changed. Without a gap only
   /// hidden parts are looked for, and no bundle is drawn where there are none.
   bool advance();
+  const char* measured() const { return options_.open_gap > 0 ? "openness" : "extent of hidden places"; }
   double progress() const;  ///< what of the bundles has been drawn [1]
   bool complete() const { return complete_; }
 

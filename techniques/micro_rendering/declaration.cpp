@@ -70,6 +70,12 @@ std::vector<std::string> limitations(const MicroParameters& parameters, const Sc
     list.push_back("final_gather=off has no effect without multibounce=instant_radiosity");
   if (parameters.adaptive > 0 && parameters.largest_edge() < parameters.micro_size * 3 / 2)
     list.push_back(fmt::format("adaptive: larger micro-buffers have edges of {} micro-pixels, not {}", parameters.largest_edge(), parameters.micro_size * 3 / 2));
+  const bool inspects = parameters.inspect_x >= 0 || parameters.inspect_y >= 0;
+  const auto inside = [](int at, uint32_t size) { return at >= 0 && static_cast<uint32_t>(at) < size; };
+  if (inspects && !(inside(parameters.inspect_x, settings.width) && inside(parameters.inspect_y, settings.height)))
+    list.push_back(fmt::format("no micro-buffer is shown: inspect_x={}, inspect_y={} is no pixel of {}×{}", parameters.inspect_x, parameters.inspect_y, settings.width, settings.height));
+  else if (inspects && (bounces(parameters, settings) == 0 || parameters.shows_virtual_lights()))
+    list.push_back("no micro-buffer is shown: nothing is gathered (inspect_x, inspect_y)");
   if (parameters.backface == Backface::cull)
     list.push_back("backs of single-sided surfaces let light through, which the reference's block (backface=cull)");
   if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");

@@ -174,6 +174,19 @@ TEST_CASE("a reference file that shows other light paths, or another scene, is r
   CHECK(run_lucarium("compare builtin:cornell --max-bounces 1 --quiet" + common).exit_code == 0);
 }
 
+TEST_CASE("a plan reckons with the end that a technique has of its own, not with the cap of its iterations") {
+  const TemporaryFolder folder;
+  const std::string common = "compare builtin:cornell " + constant_technique("sleep=50,converge_at=20") + "--seeds 1 --dry-run -o " +
+                             (folder.path() / "x").string() + " --reference-spp 32";
+  for (const char* budget : {" --iterations 1000000", " --time 3600"}) {
+    const ProgramResult plan = run_lucarium(common + budget);
+    REQUIRE_MESSAGE(plan.exit_code == 0, plan.err);
+    CHECK(contains(plan.out, "until it ends by itself"));
+    CHECK(contains(plan.out, "about 0:"));
+    CHECK(contains(plan.out, " at most\n"));
+  }
+}
+
 TEST_CASE("a plan is printed and nothing is written; gates set the exit code; a file defines a comparison") {
   const TemporaryFolder folder;
   const fs::path results = folder.path() / "results";

@@ -42,6 +42,28 @@ TEST_CASE("an EXR with layers and metadata, a picture, and a summary that parses
   CHECK(count_files(folder.path()) == 2);
 }
 
+TEST_CASE("what ended a rendering is told: the technique in its own words, or an option") {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.png").string();
+  const std::string common = "render builtin:cornell " + constant_technique("converge_at=3") + "--overwrite -o " + file;
+  const ProgramResult told = run_lucarium(common + " --spp 8");
+  CHECK(contains(told.out, "3 samples per pixel"));
+  CHECK(contains(told.out, "ended by constant: converge_at is reached"));
+  CHECK(json::parse(run_lucarium(common + " --spp 8 --json --quiet").out)["ended_by"] == "converge_at is reached");
+  const json half = json::parse(run_lucarium(common + " --spp 2 --json --quiet").out);
+  CHECK(half["ended_by"] == "--spp");
+  CHECK(half["progress"].get<double>() == test::relative(2. / 3));
+  CHECK(half["seconds_left"].get<double>() > 0);
+}
+
+TEST_CASE("a time that is over before the first iteration gives a picture and a line that says so") {
+  const TemporaryFolder folder;
+  const ProgramResult late = run_lucarium("render builtin:cornell " + constant_technique("red=1") + "--time 0.001 -o " + (folder.path() / "a.png").string());
+  CHECK(late.exit_code == 0);
+  CHECK(contains(late.err, "--time 0.001 was over before the first iteration"));
+  CHECK(count_files(folder.path()) == 1);
+}
+
 TEST_CASE("exposure brightens the picture and leaves the EXR alone") {
   const TemporaryFolder folder;
   const std::string exr = (folder.path() / "a.exr").string(), png = (folder.path() / "a.png").string();

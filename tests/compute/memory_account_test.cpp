@@ -38,17 +38,17 @@ TEST_CASE("a refusal gives the numbers, the owner, the largest others and the re
   const Error total = error_of([&] { account.add("film", "layers", 301, "lower --size"); });
   CHECK(total.error_class() == ErrorClass::device);
   CHECK(std::string(total.what()) ==
-        "not enough device memory: layers of film needs 301 bytes, but 700 bytes of 1000 bytes are in use "
+        "not enough device memory for layers of film: 301 bytes, while 700 bytes of 1000 bytes are in use "
         "(held by scene 500 bytes, bvh 200 bytes); lower --size");
   const Error single = error_of([&] { account.require("film", "layers", 601, "lower --size"); });
   CHECK(std::string(single.what()) ==
-        "not enough device memory: layers of film needs 601 bytes in one piece, the limit for one allocation is 600 "
+        "not enough device memory for layers of film: 601 bytes in one piece, while the limit for one allocation is 600 "
         "bytes; lower --size");
   // Several allocations that fit one by one.
   MemoryAccount empty(1000, 600);
   empty.require_total("film", "layers", 1000);
   CHECK(std::string(error_of([&] { empty.require_total("film", "layers", 1001); }).what()) ==
-        "not enough device memory: layers of film needs 1001 bytes, but 0 bytes of 1000 bytes are in use");
+        "not enough device memory for layers of film: 1001 bytes, while 0 bytes of 1000 bytes are in use");
   CHECK(account.used_bytes() == 700);
   account.add("film", "layers", 300);
   CHECK(account.used_bytes() == 1000);
@@ -64,7 +64,7 @@ TEST_CASE("buffers are refused by the artificial caps before anything is created
   const Buffer held(*device, "scene", "vertices", 600 << 10);
   const Error error = error_of([&] { Buffer(*device, "film", "layers", 600 << 10, "lower --size"); });
   CHECK(std::string(error.what()) ==
-        "not enough device memory: layers of film needs 600.0 KiB, but 600.0 KiB of 1.00 MiB are in use (held by scene "
+        "not enough device memory for layers of film: 600.0 KiB, while 600.0 KiB of 1.00 MiB are in use (held by scene "
         "600.0 KiB); lower --size");
   CHECK(has(error_of([&] { Buffer(*device, "film", "layers", 701 << 10); }).what(),
             "limit for one allocation is 700.0 KiB"));

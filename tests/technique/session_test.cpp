@@ -200,7 +200,7 @@ TEST_CASE("all buffers together may exceed the limit for one, and only what is u
   };
   const size_t traced = needed("faulty"), constant = needed("constant");
   CHECK_NOTHROW(run("faulty", 2 * traced, traced / 2));
-  CHECK(contains(failure_of([&] { run("faulty", traced - 1, traced - 1); }).message, "all buffers of scene, bvh and technique"));
+  CHECK(contains(failure_of([&] { run("faulty", traced - 1, traced - 1); }).message, "all buffers of scene, BVH and technique"));
   const std::unique_ptr<Technique> technique = registry.find("constant").create();
   CHECK(constant == SceneBuffers::estimate_bytes(scene) + technique->estimate_bytes(scene, settings));
 }

@@ -9,7 +9,7 @@ function notesOf(scene, variant, budget, summary) {
   const notes = [...listOf(sceneVariant(scene, variant), 'limitations')];
   if (summary && summary.resolved === false) notes.push('close to what this reference can resolve: it needs more samples');
   if (summary) notes.push(...obstacles(scene, variant, budget));
-  if (piecesOf(scene, variant, budget).some(piece => piece.converged)) notes.push('converged: nothing more to gain');
+  if (piecesOf(scene, variant, budget).some(piece => piece.converged)) notes.push('ended by itself: nothing more to do');
   return notes;
 }
 

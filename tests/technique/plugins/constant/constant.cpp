@@ -97,9 +97,9 @@ class Constant : public Technique {
     if (scheduler_->run(schedule_) == RunResult::done) ++samples_;  // else cancelled, as if it had not begun
     IterationResult result;
     result.samples = samples_;
-    result.progress = -1;
     result.converged = samples_ == static_cast<uint64_t>(parameters_.converge_at);
-    result.phase = "fill";
+    result.progress = parameters_.converge_at > 0 ? static_cast<double>(samples_) / parameters_.converge_at : -1;
+    result.phase = result.converged ? "converge_at is reached" : "fill";
     return result;
   }
 

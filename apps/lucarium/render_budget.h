@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long `lucarium render` goes on, and what ended it.
+#pragma once
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "lucarium/technique/session.h"
+
+namespace lucarium::app {
+
+/// What a picture may take; 0: no limit. Whichever ends first counts; none: 64 samples per pixel.
+struct BudgetArguments {
+  uint64_t samples = 0, iterations = 0;
+  double seconds = 0;          ///< of the clock on the wall, from the start of the program or from the picture before
+  double compute_seconds = 0;  ///< counted_seconds()
+  double relmse = 0;           ///< of the image against a reference
+};
+
+/// How a rendering went.
+struct RenderEnd {
+  bool interrupted = false;
+  std::string by;                      ///< the option whose budget is used up, "Ctrl-C", or what the technique says
+  std::optional<double> seconds_left;  ///< until the technique ends by itself, where that can be told
+};
+
+/// Renders one picture within the budget, or if that is over before, up to the first picture; tells when so.
+/// `relmse` gives the image's present error where it is known.
+RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
+                               const std::function<std::optional<double>(RenderSession&)>& relmse,
+                               std::chrono::steady_clock::time_point start);
+
+}  // namespace lucarium::app
