@@ -71,6 +71,8 @@ void build(cl_program program, const Device& device, const ProgramSpec& spec) {
         .with_details(fmt::format("build log of {} on {}:\n{}", spec.name, device.info().name, log));
   }
   check_opencl(code, "clBuildProgram", "program " + spec.name, device);
+  const std::string log = build_log(program, device);
+  if (log.find("warning:") != std::string::npos) log_debug("program {}: {}", spec.name, log);
 }
 
 ClProgram create_from_source(const Device& device, const ProgramSpec& spec, const std::string& source) {

@@ -6,8 +6,8 @@
 #include "lucarium/warp.clh"
 
 #define PROBE_SEED 0x70726f62u
-#define PROBE_BACKS 0xffu  // of a state: rays that met backs, of the first PROBE_COMMON rounds
-#define PROBE_SEES 0x100u  // of a state: some ray met something else, or nothing
+#define STATE_BACKS 0xffu  // of a state: rays that met backs, of the first PROBE_COMMON rounds
+#define STATE_SEES 0x100u  // of a state: some ray met something else, or nothing
 #define PROBE_COMMON 8u    // rounds that all points of a slot take part in while one of them met nothing but backs
 
 // A chunk of points begins: point i is point i % SLOT_POINTS of slot first + i / SLOT_POINTS.
@@ -51,7 +51,7 @@ __kernel void judge_probes(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     back = atlas_side(atlas_info, texel, surface.flags & LUCARIUM_SURFACE_FRONT) == LUCARIUM_NONE;
   }
   if (!back)
-    states[list[j]] |= PROBE_SEES;
+    states[list[j]] |= STATE_SEES;
   else if (turn < PROBE_COMMON)
     states[list[j]] += 1u;
 }
@@ -62,10 +62,10 @@ __kernel void choose_probes(uint slots, uint turn, __global const uint* restrict
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   uint doubtful = 0u;
-  for (uint k = 0u; k < SLOT_POINTS; ++k) doubtful += !(states[slot * SLOT_POINTS + k] & PROBE_SEES);
+  for (uint k = 0u; k < SLOT_POINTS; ++k) doubtful += !(states[slot * SLOT_POINTS + k] & STATE_SEES);
   const bool joined = doubtful > 0u && turn + 1u < PROBE_COMMON;
   for (uint k = 0u; k < SLOT_POINTS; ++k)
-    wanted[slot * SLOT_POINTS + k] = joined || !(states[slot * SLOT_POINTS + k] & PROBE_SEES);
+    wanted[slot * SLOT_POINTS + k] = joined || !(states[slot * SLOT_POINTS + k] & STATE_SEES);
 }
 
 // exposure: x share of the slot's area that is not hidden, y share of its rays that meet backs which come from there
@@ -77,8 +77,8 @@ __kernel void finish_probes(uint first, uint slots, __global const uint* restric
   uint bits = 0u, backs = 0u;
   for (uint k = 0u; k < SLOT_POINTS; ++k) {
     const uint state = states[i * SLOT_POINTS + k];
-    if (state & PROBE_SEES)
-      backs += state & PROBE_BACKS;
+    if (state & STATE_SEES)
+      backs += state & STATE_BACKS;
     else
       bits |= 1u << k;
   }

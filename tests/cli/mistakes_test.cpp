@@ -6,6 +6,14 @@
 
 using namespace lucarium::test;
 
+TEST_CASE("memory that is missing names the parameters that need it") {
+  const TemporaryFolder folder;
+  const std::string common = " --size 64x64 --memory-limit 8M -o " + (folder.path() / "a.exr").string();
+  check_refused("render builtin:cornell -t bundle_exchange" + common, 4, "lower --size or --texture-size, texels");
+  check_refused("render builtin:cornell -t bundle_exchange:texels=500000" + common, 4, "lower --size or --texture-size, texels");
+  check_refused("render builtin:cornell -t micro_rendering" + common, 4, "lower --size or --texture-size, points_log2");
+}
+
 TEST_CASE("a command that does not exist is a mistake even with --help") {
   check_refused("rendr --help", 2, "unknown command 'rendr'; did you mean 'render'?");
 }
