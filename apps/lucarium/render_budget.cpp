@@ -54,6 +54,7 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
   const RenderBudget budget = make_budget(arguments, session, start);
   Progress progress("rendering", quiet ? Progress::Style::quiet : Progress::Style::automatic);
   TimeLeft left;
+  left.update(0, 0);
   bool accurate = false;
   const auto on_progress = [&](const IterationResult& now) {
     const double seconds = session.clocks().iterate;

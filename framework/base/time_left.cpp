@@ -12,7 +12,8 @@ constexpr double least_growth = 0.05, least_seconds = 10;
 
 void TimeLeft::update(double fraction, double seconds) {
   const double now = std::clamp(fraction, 0.0, 1.0);
-  if (now <= 0 || now < fraction_) first_fraction_ = now, first_seconds_ = seconds;
+  if (!begun_ || now <= 0 || now < fraction_) first_fraction_ = now, first_seconds_ = seconds;
+  begun_ = true;
   fraction_ = now;
   seconds_ = seconds;
 }

@@ -4,8 +4,8 @@
 
 namespace lucarium {
 
-/// Time that work still takes, by how fast its fraction has grown since it began to: what came before tells nothing of it.
-/// Where the fraction falls, another piece of work has begun.
+/// Time that work still takes, by how fast its fraction has grown since the first update, or since it began to: what came
+/// before tells nothing of it. Where the fraction falls, another piece of work has begun.
 class TimeLeft {
  public:
   /// `fraction` of the work is done after `seconds`; negative: unknown.
@@ -16,6 +16,7 @@ class TimeLeft {
   std::optional<double> settled_estimate() const;
 
  private:
+  bool begun_ = false;
   double first_fraction_ = 0, first_seconds_ = 0;
   double fraction_ = 0, seconds_ = 0;
 };

@@ -93,14 +93,14 @@ std::string describe_remedy(Technique& technique, const Scene& scene, const Rend
     const std::string value = entry.get();
     const long number = std::stol(value);
     for (const long less : {number / 2, number - 1, 1L}) {
+      double saved = 0;
       try {
         entry.set(std::to_string(less));
-      } catch (const Error&) {
-        continue;  // out of range
+        saved = bytes - static_cast<double>(technique.estimate_bytes(scene, settings));
+      } catch (const Error&) {  // no value that it takes
       }
-      const double saved = bytes - static_cast<double>(technique.estimate_bytes(scene, settings));
       entry.set(value);
-      if (less == number || saved < least_saving * bytes) continue;
+      if (saved < least_saving * bytes) continue;
       savings.emplace_back(saved, entry.info.name);
       break;
     }

@@ -346,6 +346,8 @@ class BundleExchange : public Technique {
   std::string phase(bool converged) const {
     if (converged && !exchanges()) return fmt::format("all {} camera_samples are done", parameters_.camera_samples);
     if (converged && is_accurate()) return fmt::format("the relative error is {:.2g}, below stop_error", parts_->means.relative_error());
+    const bool by_samples = parts_->camera.atlas_samples() == static_cast<uint64_t>(parameters_.camera_samples);  // which it waited for
+    if (converged && by_samples) return fmt::format("all {} directions and {} camera_samples are done", parameters_.directions, parameters_.camera_samples);
     if (converged) return fmt::format("all {} directions are done", parameters_.directions);
     return !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
   }

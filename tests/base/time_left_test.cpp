@@ -36,7 +36,8 @@ TEST_CASE("little growth in a short time is no estimate for people") {
 
 TEST_CASE("a fraction that falls is that of other work, an unknown one gives no time") {
   TimeLeft left;
-  left.update(0.9, 10);
+  left.update(0.9, 10);  // resumed work: what is done took no time of this
+  CHECK_FALSE(left.estimate());
   left.update(0.2, 11);
   CHECK_FALSE(left.estimate());
   left.update(0.4, 12);
