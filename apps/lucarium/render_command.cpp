@@ -152,7 +152,7 @@ ordered_json summary_json(RenderSession& session, const Film& film, const Render
   json["max_bounces"] = session.settings().max_bounces;
   json["pixel_sampling"] = session.settings().pixel_sampling;
   json["scene_time_seconds"] = session.scene().time;
-  json["partial"] = end.interrupted;
+  json["partial"] = film.metadata.count("partial") > 0;
   json["converged"] = session.last().converged;
   json["progress"] = session.last().progress < 0 ? ordered_json(nullptr) : ordered_json(session.last().progress);
   json["ended_by"] = end.by;

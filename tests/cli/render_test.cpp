@@ -61,6 +61,10 @@ TEST_CASE("a time that is over before the first iteration gives a picture and a 
   const ProgramResult late = run_lucarium("render builtin:cornell " + constant_technique("red=1") + "--time 0.001 -o " + (folder.path() / "a.png").string());
   CHECK(late.exit_code == 0);
   CHECK(contains(late.err, "--time 0.001 was over before the first iteration"));
+  const ProgramResult unlit = run_lucarium("render builtin:cornell -t bundle_exchange:texels=2048 --size 16x16 --max-bounces 1 --iterations 1 --json --overwrite -o " +
+                                           (folder.path() / "a.png").string());
+  CHECK(contains(unlit.err, "ended in the stage 'light'"));
+  CHECK(json::parse(unlit.out)["partial"] == true);
   CHECK(count_files(folder.path()) == 1);
 }
 
