@@ -121,8 +121,8 @@ __kernel void layered_list_collect(__global const uint* heads, __global const ui
 // The order of LayeredRaster as one number.
 static ulong layered_order(const LayeredView* view, LayeredFragment f) {
   const float value = (f.depth - view->depth_min) * (view->depth_scale * 4194304.0f);
-  const uint towards = f.triangle & LAYERED_AWAY ? 0u : LAYERED_KEY_TOWARDS;
-  const uint key = (uint)fmin(fmax(value, 0.0f), 4194302.0f) << LAYERED_KEY_BUCKET | towards;
+  const uint facing = f.triangle & LAYERED_AWAY ? 0u : LAYERED_KEY_FACING;
+  const uint key = ((uint)fmin(fmax(value, 0.0f), 4194302.0f) << LAYERED_KEY_BUCKET) + facing;
   return (ulong)key << 32 | (f.triangle & ~LAYERED_AWAY);
 }
 

@@ -46,12 +46,18 @@ LUCARIUM_STRUCT_BEGIN(LayeredFragment)
   float depth;
 LUCARIUM_STRUCT_END(LayeredFragment, 8)
 
-// Sort key: depth to 22 bits of the film's range, then LAYERED_AWAY first, then 3 more bits of depth, then 6 bits that
-// tell where the payload is. Nothing: all ones.
+// Sort key: depth in steps of 1 / 2^22 of the film's range, then LAYERED_KEY_TOWARDS, then 6 bits that tell where the
+// payload is. Nothing: all ones.
+// Where two surfaces meet, rounding may swap their depths. What is less than a step apart counts as equal there, and
+// LAYERED_AWAY comes first (Hermes et al.; a closed room's near wall is before its far wall at their edge): keys of the
+// other facing are a step larger, so that it does not matter on which side of a step's border either lies.
 #define LAYERED_KEY_NONE 0xffffffffu
-#define LAYERED_KEY_BUCKET 10  // key >> 10: equal for fragments of equal depth
-#define LAYERED_KEY_TOWARDS 0x200u
+#define LAYERED_KEY_BUCKET 10
+#define LAYERED_KEY_TOWARDS 0x200u  // flag of a fragment that is not LAYERED_AWAY
+#define LAYERED_KEY_FACING (LAYERED_KEY_TOWARDS | 1u << LAYERED_KEY_BUCKET)  // what such a fragment adds to its key
 #define LAYERED_KEY_LAYER 63u
+// Depth in steps.
+#define LAYERED_KEY_DEPTH(key) (((key) >> LAYERED_KEY_BUCKET) - ((key) / LAYERED_KEY_TOWARDS & 1u))
 
 #define LAYERED_SUBPIXEL 256         // positions per pixel and axis
 #define LAYERED_MAX_FILM 4096u       // pixels per axis

@@ -7,7 +7,7 @@ typedef struct Probe {
   const global uint* atlas_table;
   global uint* counts;
   uint double_sided;
-  uint open_gap;  // shorter gaps are near, in steps of LAYERED_KEY_BUCKET
+  uint open_gap;  // shorter gaps are near, in steps of LAYERED_KEY_DEPTH
 } Probe;
 
 #define BUNDLE_ROWS Probe

@@ -78,7 +78,10 @@ Soup mixed_triangles(uint32_t count, float width, float height, uint32_t seed) {
   return soup;
 }
 
-uint32_t bucket(float depth) { return static_cast<uint32_t>((depth + 16) / 32 * 4194304.0f); }
+/// What is less than a step apart is a tie, in which LAYERED_AWAY comes first: the others count as a step farther.
+uint32_t depth_step(const LayeredFragment& f) {
+  return static_cast<uint32_t>((f.depth + 16) / 32 * 4194304.0f) + (f.triangle & LAYERED_AWAY ? 0 : 1);
+}
 
 /// Every pixel: exactly the fragments of the oracle, with their side and depth, in order.
 void check_against_oracle(const Soup& soup, const HostLayers& layers) {
@@ -106,7 +109,7 @@ void check_against_oracle(const Soup& soup, const HostLayers& layers) {
         wrong_depths += std::abs(depth - pixel[i].depth) > slack;
         if (i > 0) {
           const auto key = [](const LayeredFragment& f) {
-            return std::tuple(bucket(f.depth), !(f.triangle & LAYERED_AWAY), f.triangle & ~LAYERED_AWAY);
+            return std::tuple(depth_step(f), !(f.triangle & LAYERED_AWAY), f.triangle & ~LAYERED_AWAY);
           };
           wrong_order += !(key(pixel[i - 1]) < key(pixel[i]));
         }

@@ -120,19 +120,24 @@ TEST_CASE("moved triangles, and others") {
   CHECK(same(scene.store(view), other.store(view)));
 }
 
+namespace {
+
+void add_square(Soup& soup, bool away, float depth) {
+  const glm::vec3 a(2, 2, depth), b(14, 2, depth), c(14, 14, depth), d(2, 14, depth);
+  soup.add_triangle(a, away ? b : d, c);
+  soup.add_triangle(a, away ? c : b, away ? d : c);
+  if (!away) std::swap(soup.triangles.back().v1, soup.triangles.back().v2);
+}
+
+}  // namespace
+
 TEST_CASE("equal depths: fronts along the view first, then by triangle") {
   // The same square four times: seen from behind, from the front, from behind, and one a little nearer than a tie.
   Soup soup;
-  const auto square = [&](bool away, float depth) {
-    const glm::vec3 a(2, 2, depth), b(14, 2, depth), c(14, 14, depth), d(2, 14, depth);
-    soup.add_triangle(a, away ? b : d, c);
-    soup.add_triangle(a, away ? c : b, away ? d : c);
-    if (!away) std::swap(soup.triangles.back().v1, soup.triangles.back().v2);
-  };
-  square(false, 1);
-  square(true, 1);
-  square(false, 1);
-  square(true, 1 - 1e-4f);
+  add_square(soup, false, 1);
+  add_square(soup, true, 1);
+  add_square(soup, false, 1);
+  add_square(soup, true, 1 - 1e-4f);
   LayeredScene scene(scene_of(soup), {.max_width = 16, .max_height = 16});
   for (const LayeredVariant variant : {LayeredVariant::tiles, LayeredVariant::exact, LayeredVariant::linked_list}) {
     const HostLayers layers = scene.store(pixel_view(16, 16), {.variant = variant});
@@ -146,6 +151,30 @@ TEST_CASE("equal depths: fronts along the view first, then by triangle") {
         wrong += order[0] != 3 || order[1] != 1 || order[2] != 0 || order[3] != 2;
       }
     CHECK(wrong == 0);
+  }
+}
+
+TEST_CASE("nearly equal depths: fronts along the view first, wherever a step of depth ends") {
+  // Rounding has put the square that is seen from behind in front by less than a step, 32 / 2^22 here.
+  const float step = 32 / 4194304.0f, gap = 0.9f * step;
+  for (int i = 0; i < 8; ++i) {
+    Soup soup;
+    const float depth = 3 + static_cast<float>(i) / 8 * step;
+    add_square(soup, false, depth);
+    add_square(soup, true, depth + gap);
+    add_square(soup, false, depth + gap + 3 * step);
+    LayeredScene scene(scene_of(soup), {.max_width = 16, .max_height = 16});
+    for (const LayeredVariant variant : {LayeredVariant::tiles, LayeredVariant::exact, LayeredVariant::linked_list}) {
+      const HostLayers layers = scene.store(pixel_view(16, 16), {.variant = variant});
+      uint32_t wrong = 0;
+      for (uint32_t y = 2; y < 14; ++y)
+        for (uint32_t x = 2; x < 14; ++x) {
+          const auto pixel = layers.at(x, y);
+          REQUIRE(pixel.size() == 3);
+          wrong += !(pixel[0].triangle & LAYERED_AWAY) || pixel[1].triangle & LAYERED_AWAY || !(pixel[1].depth < pixel[0].depth);
+        }
+      CHECK(wrong == 0);
+    }
   }
 }
 
