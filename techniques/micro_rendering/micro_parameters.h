@@ -30,6 +30,7 @@ struct MicroParameters {
   bool raycast = true;
   bool morton = true;
   Backface backface = Backface::black;
+  bool skip_hidden = true;
   float adaptive = 0;
   int gather_step = 1;
   float upsample_fail = 0.05f;
@@ -80,6 +81,7 @@ struct MicroParameters {
     v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
+    v.flag("skip_hidden", skip_hidden, "leaves inside solids are no part of the hierarchy, and backs that only the inside of solids sees are transparent");
     v.number("adaptive", adaptive, 0, 1, "",
              "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long, 64 at most; 0: off");
     v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one iteration");
@@ -113,6 +115,7 @@ struct MicroParameters {
                  {"warp", "table"},
                  {"hole_fill", "off"},
                  {"backface", "cull"},
+                 {"skip_hidden", "off"},
                  {"depth_bits", "8"}}}},
               "paper: the variants of Ritschel et al. 2009");
   }

@@ -118,6 +118,7 @@ class MicroRendering : public Technique {
     const PointForest& forest = *forest_->get();
     all["points"] = forest.leaf_count();
     all["share of points on fine details"] = forest.fine_details();
+    all["share of hidden surface"] = forest.hidden();
     all["trees"] = static_cast<double>(forest.trees().size());
     all["sampling seconds"] = forest.sampling_seconds();
     all["tree seconds"] = forest.ordering_seconds();

@@ -107,8 +107,8 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices, __g
   const float3 normal = cross(b - a, c - a);
   const float area = 0.5f * length(normal);
   const bool back = leaf.triangle & MICRO_LEAF_BACK;
-  const uint flags = scene_materials[instance->material].flags;
-  const bool two_sided = flags & (LUCARIUM_MATERIAL_DOUBLE_SIDED | LUCARIUM_MATERIAL_TRANSMISSIVE);
+  const bool two_sided = shows_both_sides(scene_materials[instance->material].flags);
+  const bool cullable = two_sided || rules.all_cullable || leaf.triangle & MICRO_LEAF_SOLID;
 
   MicroNode node;
   const float inverse_step = 1.0f / tree->origin_step.w;
@@ -116,7 +116,7 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices, __g
   node.radius = rules.disc_radius * (leaf.area > 0.0f ? sqrt(area / leaf.area) : 1.0f) * inverse_step;
   node.normal = safe_normalize(back ? -normal : normal, (float3)(0.0f, 0.0f, 1.0f));
   node.cone = 0.0f;
-  node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (two_sided || rules.all_cullable ? MICRO_NODE_CULLABLE : 0u);
+  node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (cullable ? MICRO_NODE_CULLABLE : 0u);
   node.side = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, back);
   const uint4 packed = pack_node(node);
   nodes[tree->first_node + (1u << tree->depth) + i] = packed;

@@ -5,10 +5,12 @@
 #include <chrono>
 #include <cmath>
 #include <glm/glm.hpp>
+#include <numeric>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/compute/embedded_sources.h"
+#include "point_exposure.h"
 #include "point_sampling.h"
 #include "surface_patches.h"
 #include "tree_order.h"
@@ -22,6 +24,8 @@ constexpr int kLeastDepth = 4;         // of a tree
 constexpr uint32_t kQualityLevel = 8;  // whose radii tell when a refitted tree is too loose
 constexpr double kLoosest = 1.5;       // times the sum when built
 constexpr double kMostGrowth = 4;      // of a tree's area, until it gets points anew
+constexpr double kContact = 0.01;      // of a disc's radius: fronts that are nearer to each other touch
+constexpr double kFewestPilots = 256, kMostPilots = 1 << 14;  // points that tell how much of a tree is exposed
 constexpr double kBent = 30;           // degrees that the normals of a pair of leaves are off their mean, for fine details
 constexpr uint32_t kPlacingSeed = 1;   // every run of a scene has the same points
 constexpr size_t kLocalSize = 64;
@@ -43,8 +47,6 @@ float half_to_float(uint32_t bits) {
   const auto mantissa = static_cast<float>(bits & 1023);
   return exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(mantissa + 1024.f, exponent - 25);
 }
-
-uint32_t quantize_weight(float w) { return static_cast<uint32_t>(std::clamp(w * 65535.f, 0.f, 65535.f)); }
 
 /// What PointForest::radius_sum() gives for points in their order, by the rules of refitting: of where they were ordered, so
 /// that it does not depend on the pose in which a run begins. `leaf_area`: that a point stands for, in the points' space.
@@ -133,17 +135,32 @@ void PointForest::tell(double fraction, const char* stage) const {
 void PointForest::place(std::vector<TreeSource> sources) {
   if (sources.empty()) throw_error(ErrorClass::input, "the scene has no surface to gather light from");
   std::vector<double> areas;
-  double total = 0;
   for (const TreeSource& s : sources) {
     double area = s.covered_area;
     if (s.kind != TreeKind::resting && s.plain_area > 0) area *= instance_area(scene_, s.instance) / s.plain_area;
     areas.push_back(area);
-    total += area;
   }
   patches = TypedBuffer<MicroPatch>(device_, owner_, "edges of triangles", find_patches(sources, buffers_.scene_triangles.download(0, buffers_.info().triangle_count)));
   throw_if_interrupted("edges of triangles");
-  const ScenePoints points(scene_, buffers_);
   const double expected = std::exp2(options_.points_log2);  // points, but for rounding
+  auto start = std::chrono::steady_clock::now();
+  const ScenePoints points(scene_, buffers_);
+  const double everything = std::accumulate(areas.begin(), areas.end(), 0.0);
+  std::unique_ptr<PointExposure> exposure;
+  if (options_.intersector) {
+    const double contact = kContact * static_cast<double>(options_.disc_scale) * std::sqrt(everything / (3.14159265358979 * expected));
+    exposure = std::make_unique<PointExposure>(device_, scheduler_, points, buffers_, *options_.intersector, sources, static_cast<float>(contact), owner_);
+  }
+  const ExposedSampler sampler(points, exposure.get(), !options_.all_cullable, kPlacingSeed, options_.threads);
+  std::vector<double> exposed;
+  for (size_t t = 0; t < sources.size(); ++t) {
+    const double some = expected * areas[t] / std::max(everything, 1e-30);
+    exposed.push_back(sampler.exposed_share(sources[t], static_cast<uint32_t>(std::clamp(some, kFewestPilots, kMostPilots))));
+    areas[t] *= exposed[t];
+  }
+  const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
+  hidden_ = everything > 0 ? 1 - total / everything : 0;
+  sampling_seconds_ += seconds_since(start);
   std::vector<MicroLeaf> all_leaves;
   for (size_t t = 0; t < sources.size(); ++t) {
     const double share = total > 0 ? areas[t] / total : 1;
@@ -154,23 +171,20 @@ void PointForest::place(std::vector<TreeSource> sources) {
     tree.record.depth = static_cast<uint32_t>(std::clamp(static_cast<int>(depth), kLeastDepth, options_.points_log2));
     tree.record.first_node = static_cast<uint32_t>(2 * all_leaves.size());
 
-    auto start = std::chrono::steady_clock::now();
-    SampledSurface sampled =
-        sample_surface(sources[t].sides, tree.leaves(), kPlacingSeed, options_.threads, point_is_there, &points,
-                       [&](uint32_t placed) { tell(std::min(1.0, static_cast<double>(all_leaves.size() + placed) / expected), "points"); });
+    start = std::chrono::steady_clock::now();
+    SampledSurface sampled = sampler.sample(sources[t], exposed[t], tree.leaves(), [&](double fraction) {
+      tell(std::min(1.0, (static_cast<double>(all_leaves.size()) + fraction * tree.leaves()) / expected), "points");
+    });
     sampling_seconds_ += seconds_since(start);
     start = std::chrono::steady_clock::now();
     if (options_.posed && tree.kind == TreeKind::deforming) pose_points(buffers_, sampled.points);
     const std::vector<uint32_t> order = tree_order(sampled.points, options_.threads);
     tree.placed_area = sampled.area;
     tree.world_area = areas[t];
-    tree.covered = sources[t].plain_area > 0 ? sources[t].covered_area / sources[t].plain_area : 1;
+    tree.covered = sources[t].plain_area > 0 ? exposed[t] * sources[t].covered_area / sources[t].plain_area : 1;
     const bool posed = options_.posed && tree.kind == TreeKind::deforming;
     tree.built_radius_sum = ordered_radius_sum(sampled.points, order, tree.record.depth, (posed ? areas[t] : sampled.area) / tree.leaves(), options_.disc_scale);
-    for (const uint32_t i : order) {
-      const SampledPoint& p = sampled.points[i];
-      all_leaves.push_back({p.source, quantize_weight(p.weights.x) | quantize_weight(p.weights.y) << 16, p.area});
-    }
+    for (const uint32_t i : order) all_leaves.push_back(leaf_of(sampled.points[i]));
     ordering_seconds_ += seconds_since(start);
     set_grid(tree, &sources[t]);
     trees_.push_back(tree);

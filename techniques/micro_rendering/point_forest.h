@@ -8,6 +8,7 @@
 
 #include "lucarium/compute/scheduler.h"
 #include "lucarium/scene/scene_buffers.h"
+#include "lucarium/services/intersector.h"
 #include "micro_rendering/shared/micro_types.h"
 #include "scene_sides.h"
 
@@ -17,6 +18,7 @@ struct ForestOptions {
   int points_log2 = 18;
   float disc_scale = 1.6f;     ///< radius of a leaf's disc over that of the disc of its area
   bool all_cullable = false;   ///< surfaces are transparent from behind instead of black
+  const Intersector* intersector = nullptr;  ///< finds out what nothing sees, where no points are placed; null: everything counts as seen
   std::vector<int> moving;     ///< instances that have trees of their own though no animation moves them
   bool posed = false;          ///< leaves of deforming trees are ordered as they stand now, not as at rest
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));  ///< the result is the same for any number
@@ -64,6 +66,7 @@ class PointForest {
 
   /// Share of the points that lie on details finer than their discs: beside one that faces another way by more than 60 degrees.
   double fine_details() const { return fine_details_; }
+  double hidden() const { return hidden_; }  ///< share of the surfaces that nothing sees
   double sampling_seconds() const { return sampling_seconds_; }
   double ordering_seconds() const { return ordering_seconds_; }
   double updating_seconds() const { return updating_seconds_; }  ///< on the device: the last leaves and nodes
@@ -116,7 +119,7 @@ class PointForest {
   std::vector<int> uncovered_;  ///< moving instances without covered area, which have no tree
   bool loosened_ = false;
   uint32_t leaf_count_ = 0;
-  double fine_details_ = 0;
+  double fine_details_ = 0, hidden_ = 0;
   double sampling_seconds_ = 0, ordering_seconds_ = 0, updating_seconds_ = 0;
 };
 

@@ -18,6 +18,7 @@ constexpr uint32_t kFirstRound = 64;
 constexpr uint32_t kCandidates = 8;
 constexpr uint32_t kRejections = 4096;  // draws for a candidate that is there, before one is taken as it is
 constexpr uint32_t kSubRounds = 8;
+constexpr float kApart = 8;  // how much farther a point counts that lies before or behind another: parallel layers leave each other alone
 constexpr uint32_t kNone = 0xffffffffu;
 
 /// PCG4D (Jarzynski and Olano 2020), as kernels/random.clh.
@@ -111,7 +112,7 @@ class PointGrid {
   }
 
   /// Distance from a candidate to the nearest point of its 27 cells, at most a cell's size; points whose normals differ
-  /// count as farther, so that the two sides of a thin sheet leave each other alone. Gives up below `enough`.
+  /// count as farther, and those of other layers, so that both sides of a thin sheet are covered by their own. Gives up below `enough`.
   float distance(const std::vector<SampledPoint>& points, const glm::vec3& p, const glm::vec3& n, float enough) const {
     const glm::ivec3 c(glm::floor(p * inverse_));
     float nearest2 = cell_ * cell_;
@@ -125,7 +126,8 @@ class PointGrid {
         const float d2 = glm::dot(d, d);
         if (d2 >= nearest2) continue;
         const float stretch = 1 + 2 * (1 - std::max(0.f, glm::dot(points[i].normal, n)));
-        nearest2 = std::min(nearest2, d2 * stretch * stretch);
+        const float height = kApart * glm::dot(d, n);
+        nearest2 = std::min(nearest2, d2 * stretch * stretch + height * height);
         if (nearest2 <= enough2) return enough;
       }
     }

@@ -43,12 +43,18 @@ LUCARIUM_STRUCT_END(MicroTree, 80)
 
 // Where a leaf lies on its triangle. Leaves do not move on it.
 LUCARIUM_STRUCT_BEGIN(MicroLeaf)
-  uint triangle;  // world triangle; MICRO_LEAF_BACK: on its back
+  uint triangle;  // world triangle; MICRO_LEAF_BACK: on its back; MICRO_LEAF_SOLID: only the inside of a solid sees its back
   uint weights;   // barycentric weights of the second and third vertex, 16 bits each, of 65535
   float area;     // of the triangle when the leaf was placed [tree space²]
 LUCARIUM_STRUCT_END(MicroLeaf, 12)
 
 #define MICRO_LEAF_BACK 0x80000000u
+#define MICRO_LEAF_SOLID 0x40000000u
+#define MICRO_LEAF_TRIANGLE 0x3fffffffu  // the triangle's number alone
+
+// Sides of a leaf that something sees (point_exposure.h).
+#define MICRO_SEEN_FRONT 1u
+#define MICRO_SEEN_BACK 2u
 
 #define MICRO_CUT_LEVELS 6u     // most levels that the cut of gathering nodes reaches below its level
 #define MICRO_MOST_PHOTONS 256  // that a density is estimated from
