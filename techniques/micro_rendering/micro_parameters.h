@@ -84,8 +84,8 @@ struct MicroParameters {
     v.flag("skip_hidden", skip_hidden, "leaves inside solids are no part of the hierarchy, and backs that only the inside of solids sees are transparent");
     v.number("adaptive", adaptive, 0, 1, "",
              "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long, 64 at most; 0: off");
-    v.number("gather_step", gather_step, 1, 4, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one iteration");
-    v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never");
+    v.number("gather_step", gather_step, 1, 8, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one iteration");
+    v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never, what nothing agrees with takes what there is");
     v.flag("gather_env", gather_env, "empty micro-pixels see the environment; light samples of the layer direct leave it out");
     v.choice("node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},
              "what nodes shine with: their diffuse lobes, stored before, or their glossy ones too, towards each gather");

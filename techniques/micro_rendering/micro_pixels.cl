@@ -162,7 +162,8 @@ float3 mirrored_view(const global GBufferPoint* point) {
 
 // Results of all pixels between gathers, from the four around: irradiance by bilateral weights, the specular lobe only
 // from pixels whose lobe is as wide and points the same way. Where the weights sum to less than `least` the pixel gets a
-// key (as mr_list_keys) and gathers itself. Footprint of a pixel: footprint.x · distance + footprint.y [m].
+// key (as mr_list_keys) and gathers itself. With `least` 0 none does: where nothing agrees it takes what there is,
+// which else would be black, and lobes need not point the same way. Footprint of a pixel: footprint.x · distance + footprint.y [m].
 __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint height,
                           const MicroSubImage sub, const float least, const float2 footprint,
                           const uint morton, __global float4* restrict irradiance, __global float4* restrict specular,
@@ -195,7 +196,8 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   const float sigma = 2.0f * (float)stride * (footprint.x * point->position.w + footprint.y);
   const float3 mirrored = mirrored_view(point);
   // Lobes agree within a quarter of their width, alpha radians.
-  const float same_way = 1.0f - 0.5f * sqr(0.25f * bsdf.alpha);
+  const float same_way = least > 0.0f ? 1.0f - 0.5f * sqr(0.25f * bsdf.alpha) : -2.0f;
+  const float least_agreement = least > 0.0f ? 0.0f : 1e-6f;
 
   float4 diffuse = (float4)(0.0f), all = (float4)(0.0f), grazing = (float4)(0.0f);
 #if MICRO_GATHER_ENV
@@ -208,7 +210,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
     const uint other = (uint)cy * width + (uint)cx;
     if (points[other].state != LUCARIUM_GBUFFER_SURFACE) continue;
     const float bilinear = (corner & 1u ? fx : 1.0f - fx) * (corner >> 1 ? fy : 1.0f - fy);
-    const float weight = bilinear * surface_agreement(point, points + other, sigma);
+    const float weight = bilinear * fmax(surface_agreement(point, points + other, sigma), least_agreement);
     if (!(weight > 0.0f)) continue;
     const Surface there = gbuffer_surface(&scene, points + other);
     const Bsdf lobe = make_bsdf(&scene, &there, 0u);

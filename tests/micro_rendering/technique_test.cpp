@@ -215,6 +215,68 @@ TEST_CASE("the mean over frames of gathers at some pixels shows no lattice") {
   CHECK(error(often, false) < 0.8 * error(once, false));
 }
 
+TEST_CASE("gathers at every 8th pixel") {
+  constexpr uint32_t size = 64;
+  const auto room = [](const char* step, uint64_t frames, const char* fail, double* gathers) {
+    RenderSession session(Device::open(), load_scene("builtin:room"), registry().find("micro_rendering"),
+                          settings_for(load_scene("builtin:room"), size, 1), with(small, {{"gather_step", step}, {"upsample_fail", fail}, {"batch_gathers", "16384"}}));
+    session.run({.iterations = frames});
+    *gathers = session.technique().counters().at("gathers");
+    return session.resolve().find("indirect")->pixels;
+  };
+  double all, some, few;
+  const uint64_t frames = test::full_run() ? 64 : 8;  // in 64 frames each pixel once
+  const std::vector<float> every = room("1", 1, "0.05", &all), eighth = room("8", 4, "0.05", &some), never = room("8", frames, "0", &few);
+  CHECK(all == size * size);
+  CHECK(some < 4 * 0.25 * all);
+  CHECK(few == static_cast<double>(frames) / 64 * all);
+  MESSAGE("gathers ", some / 4 / all, ", mean ", mean(eighth) / mean(every), ", RMSE over it ", relative_rmse(eighth, every));
+  MESSAGE("never: mean ", mean(never) / mean(every), ", RMSE over it ", relative_rmse(never, every));
+  CHECK(mean(eighth) == test::relative(mean(every), 0.01));
+  CHECK(relative_rmse(eighth, every) < 0.2);
+  CHECK(mean(never) == test::relative(mean(every), 0.01));
+}
+
+TEST_CASE("the order of gathers changes nothing") {
+  for (const char* step : {"1", "2"}) {
+    CAPTURE(step);
+    const auto room = [&](const char* morton) {
+      const Scene scene = load_scene("builtin:cornell-glossy");
+      RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings_for(scene, 16, 2),
+                            with(small, {{"morton", morton}, {"gather_step", step}}));
+      session.run({.iterations = 1});
+      return std::pair(session.resolve().image(), session.technique().counters().at("node visits"));
+    };
+    const auto curve = room("on"), rows = room("off");
+    CHECK(curve.first == rows.first);
+    CHECK(curve.second == rows.second);
+  }
+}
+
+TEST_CASE("the variants of the paper and the cheaper ones keep the mean") {
+  const double expected = mean(indirect_light(load_scene("builtin:room"), "path_tracing", 16, 1, 64, reference));
+  const struct {
+    const char* name;
+    Parameters parameters;
+    double bound;
+  } variants[] = {
+      {"paper", {{"preset", "paper"}}, 0.05},
+      {"depth_bits", {{"depth_bits", "8"}}, 0.01},
+      {"raycast", {{"raycast", "off"}}, 0.02},
+      {"backface", {{"backface", "cull"}}, 0.01},
+      {"table", {{"warp", "table"}}, 0.01},
+      {"nusselt", {{"warp", "nusselt"}}, 0.01},
+      {"nearest", {{"splat", "nearest"}, {"cut_bound", "centre"}}, 0.05},
+  };
+  for (const auto& variant : variants) {
+    CAPTURE(std::string(variant.name));
+    const double mine = mean(indirect_light(load_scene("builtin:room"), "micro_rendering", 16, 1, 4,
+                                            with(variant.parameters, {{"points_log2", "15"}, {"micro_size", "24"}})));
+    MESSAGE((100 * (mine / expected - 1)), " %");
+    CHECK(mine == test::relative(expected, variant.bound));
+  }
+}
+
 TEST_CASE("layers to look inside: the chosen pixel's micro-buffer, level of the cut, lists, failed interpolations") {
   const auto film = [](const Parameters& parameters) {
     Scene scene = load_scene("builtin:room");
