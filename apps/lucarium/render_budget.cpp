@@ -16,10 +16,9 @@ constexpr uint64_t default_samples = 64;
 constexpr double no_time = 1e-9;  // 0 would be no limit
 
 /// What iterating is left of `seconds`; tells where there is nothing left.
-double seconds_left_of(const char* option, double seconds, double spent, const RenderSession::Clocks& clocks) {
+double seconds_left_of(const char* option, double seconds, double spent, const std::string& of_it = "") {
   if (spent >= seconds)
-    log_warning("{} {:g} was over before the first iteration: what comes before took {:.1f} s ({:.1f} s of it for kernels)",
-                option, seconds, spent, clocks.compile + clocks.warm_up);
+    log_warning("{} {:g} was over before the first iteration: what comes before took {:.1f} s{}", option, seconds, spent, of_it);
   return std::max(no_time, seconds - spent);
 }
 
@@ -27,10 +26,10 @@ RenderBudget make_budget(const BudgetArguments& arguments, const RenderSession& 
   RenderBudget budget{0, arguments.iterations, arguments.samples};
   const RenderSession::Clocks& clocks = session.clocks();
   if (arguments.compute_seconds > 0)
-    budget.seconds = seconds_left_of("--compute-time", arguments.compute_seconds, counted_seconds(clocks), clocks);
+    budget.seconds = seconds_left_of("--compute-time", arguments.compute_seconds, counted_seconds(clocks));
   if (arguments.seconds > 0) {
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left = seconds_left_of("--time", arguments.seconds, spent, clocks);
+    const double left = seconds_left_of("--time", arguments.seconds, spent, fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
     budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
   }
   if (budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0) budget.samples = default_samples;
@@ -43,6 +42,7 @@ std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budge
   if (accurate) return "--until-relmse";
   if (budget.samples > 0 && last.samples >= budget.samples) return "--spp";
   if (budget.iterations > 0 && session.iterations() >= budget.iterations) return "--iterations";
+  if (arguments.seconds > 0 && arguments.compute_seconds > 0) return "--time or --compute-time";
   return arguments.seconds > 0 ? "--time" : "--compute-time";
 }
 

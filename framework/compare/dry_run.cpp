@@ -67,7 +67,7 @@ double seconds_of_run(const ComparisonBudget& budget, const Rate& rate, bool& bo
   const double seconds = budget.seconds > 0 ? budget.seconds : budget.limit_seconds;
   const double iterate = budget.iterations > 0 ? static_cast<double>(budget.iterations) * rate.iteration_seconds
                                                : std::max(rate.iteration_seconds, seconds - rate.counted_seconds);
-  bound = budget.relmse > 0 || std::isfinite(rate.own_seconds);
+  bound = budget.relmse > 0 || rate.own_seconds < iterate;
   return rate.start_seconds + std::min(iterate, rate.own_seconds);
 }
 

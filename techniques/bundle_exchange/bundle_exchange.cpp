@@ -357,7 +357,7 @@ class BundleExchange : public Technique {
     result.samples = parts_->camera.samples();
     const double exchanged = exchange_done() ? 1.0 : static_cast<double>(directions_) / parameters_.directions;
     const double seen = static_cast<double>(parts_->camera.atlas_samples()) / parameters_.camera_samples;
-    result.progress = lit() ? std::min(exchanged, seen) : 0.0;
+    result.progress = lit() ? 0.5 * (exchanged + std::min(seen, 1.0)) : 0.0;  // in some schedules one after the other
     result.converged = lit() && exchange_done() && !wants_light() && seen >= 1;
     result.phase = phase(result.converged);
     return result;

@@ -55,8 +55,7 @@ __kernel void mr_walk(LUCARIUM_SCENE_PARAMETERS const uint count, const uint sid
   const Hit hit = hits[i];
   rays[i] = no_ray();
   if (hit.triangle == LUCARIUM_NO_HIT) {
-    // From where there is no surface nothing looks at backs.
-    if (side == MICRO_SEEN_FRONT || number > 0u) escaped[i] = 1;
+    escaped[i] = 1;
     return;
   }
   LUCARIUM_SCENE_BIND(scene);

@@ -81,7 +81,7 @@ struct MicroParameters {
     v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
-    v.flag("skip_hidden", skip_hidden, "leaves inside solids are no part of the hierarchy, and backs that only the inside of solids sees are transparent");
+    v.flag("skip_hidden", skip_hidden, "no points inside solids of single-sided surfaces, whose backs are transparent where nothing else sees them");
     v.number("adaptive", adaptive, 0, 1, "",
              "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long, 64 at most; 0: off");
     v.number("gather_step", gather_step, 1, 8, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one iteration");

@@ -129,7 +129,10 @@ class MicroRendering : public Technique {
  private:
   void follow(const SceneChange& change) {
     if (!change.any()) return;
-    if (!made_) return make_anew();
+    if (!made_) {
+      if (forest_) forest_->follow(change);
+      return make_anew();
+    }
     if (change.only_camera()) {
       eye_light_->set_frame(frame());
       restart();

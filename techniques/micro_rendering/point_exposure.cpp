@@ -30,17 +30,18 @@ uint32_t quantize_weight(float w) { return static_cast<uint32_t>(std::clamp(w * 
 
 /// `wanted` points: those that something sees, or as many of them, evenly left out; filled up with others.
 std::vector<SampledPoint> choose(const std::vector<SampledPoint>& points, const std::vector<bool>& seen, uint32_t wanted) {
-  std::vector<SampledPoint> lists[2];
-  for (size_t i = 0; i < points.size(); ++i) lists[seen[i] ? 0 : 1].push_back(points[i]);
+  std::vector<uint32_t> lists[2];
+  for (uint32_t i = 0; i < points.size(); ++i) lists[seen[i] ? 0 : 1].push_back(i);
   std::vector<SampledPoint> chosen;
-  for (const std::vector<SampledPoint>& list : lists) {
+  for (const std::vector<uint32_t>& list : lists) {
     const size_t take = std::min(list.size(), wanted - chosen.size());
-    for (size_t i = 0; i < take; ++i) chosen.push_back(list[i * list.size() / take]);
+    for (size_t i = 0; i < take; ++i) chosen.push_back(points[list[i * list.size() / take]]);
   }
   return chosen;
 }
 
-/// What rests and is opaque, under the numbers that its triangles have in the scene; null where that is all there is.
+/// What rests and is opaque, under the numbers that its triangles have in the scene; null where nothing moves, and MASK and
+/// BLEND surfaces are what they are along each ray. Here they hide nothing.
 std::unique_ptr<Bvh> make_resting(Device& device, const ScenePoints& points, const SceneBuffers& buffers, const std::vector<TreeSource>& sources) {
   std::vector<bool> moves(points.scene->instances.size(), false);
   for (const TreeSource& source : sources)
@@ -139,6 +140,12 @@ std::vector<uint8_t> PointExposure::walk(std::span<const SampledPoint> points, s
   return escaped.download();
 }
 
+size_t PointExposure::estimate_bytes(const Scene& scene, size_t points) {
+  const size_t per_point = sizeof(MicroLeaf) + sizeof(Ray) + sizeof(Hit) + sizeof(uint8_t);
+  const auto most = static_cast<size_t>(static_cast<double>(points) / kLeastShare);
+  return std::min(kAtOnce, most) * per_point + (scene.animations.empty() ? 0 : Bvh::estimate_bytes(scene));
+}
+
 double ExposedSampler::exposed_share(const TreeSource& source, uint32_t points) const {
   if (!measures(source)) return 1;
   const std::vector<bool> seen = exposure_->fronts(sample_surface(source.sides, points, seed_, threads_, point_is_there, &scene_points_).points, {});
@@ -156,7 +163,7 @@ SampledSurface ExposedSampler::sample(const TreeSource& source, double share, ui
   if (!measures(source)) return sampled;
   const std::vector<bool> seen = exposure_->fronts(sampled.points, part(0.6, 0.75));
   sampled.points = choose(sampled.points, seen, count);
-  sampled.area *= std::max(share_of(seen), kLeastShare);
+  sampled.area *= std::max(share_of(seen), static_cast<double>(count) / drawn);
   if (!backs_) return sampled;
   const std::vector<bool> backs = exposure_->backs(sampled.points, part(0.75, 1));
   for (size_t i = 0; i < sampled.points.size(); ++i) sampled.points[i].solid = !backs[i];

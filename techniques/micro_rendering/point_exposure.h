@@ -19,8 +19,8 @@ namespace lucarium::micro {
 MicroLeaf leaf_of(const SampledPoint& point);
 
 /// Which sides of points anything sees. Walks leave a side in all directions and go on from where they meet fronts; a walk
-/// that meets the back of a single-sided surface is inside a solid, or in a gap that solids close, and where (nearly) all are
-/// nothing sees that side. What moves hides nothing, since it may move away.
+/// that meets the back of a single-sided surface is inside a solid, or in a gap that solids close, and where all are
+/// nothing sees that side. What moves hides nothing, since it may move away; two-sided surfaces never do.
 class PointExposure {
  public:
   /// `intersector`: of the whole scene; `sources`: all trees; `contact`: fronts that are no farther apart see nothing of each
@@ -33,6 +33,7 @@ class PointExposure {
   std::vector<bool> fronts(const std::vector<SampledPoint>& points, const Progress& progress);
   /// Whether something sees the backs of those points that are on single-sided surfaces.
   std::vector<bool> backs(const std::vector<SampledPoint>& points, const Progress& progress);
+  static size_t estimate_bytes(const Scene& scene, size_t points);
 
  private:
   std::vector<bool> measure(const std::vector<SampledPoint>& points, const std::vector<uint8_t>& known, uint32_t side, uint32_t most_walks, const Progress& progress);

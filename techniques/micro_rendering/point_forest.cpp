@@ -25,7 +25,7 @@ constexpr uint32_t kQualityLevel = 8;  // whose radii tell when a refitted tree 
 constexpr double kLoosest = 1.5;       // times the sum when built
 constexpr double kMostGrowth = 4;      // of a tree's area, until it gets points anew
 constexpr double kContact = 0.01;      // of a disc's radius: fronts that are nearer to each other touch
-constexpr double kFewestPilots = 256, kMostPilots = 1 << 14;  // points that tell how much of a tree is exposed
+constexpr double kMostPilots = 1 << 14;  // points that tell how much of a tree is exposed
 constexpr double kBent = 30;           // degrees that the normals of a pair of leaves are off their mean, for fine details
 constexpr uint32_t kPlacingSeed = 1;   // every run of a scene has the same points
 constexpr size_t kLocalSize = 64;
@@ -123,7 +123,7 @@ double PointForest::bent_pairs() const {
 
 std::vector<PointForest::Placing> PointForest::placing() const {
   std::vector<Placing> list;
-  for (const SceneMaterial& m : scene_.materials) list.push_back({m.alpha_mode, is_two_sided(m)});
+  for (const SceneMaterial& m : scene_.materials) list.push_back({m.alpha_mode, is_two_sided(m), m.transmission > 0});
   return list;
 }
 
@@ -145,21 +145,22 @@ void PointForest::place(std::vector<TreeSource> sources) {
   const double expected = std::exp2(options_.points_log2);  // points, but for rounding
   auto start = std::chrono::steady_clock::now();
   const ScenePoints points(scene_, buffers_);
-  const double everything = std::accumulate(areas.begin(), areas.end(), 0.0);
+  // Of what rests nothing may depend on where things move.
   std::unique_ptr<PointExposure> exposure;
-  if (options_.intersector) {
-    const double contact = kContact * static_cast<double>(options_.disc_scale) * std::sqrt(everything / (3.14159265358979 * expected));
-    exposure = std::make_unique<PointExposure>(device_, scheduler_, points, buffers_, *options_.intersector, sources, static_cast<float>(contact), owner_);
+  if (options_.skip_hidden && sources.front().kind == TreeKind::resting) {
+    const double disc = static_cast<double>(options_.disc_scale) * std::sqrt(areas.front() / (3.14159265358979 * expected));
+    exposure = std::make_unique<PointExposure>(device_, scheduler_, points, buffers_, *options_.intersector, sources, static_cast<float>(kContact * disc), owner_);
   }
   const ExposedSampler sampler(points, exposure.get(), !options_.all_cullable, kPlacingSeed, options_.threads);
   std::vector<double> exposed;
+  double all = 0;
   for (size_t t = 0; t < sources.size(); ++t) {
-    const double some = expected * areas[t] / std::max(everything, 1e-30);
-    exposed.push_back(sampler.exposed_share(sources[t], static_cast<uint32_t>(std::clamp(some, kFewestPilots, kMostPilots))));
+    exposed.push_back(sampler.exposed_share(sources[t], static_cast<uint32_t>(std::min(expected, kMostPilots))));
+    all += areas[t];
     areas[t] *= exposed[t];
   }
   const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
-  hidden_ = everything > 0 ? 1 - total / everything : 0;
+  hidden_ = all > 0 ? 1 - total / all : 0;
   sampling_seconds_ += seconds_since(start);
   std::vector<MicroLeaf> all_leaves;
   for (size_t t = 0; t < sources.size(); ++t) {
@@ -190,6 +191,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
     trees_.push_back(tree);
     sources[t].sides = {};
   }
+  exposure.reset();
   leaf_count_ = static_cast<uint32_t>(all_leaves.size());
   leaves = TypedBuffer<MicroLeaf>(device_, owner_, "leaves", all_leaves, kRemedy);
   leaf_albedo = TypedBuffer<uint2>(device_, owner_, "albedo of leaves", leaf_count_, kRemedy);
@@ -358,7 +360,9 @@ PointForest::Size PointForest::estimate(const Scene& scene, const ForestOptions&
   const size_t leaves = (trees > 1 ? size_t{3} << options.points_log2 >> 1 : size_t{1} << options.points_log2) +
                         (trees - 1) * (size_t{1} << kLeastDepth);
   const size_t per_leaf = sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)) + sizeof(uint4);
-  return {leaves, leaves * per_leaf + trees * sizeof(MicroTree) + scene.triangle_count() * sizeof(MicroPatch)};
+  const size_t held = leaves * per_leaf + trees * sizeof(MicroTree), patches = scene.triangle_count() * sizeof(MicroPatch);
+  const size_t measuring = options.skip_hidden ? PointExposure::estimate_bytes(scene, leaves) : 0;  // before there are leaves
+  return {leaves, std::max(held, measuring) + patches};
 }
 
 }  // namespace lucarium::micro

@@ -18,7 +18,8 @@ struct ForestOptions {
   int points_log2 = 18;
   float disc_scale = 1.6f;     ///< radius of a leaf's disc over that of the disc of its area
   bool all_cullable = false;   ///< surfaces are transparent from behind instead of black
-  const Intersector* intersector = nullptr;  ///< finds out what nothing sees, where no points are placed; null: everything counts as seen
+  bool skip_hidden = false;    ///< no points where nothing sees them (point_exposure.h); needs `intersector`
+  const Intersector* intersector = nullptr;
   std::vector<int> moving;     ///< instances that have trees of their own though no animation moves them
   bool posed = false;          ///< leaves of deforming trees are ordered as they stand now, not as at rest
   int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));  ///< the result is the same for any number
@@ -91,7 +92,7 @@ class PointForest {
   /// What of a material decides where points are.
   struct Placing {
     AlphaMode alpha_mode;
-    bool two_sided;
+    bool two_sided, transmits;
     bool operator==(const Placing&) const = default;
   };
   std::vector<Placing> placing() const;

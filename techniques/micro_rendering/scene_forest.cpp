@@ -21,11 +21,12 @@ ForestOptions forest_options(const MicroParameters& parameters) {
   options.points_log2 = parameters.points_log2;
   options.disc_scale = parameters.disc_scale;
   options.all_cullable = parameters.backface == Backface::cull;
+  options.skip_hidden = parameters.skip_hidden;
   return options;
 }
 
 SceneForest::SceneForest(const TechniqueContext& context, const MicroParameters& parameters, const std::string& owner)
-    : context_(context), options_(forest_options(parameters)), skip_hidden_(parameters.skip_hidden), owner_(owner) {
+    : context_(context), options_(forest_options(parameters)), owner_(owner) {
   options_.progress = context.progress;
 }
 
@@ -46,7 +47,7 @@ bool SceneForest::follow(const SceneChange& change) {
 void SceneForest::make() {
   for (bool again = true; again;) {
     forest_.reset();
-    if (skip_hidden_) options_.intersector = &context_.bvh();
+    options_.intersector = &context_.bvh();
     forest_ = std::make_unique<PointForest>(*context_.device, context_.scheduler, context_.scene, context_.scene_buffers, options_, owner_);
     again = !options_.posed && forest_->loosened();
     options_.posed = options_.posed || again;

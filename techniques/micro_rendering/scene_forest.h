@@ -31,7 +31,6 @@ class SceneForest {
  private:
   const TechniqueContext& context_;
   ForestOptions options_;
-  bool skip_hidden_;
   std::string owner_;
   std::vector<int> moved_;  ///< instances that have been moved though no animation does it; options_.moving: moved again
   std::unique_ptr<PointForest> forest_;

@@ -60,7 +60,7 @@ Census count(const Scene& scene, bool measured, int points_log2, int sheet = non
   KernelScheduler scheduler(device.shared_from_this());
   const SceneBuffers buffers(device, scene);
   const Bvh bvh(device, scene, buffers);
-  const PointForest forest(device, scheduler, scene, buffers, {.points_log2 = points_log2, .intersector = measured ? &bvh : nullptr}, "test");
+  const PointForest forest(device, scheduler, scene, buffers, {.points_log2 = points_log2, .skip_hidden = measured, .intersector = &bvh}, "test");
   const std::vector<Triangle> triangles = buffers.scene_triangles.download();
   const std::vector<Vertex> vertices = buffers.scene_vertices.download();
   Census census;
@@ -110,6 +110,31 @@ TEST_CASE("the back of a sheet is seen, and what a moving thing stands on too") 
   std::swap(scene.instances[7], scene.instances.back());
   animate_last_instance(scene, AnimationPath::translation, {0, 0, 0, 0.5f, 0, 0.5f});
   CHECK(count(scene, true, 14).below_plinth > 40);
+}
+
+TEST_CASE("what is hidden does not depend on where things have moved") {
+  Scene scene = make_overlapping_room();
+  add_instance(scene, add_mesh(scene, MeshBuilder("mover").box({0.3f, 0.1f, 0.2f}, {0.6f, 0.5f, 0.6f}).take()), 0);
+  scene.cameras.push_back(look_at_camera("corner", {0.9f, 1.6f, 0.9f}, {-0.3f, 0.5f, -0.3f}, 70));
+  SceneLight light;
+  light.world_from_light[3] = {-0.7f, 1.2f, 0.5f, 1};
+  light.intensity = glm::vec3(10);
+  scene.lights.push_back(light);
+  animate_last_instance(scene, AnimationPath::scale, {1, 1, 1, 1.5f, 1, 1});  // stretched: its area changes too
+  const RenderSettings settings = settings_for(scene, 16, 1);
+  const auto picture = [](RenderSession& session) {
+    session.run({.iterations = 2});
+    return session.resolve().find("indirect")->pixels;
+  };
+  RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings, small);
+  picture(session);
+  session.set_time(0.8);
+  evaluate(scene, 0.8, scene.animation);
+  RenderSession fresh(Device::open(), scene, registry().find("micro_rendering"), settings, small);
+  const std::vector<float> expected = picture(fresh);
+  CHECK(mean(expected) > 0);
+  CHECK(session.technique().counters().at("share of hidden surface") > 0.2);
+  CHECK(picture(session) == expected);
 }
 
 TEST_CASE("solids that overlap are no darker than the path tracer says") {
