@@ -28,6 +28,11 @@ namespace {
 constexpr double least_page_interval = 60;  // [s]
 constexpr double page_interval_costs = 10;
 
+/// Whether the budget ended before all light was in the picture.
+bool is_unfinished(const PieceResult& piece) {
+  return piece.failure.empty() && !piece.render_summary.empty() && json::parse(piece.render_summary).value("partial", false);
+}
+
 }  // namespace
 
 ComparisonResult run_comparison(const ComparisonSpec& spec, const TechniqueRegistry& registry,
@@ -193,6 +198,7 @@ void ComparisonRunner::tell(const PieceResult& piece, size_t number, size_t tota
   std::string outcome = piece.failure;
   if (outcome.empty()) {
     outcome = fmt::format("relMSE {:.3g} after {:.1f} s, {} samples", piece.metrics.at("relMSE"), piece.seconds(), piece.samples);
+    if (is_unfinished(piece)) outcome += ", unfinished: light is missing, or the picture is coarse";
     if (spec_.budgets[piece.budget].relmse > 0) {
       outcome += piece.reached_seconds ? fmt::format(", there after {:.1f} s", *piece.reached_seconds) : ", not there in time";
     }
@@ -203,6 +209,11 @@ void ComparisonRunner::tell(const PieceResult& piece, size_t number, size_t tota
 
 void ComparisonRunner::add_piece(PieceResult piece) {
   changed_.push_back({piece.scene, piece.variant, piece.budget});
+  if (is_unfinished(piece)) {
+    result_.scenes[piece.scene].warnings.push_back(
+        fmt::format("{}, {}, seed {}: the budget ended too early; light is missing, or the picture is coarse",
+                    spec_.variants[piece.variant].label(), spec_.budgets[piece.budget].label(), piece.seed));
+  }
   result_.pieces.push_back(std::move(piece));
 }
 

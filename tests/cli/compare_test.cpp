@@ -102,6 +102,18 @@ TEST_CASE("a comparison that was killed goes on where it stopped; what was finis
   CHECK(json::parse(text_of(results / "results.json"))["pieces"].size() == 4);
 }
 
+TEST_CASE("a picture whose budget ended too early is told of where its error stands") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results";
+  const ProgramResult run = run_lucarium("compare builtin:cornell -t bundle_exchange:texels=2048 --size 16x16 --max-bounces 1 --iterations 1 --seeds 1 " +
+                                         std::string("--reference-spp 32 -o ") + results.string());
+  CHECK(run.exit_code == 0);
+  CHECK(contains(run.out + run.err, "unfinished: light is missing"));
+  const json warnings = json::parse(text_of(results / "results.json"))["scenes"][0]["warnings"];
+  REQUIRE(warnings.size() == 1);
+  CHECK(contains(warnings[0].get<std::string>(), "the budget ended too early"));
+}
+
 TEST_CASE("mistakes of a comparison end it before anything is rendered") {
   const TemporaryFolder folder;
   const std::string out = "-o " + (folder.path() / "results").string() + " ";
