@@ -355,10 +355,10 @@ class BundleExchange : public Technique {
   IterationResult state() const {
     IterationResult result;
     result.samples = parts_->camera.samples();
-    const double exchanged = exchange_done() ? 1.0 : static_cast<double>(directions_) / parameters_.directions;
-    const double seen = static_cast<double>(parts_->camera.atlas_samples()) / parameters_.camera_samples;
-    result.progress = lit() ? 0.5 * (exchanged + std::min(seen, 1.0)) : 0.0;  // in some schedules one after the other
-    result.converged = lit() && exchange_done() && !wants_light() && seen >= 1;
+    // Of the exchange alone: what it has found is kept when the camera moves.
+    result.progress = !lit() ? 0 : exchange_done() ? 1 : static_cast<double>(directions_) / parameters_.directions;
+    const bool seen = parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
+    result.converged = lit() && exchange_done() && !wants_light() && seen;
     result.phase = phase(result.converged);
     return result;
   }
