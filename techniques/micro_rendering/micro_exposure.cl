@@ -47,7 +47,7 @@ int walk_end(const Scene* scene, const Surface* end, Ray ray, Hit hit, float con
 }
 
 // Step `number` of the walks. `last`: who comes so far has escaped too.
-__kernel void mr_walk(LUCARIUM_SCENE_PARAMETERS const uint count, const uint side, const uint number, const uint last, const float contact,
+__kernel void mr_walk(LUCARIUM_SCENE_PARAMETERS const uint count, const uint number, const uint last, const float contact,
                       __global const Hit* restrict hits, __global Ray* restrict rays, __global uchar* restrict escaped) {
   const uint i = get_global_id(0);
   if (i >= count || rays[i].direction.w < 0.0f) return;

@@ -125,7 +125,7 @@ std::vector<uint8_t> PointExposure::walk(std::span<const SampledPoint> points, s
     intersector_.record_closest(recorder, "steps of walks", rays, hits, ray_count, 0, count);
     PassBuilder pass = recorder.pass("walk", program_, "mr_walk");
     buffers_.bind(pass, program_, "mr_walk");
-    pass.global(count).local(kLocalSize).arg("count", count).arg("side", side).arg("number", step)
+    pass.global(count).local(kLocalSize).arg("count", count).arg("number", step)
         .arg("last", step + 1 == kSteps ? 1u : 0u).arg("contact", contact_).arg("hits", hits)
         .arg("rays", rays).arg("escaped", escaped);
   }
