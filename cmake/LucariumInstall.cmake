@@ -9,11 +9,7 @@ install(EXPORT LucariumTargets NAMESPACE Lucarium:: DESTINATION ${package_folder
 
 # Headers that need a library which the framework keeps to itself, directly or through another header, are no part of the
 # interface.
-set(headers "")
-foreach(folder IN LISTS LUCARIUM_FOLDERS)
-  file(GLOB found CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.h)
-  list(APPEND headers ${found})
-endforeach()
+file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} lucarium/*.h)
 set(private_include "<(nlohmann|OpenImageIO|tiny_gltf|spdlog|xxhash)")
 set(left_out -1)
 while(NOT left_out EQUAL 0)
@@ -22,18 +18,18 @@ while(NOT left_out EQUAL 0)
     file(STRINGS ${CMAKE_CURRENT_SOURCE_DIR}/${header} found REGEX "^#include *(${private_include})")
     if(found)
       list(REMOVE_ITEM headers ${header})
-      string(APPEND private_include "|\"lucarium/${header}\"")
+      string(APPEND private_include "|\"${header}\"")
       math(EXPR left_out "${left_out} + 1")
     endif()
   endforeach()
 endwhile()
 foreach(header IN LISTS headers)
   cmake_path(GET header PARENT_PATH folder)
-  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lucarium/${folder})
+  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder})
 endforeach()
-install(DIRECTORY ${CMAKE_SOURCE_DIR}/kernels/shared/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lucarium/shared
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/kernels/lucarium/shared/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lucarium/shared
   FILES_MATCHING PATTERN "*.h")
-install(FILES ${LUCARIUM_INCLUDE_ROOT}/lucarium/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lucarium)
+install(FILES ${LUCARIUM_GENERATED_ROOT}/lucarium/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/lucarium)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 string(REGEX MATCH "^[0-9]+" compiler_major ${CMAKE_CXX_COMPILER_VERSION})

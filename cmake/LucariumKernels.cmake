@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-# OpenCL sources are embedded into the library or plug-in that owns them, under virtual names by which
-# they include each other ("lucarium/bsdf.clh", "path_tracing/shade.cl"), and are installed under
-# share/lucarium/kernels by the same names.
+# OpenCL sources are embedded into the library or plug-in that owns them. Their names are their paths below a root
+# (kernels, framework, techniques): "lucarium/bsdf.clh", "path_tracing/shade.cl". They are installed under
+# share/lucarium/kernels by the same names. LUCARIUM_KERNEL_PATH=kernels:framework:techniques reads them from disk.
 
-# The virtual names as a folder of links: what clang checks against, and a root for LUCARIUM_KERNEL_PATH.
-set(LUCARIUM_KERNEL_TREE ${CMAKE_BINARY_DIR}/kernel_tree)
 set(LUCARIUM_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_DIR}/embed_kernels.cmake)
-set_property(GLOBAL PROPERTY LUCARIUM_KERNEL_ROOTS ${LUCARIUM_KERNEL_TREE} ${LUCARIUM_INSTALLED_KERNELS})
+# Where clang finds them: in this repository, or what is installed.
+set(LUCARIUM_KERNEL_ROOTS ${LUCARIUM_INSTALLED_KERNELS})
+if(NOT LUCARIUM_KERNEL_ROOTS)
+  set(LUCARIUM_KERNEL_ROOTS ${CMAKE_SOURCE_DIR}/kernels ${CMAKE_SOURCE_DIR}/framework ${CMAKE_SOURCE_DIR}/techniques)
+endif()
 find_program(LUCARIUM_CLANG NAMES clang clang-14 clang-15 clang-16)
 
 # A source file with the function `function` that gives the texts of the manifest's lines name|path, added to `target`.
@@ -23,8 +25,8 @@ endfunction()
 
 # lucarium_embed_kernels(TARGET target FUNCTION name ROOTS prefix=dir... [INSTALL])
 #
-# Generates `const lucarium::EmbeddedSources& FUNCTION()` from every dir/*.cl, dir/*.clh and dir/shared/*.h, under the
-# virtual names prefix/…, and adds it to TARGET. The list is derived from the folders, never kept by hand. With INSTALL
+# Generates `const lucarium::EmbeddedSources& FUNCTION()` from every .cl and .clh file and every shared/*.h below dir,
+# under the names prefix/…, and adds it to TARGET. The list is derived from the folders, never kept by hand. With INSTALL
 # the files are installed too.
 function(lucarium_embed_kernels)
   cmake_parse_arguments(A "INSTALL" "TARGET;FUNCTION" "ROOTS" ${ARGN})
@@ -34,22 +36,25 @@ function(lucarium_embed_kernels)
     string(REGEX MATCH "^([^=]*)=(.*)$" _ "${root}")
     set(prefix ${CMAKE_MATCH_1})
     set(dir ${CMAKE_MATCH_2})
-    file(GLOB files CONFIGURE_DEPENDS RELATIVE ${dir} ${dir}/*.cl ${dir}/*.clh ${dir}/shared/*.h)
+    file(GLOB_RECURSE files CONFIGURE_DEPENDS RELATIVE ${dir} ${dir}/*.cl ${dir}/*.clh ${dir}/shared/*.h)
     foreach(file IN LISTS files)
+      cmake_path(IS_PREFIX CMAKE_BINARY_DIR ${dir}/${file} NORMALIZE built)
+      if(built)
+        continue()  # a build folder inside a plug-in's folder
+      endif()
       set(virtual ${prefix}/${file})
       string(APPEND manifest "${virtual}|${dir}/${file}\n")
       list(APPEND sources ${dir}/${file})
       cmake_path(GET virtual PARENT_PATH parent)
-      file(MAKE_DIRECTORY ${LUCARIUM_KERNEL_TREE}/${parent})
-      file(CREATE_LINK ${dir}/${file} ${LUCARIUM_KERNEL_TREE}/${virtual} SYMBOLIC)
       if(A_INSTALL)
         install(FILES ${dir}/${file} DESTINATION ${CMAKE_INSTALL_DATADIR}/lucarium/kernels/${parent})
       endif()
       if(LUCARIUM_CHECK_KERNELS AND LUCARIUM_CLANG AND file MATCHES "\\.cl$")
         string(MAKE_C_IDENTIFIER "${virtual}" stem)
         set(stamp ${CMAKE_CURRENT_BINARY_DIR}/kernel_checks/${stem}.ok)
-        get_property(roots GLOBAL PROPERTY LUCARIUM_KERNEL_ROOTS)
-        list(TRANSFORM roots PREPEND -I)
+        cmake_path(GET dir PARENT_PATH own_root)  # of "NAME/file" in a plug-in's own folder NAME
+        list(TRANSFORM LUCARIUM_KERNEL_ROOTS PREPEND -I OUTPUT_VARIABLE roots)
+        list(APPEND roots -I${own_root})
         add_custom_command(OUTPUT ${stamp}
           COMMAND ${LUCARIUM_CLANG} -x cl -cl-std=CL1.2 -Xclang -finclude-default-header -fsyntax-only
                   -Wall -Wno-unused-function -Wno-unused-variable -Werror=implicit-function-declaration

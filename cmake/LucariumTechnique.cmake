@@ -2,8 +2,9 @@
 # lucarium_add_technique(NAME SOURCES file...)
 #
 # Builds the plug-in `lucarium_NAME` (a shared library in lib/lucarium/techniques of the build folder) from C++ SOURCES
-# and every .cl, .clh and shared/*.h file beside the CMakeLists.txt, embedded under the virtual prefix NAME/. The plug-in's
-# C++ gets the sources from `const lucarium::EmbeddedSources& NAME_kernels()` and may include "NAME/shared/x.h".
+# and every .cl, .clh and shared/*.h file below the folder of the CMakeLists.txt, embedded as NAME/…. The plug-in's C++
+# gets the sources from `const lucarium::EmbeddedSources& NAME_kernels()`. Files include each other by paths relative to
+# themselves ("shared/x.h"), or, where the folder is called NAME, as "NAME/shared/x.h".
 # The same call works inside this repository and, after find_package(Lucarium), outside of it.
 function(lucarium_add_technique NAME)
   if(NOT NAME MATCHES "^[a-z][a-z0-9_]*$")
@@ -13,7 +14,7 @@ function(lucarium_add_technique NAME)
   add_library(lucarium_${NAME} MODULE ${A_SOURCES})
   lucarium_embed_kernels(TARGET lucarium_${NAME} FUNCTION ${NAME}_kernels INSTALL
     ROOTS ${NAME}=${CMAKE_CURRENT_SOURCE_DIR})
-  target_include_directories(lucarium_${NAME} PRIVATE ${LUCARIUM_KERNEL_TREE})
+  target_include_directories(lucarium_${NAME} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/..)
   target_link_libraries(lucarium_${NAME} PRIVATE Lucarium::framework)
   if(TARGET lucarium_build_flags)
     target_link_libraries(lucarium_${NAME} PRIVATE $<BUILD_INTERFACE:lucarium_build_flags>)

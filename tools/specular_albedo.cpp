@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes framework/scene/specular_albedo_values.inc: albedos of the GGX reflection lobe by quadrature.
+// Writes framework/lucarium/scene/device/specular_albedo_values.inc: albedos of the GGX reflection lobe by quadrature.
 //   c++ -O3 -std=c++20 tools/specular_albedo.cpp -o specular_albedo && ./specular_albedo > specular_albedo_values.inc
 //
 // E1(mu, alpha) is the directional albedo with F = 1, B(mu, alpha) the same with F = (1 - v.h)^5, both with
 // height-correlated Smith masking (Heitz 2014); their cosine averages are 2 int E mu dmu. With visible normals as
 // variables E1 is the mean of G2/G1 over the spherical cap of Dupuy and Benyoub 2023, an integrand that stays smooth
-// for every roughness. Layout and parametrisation: kernels/specular_albedo.clh.
+// for every roughness. Layout and parametrisation: kernels/lucarium/specular_albedo.clh.
 #include <cmath>
 #include <cstdio>
 #include <vector>

@@ -4,13 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/progress.h"
-#include "lucarium/compute/byte_size.h"
 #include "lucarium/film/image_io.h"
-#include "lucarium/services/bvh.h"
-#include "lucarium/services/gbuffer.h"
-#include "lucarium/services/surface_atlas_image.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/gbuffer/gbuffer.h"
+#include "lucarium/services/surface_atlas/image.h"
 #include "lucarium/technique/technique.h"
 #include "output_files.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "lucarium/services/surface_atlas.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
 #include "options.h"
 
 namespace lucarium::app {

@@ -8,7 +8,7 @@
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
-#include "lucarium/check/conformance.h"
+#include "lucarium/conformance/conformance.h"
 #include "lucarium/version.h"
 #include "options.h"
 
@@ -29,7 +29,8 @@ struct CheckArguments {
 };
 
 size_t count(const std::vector<CheckResult>& results, Verdict verdict) {
-  return static_cast<size_t>(std::count_if(results.begin(), results.end(), [&](const CheckResult& r) { return r.verdict == verdict; }));
+  return static_cast<size_t>(
+      std::count_if(results.begin(), results.end(), [&](const CheckResult& r) { return r.verdict == verdict; }));
 }
 
 void print_row(const CheckResult& result) {
@@ -38,8 +39,8 @@ void print_row(const CheckResult& result) {
   std::fflush(stdout);
 }
 
-ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueArguments::Spec& spec, const TechniqueType& type,
-                     const Device& device) {
+ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueArguments::Spec& spec,
+                     const TechniqueType& type, const Device& device) {
   ordered_json json = {{"schema", "lucarium-check-1"},
                        {"technique", spec.name},
                        {"technique_version", type.info().version},
@@ -56,8 +57,10 @@ ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueArg
   }
   json["checks"] = ordered_json::array();
   for (const CheckResult& result : results) {
-    json["checks"].push_back({{"name", result.name},         {"verdict", verdict_name(result.verdict)},
-                              {"measured", result.measured}, {"required", result.required},
+    json["checks"].push_back({{"name", result.name},
+                              {"verdict", verdict_name(result.verdict)},
+                              {"measured", result.measured},
+                              {"required", result.required},
                               {"seconds", result.seconds}});
   }
   return json;
@@ -79,13 +82,15 @@ int check(const CheckArguments& arguments) {
   options.parameters = spec.parameters;
   options.only = arguments.only;
   options.program = fs::read_symlink("/proc/self/exe");
-  for (const fs::path& folder : arguments.folders) options.arguments.insert(options.arguments.end(), {"--technique-path", folder.string()});
+  for (const fs::path& folder : arguments.folders)
+    options.arguments.insert(options.arguments.end(), {"--technique-path", folder.string()});
   options.device_arguments = arguments.device.words();
   const bool table = !arguments.output.json && !arguments.output.quiet;
   bool first = true;
   if (table) {
     options.on_result = [&](const CheckResult& result) {
-      if (std::exchange(first, false)) fmt::print("{} {} on {}\n", type.info().name, type.info().version, device->info().name);
+      if (std::exchange(first, false))
+        fmt::print("{} {} on {}\n", type.info().name, type.info().version, device->info().name);
       print_row(result);
     };
   }
@@ -93,8 +98,9 @@ int check(const CheckArguments& arguments) {
   const size_t failed = count(results, Verdict::failed);
   if (arguments.output.json) fmt::print("{}\n", to_json(results, spec, type, *device).dump(2));
   if (table) {
-    fmt::print("{}: {} passed, {} failed, {} skipped, {} not claimed\n", type.info().name, count(results, Verdict::passed), failed,
-               count(results, Verdict::skipped), count(results, Verdict::not_claimed));
+    fmt::print("{}: {} passed, {} failed, {} skipped, {} not claimed\n", type.info().name,
+               count(results, Verdict::passed), failed, count(results, Verdict::skipped),
+               count(results, Verdict::not_claimed));
   }
   if (interrupt_requested()) throw_error(ErrorClass::interrupted, "interrupted after {} checks", results.size());
   return failed > 0 ? exit_failed : 0;
@@ -104,14 +110,22 @@ int check(const CheckArguments& arguments) {
 
 void add_check_command(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<CheckArguments>();
-  CLI::App& command = *program.add_subcommand("check", "test whether a technique keeps its promises (docs/conformance.md)");
+  CLI::App& command =
+      *program.add_subcommand("check", "test whether a technique keeps its promises (docs/conformance.md)");
   command.add_option("technique", arguments->technique, "NAME[:key=value,…]")->required();
   command.add_option("-p,--parameter", arguments->parameters, "key=value, set in every check")
-      ->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--only", arguments->only, "run the checks whose names begin with this; may be given several times")
-      ->take_all()->expected(1)->allow_extra_args(false);
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command
+      .add_option("--only", arguments->only, "run the checks whose names begin with this; may be given several times")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   command.add_option("--technique-path", arguments->folders, "folder of plug-ins, searched first")
-      ->take_all()->expected(1)->allow_extra_args(false);
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   arguments->device.add_to(command);
   arguments->output.add_to(command);
   command.callback([arguments, &action] { action = [arguments] { return check(*arguments); }; });

@@ -7,8 +7,8 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/compare/comparison.h"
-#include "lucarium/compare/dry_run.h"
-#include "lucarium/compute/program_cache.h"
+#include "lucarium/compare/plan/dry_run.h"
+#include "lucarium/compute/program/program_cache.h"
 #include "options.h"
 
 namespace lucarium::app {
@@ -68,7 +68,8 @@ ComparisonSpec spec_of(const CompareArguments& arguments) {
 /// From the file, or from the arguments; which device runs it is always the arguments' to say.
 ComparisonSpec wanted_comparison(const CompareArguments& arguments) {
   if (!arguments.comparison.empty() && (!arguments.scenes.empty() || !arguments.technique.specs.empty())) {
-    throw_error(ErrorClass::usage, "--comparison {} defines the whole comparison; leave out scenes and -t", arguments.comparison.string());
+    throw_error(ErrorClass::usage, "--comparison {} defines the whole comparison; leave out scenes and -t",
+                arguments.comparison.string());
   }
   ComparisonSpec spec = arguments.comparison.empty() ? spec_of(arguments) : read_comparison(arguments.comparison);
   const std::vector<std::string> device = arguments.device.words();
@@ -90,8 +91,10 @@ bool succeeded(const ComparisonResult& result) {
   for (const GateResult& gate : result.gates) {
     if (gate.passed) continue;
     fine = false;
-    log_message(LogLevel::error, fmt::format("gate {} missed: {} with {} on {}", gate.gate, std::isnan(gate.value) ? "no result" : fmt::format("{:.4g}", gate.value),
-              result.spec.variants[gate.variant].label(), result.scenes[gate.scene].name));
+    log_message(LogLevel::error,
+                fmt::format("gate {} missed: {} with {} on {}", gate.gate,
+                            std::isnan(gate.value) ? "no result" : fmt::format("{:.4g}", gate.value),
+                            result.spec.variants[gate.variant].label(), result.scenes[gate.scene].name));
   }
   return fine;
 }
@@ -135,28 +138,46 @@ void add_compare_command(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App& command = *program.add_subcommand("compare", "compare technique variants on scenes against a reference");
   command.add_option("scenes", arguments->scenes, ".gltf, .glb or builtin:NAME, one or more");
-  command.add_option("--comparison", arguments->comparison, "JSON file that defines scenes, techniques, budgets (docs/comparisons.md)");
+  command.add_option("--comparison", arguments->comparison,
+                     "JSON file that defines scenes, techniques, budgets (docs/comparisons.md)");
   arguments->technique.add_to(command);
   command.add_option("-o,--output", arguments->options.folder, "folder of the results");
   const auto add_budget = [&command](const char* name, auto& values, const char* text) {
     command.add_option(name, values, text)->check(positive_number())->take_all()->expected(1)->allow_extra_args(false);
   };
-  add_budget("--time", arguments->seconds, "equal time: seconds of preparing and iterating; may be given several times");
+  add_budget("--time", arguments->seconds,
+             "equal time: seconds of preparing and iterating; may be given several times");
   add_budget("--iterations", arguments->iterations, "equal iterations; may be given several times");
   add_budget("--equal-error", arguments->equal_error, "equal error: time to this relMSE; may be given several times");
-  command.add_option("--limit", arguments->limit_seconds, "seconds after which --equal-error gives up")->check(positive_number())->capture_default_str();
-  command.add_option("--seeds", arguments->spec.seeds, "independent runs of each variant")->check(CLI::Range(1, 1000))->capture_default_str();
+  command.add_option("--limit", arguments->limit_seconds, "seconds after which --equal-error gives up")
+      ->check(positive_number())
+      ->capture_default_str();
+  command.add_option("--seeds", arguments->spec.seeds, "independent runs of each variant")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command.add_option("--reference", arguments->reference, "image to compare with, instead of a rendered reference");
-  command.add_option("--reference-spp", arguments->spec.reference.samples, "samples per pixel of rendered references, at most")
-      ->check(CLI::Range(32, 1 << 24))->capture_default_str();
-  command.add_option("--reference-error", arguments->spec.reference.relmse, "stop a reference when its own relMSE is at most this")
+  command
+      .add_option("--reference-spp", arguments->spec.reference.samples,
+                  "samples per pixel of rendered references, at most")
+      ->check(CLI::Range(32, 1 << 24))
+      ->capture_default_str();
+  command
+      .add_option("--reference-error", arguments->spec.reference.relmse,
+                  "stop a reference when its own relMSE is at most this")
       ->check(positive_number());
-  command.add_option("--fallback-environment", arguments->spec.fallback_environment, "r,g,b of the sky of scenes without any light");
-  command.add_option("--gate", arguments->gates, "METRIC<VALUE, METRIC>VALUE or LABEL:METRIC<VALUE: exit code 1 when it is missed")
-      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--fallback-environment", arguments->spec.fallback_environment,
+                     "r,g,b of the sky of scenes without any light");
+  command
+      .add_option("--gate", arguments->gates,
+                  "METRIC<VALUE, METRIC>VALUE or LABEL:METRIC<VALUE: exit code 1 when it is missed")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   command.add_option("--baseline", arguments->options.baseline, "folder of an earlier comparison: say what changed");
-  command.add_flag("--dry-run", arguments->dry_run, "print the plan, with light paths, memory and time, and render nothing but first iterations");
-  command.add_flag("--link-images", arguments->options.report.link_images, "report with images beside it, in full precision");
+  command.add_flag("--dry-run", arguments->dry_run,
+                   "print the plan, with light paths, memory and time, and render nothing but first iterations");
+  command.add_flag("--link-images", arguments->options.report.link_images,
+                   "report with images beside it, in full precision");
   arguments->image.add_to(command, false);
   arguments->overrides.add_to(command);
   command.add_flag("--resume", arguments->options.resume, "continue an interrupted comparison in the same folder");
@@ -175,7 +196,8 @@ void add_report_command(CLI::App& program, Action& action) {
   CLI::App& command = *program.add_subcommand("report", "write report.html anew from the results in a folder");
   command.add_option("folder", arguments->folder, "folder of the results")->required();
   command.add_flag("--link-images", arguments->options.link_images, "images beside the page, in full precision");
-  command.callback([arguments, &action] { action = [arguments] { return report(arguments->folder, arguments->options); }; });
+  command.callback(
+      [arguments, &action] { action = [arguments] { return report(arguments->folder, arguments->options); }; });
 }
 
 }  // namespace lucarium::app

@@ -43,8 +43,8 @@ double counted_seconds(const RenderSession::Clocks& clocks) {
   return clocks.upload + clocks.bvh + clocks.prepare + clocks.iterate;
 }
 
-CurveRecorder::CurveRecorder(const std::filesystem::path& reference, const RenderSettings& settings, float exposure_stops,
-                       const CurveSchedule& schedule)
+CurveRecorder::CurveRecorder(const std::filesystem::path& reference, const RenderSettings& settings,
+                             float exposure_stops, const CurveSchedule& schedule)
     : width_(settings.width),
       height_(settings.height),
       exposure_(exposure_stops),
@@ -54,7 +54,8 @@ CurveRecorder::CurveRecorder(const std::filesystem::path& reference, const Rende
       next_(schedule.first) {}
 
 std::optional<double> CurveRecorder::sample(RenderSession& session) {
-  const double work = schedule_.by_iterations ? static_cast<double>(session.iterations()) : counted_seconds(session.clocks());
+  const double work =
+      schedule_.by_iterations ? static_cast<double>(session.iterations()) : counted_seconds(session.clocks());
   // Times are those of the schedule, whatever the iterations took: late ones are not made up for.
   if (work < next_ * (1 - 1e-9)) return std::nullopt;
   while (next_ <= work * (1 + 1e-9)) next_ *= half_octave;
@@ -64,7 +65,8 @@ std::optional<double> CurveRecorder::sample(RenderSession& session) {
 }
 
 void CurveRecorder::take(RenderSession& session, const std::vector<float>& image) {
-  snapshots_.push_back({counted_seconds(session.clocks()), session.iterations(), session.last().samples, reference_.measure(image)});
+  snapshots_.push_back(
+      {counted_seconds(session.clocks()), session.iterations(), session.last().samples, reference_.measure(image)});
 }
 
 void CurveRecorder::finish(RenderSession& session, const std::vector<float>& image) {

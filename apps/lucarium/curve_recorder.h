@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "lucarium/compare/metrics.h"
-#include "lucarium/technique/session.h"
+#include "lucarium/metrics/metrics.h"
+#include "lucarium/session/session.h"
 
 namespace lucarium::app {
 
@@ -29,7 +29,7 @@ class CurveRecorder {
  public:
   /// Throws Error{input} when the file is no image of the session's size.
   CurveRecorder(const std::filesystem::path& reference, const RenderSettings& settings, float exposure_stops,
-             const CurveSchedule& schedule);
+                const CurveSchedule& schedule);
 
   /// After an iteration: takes a snapshot if one is due. Returns its relMSE.
   std::optional<double> sample(RenderSession& session);

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
-#include "lucarium/compute/byte_size.h"
+#include "lucarium/base/byte_size.h"
 #include "options.h"
 
 namespace lucarium::app {
@@ -38,9 +38,10 @@ int devices(const DeviceArguments& arguments, bool json) {
                        {"max_allocation_bytes", device.max_allocation_bytes},
                        {"local_memory_bytes", device.local_memory_bytes}});
     if (json) continue;
-    fmt::print("{}  {}  ({}, {} compute units, {} in all, {} at once)\n   {}, {}, driver {}\n", device.index, device.name,
-               type_name(device.type), device.compute_units, format_bytes(device.global_memory_bytes),
-               format_bytes(device.max_allocation_bytes), device.platform, device.opencl_version, device.driver_version);
+    fmt::print("{}  {}  ({}, {} compute units, {} in all, {} at once)\n   {}, {}, driver {}\n", device.index,
+               device.name, type_name(device.type), device.compute_units, format_bytes(device.global_memory_bytes),
+               format_bytes(device.max_allocation_bytes), device.platform, device.opencl_version,
+               device.driver_version);
   }
   if (json) fmt::print("{}\n", entries.dump(2));
   return 0;
@@ -53,7 +54,8 @@ void add_devices_command(CLI::App& program, Action& action) {
   CLI::App& command = *program.add_subcommand("devices", "list OpenCL devices");
   arguments->first.add_to(command);
   command.add_flag("--json", arguments->second, "print JSON");
-  command.callback([arguments, &action] { action = [arguments] { return devices(arguments->first, arguments->second); }; });
+  command.callback(
+      [arguments, &action] { action = [arguments] { return devices(arguments->first, arguments->second); }; });
 }
 
 }  // namespace lucarium::app

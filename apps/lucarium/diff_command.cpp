@@ -6,12 +6,12 @@
 
 #include "commands.h"
 #include "lucarium/base/error.h"
-#include "lucarium/compare/error_map.h"
-#include "lucarium/compare/image_test.h"
-#include "lucarium/compare/metrics.h"
-#include "lucarium/compare/reference_image.h"
-#include "lucarium/compare/statistics.h"
+#include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/film/image_io.h"
+#include "lucarium/metrics/error_map.h"
+#include "lucarium/metrics/metrics.h"
+#include "lucarium/statistics/image_comparison.h"
+#include "lucarium/statistics/statistics.h"
 #include "options.h"
 
 namespace lucarium::app {
@@ -48,11 +48,12 @@ void check_map_file(const DiffArguments& arguments) {
 void write_map(const DiffArguments& arguments, const Film& test, const std::vector<float>& reference,
                const MetricReference& prepared) {
   const bool is_signed = arguments.map_kind == "signed";
-  const std::vector<float> map = is_signed ? signed_relative_error(test.image(), reference)
+  const std::vector<float> map = is_signed                          ? signed_relative_error(test.image(), reference)
                                  : arguments.map_kind == "ldr_flip" ? prepared.ldr_flip_map(test.image())
                                                                     : prepared.hdr_flip_map(test.image());
   if (arguments.map.extension() == ".png") {
-    return write_png(arguments.map, test.width(), test.height(), is_signed ? color_signed_error(map) : color_error(map));
+    return write_png(arguments.map, test.width(), test.height(),
+                     is_signed ? color_signed_error(map) : color_error(map));
   }
   Film film(test.width(), test.height());
   FilmLayer& image = film.layer("image", {"R", "G", "B"}, true);
@@ -68,7 +69,8 @@ std::vector<LayerMetrics> measure_layers(const DiffArguments& arguments, const F
   for (const FilmLayer& layer : test.layers()) {
     const FilmLayer* other = reference.find(layer.name);
     if (!layer.additive || layer.name == "image" || !other || other->channels != layer.channels) continue;
-    layers.push_back({layer.name, compute_metrics(test.width(), test.height(), layer.pixels, other->pixels, arguments.exposure)});
+    layers.push_back(
+        {layer.name, compute_metrics(test.width(), test.height(), layer.pixels, other->pixels, arguments.exposure)});
   }
   return layers;
 }
@@ -91,7 +93,7 @@ ordered_json reference_json(const Film& reference, const ImageMetrics& whole) {
   ReferenceError own;
   if (!estimate_reference_error(reference, own)) return nullptr;
   const DebiasedError mse = debiased_error(whole.mse, own.mse), relmse = debiased_error(whole.relmse, own.relmse);
-  return {{"own_mse", own.mse},           {"own_relmse", own.relmse},         {"debiased_mse", mse.value},
+  return {{"own_mse", own.mse},           {"own_relmse", own.relmse},        {"debiased_mse", mse.value},
           {"mse_resolved", mse.resolved}, {"debiased_relmse", relmse.value}, {"relmse_resolved", relmse.resolved}};
 }
 
@@ -99,7 +101,8 @@ ordered_json diff_json(const DiffArguments& arguments, const std::vector<LayerMe
                        const HdrFlipExposures& exposures, const ordered_json& reference) {
   ordered_json metrics, values;
   for (const Metric& metric : metric_table()) {
-    metrics[metric.name] = {{"formula", metric.formula}, {"unit", metric.unit}, {"lower_is_better", metric.lower_is_better}};
+    metrics[metric.name] = {
+        {"formula", metric.formula}, {"unit", metric.unit}, {"lower_is_better", metric.lower_is_better}};
   }
   for (const LayerMetrics& layer : layers) values[layer.layer] = metrics_json(layer.metrics);
   return {{"schema", "lucarium-diff-1"},
@@ -116,7 +119,9 @@ void print_table(const DiffArguments& arguments, const std::vector<LayerMetrics>
     for (const LayerMetrics& layer : layers) fmt::print(" {:>12}", text_of(layer));
     fmt::print("\n");
   };
-  const auto number = [](double value) { return std::isnan(value) ? std::string("none") : fmt::format("{:.6g}", value); };
+  const auto number = [](double value) {
+    return std::isnan(value) ? std::string("none") : fmt::format("{:.6g}", value);
+  };
   print_row("", "", [](const LayerMetrics& layer) { return layer.layer; });
   for (const Metric& metric : metric_table()) {
     print_row(metric.name, metric.unit, [&](const LayerMetrics& layer) { return number(layer.metrics.*metric.value); });
@@ -124,7 +129,8 @@ void print_table(const DiffArguments& arguments, const std::vector<LayerMetrics>
   print_row("mean of test", "cd/m^2", [&](const LayerMetrics& layer) { return number(layer.metrics.mean_test); });
   print_row("of reference", "cd/m^2", [&](const LayerMetrics& layer) { return number(layer.metrics.mean_reference); });
   for (const LayerMetrics& layer : layers) {
-    if (layer.metrics.nonfinite) fmt::print("{}: {} pixels are not finite and left out\n", layer.layer, layer.metrics.nonfinite);
+    if (layer.metrics.nonfinite)
+      fmt::print("{}: {} pixels are not finite and left out\n", layer.layer, layer.metrics.nonfinite);
   }
   std::string higher;
   for (const Metric& metric : metric_table()) {
@@ -138,15 +144,19 @@ void print_reference(const ordered_json& reference) {
   if (reference.is_null()) return;
   for (const auto& [name, key] : {std::pair{"MSE", "mse"}, std::pair{"relMSE", "relmse"}}) {
     fmt::print("The reference's own {} is {:.3g}; without it, that of the image is {:.6g}{}\n", name,
-               reference[std::string("own_") + key].get<double>(), reference[std::string("debiased_") + key].get<double>(),
-               reference[std::string(key) + "_resolved"].get<bool>() ? "." : ": the reference is too noisy to tell (above a tenth).");
+               reference[std::string("own_") + key].get<double>(),
+               reference[std::string("debiased_") + key].get<double>(),
+               reference[std::string(key) + "_resolved"].get<bool>()
+                   ? "."
+                   : ": the reference is too noisy to tell (above a tenth).");
   }
 }
 
 void print_formulas(const HdrFlipExposures& exposures) {
   fmt::print("\nx: image under test, r: reference, mean: over pixels and channels.\n");
   for (const Metric& metric : metric_table()) fmt::print("{:<15} {}\n", metric.name, metric.formula);
-  fmt::print("Exposures of HDR_FLIP: {} from {:.4f} to {:.4f} stops.\n", exposures.count, exposures.start, exposures.stop);
+  fmt::print("Exposures of HDR_FLIP: {} from {:.4f} to {:.4f} stops.\n", exposures.count, exposures.start,
+             exposures.stop);
 }
 
 void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
@@ -209,9 +219,10 @@ void add_diff_command(CLI::App& program, Action& action) {
   command.add_option("--max-relmse", arguments->max_relmse, "exit code 1 above this")->check(CLI::NonNegativeNumber);
   command.add_option("--exposure", arguments->exposure, "of PSNR, SSIM and LDR_FLIP [stops]");
   command
-      .add_flag("--statistical", arguments->statistical,
-                "instead of metrics: whether two renders of path_tracing with other seeds and replicates=16 or more are the "
-                "same up to noise; exit code 1 when not")
+      .add_flag(
+          "--statistical", arguments->statistical,
+          "instead of metrics: whether two renders of path_tracing with other seeds and replicates=16 or more are the "
+          "same up to noise; exit code 1 when not")
       ->excludes("--map");
   command.add_flag("--formulas", arguments->formulas, "print what every metric means");
   command.add_flag("--json", arguments->json, "print JSON");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium: the command-line program. All work is in the library; this only reads arguments and prints.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <new>
 
@@ -35,13 +35,15 @@ const CLI::App& chosen_command(const CLI::App& program) {
 std::string unknown_command(const CLI::App& program, const std::vector<std::string>& arguments) {
   if (&chosen_command(program) != &program || arguments.empty() || arguments.front().starts_with("-")) return "";
   std::vector<std::string> commands;
-  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(sub->get_name());
+  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(sub->get_name());
   return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
 }
 
 /// What is wrong with the arguments: a command or option that does not exist, with the nearest that does, before
 /// anything that CLI11 finds missing.
-std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake, const std::vector<std::string>& arguments) {
+std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake,
+                             const std::vector<std::string>& arguments) {
   const CLI::App& command = chosen_command(program);
   std::vector<std::string> options;
   for (const CLI::Option* option : command.get_options()) {
@@ -54,7 +56,8 @@ std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mis
       return fmt::format("unknown option {}{}", name, suggest_name(name, options));
     }
   }
-  return fmt::format("{} (see lucarium{} --help)", mistake.what(), &command == &program ? "" : " " + command.get_name());
+  return fmt::format("{} (see lucarium{} --help)", mistake.what(),
+                     &command == &program ? "" : " " + command.get_name());
 }
 
 int run(int argc, char** argv) {

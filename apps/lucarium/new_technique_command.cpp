@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium new-technique NAME: a folder with a technique that builds, runs and is tested as it stands. It is the folder
 // templates/technique, with every my_technique replaced by the name.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "commands.h"
 #include "lucarium/base/atomic_file.h"
+#include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
-#include "lucarium/compute/embedded_sources.h"
 #include "lucarium/technique/plugin.h"
 
 const lucarium::EmbeddedSources& lucarium_technique_template();
@@ -30,20 +30,24 @@ struct NewTechniqueArguments {
 void check_name(const std::string& name) {
   const bool letters = name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
   if (name.empty() || !letters || name.front() < 'a' || name.front() > 'z' || name.size() > longest_name) {
-    throw_error(ErrorClass::usage, "'{}' is no name for a technique: a-z, 0-9 and _, a letter first, at most {} of them", name,
+    throw_error(ErrorClass::usage,
+                "'{}' is no name for a technique: a-z, 0-9 and _, a letter first, at most {} of them", name,
                 longest_name);
   }
-  if (name == "lucarium") throw_error(ErrorClass::usage, "lucarium/ is the prefix of the framework's own kernels; choose another name");
+  if (name == "lucarium")
+    throw_error(ErrorClass::usage, "lucarium/ is the prefix of the framework's own kernels; choose another name");
   const TechniqueRegistry registry;
   for (const TechniqueType& type : registry.types()) {
     if (type.info().name == name) {
-      throw_error(ErrorClass::usage, "a technique called {} is there already ({}); choose another name", name, type.file().string());
+      throw_error(ErrorClass::usage, "a technique called {} is there already ({}); choose another name", name,
+                  type.file().string());
     }
   }
 }
 
 std::string replace_all(std::string text, std::string_view from, std::string_view to) {
-  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) text.replace(at, from.size(), to);
+  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
   return text;
 }
 
@@ -61,8 +65,9 @@ void print_next_steps(const std::string& name, const fs::path& folder) {
   const fs::path prefix = installation();
   fmt::print("{} holds the technique {}. To build, test and use it:\n\n", folder.string(), name);
   if (prefix.empty()) fmt::print("  cmake --install BUILD_FOLDER_OF_LUCARIUM --prefix PREFIX\n");
-  fmt::print("  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n  cmake --build {0}/build\n  ctest --test-dir {0}/build\n",
-             folder.string(), prefix.empty() ? "PREFIX" : prefix.string());
+  fmt::print(
+      "  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n  cmake --build {0}/build\n  ctest --test-dir {0}/build\n",
+      folder.string(), prefix.empty() ? "PREFIX" : prefix.string());
   fmt::print("  {}lucarium render builtin:cornell -t {} --technique-path {}/build/lib/lucarium/techniques -o {}.png\n",
              prefix.empty() ? "PREFIX/bin/" : "", name, folder.string(), name);
 }
@@ -71,7 +76,8 @@ int new_technique(const NewTechniqueArguments& arguments) {
   check_name(arguments.name);
   const fs::path folder = arguments.output.empty() ? fs::path(arguments.name) : arguments.output;
   std::error_code failure;
-  if (fs::exists(folder, failure)) throw_error(ErrorClass::usage, "{} exists; choose another folder with --output", folder.string());
+  if (fs::exists(folder, failure))
+    throw_error(ErrorClass::usage, "{} exists; choose another folder with --output", folder.string());
   fs::create_directories(folder, failure);
   if (failure) throw_error(ErrorClass::input, "cannot create the folder {}: {}", folder.string(), failure.message());
   try {
@@ -91,7 +97,8 @@ int new_technique(const NewTechniqueArguments& arguments) {
 
 void add_new_technique_command(CLI::App& program, Action& action) {
   auto arguments = std::make_shared<NewTechniqueArguments>();
-  CLI::App& command = *program.add_subcommand("new-technique", "write a folder with a new technique, to be changed into your own");
+  CLI::App& command =
+      *program.add_subcommand("new-technique", "write a folder with a new technique, to be changed into your own");
   command.add_option("name", arguments->name, "of the technique: a-z, 0-9 and _")->required();
   command.add_option("-o,--output", arguments->output, "folder to write (default: NAME here)");
   command.callback([arguments, &action] { action = [arguments] { return new_technique(*arguments); }; });

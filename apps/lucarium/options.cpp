@@ -5,10 +5,10 @@
 #include <charconv>
 #include <cmath>
 
+#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
-#include "lucarium/compute/byte_size.h"
-#include "lucarium/technique/path_set.h"
+#include "lucarium/services/path_set.h"
 
 namespace lucarium::app {
 namespace {
@@ -16,7 +16,8 @@ namespace {
 uint32_t parse_uint(const std::string& text, const std::string& whole, const char* what) {
   uint32_t value = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size()) throw_error(ErrorClass::usage, "'{}' is not {}", whole, what);
+  if (failure != std::errc() || end != text.data() + text.size())
+    throw_error(ErrorClass::usage, "'{}' is not {}", whole, what);
   return value;
 }
 
@@ -39,8 +40,10 @@ CLI::Validator positive_number() {
 }
 
 void DeviceArguments::add_to(CLI::App& command) {
-  command.add_option("--device", options.selector, "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
-  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")->check(CLI::Range(0, 4096));
+  command.add_option("--device", options.selector,
+                     "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
+  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")
+      ->check(CLI::Range(0, 4096));
   command.add_option("--cache-dir", options.cache_dir, "folder of compiled kernels and references");
   command.add_flag("--no-cache", no_cache, "compile every kernel anew");
   command.add_option("--memory-limit", memory_limit, "most device memory to use, as 500M or 2G");
@@ -68,12 +71,19 @@ std::vector<std::string> DeviceArguments::words() const {
 
 void SceneArguments::add_to(CLI::App& command) {
   command.add_option("--camera", overrides.camera, "NAME, INDEX, or EYE:TARGET[:VFOV] as x,y,z:x,y,z:degrees");
-  command.add_option("--environment", overrides.environment, "equirectangular .hdr/.exr, or r,g,b; *FACTOR and @DEGREES may follow");
-  command.add_option("--light", overrides.lights, "point:x,y,z:r,g,b, spot:…, directional:dx,dy,dz:r,g,b, or none (docs/scenes.md)")
-      ->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--environment", overrides.environment,
+                     "equirectangular .hdr/.exr, or r,g,b; *FACTOR and @DEGREES may follow");
+  command
+      .add_option("--light", overrides.lights,
+                  "point:x,y,z:r,g,b, spot:…, directional:dx,dy,dz:r,g,b, or none (docs/scenes.md)")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   command.add_option("--exposure", overrides.exposure, "of pictures [stops]");
   command.add_option("--material", overrides.materials, "NAME:key=value[,…]; NAME may hold *")
-      ->take_all()->expected(1)->allow_extra_args(false);
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   command.add_option("--at", overrides.at_seconds, "time of the animation [s]");
   command.add_option("--animation", overrides.animation, "name or index");
   command.add_flag("--no-sidecar", no_sidecar, "ignore FILE.lucarium.json beside the scene");
@@ -92,8 +102,10 @@ Scene SceneArguments::load(const std::string& source) const { return load_scene(
 void ImageArguments::add_to(CLI::App& command, bool with_seed) {
   command.add_option("--size", size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--max-bounces", max_bounces, "indirect bounces; 0: direct light only, -1: unlimited")
-      ->check(CLI::Range(-1, PathSet::kMaxBounces))->capture_default_str();
-  command.add_option("--pixel-sampling", pixel_sampling, "jitter, centre, or n for a grid of n×n")->capture_default_str();
+      ->check(CLI::Range(-1, PathSet::kMaxBounces))
+      ->capture_default_str();
+  command.add_option("--pixel-sampling", pixel_sampling, "jitter, centre, or n for a grid of n×n")
+      ->capture_default_str();
   if (with_seed) command.add_option("--seed", seed, "same seed, same image")->capture_default_str();
 }
 
@@ -107,7 +119,8 @@ RenderSettings ImageArguments::settings() const {
   } else if (pixel_sampling == "centre") {
     result.pixel_sampling = 1;
   } else {
-    result.pixel_sampling = parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: jitter, centre, or n from 2 to 16");
+    result.pixel_sampling =
+        parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: jitter, centre, or n from 2 to 16");
     if (result.pixel_sampling < 2 || result.pixel_sampling > 16) {
       throw_error(ErrorClass::usage, "--pixel-sampling {} is not jitter, centre, or n from 2 to 16", pixel_sampling);
     }
@@ -128,19 +141,28 @@ TechniqueArguments::Spec TechniqueArguments::parse(const std::string& text) {
 }
 
 void TechniqueArguments::add_to(CLI::App& command) {
-  command.add_option_function<std::string>("-t,--technique", [this](const std::string& text) { specs.push_back(parse(text)); },
-                                           "NAME[:key=value,…] (see lucarium techniques)")
-      ->trigger_on_parse()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
-  command.add_option_function<std::string>(
-             "-p,--parameter",
-             [this](const std::string& text) {
-               if (specs.empty()) throw_error(ErrorClass::usage, "-p {}: name the technique it belongs to first, as in -t path_tracing -p {}", text, text);
-               specs.back().parameters.push_back(parse_assignment(text));
-             },
-             "key=value for the -t before it")
-      ->trigger_on_parse()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  command
+      .add_option_function<std::string>(
+          "-t,--technique", [this](const std::string& text) { specs.push_back(parse(text)); },
+          "NAME[:key=value,…] (see lucarium techniques)")
+      ->trigger_on_parse()
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  command
+      .add_option_function<std::string>(
+          "-p,--parameter",
+          [this](const std::string& text) {
+            if (specs.empty())
+              throw_error(ErrorClass::usage,
+                          "-p {}: name the technique it belongs to first, as in -t path_tracing -p {}", text, text);
+            specs.back().parameters.push_back(parse_assignment(text));
+          },
+          "key=value for the -t before it")
+      ->trigger_on_parse()
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   command.add_option("--technique-path", folders, "folder of plug-ins, searched first")
-      ->take_all()->expected(1)->allow_extra_args(false);
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
 }
 
 void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
@@ -167,7 +189,8 @@ std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
   const size_t x = text.find('x');
   if (x == std::string::npos) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
   const uint32_t width = parse_uint(text.substr(0, x), text, what), height = parse_uint(text.substr(x + 1), text, what);
-  if (width == 0 || height == 0 || width > 32768 || height > 32768) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
+  if (width == 0 || height == 0 || width > 32768 || height > 32768)
+    throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
   return {width, height};
 }
 

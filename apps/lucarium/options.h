@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "lucarium/compute/device.h"
-#include "lucarium/scene/load_scene.h"
+#include "lucarium/compute/device/device.h"
+#include "lucarium/scene/load/load_scene.h"
 #include "lucarium/technique/plugin.h"
 
 namespace CLI {
 class App;
 class Validator;
-}
+}  // namespace CLI
 
 namespace lucarium::app {
 

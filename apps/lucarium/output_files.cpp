@@ -23,7 +23,8 @@ void check_output(const fs::path& file, bool overwrite) {
   try {
     write_file_atomically(probe, "");
   } catch (const Error& error) {
-    throw Error(ErrorClass::input, fmt::format("{}: the folder {} cannot be written into", file.string(), folder.string()))
+    throw Error(ErrorClass::input,
+                fmt::format("{}: the folder {} cannot be written into", file.string(), folder.string()))
         .with_details(error.what());
   }
   fs::remove(probe, ignored);

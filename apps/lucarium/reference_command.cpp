@@ -10,8 +10,8 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
-#include "lucarium/compare/reference_identity.h"
-#include "lucarium/compare/reference_render.h"
+#include "lucarium/compare/reference/reference_identity.h"
+#include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/film/image_io.h"
 #include "options.h"
 #include "output_files.h"
@@ -48,7 +48,8 @@ PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegi
     set.max_bounces = settings.max_bounces;
     return set;
   }
-  if (arguments.technique.specs.size() > 1) throw_error(ErrorClass::usage, "reference takes one -t: its light paths are wanted");
+  if (arguments.technique.specs.size() > 1)
+    throw_error(ErrorClass::usage, "reference takes one -t: its light paths are wanted");
   const TechniqueArguments::Spec& spec = arguments.technique.specs.front();
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
@@ -73,14 +74,22 @@ ReferenceImage open_reference(const ReferenceArguments& arguments, const Referen
 
 /// Numbers of the header are numbers in JSON, too; all else stays text, also a version that looks like a number.
 nlohmann::ordered_json header_value(const std::string& key, const std::string& text) {
-  static const std::set<std::string> numbers = {"seed", "pixel_sampling", "half_a_samples", "half_b_samples",
-                                                "round_samples_squared", "round_variance_dof", "variance_dof", "own_mse", "own_relmse"};
+  static const std::set<std::string> numbers = {"seed",
+                                                "pixel_sampling",
+                                                "half_a_samples",
+                                                "half_b_samples",
+                                                "round_samples_squared",
+                                                "round_variance_dof",
+                                                "variance_dof",
+                                                "own_mse",
+                                                "own_relmse"};
   if (!numbers.contains(key)) return text;
   const nlohmann::ordered_json value = nlohmann::ordered_json::parse(text, nullptr, false);
   return value.is_number() ? value : nlohmann::ordered_json(text);
 }
 
-nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file, bool goal_reached) {
+nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file,
+                                    bool goal_reached) {
   nlohmann::ordered_json json;
   json["schema"] = "lucarium-reference-1";
   for (const auto& [key, value] : image.film().metadata) json[key] = header_value(key, value);
@@ -123,7 +132,8 @@ bool extend(const ReferenceArguments& arguments, RenderSession& session, const R
 
 int reference(ReferenceArguments arguments) {
   arguments.output.apply();
-  if (arguments.file.extension() != ".exr") throw_error(ErrorClass::usage, "{}: the name must end in .exr", arguments.file.string());
+  if (arguments.file.extension() != ".exr")
+    throw_error(ErrorClass::usage, "{}: the name must end in .exr", arguments.file.string());
   if (arguments.extend && arguments.overwrite) throw_error(ErrorClass::usage, "give --extend or --overwrite, not both");
   check_output(arguments.file, arguments.overwrite || arguments.extend);
   ReferenceGoal& goal = arguments.goal;
@@ -141,8 +151,8 @@ int reference(ReferenceArguments arguments) {
   const ReferenceIdentity identity(scene, settings, path_set, registry);
   ReferenceImage image = open_reference(arguments, identity, settings.width, settings.height);
 
-  RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"), settings,
-                        reference_parameters(path_set));
+  RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"),
+                        settings, reference_parameters(path_set));
   nothing_to_keep.reset();
   const uint64_t rounds_before = image.rounds();
   const bool done = extend(arguments, session, identity, image);
@@ -151,8 +161,10 @@ int reference(ReferenceArguments arguments) {
   }
   const ImageTest halves = image.test_halves();
   if (!halves.passed) {
-    log_warning("the halves of {} differ by more than noise; small samples of rare bright paths (fireflies) do that, or an error:\n{}",
-                arguments.file.string(), to_text(halves));
+    log_warning(
+        "the halves of {} differ by more than noise; small samples of rare bright paths (fireflies) do that, or an "
+        "error:\n{}",
+        arguments.file.string(), to_text(halves));
   }
   if (arguments.output.json) {
     fmt::print("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
@@ -173,10 +185,13 @@ void add_reference_command(CLI::App& program, Action& action) {
   CLI::App& command = *program.add_subcommand("reference", "render a reference image to a wanted error, or extend one");
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   command.add_option("-o,--output", arguments->file, ".exr")->required();
-  command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")->check(positive_number());
-  command.add_option("--spp", arguments->goal.samples, "samples per pixel (default 4096 when no other goal is given)")->check(positive_number());
+  command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")
+      ->check(positive_number());
+  command.add_option("--spp", arguments->goal.samples, "samples per pixel (default 4096 when no other goal is given)")
+      ->check(positive_number());
   command.add_option("--time", arguments->goal.seconds, "seconds of iterating")->check(positive_number());
-  command.add_option("--path-set", arguments->path_set, "light paths as key=value,… (docs/references.md); default: all");
+  command.add_option("--path-set", arguments->path_set,
+                     "light paths as key=value,… (docs/references.md); default: all");
   arguments->technique.add_to(command);
   arguments->image.add_to(command, true);
   arguments->overrides.add_to(command);

@@ -18,25 +18,29 @@ constexpr double no_time = 1e-9;  // 0 would be no limit
 /// What iterating is left of `seconds`; tells where there is nothing left.
 double seconds_left_of(const char* option, double seconds, double spent, const std::string& of_it = "") {
   if (spent >= seconds)
-    log_warning("{} {:g} was over before the first iteration: what comes before took {:.1f} s{}", option, seconds, spent, of_it);
+    log_warning("{} {:g} was over before the first iteration: what comes before took {:.1f} s{}", option, seconds,
+                spent, of_it);
   return std::max(no_time, seconds - spent);
 }
 
-RenderBudget make_budget(const BudgetArguments& arguments, const RenderSession& session, std::chrono::steady_clock::time_point start) {
+RenderBudget make_budget(const BudgetArguments& arguments, const RenderSession& session,
+                         std::chrono::steady_clock::time_point start) {
   RenderBudget budget{0, arguments.iterations, arguments.samples};
   const RenderSession::Clocks& clocks = session.clocks();
   if (arguments.compute_seconds > 0)
     budget.seconds = seconds_left_of("--compute-time", arguments.compute_seconds, counted_seconds(clocks));
   if (arguments.seconds > 0) {
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left = seconds_left_of("--time", arguments.seconds, spent, fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
+    const double left = seconds_left_of("--time", arguments.seconds, spent,
+                                        fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
     budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
   }
   if (budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0) budget.samples = default_samples;
   return budget;
 }
 
-std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budget, const RenderSession& session, bool accurate) {
+std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budget, const RenderSession& session,
+                     bool accurate) {
   const IterationResult& last = session.last();
   if (last.converged) return last.phase.empty() ? "the technique" : last.phase;
   if (accurate) return "--until-relmse";
@@ -60,11 +64,14 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
     const double seconds = session.clocks().iterate;
     left.update(now.progress, seconds);
     double fraction = now.progress;
-    const auto used = [&fraction](double part, double whole) { if (whole > 0) fraction = std::max(fraction, part / whole); };
+    const auto used = [&fraction](double part, double whole) {
+      if (whole > 0) fraction = std::max(fraction, part / whole);
+    };
     used(static_cast<double>(now.samples), static_cast<double>(budget.samples));
     used(static_cast<double>(session.iterations()), static_cast<double>(budget.iterations));
     used(seconds, budget.seconds);
-    const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 / std::max(1e-9, seconds);
+    const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
+                        std::max(1e-9, seconds);
     const std::string phase = now.phase.empty() ? "" : now.phase + ", ";
     progress.update(fraction, fmt::format("{}{} samples per pixel, {:.2f} Msamples/s", phase, now.samples, rate));
     const std::optional<double> error = relmse(session);
@@ -73,7 +80,9 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
   };
   RenderEnd end;
   end.interrupted = session.run(budget, on_progress);
-  const auto nothing_yet = [&] { return session.last().samples == 0 && !session.last().visible && !session.last().converged; };
+  const auto nothing_yet = [&] {
+    return session.last().samples == 0 && !session.last().visible && !session.last().converged;
+  };
   if (!end.interrupted && nothing_yet()) {
     log_warning("the budget ended before there was any picture; going on to the first one");
     end.interrupted = session.run({}, [&](const IterationResult& now) { return on_progress(now) && nothing_yet(); });

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "lucarium/technique/session.h"
+#include "lucarium/session/session.h"
 
 namespace lucarium::app {
 

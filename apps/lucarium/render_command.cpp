@@ -13,9 +13,9 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
-#include "lucarium/compute/kernel_path.h"
+#include "lucarium/compute/program/kernel_path.h"
 #include "lucarium/film/image_io.h"
-#include "lucarium/technique/session.h"
+#include "lucarium/session/session.h"
 #include "lucarium/technique/technique_folders.h"
 #include "lucarium/version.h"
 #include "options.h"
@@ -69,7 +69,8 @@ fs::path frame_file(const fs::path& file, int frame) {
 }
 
 /// The files of every frame, checked; one entry without --frames.
-std::vector<std::vector<fs::path>> plan_outputs(const RenderArguments& arguments, const std::optional<FrameRange>& frames) {
+std::vector<std::vector<fs::path>> plan_outputs(const RenderArguments& arguments,
+                                                const std::optional<FrameRange>& frames) {
   for (const fs::path& file : arguments.files) {
     const std::string extension = file.extension().string();
     if (extension != ".exr" && extension != ".png") {
@@ -132,13 +133,16 @@ ordered_json passes_json(RenderSession& session) {
   ordered_json json = ordered_json::array();
   for (const PassProfile& pass : passes) {
     if (pass.count == 0) continue;
-    json.push_back({{"schedule", pass.schedule}, {"name", pass.name}, {"device_seconds", pass.device_seconds}, {"count", pass.count}});
+    json.push_back({{"schedule", pass.schedule},
+                    {"name", pass.name},
+                    {"device_seconds", pass.device_seconds},
+                    {"count", pass.count}});
   }
   return json;
 }
 
-ordered_json summary_json(RenderSession& session, const Film& film, const RenderEnd& end, double load_seconds, double total_seconds,
-                          const std::vector<fs::path>& files) {
+ordered_json summary_json(RenderSession& session, const Film& film, const RenderEnd& end, double load_seconds,
+                          double total_seconds, const std::vector<fs::path>& files) {
   const MemoryAccount& memory = session.scheduler().device().memory();
   const RenderSession::Clocks& clocks = session.clocks();
   ordered_json json;
@@ -158,9 +162,10 @@ ordered_json summary_json(RenderSession& session, const Film& film, const Render
   json["ended_by"] = end.by;
   json["seconds_left"] = end.seconds_left ? ordered_json(*end.seconds_left) : ordered_json(nullptr);
   json["seconds"] = total_seconds;
-  json["clocks"] = {{"load_seconds", load_seconds},        {"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
-                    {"compile_seconds", clocks.compile}, {"prepare_seconds", clocks.prepare},
-                    {"warm_up_seconds", clocks.warm_up}, {"iterate_seconds", clocks.iterate}};
+  json["clocks"] = {{"load_seconds", load_seconds},      {"upload_seconds", clocks.upload},
+                    {"bvh_seconds", clocks.bvh},         {"compile_seconds", clocks.compile},
+                    {"prepare_seconds", clocks.prepare}, {"warm_up_seconds", clocks.warm_up},
+                    {"iterate_seconds", clocks.iterate}};
   json["device_memory_bytes"] = memory.by_owner();
   json["peak_device_memory_bytes"] = memory.peak_bytes();
   json["passes"] = passes_json(session);
@@ -173,9 +178,10 @@ ordered_json summary_json(RenderSession& session, const Film& film, const Render
 }
 
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
-bool render_frames(const RenderArguments& arguments, RenderSession& session, const std::vector<std::vector<fs::path>>& outputs,
-                   const std::optional<FrameRange>& frames, CurveRecorder* curve, double load_seconds,
-                   std::chrono::steady_clock::time_point start, ordered_json& summaries) {
+bool render_frames(const RenderArguments& arguments, RenderSession& session,
+                   const std::vector<std::vector<fs::path>>& outputs, const std::optional<FrameRange>& frames,
+                   CurveRecorder* curve, double load_seconds, std::chrono::steady_clock::time_point start,
+                   ordered_json& summaries) {
   const auto relmse = [curve](RenderSession& now) { return curve ? curve->sample(now) : std::nullopt; };
   for (size_t i = 0; i < outputs.size(); ++i) {
     if (i > 0) start = std::chrono::steady_clock::now();
@@ -189,18 +195,21 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session, con
     if (end.interrupted && session.last().samples == 0 && !session.last().visible) return true;
     Film film = session.resolve();
     const bool first_unfinished = session.last().samples == 0 && session.last().visible;
-    if (first_unfinished && !end.interrupted) log_warning("the budget ended within the first sample per pixel: a coarse picture");
+    if (first_unfinished && !end.interrupted)
+      log_warning("the budget ended within the first sample per pixel: a coarse picture");
     const bool not_begun = session.last().progress == 0 && !session.last().phase.empty() && !session.last().converged;
     if (not_begun && !end.interrupted && !first_unfinished)
-      log_warning("the budget ended in the stage '{}', before {} had begun its work proper: light is missing", session.last().phase,
-                  arguments.technique.specs.front().name);
+      log_warning("the budget ended in the stage '{}', before {} had begun its work proper: light is missing",
+                  session.last().phase, arguments.technique.specs.front().name);
     if (end.interrupted || first_unfinished || not_begun) film.metadata["partial"] = "yes";
     write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     summaries.push_back(summary_json(session, film, end, i == 0 ? load_seconds : 0, seconds, outputs[i]));
     if (!arguments.output.quiet && !arguments.output.json) {
       fmt::print("{}: {} samples per pixel, {:.1f} s{}\n", outputs[i].front().string(), session.last().samples, seconds,
-                 session.last().converged ? fmt::format("; ended by {}: {}", arguments.technique.specs.front().name, end.by) : "");
+                 session.last().converged
+                     ? fmt::format("; ended by {}: {}", arguments.technique.specs.front().name, end.by)
+                     : "");
     }
     if (curve) {
       curve->finish(session, film.image());
@@ -220,7 +229,8 @@ Scene load(const RenderArguments& arguments) {
 }
 
 /// The curve that --reference asks for, or none.
-std::unique_ptr<CurveRecorder> make_curve(const RenderArguments& arguments, const RenderSettings& settings, float exposure) {
+std::unique_ptr<CurveRecorder> make_curve(const RenderArguments& arguments, const RenderSettings& settings,
+                                          float exposure) {
   if (arguments.reference.empty()) {
     if (arguments.curve || arguments.budget.relmse > 0) {
       throw_error(ErrorClass::usage, "{} needs --reference FILE", arguments.curve ? "--curve" : "--until-relmse");
@@ -253,9 +263,11 @@ int render(RenderArguments arguments) {
     throw_error(ErrorClass::usage, "where to? add --output FILE.exr or FILE.png");
   }
   if (arguments.technique.specs.empty()) arguments.technique.specs.push_back({"path_tracing", {}});
-  if (arguments.technique.specs.size() > 1) throw_error(ErrorClass::usage, "render takes one -t; to compare several use lucarium compare");
+  if (arguments.technique.specs.size() > 1)
+    throw_error(ErrorClass::usage, "render takes one -t; to compare several use lucarium compare");
   const std::optional<FrameRange> frames = parse_frames(arguments.frames);
-  if (frames && arguments.overrides.overrides.at_seconds) throw_error(ErrorClass::usage, "give --at or --frames, not both");
+  if (frames && arguments.overrides.overrides.at_seconds)
+    throw_error(ErrorClass::usage, "give --at or --frames, not both");
   const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments, frames);
   if (arguments.watch) return render_and_watch(watched_inputs(arguments));
   RenderSettings settings = arguments.image.settings();
@@ -272,15 +284,19 @@ int render(RenderArguments arguments) {
   settings.camera = scene.cameras.front();
   const std::unique_ptr<CurveRecorder> curve = make_curve(arguments, settings, scene.exposure);
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
-  auto preparing = std::make_unique<Progress>("preparing", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  auto preparing = std::make_unique<Progress>(
+      "preparing", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
   RenderSession session(device, std::move(scene), type, settings, spec.parameters,
-                        [&preparing](double fraction, const std::string& stage) { if (preparing) preparing->update(fraction, stage); });
+                        [&preparing](double fraction, const std::string& stage) {
+                          if (preparing) preparing->update(fraction, stage);
+                        });
   preparing.reset();
   nothing_to_keep.reset();
   for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
 
   ordered_json summaries = ordered_json::array();
-  const bool interrupted = render_frames(arguments, session, outputs, frames, curve.get(), load_seconds, start, summaries);
+  const bool interrupted =
+      render_frames(arguments, session, outputs, frames, curve.get(), load_seconds, start, summaries);
   if (summaries.empty()) {
     throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
   }
@@ -300,22 +316,41 @@ void add_render_command(CLI::App& program, Action& action) {
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   arguments->technique.add_to(command);
   command.add_option("-o,--output", arguments->files, ".exr (layers, metadata) or .png (picture); may be given twice")
-      ->take_all()->expected(1)->allow_extra_args(false);
-  command.add_option("--spp", arguments->budget.samples, "samples per pixel (default 64 when no other budget is given)")->check(positive_number());
-  command.add_option("--iterations", arguments->budget.iterations, "iterations of the technique")->check(positive_number());
-  command.add_option("--time", arguments->budget.seconds, "seconds from the start of the program: loading, kernels and preparing count; of a later frame, from the one before")->check(positive_number());
-  command.add_option("--compute-time", arguments->budget.compute_seconds, "seconds of preparing and iterating, without loading and compiling")->check(positive_number());
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+  command
+      .add_option("--spp", arguments->budget.samples, "samples per pixel (default 64 when no other budget is given)")
+      ->check(positive_number());
+  command.add_option("--iterations", arguments->budget.iterations, "iterations of the technique")
+      ->check(positive_number());
+  command
+      .add_option("--time", arguments->budget.seconds,
+                  "seconds from the start of the program: loading, kernels and preparing count; of a later frame, from "
+                  "the one before")
+      ->check(positive_number());
+  command
+      .add_option("--compute-time", arguments->budget.compute_seconds,
+                  "seconds of preparing and iterating, without loading and compiling")
+      ->check(positive_number());
   command.add_option("--reference", arguments->reference, "image to measure the error against; for --json");
   command.add_flag("--curve", arguments->curve, "with --reference: the error also at times t*2^(i/2)");
-  command.add_option("--until-relmse", arguments->budget.relmse, "with --reference: stop when the error is at most this")->check(positive_number());
+  command
+      .add_option("--until-relmse", arguments->budget.relmse, "with --reference: stop when the error is at most this")
+      ->check(positive_number());
   arguments->image.add_to(command, true);
   arguments->overrides.add_to(command);
-  command.add_option("--frames", arguments->frames, "FIRST:LAST of the animation; out.exr becomes out.0000.exr and so on, by the frame's number");
-  command.add_option("--fps", arguments->frames_per_second, "frames per second of --frames")->check(positive_number())->capture_default_str();
+  command.add_option("--frames", arguments->frames,
+                     "FIRST:LAST of the animation; out.exr becomes out.0000.exr and so on, by the frame's number");
+  command.add_option("--fps", arguments->frames_per_second, "frames per second of --frames")
+      ->check(positive_number())
+      ->capture_default_str();
   command.add_flag("--half", arguments->half, "16-bit floats in EXR");
   command.add_flag("--overwrite", arguments->overwrite, "replace existing files");
-  command.add_flag("--watch", arguments->watch, "render again whenever scene, plug-in or a kernel in LUCARIUM_KERNEL_PATH changes");
-  command.add_flag("--profile{-}", arguments->profile, "time per pass: a table, or --profile=FILE.json, FILE.trace.json (Perfetto)");
+  command.add_flag("--watch", arguments->watch,
+                   "render again whenever scene, plug-in or a kernel in LUCARIUM_KERNEL_PATH changes");
+  command.add_flag("--profile{-}", arguments->profile,
+                   "time per pass: a table, or --profile=FILE.json, FILE.trace.json (Perfetto)");
   arguments->device.add_to(command);
   arguments->output.add_to(command);
   command.callback([arguments, &action] { action = [arguments] { return render(*arguments); }; });

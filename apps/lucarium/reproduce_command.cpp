@@ -8,8 +8,8 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/compare/comparison.h"
-#include "lucarium/compare/dry_run.h"
-#include "lucarium/compute/program_cache.h"
+#include "lucarium/compare/plan/dry_run.h"
+#include "lucarium/compute/program/program_cache.h"
 #include "lucarium/technique/technique_folders.h"
 #include "options.h"
 
@@ -33,7 +33,8 @@ const Paper& find_paper(const std::vector<Paper>& papers, const std::string& nam
     if (paper.name == name) return paper;
     names.push_back(paper.name);
   }
-  throw_error(ErrorClass::usage, "no paper is called '{}'{}; `lucarium reproduce --list` names them", name, suggest_name(name, names));
+  throw_error(ErrorClass::usage, "no paper is called '{}'{}; `lucarium reproduce --list` names them", name,
+              suggest_name(name, names));
 }
 
 void print_list(const std::vector<Paper>& papers) {
@@ -61,7 +62,8 @@ std::vector<Experiment> wanted_experiments(const ReproduceArguments& arguments, 
   for (Experiment& experiment : experiments) {
     std::vector<std::string>& words = experiment.comparison.device_arguments;
     words.insert(words.end(), device.begin(), device.end());
-    for (const fs::path& folder : arguments.folders) words.insert(words.end(), {"--technique-path", fs::absolute(folder).string()});
+    for (const fs::path& folder : arguments.folders)
+      words.insert(words.end(), {"--technique-path", fs::absolute(folder).string()});
   }
   return experiments;
 }
@@ -73,7 +75,8 @@ bool is_complete(const ComparisonResult& result) {
 }
 
 /// An interrupted run is continued where it stopped; what is complete is only read again.
-ComparisonResult run_experiment(const Experiment& experiment, const TechniqueRegistry& registry, ComparisonOptions options) {
+ComparisonResult run_experiment(const Experiment& experiment, const TechniqueRegistry& registry,
+                                ComparisonOptions options) {
   options.folder = options.folder / experiment.name;
   options.experiment = experiment;
   options.resume = options.resume && fs::exists(options.folder / "comparison.json");
@@ -95,7 +98,8 @@ int reproduce_wanted(ReproduceArguments arguments) {
   if (!arguments.output.quiet) options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
   if (arguments.dry_run) {
     for (const Experiment& experiment : experiments) {
-      fmt::print("{}: {}\n{}\n", experiment.id(), experiment.title, describe_plan(experiment.comparison, registry, options));
+      fmt::print("{}: {}\n{}\n", experiment.id(), experiment.title,
+                 describe_plan(experiment.comparison, registry, options));
     }
     return 0;
   }
@@ -109,7 +113,9 @@ int reproduce_wanted(ReproduceArguments arguments) {
       return static_cast<int>(ErrorClass::interrupted);
     }
     complete &= is_complete(result);
-    if (result.reproduction) fmt::print("{}  report: {}\n\n", result.reproduction->table(), (options.folder / experiment.name / "report.html").string());
+    if (result.reproduction)
+      fmt::print("{}  report: {}\n\n", result.reproduction->table(),
+                 (options.folder / experiment.name / "report.html").string());
   }
   return complete ? 0 : static_cast<int>(ErrorClass::check_failed);
 }
@@ -122,11 +128,15 @@ void add_reproduce_command(CLI::App& program, Action& action) {
   command.add_option("experiment", arguments->wanted, "PAPER for all of its experiments, or PAPER/EXPERIMENT");
   command.add_flag("--list", arguments->list, "print the papers and experiments that there are");
   command.add_flag("--full", arguments->full, "the full setting, not the quick one that ends within minutes");
-  command.add_option("-o,--output", arguments->options.folder, "folder of the results, with a folder for each experiment");
+  command.add_option("-o,--output", arguments->options.folder,
+                     "folder of the results, with a folder for each experiment");
   command.add_flag("--dry-run", arguments->dry_run, "print the plan and render nothing but first iterations");
   command.add_flag("--resume", arguments->options.resume, "continue what was interrupted in the same folder");
   command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder");
-  command.add_option("--technique-path", arguments->folders, "further folder with plug-ins")->take_all()->expected(1)->allow_extra_args(false);
+  command.add_option("--technique-path", arguments->folders, "further folder with plug-ins")
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
   arguments->device.add_to(command);
   arguments->output.add_to(command, false);
   command.callback([arguments, &action] { action = [arguments] { return reproduce_wanted(*arguments); }; });

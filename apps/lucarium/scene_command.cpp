@@ -5,8 +5,8 @@
 #include "atlas_pictures.h"
 #include "commands.h"
 #include "lucarium/base/error.h"
-#include "lucarium/scene/export_gltf.h"
-#include "lucarium/scene/scene_report.h"
+#include "lucarium/scene/gltf/export.h"
+#include "lucarium/scene/report/scene_report.h"
 #include "options.h"
 #include "output_files.h"
 

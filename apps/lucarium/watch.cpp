@@ -134,7 +134,8 @@ int render_and_watch(const WatchedInputs& inputs) {
     if (result.exit_code == 0) {
       fmt::print(stderr, "rendered in {:.1f} s; watching {} files, Ctrl-C ends\n", result.seconds, before.size());
     } else {
-      fmt::print(stderr, "not rendered ({}): the last image is kept; watching {} files, Ctrl-C ends\n", describe_end(result), before.size());
+      fmt::print(stderr, "not rendered ({}): the last image is kept; watching {} files, Ctrl-C ends\n",
+                 describe_end(result), before.size());
     }
     const fs::path file = wait_for_change(inputs, before);
     if (file.empty()) return 0;

@@ -5,15 +5,15 @@
 //
 // Idea. Take one direction ω for the whole scene. All rays along ω form a bundle; drawn orthographically, with every
 // fragment kept and sorted by depth, a pixel of the film is such a ray, and consecutive fragments see each other along
-// it. They exchange radiance, each giving the other what it reflects. After many directions every texel of an atlas over
-// all surfaces has received light from its whole hemisphere (Hermes, Henrich, Grosch, Mueller: Global Illumination using
-// Parallel Global Ray-Bundles, VMV 2010).
+// it. They exchange radiance, each giving the other what it reflects. After many directions every texel of an atlas
+// over all surfaces has received light from its whole hemisphere (Hermes, Henrich, Grosch, Mueller: Global Illumination
+// using Parallel Global Ray-Bundles, VMV 2010).
 //
 //   E_t = π Σ w L / Σ w        over all rays that met texel t, w = W A_p a, W = 1 / (q(ω) + q(-ω))
 //
-// q is the density of directions, A_p the area of a film pixel, a the openness of that part of the texel (slot_openness.h):
-// what is covered by something near is neither seen nor to count. The cosine is implicit: a texel is met by as many rays
-// as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
+// q is the density of directions, A_p the area of a film pixel, a the openness of that part of the texel
+// (slot_openness.h): what is covered by something near is neither seen nor to count. The cosine is implicit: a texel is
+// met by as many rays as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
 //
 // All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
 // kept (sender_weights.h): S forgets quickly, so that light that was missing at the beginning fades as
@@ -21,21 +21,21 @@
 // sent and held scales S meanwhile. With max_bounces there is a mean per bounce, each fed by the one before.
 //
 // Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee), or, but for point, spot and
-// directional lights, the bundles themselves: what texels emit, and the environment at the ends of rays (exchange). Specular lobes (mirrors, glass,
-// metals, coats): texels send what a ray finds that leaves by such a lobe; from vertex to vertex it follows specular lobes
-// only, since the atlas knows the diffuse light. So do rays from the pixels towards the eye.
+// directional lights, the bundles themselves: what texels emit, and the environment at the ends of rays (exchange).
+// Specular lobes (mirrors, glass, metals, coats): texels send what a ray finds that leaves by such a lobe; from vertex
+// to vertex it follows specular lobes only, since the atlas knows the diffuse light. So do rays from the pixels towards
+// the eye.
 //
-// Parts (bundle_parts): direction_sequence and bundle_view (ω, W, film), slot_exposure and slot_openness (what of texels counts),
-// bundle_transfer (a direction's exchange), sender_weights and
-// slot_means (S, D, balance, error), slot_light and camera_light (light samples, image), slot_hops and hop_tracer
-// (specular chains).
+// Parts (bundle_parts): direction_sequence and bundle_view (ω, W, film), slot_exposure and slot_openness (what of
+// texels counts), bundle_transfer (a direction's exchange), sender_weights and slot_means (S, D, balance, error),
+// slot_light and camera_light (light samples, image), slot_hops and hop_tracer (specular chains).
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "bundle_parts.h"
+#include "bundle_exchange/bundle_parts.h"
 #include "lucarium/technique/plugin.h"
 
 namespace lucarium {
@@ -54,7 +54,8 @@ TechniqueInfo bundle_exchange_info() {
       "J. Hermes, N. Henrich, T. Grosch, S. Mueller, Global Illumination using Parallel Global Ray-Bundles, Vision, "
       "Modeling, and Visualization 2010";
   info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
+  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
+                                 "transmission", "mask",   "blend",  "normal_map"};
   info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
   info.capabilities.max_bounces = -1;
   info.capabilities.view_independent = true;
@@ -118,7 +119,8 @@ class BundleExchange : public Technique {
   }
 
   void resolve(Film& film) override {
-    if (!parts_) throw Error(ErrorClass::input, "bundle_exchange: the scene's last change could not be followed; nothing to show");
+    if (!parts_)
+      throw Error(ErrorClass::input, "bundle_exchange: the scene's last change could not be followed; nothing to show");
     parts_->camera.resolve(film, parts_->preview && !exchange_done());
   }
 
@@ -146,7 +148,8 @@ class BundleExchange : public Technique {
       result["indirect_directions"] = static_cast<double>(parts_->means.reflecting(directions_));
       result["slots"] = parts_->atlas->info().texel_count;
       result["film_pixels"] = parts_->transfer.mean_film();
-      result["hop_rays"] = static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
+      result["hop_rays"] =
+          static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
       if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
     }
     return result;
@@ -155,7 +158,8 @@ class BundleExchange : public Technique {
  private:
   bool has_ring() const { return parts_ && parts_->specular && parts_->specular->has_ring(); }
 
-  /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at least.
+  /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at
+  /// least.
   Parameters sequence_parameters() const {
     Parameters result = parameters_;
     if (has_ring()) result.block = std::max(result.block, 64 * result.glossy_window);
@@ -199,15 +203,17 @@ class BundleExchange : public Technique {
     return directions_ >= static_cast<uint64_t>(parameters_.directions) || !exchanges() || is_accurate();
   }
 
-  /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before the
-  /// end: both use up their directions.
+  /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before
+  /// the end: both use up their directions.
   bool is_accurate() const {
     return forgets(parameters_) && parameters_.stop_error > 0 && parts_->means.carries_all(directions_) &&
            parts_->means.relative_error() < parameters_.stop_error;
   }
 
   /// Whether bundles carry anything.
-  bool exchanges() const { return context_->settings.max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange; }
+  bool exchanges() const {
+    return context_->settings.max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange;
+  }
 
   /// Directions of the next batch: few at first, when much is learnt from each, and none across a boundary.
   uint32_t next_batch() const {
@@ -215,7 +221,8 @@ class BundleExchange : public Technique {
     const uint64_t first = static_cast<uint64_t>(parameters_.direct_first);
     const bool direct_only = parts_->means.direct_only(directions_);
     uint64_t count = parameters_.batch;
-    if (!direct_only) count = std::min<uint64_t>(count, 1 + (directions_ - (parts_->means.direct_only(0) ? first : 0)) / 32);
+    if (!direct_only)
+      count = std::min<uint64_t>(count, 1 + (directions_ - (parts_->means.direct_only(0) ? first : 0)) / 32);
     if (direct_only && directions_ < first) count = std::min(count, first - directions_);
     count = std::min<uint64_t>(count, parameters_.directions - directions_);
     if (parameters_.interleave == Interleave::pingpong)
@@ -224,10 +231,12 @@ class BundleExchange : public Technique {
   }
 
   /// An iteration: light samples for some slots, directions of about kPixels film pixels,
-  /// a camera sample, which alone changes the image. A step that was cancelled is done again by the next iteration, which goes on from there.
+  /// a camera sample, which alone changes the image. A step that was cancelled is done again by the next iteration,
+  /// which goes on from there.
   bool run_steps() {
     BundleParts& parts = *parts_;
-    if (!step_.begun) step_ = {true, false, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
+    if (!step_.begun)
+      step_ = {true, false, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
     for (; step_.light_runs > 0 && wants_light(); --step_.light_runs) {
@@ -267,8 +276,8 @@ class BundleExchange : public Technique {
     return true;
   }
 
-  /// The next direction of the batch; pixels gather along it (null: not), `first`: the first one since they last did. False
-  /// when cancelled while slots find what they send, which may be done again; sums are added to in one go.
+  /// The next direction of the batch; pixels gather along it (null: not), `first`: the first one since they last did.
+  /// False when cancelled while slots find what they send, which may be done again; sums are added to in one go.
   bool exchange_along(PixelGather* gather, bool first) {
     const uint64_t index = position();
     const Direction direction = sequence_.at(index);
@@ -277,7 +286,8 @@ class BundleExchange : public Technique {
     if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
     if (gather && specular) parts_->transfer.gather(direction, seed, first);
     if (gather && !specular && !gather_along(index, first)) return false;
-    parts_->means.direct_only(directions_) ? parts_->transfer.exchange_emission(direction, seed) : parts_->transfer.exchange(direction, seed);
+    parts_->means.direct_only(directions_) ? parts_->transfer.exchange_emission(direction, seed)
+                                           : parts_->transfer.exchange(direction, seed);
     if (specular) specular->receive(batch_.done);
     return true;
   }
@@ -319,10 +329,11 @@ class BundleExchange : public Technique {
     return (kernel_seed(seed_) ^ static_cast<uint32_t>(index + 1) * 0x9e3779b9u) * 0x85ebca6bu;
   }
 
-  /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces are
-  /// missing until the end, it shows the atlas as it is, and no mean over what it was.
+  /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces
+  /// are missing until the end, it shows the atlas as it is, and no mean over what it was.
   bool shows_all() const {
-    return !exchanges() || exchange_done() || (forgets(parameters_) && directions_ > 0 && parts_->means.carries_all(directions_ - 1));
+    return !exchanges() || exchange_done() ||
+           (forgets(parameters_) && directions_ > 0 && parts_->means.carries_all(directions_ - 1));
   }
 
   /// Whether more light samples at slots are of use.
@@ -345,9 +356,13 @@ class BundleExchange : public Technique {
   /// When converged, why.
   std::string phase(bool converged) const {
     if (converged && !exchanges()) return fmt::format("all {} camera_samples are done", parameters_.camera_samples);
-    if (converged && is_accurate()) return fmt::format("the relative error is {:.2g}, below stop_error", parts_->means.relative_error());
-    const bool by_samples = parts_->camera.atlas_samples() == static_cast<uint64_t>(parameters_.camera_samples);  // which it waited for
-    if (converged && by_samples) return fmt::format("all {} directions and {} camera_samples are done", parameters_.directions, parameters_.camera_samples);
+    if (converged && is_accurate())
+      return fmt::format("the relative error is {:.2g}, below stop_error", parts_->means.relative_error());
+    const bool by_samples =
+        parts_->camera.atlas_samples() == static_cast<uint64_t>(parameters_.camera_samples);  // which it waited for
+    if (converged && by_samples)
+      return fmt::format("all {} directions and {} camera_samples are done", parameters_.directions,
+                         parameters_.camera_samples);
     if (converged) return fmt::format("all {} directions are done", parameters_.directions);
     return !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
   }

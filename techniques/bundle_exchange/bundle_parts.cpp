@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_parts.h"
+#include "bundle_exchange/bundle_parts.h"
 
 #include "lucarium/base/error.h"
-#include "lucarium/services/bvh.h"
+#include "lucarium/services/bvh/bvh.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
@@ -16,14 +16,18 @@ Program make_program(Device& device, const Channels& channels) {
   library.add(bundle_exchange_kernels());
   return Program(device, library,
                  {"bundle_exchange/means",
-                  {"bundle_exchange/senders.cl", "bundle_exchange/fold.cl", "bundle_exchange/slot_exposure.cl", "bundle_exchange/slot_openness.cl",
-                   "bundle_exchange/slot_light.cl", "bundle_exchange/camera_light.cl", "bundle_exchange/hops.cl", "bundle_exchange/ring.cl",
-                   "bundle_exchange/pixel_gather.cl", "bundle_exchange/preview.cl"},
+                  {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl",
+                   "bundle_exchange/texels/slot_exposure.cl", "bundle_exchange/texels/slot_openness.cl",
+                   "bundle_exchange/texels/slot_light.cl", "bundle_exchange/pixels/camera_light.cl",
+                   "bundle_exchange/specular/hops.cl", "bundle_exchange/senders/ring.cl",
+                   "bundle_exchange/pixels/pixel_gather.cl", "bundle_exchange/senders/preview.cl"},
                   channels.defines()});
 }
 
 std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlasOptions options) {
-  options.progress = [report = c.progress](double fraction, const std::string& stage) { report(fraction, "surface atlas, " + stage); };
+  options.progress = [report = c.progress](double fraction, const std::string& stage) {
+    report(fraction, "surface atlas, " + stage);
+  };
   return std::make_unique<SurfaceAtlas>(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner);
 }
 
@@ -32,26 +36,31 @@ std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlas
 BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept)
     : atlas(kept.atlas ? std::move(kept.atlas) : make_atlas(c, plan.atlas)),
       program(make_program(*c.device, plan.channels)),
-      exposure(kept.exposure ? std::move(kept.exposure)
-                             : std::make_unique<SlotExposure>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas)),
+      exposure(kept.exposure
+                   ? std::move(kept.exposure)
+                   : std::make_unique<SlotExposure>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas)),
       openness(kept.openness ? std::move(kept.openness)
-                             : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas, SlotOpenness::Options{p.pixel_size, p.open_gap})),
+                             : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas,
+                                                              SlotOpenness::Options{p.pixel_size, p.open_gap})),
       slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, *openness, plan.light_kinds),
       means(*c.device, c.scheduler, program, *atlas, openness->shares(), slot_light.light_samples(), plan.channels, p),
       preview(plan.preview ? std::make_unique<SlotPreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
-      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(), make_frame(c.settings), plan.camera),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *exposure, *openness, plan.channels,
-               {p.pixel_size, p.transfer, camera.pixel_gather()}) {
+      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(),
+             make_frame(c.settings), plan.camera),
+      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *exposure, *openness,
+               plan.channels, {p.pixel_size, p.transfer, camera.pixel_gather()}) {
   if (!openness->complete())
     openness->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *exposure, transfer.raster());
   if (!plan.reflects) return;
-  specular = std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
-                                            !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
+  specular =
+      std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
+                                     !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
 }
 
 void BundleParts::measure_openness(const std::function<void(double, const std::string&)>& report) {
   const auto check = [](bool done) {
-    if (!done) throw Error(ErrorClass::interrupted, "bundle_exchange: interrupted while texels were measured; nothing is kept");
+    if (!done)
+      throw Error(ErrorClass::interrupted, "bundle_exchange: interrupted while texels were measured; nothing is kept");
   };
   for (; !exposure->complete(); report(exposure->progress(), "hidden places")) check(exposure->advance());
   for (; !openness->complete(); report(openness->progress(), openness->measured())) check(openness->advance());

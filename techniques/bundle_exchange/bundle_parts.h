@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
-#include "bundle_plan.h"
-#include "bundle_transfer.h"
-#include "slot_light.h"
-#include "slot_specular.h"
+#include "bundle_exchange/bundle_plan.h"
+#include "bundle_exchange/exchange/bundle_transfer.h"
+#include "bundle_exchange/specular/slot_specular.h"
+#include "bundle_exchange/texels/slot_light.h"
 
 namespace lucarium::bundle {
 
@@ -21,8 +21,8 @@ struct BundleParts {
   };
 
   BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept);
-  /// What of texels is hidden, and how open the rest is. `report`: as TechniqueContext::progress. Throws Error{interrupted}
-  /// when cancelled.
+  /// What of texels is hidden, and how open the rest is. `report`: as TechniqueContext::progress. Throws
+  /// Error{interrupted} when cancelled.
   void measure_openness(const std::function<void(double, const std::string&)>& report);
   void warm_up();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_plan.h"
+#include "bundle_exchange/bundle_plan.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include "bundle_transfer.h"
-#include "slot_light.h"
-#include "slot_specular.h"
+#include "bundle_exchange/exchange/bundle_transfer.h"
+#include "bundle_exchange/specular/slot_specular.h"
+#include "bundle_exchange/texels/slot_light.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -19,7 +19,8 @@ bool has_lamps(const Scene& scene) {
 }
 
 /// Unlimited bounces feed one channel back to itself; finite ones have a channel each.
-Channels make_channels(const Parameters& parameters, const Scene& scene, const RenderSettings& settings, bool reflects) {
+Channels make_channels(const Parameters& parameters, const Scene& scene, const RenderSettings& settings,
+                       bool reflects) {
   Channels result;
   result.hops = has_specular_lobes(scene) || parameters.final_gather == FinalGather::all;
   // Glossy slots that trace no rays get what lamps and the environment send along the bundles.
@@ -65,36 +66,47 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   return plan;
 }
 
-size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
+size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene,
+                      const RenderSettings& settings) {
   const size_t slots = plan.atlas.texel_count * 5 / 4;
   return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels, parameters) +
          SlotLight::estimate_bytes(slots) + SlotExposure::estimate_bytes(slots) + SlotOpenness::estimate_bytes(slots) +
          (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
-         CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles, plan.preview) +
-         BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters, plan.camera.by_bundles) +
+         CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles,
+                                     plan.preview) +
+         BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters,
+                                        plan.camera.by_bundles) +
          (plan.preview ? SlotPreview::estimate_bytes(slots, plan.channels) : 0);
 }
 
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   std::vector<std::string> result;
   const auto any = [&](auto&& test) { return std::any_of(scene.materials.begin(), scene.materials.end(), test); };
-  if (any([](const SceneMaterial& m) { return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance); }))
+  if (any([](const SceneMaterial& m) {
+        return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
+      }))
     result.push_back("bundles are not attenuated inside volumes");
-  if (parameters.direct_mode == DirectMode::exchange && parameters.direct_first >= parameters.directions && settings.max_bounces != 0)
+  if (parameters.direct_mode == DirectMode::exchange && parameters.direct_first >= parameters.directions &&
+      settings.max_bounces != 0)
     result.push_back("indirect light is left out: all directions carry emission only (direct_first)");
   if (parameters.interleave == Interleave::fixed)
     result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
   if (parameters.interleave == Interleave::running && settings.max_bounces < 0)
-    result.push_back("light of many bounces comes late: 19 % are missing after 2048 directions where surfaces reflect 0.8 (interleave=running is there for comparison)");
-  const bool ring = SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene) && parameters.glossy_bounces == GlossyBounces::multiple;
+    result.push_back(
+        "light of many bounces comes late: 19 % are missing after 2048 directions where surfaces reflect 0.8 "
+        "(interleave=running is there for comparison)");
+  const bool ring = SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene) &&
+                    parameters.glossy_bounces == GlossyBounces::multiple;
   if (ring) {
     if (parameters.sequence == Sequence::halton)
-      result.push_back("glossy light between surfaces is about half of what it should be (sequence=halton with glossy_window)");
+      result.push_back(
+          "glossy light between surfaces is about half of what it should be (sequence=halton with glossy_window)");
     if (std::none_of(scene.materials.begin(), scene.materials.end(), [&](const SceneMaterial& m) {
           return m.roughness * m.roughness >= SlotSpecular::alpha_least(parameters);
         }))
-      result.push_back(fmt::format("glossy_window has no effect: no surface is as rough as alpha_ring asks for (GGX width {:.2f})",
-                                   SlotSpecular::alpha_least(parameters)));
+      result.push_back(
+          fmt::format("glossy_window has no effect: no surface is as rough as alpha_ring asks for (GGX width {:.2f})",
+                      SlotSpecular::alpha_least(parameters)));
   }
   if (parameters.interleave == Interleave::pingpong && ring)
     result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
@@ -102,11 +114,14 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
     result.push_back("specular reflections between diffuse ones are no bounces of their own (interleave=pingpong)");
   if (parameters.interleave == Interleave::pingpong && parameters.pixel_rays == PixelRays::bundle)
     result.push_back("pixel_rays=bundle has no effect: bundles carry one bounce at a time (interleave=pingpong)");
-  for (const auto& [name, on] : {std::pair("preview", parameters.preview), std::pair("warm_start", parameters.warm_start)})
-    if (on && !forgets(parameters)) result.push_back(fmt::format("{}=on has no effect: it needs interleave=sd or running", name));
+  for (const auto& [name, on] :
+       {std::pair("preview", parameters.preview), std::pair("warm_start", parameters.warm_start)})
+    if (on && !forgets(parameters))
+      result.push_back(fmt::format("{}=on has no effect: it needs interleave=sd or running", name));
   if (parameters.final_gather == FinalGather::off && has_specular_lobes(scene))
     result.push_back(parameters.direct_mode == DirectMode::exchange
-                         ? "what specular lobes reflect towards the eye is left out but for light of punctual lights (final_gather=off)"
+                         ? "what specular lobes reflect towards the eye is left out but for light of punctual lights "
+                           "(final_gather=off)"
                          : "indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
   return result;
 }

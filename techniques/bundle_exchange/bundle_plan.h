@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "camera_light.h"
+#include "bundle_exchange/pixels/camera_light.h"
+#include "bundle_exchange/senders/slot_means.h"
 #include "lucarium/technique/technique.h"
-#include "slot_means.h"
 
 namespace lucarium::bundle {
 
@@ -11,8 +11,8 @@ struct BundlePlan {
   SurfaceAtlasOptions atlas;
   Channels channels;
   CameraLight::Options camera;
-  bool preview = false;   ///< images that have not converged show what SlotPreview smooths
-  bool reflects = false;  ///< specular lobes of slots take part in the exchange
+  bool preview = false;      ///< images that have not converged show what SlotPreview smooths
+  bool reflects = false;     ///< specular lobes of slots take part in the exchange
   uint32_t light_kinds = 0;  ///< of lights that slots get light samples of (LUCARIUM_LIGHT_* bits)
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
@@ -24,6 +24,7 @@ bool has_specular_lobes(const Scene& scene);
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
 /// Expected device memory [bytes].
-size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
+size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene,
+                      const RenderSettings& settings);
 
 }  // namespace lucarium::bundle

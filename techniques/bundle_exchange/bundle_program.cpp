@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_program.h"
+#include "bundle_exchange/bundle_program.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
@@ -11,8 +11,8 @@ Program make_bundle_program(Device& device, const std::string& file, std::map<st
   return Program(device, library, {"bundle_exchange/" + file, {"bundle_exchange/" + file + ".cl"}, std::move(defines)});
 }
 
-PassBuilder surface_pass(ScheduleRecorder& recorder, const std::string& name, const Program& program, const std::string& kernel,
-                         const SceneBuffers& scene, const SurfaceAtlas& atlas) {
+PassBuilder surface_pass(ScheduleRecorder& recorder, const std::string& name, const Program& program,
+                         const std::string& kernel, const SceneBuffers& scene, const SurfaceAtlas& atlas) {
   PassBuilder pass = recorder.pass(name, program, kernel);
   scene.bind(pass, program, kernel);
   atlas.bind(pass, program, kernel);

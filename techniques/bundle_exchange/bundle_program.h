@@ -3,9 +3,9 @@
 #include <map>
 #include <string>
 
-#include "lucarium/compute/schedule.h"
-#include "lucarium/scene/scene_buffers.h"
-#include "lucarium/services/surface_atlas.h"
+#include "lucarium/compute/schedule/schedule.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
 
 namespace lucarium::bundle {
 
@@ -13,7 +13,7 @@ namespace lucarium::bundle {
 Program make_bundle_program(Device& device, const std::string& file, std::map<std::string, std::string> defines);
 
 /// A pass of a kernel that knows the scene and the atlas.
-PassBuilder surface_pass(ScheduleRecorder& recorder, const std::string& name, const Program& program, const std::string& kernel,
-                         const SceneBuffers& scene, const SurfaceAtlas& atlas);
+PassBuilder surface_pass(ScheduleRecorder& recorder, const std::string& name, const Program& program,
+                         const std::string& kernel, const SceneBuffers& scene, const SurfaceAtlas& atlas);
 
 }  // namespace lucarium::bundle

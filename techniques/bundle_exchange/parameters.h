@@ -52,37 +52,42 @@ struct Parameters {
               {"halton", Sequence::halton},
               {"hammersley", Sequence::hammersley}},
              "directions: independent, Owen-scrambled Sobol points in blocks, Halton, or Hammersley points");
-    v.choice("interleave", interleave,
-             {{"sd", Interleave::sd},
-              {"running", Interleave::running},
-              {"fixed", Interleave::fixed},
-              {"pingpong", Interleave::pingpong}},
-             "how bounces share directions: forgetting senders beside a slow mean (sd), a running mean, equal shares of "
-             "the total (fixed, loses energy), or one bounce after the other, each `block` directions (pingpong)");
+    v.choice(
+        "interleave", interleave,
+        {{"sd", Interleave::sd},
+         {"running", Interleave::running},
+         {"fixed", Interleave::fixed},
+         {"pingpong", Interleave::pingpong}},
+        "how bounces share directions: forgetting senders beside a slow mean (sd), a running mean, equal shares of "
+        "the total (fixed, loses energy), or one bounce after the other, each `block` directions (pingpong)");
     v.number("block", block, 128, 16384, "directions", "directions of a stratified block, and of a bounce of pingpong");
     v.number("env_guiding", env_guiding, 0.f, 0.9f, "", "share of directions drawn by the environment's luminance");
     v.number("texels", texels, 0, 1 << 24, "texels",
              "wanted size of the surface atlas; 0: eight per pixel of the image, but 32768 to 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a film pixel of a bundle");
     v.number("open_gap", open_gap, 0.f, 16.f, "texel edges",
-             "rays that go farther tell how open a part of a texel is, and what it counts in the texel's mean; 0: all alike");
+             "rays that go farther tell how open a part of a texel is, and what it counts in the texel's mean; 0: all "
+             "alike");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
     v.number("direct_first", direct_first, 0, 100000, "directions",
              "directions that carry emitted light only, before the others (direct_mode=exchange)");
-    v.number("gain_exp", gain_exp, 0.3f, 1.f, "", "step of senders: batch k counts k^-gain_exp of the mean (interleave=sd)");
+    v.number("gain_exp", gain_exp, 0.3f, 1.f, "",
+             "step of senders: batch k counts k^-gain_exp of the mean (interleave=sd)");
     v.number("avg_exp", avg_exp, 0.f, 2.f, "", "weight of direction i in what is displayed: i^avg_exp (interleave=sd)");
     v.flag("balance", balance,
-           "scale senders so that they send the power that receivers hold (unlimited bounces; not while specular lobes deliver "
+           "scale senders so that they send the power that receivers hold (unlimited bounces; not while specular lobes "
+           "deliver "
            "more than a fifth)");
     v.choice("final_gather", final_gather,
              {{"off", FinalGather::off}, {"glossy", FinalGather::glossy}, {"all", FinalGather::all}},
              "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");
     v.choice("glossy_bounces", glossy_bounces, {{"multiple", GlossyBounces::multiple}, {"final", GlossyBounces::final}},
              "specular lobes take part in the exchange, or only reflect diffuse light towards the eye");
-    v.number("glossy_window", glossy_window, 0, 256, "directions",
-             "directions before the next one that glossy slots reflect towards it, instead of tracing rays; 0: all rays, 1: "
-             "as in the paper");
+    v.number(
+        "glossy_window", glossy_window, 0, 256, "directions",
+        "directions before the next one that glossy slots reflect towards it, instead of tracing rays; 0: all rays, 1: "
+        "as in the paper");
     v.choice("glossy_norm", glossy_norm, {{"self", GlossyNorm::self}, {"mean", GlossyNorm::mean}},
              "light of those directions is divided by their weights (self, less noise), or by their number (mean)");
     v.number("alpha_ring", alpha_ring, 0.f, 1.f, "",
@@ -90,19 +95,24 @@ struct Parameters {
     v.number("hop_share", hop_share, 0.01f, 1.f, "",
              "probability that a slot which reflects everything specularly traces a ray for a direction; others less");
     v.choice("transfer", transfer, {{"ray", Transfer::ray}, {"texel", Transfer::texel}},
-             "who meets whom: all film pixels' fragments each other, or each texel, projected into the film, its neighbour there "
+             "who meets whom: all film pixels' fragments each other, or each texel, projected into the film, its "
+             "neighbour there "
              "(texel, as in the paper)");
     v.choice("pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
-             "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below alpha_ring are traced)");
+             "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below alpha_ring "
+             "are traced)");
     v.flag("preview", preview,
            "until the exchange is done, show the atlas smoothed as far as its errors go (interleave=sd and running)");
     v.flag("warm_start", warm_start,
-           "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and running)");
+           "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and "
+           "running)");
     v.number("stop_error", stop_error, 0.f, 1.f, "",
-             "converged at this relative standard error of irradiance (interleave=sd and running); 0: never. With direct_mode=exchange "
+             "converged at this relative standard error of irradiance (interleave=sd and running); 0: never. With "
+             "direct_mode=exchange "
              "directions carry emission only as soon as at most half of the squared error comes from indirect light");
-    v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
-             "samples per pixel that an image has at least when it counts as converged: direct light and edges are theirs");
+    v.number(
+        "camera_samples", camera_samples, 1, 1 << 24, "samples",
+        "samples per pixel that an image has at least when it counts as converged: direct light and edges are theirs");
     v.presets({{"paper",
                 {{"batch", "1"},
                  {"sequence", "halton"},

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "declaration.h"
+#include "micro_rendering/declaration.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "eye_light.h"
-#include "leaf_light.h"
-#include "pixel_gather.h"
-#include "scene_forest.h"
+#include "micro_rendering/light/leaf_light.h"
+#include "micro_rendering/pixels/eye_light.h"
+#include "micro_rendering/pixels/pixel_gather.h"
+#include "micro_rendering/tree/scene_forest.h"
 
 namespace lucarium::micro {
 
@@ -21,12 +21,14 @@ TechniqueInfo technique_info() {
       "T. Ritschel, T. Engelhardt, T. Grosch, H.-P. Seidel, J. Kautz and C. Dachsbacher, Micro-Rendering for Scalable, "
       "Parallel Final Gathering, SIGGRAPH Asia 2009";
   info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
+  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
+                                 "transmission", "mask",   "blend",  "normal_map"};
   info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
   info.capabilities.bias = 0.02;
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
-  info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits", "upsampling_failed", "micro_buffer"};
+  info.layers = {"emission",    "direct",      "indirect",          "cut_level",
+                 "list_length", "node_visits", "upsampling_failed", "micro_buffer"};
   return info;
 }
 
@@ -35,8 +37,9 @@ int bounces(const MicroParameters& parameters, const RenderSettings& settings) {
 }
 
 bool transmits(const Scene& scene) {
-  return std::any_of(scene.materials.begin(), scene.materials.end(),
-                     [](const SceneMaterial& m) { return m.transmission > 0 && m.roughness >= LUCARIUM_MIRROR_ROUGHNESS; });
+  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return m.transmission > 0 && m.roughness >= LUCARIUM_MIRROR_ROUGHNESS;
+  });
 }
 
 PathSet path_set(const MicroParameters& parameters, const RenderSettings& settings) {
@@ -51,34 +54,48 @@ PathSet path_set(const MicroParameters& parameters, const RenderSettings& settin
   return set;
 }
 
-std::vector<std::string> limitations(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings) {
+std::vector<std::string> limitations(const MicroParameters& parameters, const Scene& scene,
+                                     const RenderSettings& settings) {
   std::vector<std::string> list;
-  if (settings.max_bounces < 0) list.push_back(fmt::format("computes {} bounces (unlimited_bounces), not all", bounces(parameters, settings)));
+  if (settings.max_bounces < 0)
+    list.push_back(fmt::format("computes {} bounces (unlimited_bounces), not all", bounces(parameters, settings)));
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
     return m.transmission > 0 || m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
   });
   if (parameters.node_shading == NodeShading::dynamic && bounces(parameters, settings) > 1)
-    list.push_back("node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples and virtual lights");
-  if (parameters.multibounce == MultiBounce::instant_radiosity && (bounces(parameters, settings) > 1 || parameters.shows_virtual_lights()))
+    list.push_back(
+        "node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples "
+        "and virtual lights");
+  if (parameters.multibounce == MultiBounce::instant_radiosity &&
+      (bounces(parameters, settings) > 1 || parameters.shows_virtual_lights()))
     list.push_back("virtual lights' geometry term is bounded by vpl_clamp: corners are too dark");
-  if (parameters.multibounce == MultiBounce::photon_map && (bounces(parameters, settings) > 1 || parameters.photon_direct))
+  if (parameters.multibounce == MultiBounce::photon_map &&
+      (bounces(parameters, settings) > 1 || parameters.photon_direct))
     list.push_back("the photon map blurs light over photon_k photons");
-  if (parameters.node_shading == NodeShading::dynamic && parameters.multibounce == MultiBounce::photon_map && parameters.photon_direct)
+  if (parameters.node_shading == NodeShading::dynamic && parameters.multibounce == MultiBounce::photon_map &&
+      parameters.photon_direct)
     list.push_back("node_shading=dynamic has no effect: photons stand for light samples (photon_direct=on)");
-  if (parameters.shows_virtual_lights()) list.push_back("final_gather=off: visible surfaces reflect indirect light by their diffuse lobes alone, and nothing is gathered");
+  if (parameters.shows_virtual_lights())
+    list.push_back(
+        "final_gather=off: visible surfaces reflect indirect light by their diffuse lobes alone, and nothing is "
+        "gathered");
   if (!parameters.final_gather && !parameters.shows_virtual_lights())
     list.push_back("final_gather=off has no effect without multibounce=instant_radiosity");
   if (parameters.adaptive > 0 && parameters.largest_edge() < parameters.micro_size * 3 / 2)
-    list.push_back(fmt::format("adaptive: larger micro-buffers have edges of {} micro-pixels, not {}", parameters.largest_edge(), parameters.micro_size * 3 / 2));
+    list.push_back(fmt::format("adaptive: larger micro-buffers have edges of {} micro-pixels, not {}",
+                               parameters.largest_edge(), parameters.micro_size * 3 / 2));
   const bool inspects = parameters.inspect_x >= 0 || parameters.inspect_y >= 0;
   const auto inside = [](int at, uint32_t size) { return at >= 0 && static_cast<uint32_t>(at) < size; };
   if (inspects && !(inside(parameters.inspect_x, settings.width) && inside(parameters.inspect_y, settings.height)))
-    list.push_back(fmt::format("no micro-buffer is shown: inspect_x={}, inspect_y={} is no pixel of {}×{}", parameters.inspect_x, parameters.inspect_y, settings.width, settings.height));
+    list.push_back(fmt::format("no micro-buffer is shown: inspect_x={}, inspect_y={} is no pixel of {}×{}",
+                               parameters.inspect_x, parameters.inspect_y, settings.width, settings.height));
   else if (inspects && (bounces(parameters, settings) == 0 || parameters.shows_virtual_lights()))
     list.push_back("no micro-buffer is shown: nothing is gathered (inspect_x, inspect_y)");
   if (parameters.backface == Backface::cull)
     list.push_back("backs of single-sided surfaces let light through, which the reference's block (backface=cull)");
-  if (ideal) list.push_back("mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
+  if (ideal)
+    list.push_back(
+        "mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
   return list;
 }
 
@@ -87,7 +104,8 @@ size_t estimate_bytes(const MicroParameters& parameters, const Scene& scene, con
   size_t bytes = EyeLight::estimate_bytes(settings.width, settings.height);
   if (bounces(parameters, settings) == 0) return bytes;
   const PointForest::Size forest = PointForest::estimate(scene, forest_options(parameters));
-  if (parameters.shows_virtual_lights()) bytes += LightPaths::estimate_bytes(parameters, pixels, bounces(parameters, settings) + 1);
+  if (parameters.shows_virtual_lights())
+    bytes += LightPaths::estimate_bytes(parameters, pixels, bounces(parameters, settings) + 1);
   return bytes + forest.bytes + LeafLight::estimate_bytes(parameters, forest.leaves, bounces(parameters, settings)) +
          PixelGather::estimate_bytes(settings.width, settings.height, parameters, transmits(scene));
 }

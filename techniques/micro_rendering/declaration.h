@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lucarium/technique/technique.h"
-#include "micro_parameters.h"
+#include "micro_rendering/micro_parameters.h"
 
 namespace lucarium::micro {
 
@@ -20,7 +20,8 @@ bool transmits(const Scene& scene);
 PathSet path_set(const MicroParameters& parameters, const RenderSettings& settings);
 
 /// What of the scene's light is left out, and which parameters have no effect, one line each.
-std::vector<std::string> limitations(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings);
+std::vector<std::string> limitations(const MicroParameters& parameters, const Scene& scene,
+                                     const RenderSettings& settings);
 
 /// Most device bytes that the technique takes.
 size_t estimate_bytes(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings);

@@ -68,11 +68,14 @@ struct MicroParameters {
     v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"centre", CutBound::centre}},
              "size of a micro-pixel that a node is compared with: the smallest over the node, or that at its centre");
     v.number("cut_error", cut_error, 0, 1, "",
-             "share of a micro-buffer's mean that a node may err by: uneven ones are split, to cut_kappa / 4; where all are even the cut is 4 times as coarse; 0: off");
+             "share of a micro-buffer's mean that a node may err by: uneven ones are split, to cut_kappa / 4; where "
+             "all are even the cut is 4 times as coarse; 0: off");
     v.choice("splat", splat, {{"sample", Splat::sample}, {"nearest", Splat::nearest}},
              "which micro-pixels a node covers: those whose sample direction meets its disc, or the one at its centre");
-    v.number("splat_radius", splat_radius, 0.8f, 1.7f, "", "radius of a splat over that of the disc of the node's area");
-    v.number("disc_scale", disc_scale, 1, 2.2f, "", "radius of a leaf's disc over that of the disc of its area, which is the inverse of the points' density");
+    v.number("splat_radius", splat_radius, 0.8f, 1.7f, "",
+             "radius of a splat over that of the disc of the node's area");
+    v.number("disc_scale", disc_scale, 1, 2.2f, "",
+             "radius of a leaf's disc over that of the disc of its area, which is the inverse of the points' density");
     v.choice("warp", warp, {{"analytic", Warp::analytic}, {"table", Warp::table}, {"nusselt", Warp::nusselt}},
              "projection of micro-buffers: by the lobes' own maps, by tables of the BSDF, or none (the unit disc)");
     v.number("table_size", table_size, 8, 64, "cells", "edge of the tables of warp=table");
@@ -81,32 +84,52 @@ struct MicroParameters {
     v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
              "what single-sided surfaces are from behind: black, as for the reference, or transparent");
-    v.flag("skip_hidden", skip_hidden, "no points inside solids of single-sided surfaces, whose backs are transparent where nothing else sees them");
+    v.flag(
+        "skip_hidden", skip_hidden,
+        "no points inside solids of single-sided surfaces, whose backs are transparent where nothing else sees them");
     v.number("adaptive", adaptive, 0, 1, "",
-             "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges 1.5 times as long, 64 at most; 0: off");
-    v.number("gather_step", gather_step, 1, 8, "pixels", "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one iteration");
-    v.number("upsample_fail", upsample_fail, 0, 1, "", "weight of neighbours below which a pixel gathers itself; 0: never, what nothing agrees with takes what there is");
-    v.flag("gather_env", gather_env, "empty micro-pixels see the environment; light samples of the layer direct leave it out");
-    v.choice("node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},
-             "what nodes shine with: their diffuse lobes, stored before, or their glossy ones too, towards each gather");
+             "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges "
+             "1.5 times as long, 64 at most; 0: off");
+    v.number("gather_step", gather_step, 1, 8, "pixels",
+             "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one "
+             "iteration");
+    v.number("upsample_fail", upsample_fail, 0, 1, "",
+             "weight of neighbours below which a pixel gathers itself; 0: never, what nothing agrees with takes what "
+             "there is");
+    v.flag("gather_env", gather_env,
+           "empty micro-pixels see the environment; light samples of the layer direct leave it out");
+    v.choice(
+        "node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},
+        "what nodes shine with: their diffuse lobes, stored before, or their glossy ones too, towards each gather");
     v.choice("multibounce", multibounce,
-             {{"jacobi", MultiBounce::jacobi}, {"instant_radiosity", MultiBounce::instant_radiosity}, {"photon_map", MultiBounce::photon_map}},
+             {{"jacobi", MultiBounce::jacobi},
+              {"instant_radiosity", MultiBounce::instant_radiosity},
+              {"photon_map", MultiBounce::photon_map}},
              "how light reaches the points over several bounces");
     v.number("jacobi_level", jacobi_level, 6, 23, "log2", "nodes of this level gather for the bounces before the last");
-    v.number("jacobi_cone", jacobi_cone, 1, 180, "degrees", "spread of normals beyond which nodes below them gather instead; at most twice as many in all");
-    v.number("vpls", vpls, 1, 65536, "paths", "light paths of instant radiosity; each has one virtual light per bounce");
-    v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²", "bound of a virtual light's geometry term, R the scene's radius");
+    v.number("jacobi_cone", jacobi_cone, 1, 180, "degrees",
+             "spread of normals beyond which nodes below them gather instead; at most twice as many in all");
+    v.number("vpls", vpls, 1, 65536, "paths",
+             "light paths of instant radiosity; each has one virtual light per bounce");
+    v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²",
+             "bound of a virtual light's geometry term, R the scene's radius");
     v.flag("final_gather", final_gather,
-           "gather; off, with multibounce=instant_radiosity: virtual lights light the diffuse lobes of visible points themselves, for comparison");
+           "gather; off, with multibounce=instant_radiosity: virtual lights light the diffuse lobes of visible points "
+           "themselves, for comparison");
     v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
     v.number("photon_k", photon_k, 4, 256, "photons", "from which a density is estimated");
     v.flag("photon_direct", photon_direct, "photons stand for direct light too, instead of light samples");
-    v.choice("depth_bits", depth_bits, {{"8", DepthBits::eight}, {"32", DepthBits::thirty_two}}, "bits of the micro-buffers' depth");
+    v.choice("depth_bits", depth_bits, {{"8", DepthBits::eight}, {"32", DepthBits::thirty_two}},
+             "bits of the micro-buffers' depth");
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
     v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of the layer direct per frame");
-    v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces", "bounces that are computed where their number is not limited");
-    v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers", "most gathers of one iteration at pixels; light at points takes iterations of its own beyond as much work");
-    v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels", "column of the pixel whose micro-buffer is shown; -1: none");
+    v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces",
+             "bounces that are computed where their number is not limited");
+    v.number(
+        "batch_gathers", batch_gathers, 64, 1 << 24, "gathers",
+        "most gathers of one iteration at pixels; light at points takes iterations of its own beyond as much work");
+    v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels",
+             "column of the pixel whose micro-buffer is shown; -1: none");
     v.number("inspect_y", inspect_y, -1, 1 << 15, "pixels", "row of that pixel");
     v.presets({{"paper",
                 {{"points_log2", "20"},

@@ -7,29 +7,31 @@
 //
 //   L(p, w_o) = ∫ f(w_o, w_i) L_in(p, w_i) cosθ_i dw_i,
 //
-// is seen by rendering the scene from p into a tiny hemispherical image whose N = B² micro-pixels have equal shares of f
-// cosθ, so that L = (ρ / N) Σ L_i (Ritschel et al., Micro-Rendering for Scalable, Parallel Final Gathering, SIGGRAPH Asia
-// 2009, section 3). The scene is a hierarchy of discs: a node that is smaller than a micro-pixel is drawn as a point, what
-// is too big even as a leaf is ray-cast.
+// is seen by rendering the scene from p into a tiny hemispherical image whose N = B² micro-pixels have equal shares of
+// f cosθ, so that L = (ρ / N) Σ L_i (Ritschel et al., Micro-Rendering for Scalable, Parallel Final Gathering, SIGGRAPH
+// Asia 2009, section 3). The scene is a hierarchy of discs: a node that is smaller than a micro-pixel is drawn as a
+// point, what is too big even as a leaf is ray-cast.
 //
-// How. PointForest places points on surfaces and keeps the hierarchy; LeafLight puts light onto its leaves, over several
-// bounces where asked; PixelGather gathers at the pixels of a G-buffer, sub-image by sub-image. `emission` and `direct`
-// come from the framework's services, `indirect` is this technique's; with gather_env so is what `direct` has of the environment.
+// How. PointForest places points on surfaces and keeps the hierarchy; LeafLight puts light onto its leaves, over
+// several bounces where asked; PixelGather gathers at the pixels of a G-buffer, sub-image by sub-image. `emission` and
+// `direct` come from the framework's services, `indirect` is this technique's; with gather_env so is what `direct` has
+// of the environment.
 //
 // What is counted. Light of all kinds by light samples at the points; behind the first visible non-mirror surface only
-// diffuse lobes (with node_shading=dynamic glossy ones too, at the second) and no mirrors or glass. Paths of 2 … max_bounces + 1 counted scatterings are `indirect`.
+// diffuse lobes (with node_shading=dynamic glossy ones too, at the second) and no mirrors or glass. Paths of 2 …
+// max_bounces + 1 counted scatterings are `indirect`.
 //
 // Error. Points stand for surfaces: light is smoothed over a leaf's disc, and visibility below a micro-pixel is
 // approximate. Both vanish with more points and smaller cut_kappa; jitter is averaged over frames.
 
-#include "declaration.h"
-#include "eye_light.h"
-#include "gather_pass.h"
-#include "leaf_light.h"
-#include "lucarium/services/bvh.h"
+#include "lucarium/services/bvh/bvh.h"
 #include "lucarium/technique/plugin.h"
-#include "pixel_gather.h"
-#include "scene_forest.h"
+#include "micro_rendering/declaration.h"
+#include "micro_rendering/gather/gather_pass.h"
+#include "micro_rendering/light/leaf_light.h"
+#include "micro_rendering/pixels/eye_light.h"
+#include "micro_rendering/pixels/pixel_gather.h"
+#include "micro_rendering/tree/scene_forest.h"
 
 namespace lucarium {
 namespace {
@@ -86,12 +88,14 @@ class MicroRendering : public Technique {
     result.progress = -1;
     result.samples = frame_;
     result.visible = batch_ > 0;
-    result.phase = leaf_light_ && !virtual_lights_ && !leaf_light_->lit(frame_, kernel_seed(seed_)) ? "light" : "gather";
+    result.phase =
+        leaf_light_ && !virtual_lights_ && !leaf_light_->lit(frame_, kernel_seed(seed_)) ? "light" : "gather";
     return result;
   }
 
   void resolve(Film& film) override {
-    if (!made_) throw Error(ErrorClass::input, "micro_rendering: the scene's last change could not be followed; nothing to show");
+    if (!made_)
+      throw Error(ErrorClass::input, "micro_rendering: the scene's last change could not be followed; nothing to show");
     context_->scheduler.finish();
     eye_light_->resolve(film);
     if (pixels_) pixels_->resolve(film);
@@ -140,7 +144,8 @@ class MicroRendering : public Technique {
     }
     const bool rebuilt = forest_ && !forest_->follow(change);
     if (rebuilt) make_forest();
-    if (rebuilt || transmits(context_->scene) != transmits_ || scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
+    if (rebuilt || transmits(context_->scene) != transmits_ ||
+        scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
       make_passes();
       return;
     }
@@ -196,18 +201,21 @@ class MicroRendering : public Technique {
     drop_gathers();
     eye_light_.reset();
     const bool gathers_sky = forest_ && parameters_.gather_env;
-    const uint32_t kinds = gathers_sky ? DirectLight::kAllLights & ~(1u << LUCARIUM_LIGHT_ENVIRONMENT) : DirectLight::kAllLights;
+    const uint32_t kinds =
+        gathers_sky ? DirectLight::kAllLights & ~(1u << LUCARIUM_LIGHT_ENVIRONMENT) : DirectLight::kAllLights;
     eye_light_ = std::make_unique<EyeLight>(device, scheduler, scene, context_->bvh(), frame(), kinds,
                                             static_cast<uint32_t>(parameters_.direct_samples), kName);
     if (forest_) {
       const PointForest& forest = *forest_->get();
-      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), forest, node_gather_, parameters_,
-                                                bounces(), kName);
-      pixels_ = std::make_unique<PixelGather>(device, scheduler, scene, eye_light_->points(), settings.width, settings.height,
-                                              forest, gather_, leaf_light_->shading(), parameters_, transmits_, kName);
+      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), forest,
+                                                node_gather_, parameters_, bounces(), kName);
+      pixels_ =
+          std::make_unique<PixelGather>(device, scheduler, scene, eye_light_->points(), settings.width, settings.height,
+                                        forest, gather_, leaf_light_->shading(), parameters_, transmits_, kName);
       if (parameters_.shows_virtual_lights()) {
-        virtual_lights_ = std::make_unique<LightPaths>(device, scheduler, context_->scene, scene, context_->bvh(), forest, parameters_, bounces() + 1,
-                                                       pixels_->irradiance(), leaf_light_->shading(), kName, &eye_light_->points());
+        virtual_lights_ = std::make_unique<LightPaths>(device, scheduler, context_->scene, scene, context_->bvh(),
+                                                       forest, parameters_, bounces() + 1, pixels_->irradiance(),
+                                                       leaf_light_->shading(), kName, &eye_light_->points());
       }
     }
     scene_generation_ = scene.generation();
@@ -224,7 +232,8 @@ class MicroRendering : public Technique {
     if (pixels_) pixels_->restart();
   }
 
-  /// Light of the frame at the points, worth batch_gathers gathers at most. False when cancelled or when some is missing.
+  /// Light of the frame at the points, worth batch_gathers gathers at most. False when cancelled or when some is
+  /// missing.
   bool light() {
     const uint32_t seed = kernel_seed(seed_);
     double work = 0;
@@ -240,7 +249,8 @@ class MicroRendering : public Technique {
   bool step() {
     const uint32_t seed = kernel_seed(seed_);
     if (batch_ == 0 && !eye_light_->see(frame_)) return false;
-    if (virtual_lights_ ? batch_ == 0 && !show_virtual_lights(seed) : pixels_ && !pixels_->gather(batch_, frame_, seed)) return false;
+    if (virtual_lights_ ? batch_ == 0 && !show_virtual_lights(seed) : pixels_ && !pixels_->gather(batch_, frame_, seed))
+      return false;
     if (batch_ == 0 && !eye_light_->add(frame_)) return false;
     if (pixels_) pixels_->add(batch_, frame_);
     return true;
@@ -260,7 +270,7 @@ class MicroRendering : public Technique {
   ParameterTable table_ = make_parameter_table(parameters_);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1;
-  bool made_ = false;        ///< forest and passes are whole and those of the present scene
+  bool made_ = false;  ///< forest and passes are whole and those of the present scene
   uint32_t frame_ = 0, batch_ = 0;
   bool transmits_ = false;
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;

@@ -29,8 +29,8 @@
 
 #include <algorithm>
 
-#include "lucarium/services/bvh.h"
-#include "lucarium/services/path_integrator.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/path_integrator/path_integrator.h"
 #include "lucarium/technique/plugin.h"
 
 namespace lucarium {
@@ -52,7 +52,8 @@ struct PathTracingParameters {
              "which light a vertex samples: in proportion to its power, or all alike");
     v.flag("roulette", options.roulette, "Russian roulette (never used when max_bounces is below 8)");
     v.number("roulette_start", options.roulette_start, 0, 4096, "scatterings", "when Russian roulette begins");
-    v.number("replicates", options.replicates, 1, 64, "", "independent sample sets; 2 or more give the error per pixel");
+    v.number("replicates", options.replicates, 1, 64, "",
+             "independent sample sets; 2 or more give the error per pixel");
     v.number("samples_per_iteration", options.samples_per_iteration, 1, 4096, "samples/pixel",
              "samples per pixel of one iteration");
     v.number("batch_paths", options.batch_paths, 1024, 1 << 22, "paths", "most paths in flight; memory grows with it");
@@ -93,7 +94,8 @@ TechniqueInfo path_tracing_info() {
       "J. T. Kajiya, The Rendering Equation, SIGGRAPH 1986; E. Veach and L. J. Guibas, Optimally Combining Sampling "
       "Techniques for Monte Carlo Rendering, SIGGRAPH 1995";
   info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
+  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
+                                 "transmission", "mask",   "blend",  "normal_map"};
   info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
   info.capabilities.sample_streams = true;
   info.capabilities.pixel_sampling = {};
@@ -163,8 +165,9 @@ class PathTracing : public Technique {
     integrator_.reset();  // its memory first
     PathIntegratorOptions options = parameters_.options;
     options.path_set = path_set(context_->scene, context_->settings);
-    integrator_ = std::make_unique<PathIntegrator>(*context_->device, context_->scheduler, context_->scene_buffers,
-                                                   context_->bvh(), make_frame(context_->settings), options, "path_tracing");
+    integrator_ =
+        std::make_unique<PathIntegrator>(*context_->device, context_->scheduler, context_->scene_buffers,
+                                         context_->bvh(), make_frame(context_->settings), options, "path_tracing");
     integrator_->reset(seed_);
   }
 

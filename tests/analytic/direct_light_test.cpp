@@ -109,9 +109,11 @@ TEST_CASE("direct light: a unit-square light at height 1, by every estimator") {
 }
 
 TEST_CASE("direct light: a tilted pentagon, by every estimator (Lambert's formula)") {
-  const glm::vec3 u = glm::normalize(glm::vec3(1, .35f, .1f)), v = glm::normalize(glm::cross(u, glm::vec3(.2f, 1, -.3f)));
+  const glm::vec3 u = glm::normalize(glm::vec3(1, .35f, .1f)),
+                  v = glm::normalize(glm::cross(u, glm::vec3(.2f, 1, -.3f)));
   std::vector<glm::vec3> corners;
-  for (const auto& [a, b] : std::vector<std::pair<float, float>>{{-.5f, -.3f}, {.2f, -.5f}, {.6f, 0}, {.3f, .5f}, {-.4f, .4f}})
+  for (const auto& [a, b] :
+       std::vector<std::pair<float, float>>{{-.5f, -.3f}, {.2f, -.5f}, {.6f, 0}, {.3f, .5f}, {-.4f, .4f}})
     corners.push_back(glm::vec3(0, 1.1f, 0) + a * u + b * v);
   ClosedForms table;
   for (const auto& [name, estimator] : kEstimators) {
@@ -163,7 +165,8 @@ TEST_CASE("direct light: a sphere, E = pi L (r/d)^2 cos(theta), tessellation sum
     table.add(name, render(1, estimator), irradiance(1) * 10 * 0.5 / M_PI);
   // The whole sphere is above the horizon.
   for (const double cosine : {0.8, 0.5, 0.3})
-    table.add("cos " + std::to_string(cosine), render(cosine, PathEstimator::mis), irradiance(cosine) * 10 * 0.5 / M_PI);
+    table.add("cos " + std::to_string(cosine), render(cosine, PathEstimator::mis),
+              irradiance(cosine) * 10 * 0.5 / M_PI);
   table.check(4e-3);
 }
 
@@ -176,7 +179,8 @@ TEST_CASE("direct light: environment of radiance max(0, y), E = 2 pi / 3, by eve
     environment.height = 1024;
     for (uint32_t row = 0; row < environment.height; ++row) {
       const double y = std::cos((row + 0.5) * M_PI / environment.height);
-      environment.radiance.insert(environment.radiance.end(), environment.width, glm::vec3(static_cast<float>(std::max(0.0, y))));
+      environment.radiance.insert(environment.radiance.end(), environment.width,
+                                  glm::vec3(static_cast<float>(std::max(0.0, y))));
     }
     Effort more = effort();
     more.samples_per_replicate *= 4;

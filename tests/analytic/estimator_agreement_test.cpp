@@ -2,7 +2,7 @@
 // Every way of estimating the same light has the same mean: Welch's t on replicate means, Sidak over all pairs.
 #include <map>
 
-#include "lucarium/scene/load_scene.h"
+#include "lucarium/scene/load/load_scene.h"
 #include "test_render.h"
 
 using namespace lucarium;
@@ -46,7 +46,8 @@ void check_agreement(const Scene& scene, int max_bounces, const Effort& effort) 
       const double n = effort.replicates - 1;
       const double dof = (va + vb) * (va + vb) / (va * va / n + vb * vb / n);
       const double t = (a.mean - b.mean) / std::sqrt(va + vb);
-      INFO(scene.source, ": ", results[i].first, " ", a.mean, " +- ", a.error, ", ", results[j].first, " ", b.mean, " +- ", b.error);
+      INFO(scene.source, ": ", results[i].first, " ", a.mean, " +- ", a.error, ", ", results[j].first, " ", b.mean,
+           " +- ", b.error);
       CHECK(std::abs(t) <= student_t_quantile(sidak_level(0.01, pairs), dof));
       CHECK(a.error <= 0.03 * a.mean);
     }
@@ -66,7 +67,15 @@ Scene mixed_lights() {
 
 }  // namespace
 
-TEST_CASE("estimator agreement: Cornell box, unlimited") { check_agreement(make_builtin_scene("cornell"), -1, effort()); }
-TEST_CASE("estimator agreement: Cornell box with mixed lights, unlimited") { check_agreement(mixed_lights(), -1, effort()); }
-TEST_CASE("estimator agreement: glossy Cornell box, two bounces") { check_agreement(make_builtin_scene("cornell-glossy"), 2, effort()); }
-TEST_CASE("estimator agreement: Cornell box with a mirror, two bounces") { check_agreement(make_builtin_scene("cornell-mirror"), 2, effort()); }
+TEST_CASE("estimator agreement: Cornell box, unlimited") {
+  check_agreement(make_builtin_scene("cornell"), -1, effort());
+}
+TEST_CASE("estimator agreement: Cornell box with mixed lights, unlimited") {
+  check_agreement(mixed_lights(), -1, effort());
+}
+TEST_CASE("estimator agreement: glossy Cornell box, two bounces") {
+  check_agreement(make_builtin_scene("cornell-glossy"), 2, effort());
+}
+TEST_CASE("estimator agreement: Cornell box with a mirror, two bounces") {
+  check_agreement(make_builtin_scene("cornell-mirror"), 2, effort());
+}

@@ -28,7 +28,8 @@ TEST_CASE("form factors: perpendicular unit squares with a common edge") {
   Scene scene;
   add_horizontal(scene, 0, 0, 0, 1, 1, true, add_material(scene, lambert(1)));
   // In the plane x = -0.5, facing +x.
-  add_polygon(scene, {{-.5f, 0, .5f}, {-.5f, 0, -.5f}, {-.5f, 1, -.5f}, {-.5f, 1, .5f}}, add_material(scene, emitter(1)));
+  add_polygon(scene, {{-.5f, 0, .5f}, {-.5f, 0, -.5f}, {-.5f, 1, -.5f}, {-.5f, 1, .5f}},
+              add_material(scene, emitter(1)));
   ClosedForms table;
   table.add("perpendicular", estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, 0.5f), direct_only(), effort()),
             .200044);

@@ -34,7 +34,8 @@ TEST_CASE("furnace: a convex Lambertian body reflects rho everywhere") {
     set_environment(scene, 1);
     PathIntegratorOptions options;  // no limit: a convex body scatters once
     // The inscribed square of the silhouette sees the body only.
-    table.add("rho = " + std::to_string(rho), estimate(scene, look_orthographic({0, 0, 5}, {0, 0, 0}, 0.65f), options, effort()), rho);
+    table.add("rho = " + std::to_string(rho),
+              estimate(scene, look_orthographic({0, 0, 5}, {0, 0, 0}, 0.65f), options, effort()), rho);
   }
   table.check();
 }

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "lucarium/base/error.h"
-#include "lucarium/scene/load_scene.h"
+#include "lucarium/scene/load/load_scene.h"
 #include "test_render.h"
 #include "tolerance.h"
 
@@ -64,7 +64,8 @@ TEST_CASE("reproducibility: write an image" * doctest::skip()) {
   TestRender render(scene, scene.cameras[0], small_options(2, 1u << 20), kSide, 3);
   REQUIRE(render.integrator->iterate());
   const std::vector<float> image = image_of(*render.integrator, kSide);
-  std::ofstream(file, std::ios::binary).write(reinterpret_cast<const char*>(image.data()), image.size() * sizeof(float));
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(image.data()), image.size() * sizeof(float));
 }
 
 TEST_CASE("reproducibility: one thread and two give the same bits") {
@@ -72,9 +73,9 @@ TEST_CASE("reproducibility: one thread and two give the same bits") {
   std::vector<std::string> images;
   for (const std::string threads : {"1", "2"}) {
     const std::string file = (folder.path() / threads).string();
-    const ProgramResult result =
-        run_program("LUCARIUM_TEST_THREADS=" + threads + " LUCARIUM_TEST_IMAGE=" + file + " " +
-                    std::filesystem::read_symlink("/proc/self/exe").string() + " --no-skip -tc=\"reproducibility: write an image\"");
+    const ProgramResult result = run_program("LUCARIUM_TEST_THREADS=" + threads + " LUCARIUM_TEST_IMAGE=" + file + " " +
+                                             std::filesystem::read_symlink("/proc/self/exe").string() +
+                                             " --no-skip -tc=\"reproducibility: write an image\"");
     INFO(result.out, result.err);
     REQUIRE(result.exit_code == 0);
     std::ifstream in(file, std::ios::binary);
@@ -124,7 +125,8 @@ TEST_CASE("reproducibility: samples that are no finite numbers fail the run") {
   }
 }
 
-TEST_CASE("reproducibility: the layer Variance is that of the mean of the replicates, also when they differ in length") {
+TEST_CASE(
+    "reproducibility: the layer Variance is that of the mean of the replicates, also when they differ in length") {
   const Scene scene = make_builtin_scene("cornell");
   PathIntegratorOptions options = small_options(3, 1u << 20);  // 4 samples: replicates of 2, 1 and 1
   TestRender render(scene, scene.cameras[0], options, kSide);

@@ -4,9 +4,9 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
-#include "lucarium/scene/load_scene.h"
-#include "lucarium/scene/scene_buffers.h"
-#include "lucarium/services/bvh.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/services/bvh/bvh.h"
 
 namespace {
 
@@ -47,7 +47,8 @@ void bvh_motion(benchmark::State& state) {
   int step = 0;
   for (auto _ : state) {
     state.PauseTiming();
-    scene.nodes[instance.node].matrix = glm::translate(glm::mat4(1.f), glm::vec3(0.1f * static_cast<float>(++step % 10), 0, 0)) * place;
+    scene.nodes[instance.node].matrix =
+        glm::translate(glm::mat4(1.f), glm::vec3(0.1f * static_cast<float>(++step % 10), 0, 0)) * place;
     const SceneChange change = evaluate(scene, 0, none);
     buffers.update(scene, change);
     state.ResumeTiming();

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "lucarium/scene/load_scene.h"
-#include "lucarium/technique/session.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/session.h"
 
 namespace {
 
@@ -37,7 +37,10 @@ void render(benchmark::State& state, const std::string& source, const SceneOverr
 const bool registered = [] {
   const auto add = [](const char* name, const std::string& source, const SceneOverrides& overrides) {
     benchmark::RegisterBenchmark(name, [=](benchmark::State& state) { render(state, source, overrides); })
-        ->Unit(benchmark::kMillisecond)->UseRealTime()->Iterations(1)->Repetitions(3);
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->Iterations(1)
+        ->Repetitions(3);
   };
   add("path_tracing/atrium", "builtin:atrium", {});
   const char* shared = std::getenv("LUCARIUM_TEST_SHARED");

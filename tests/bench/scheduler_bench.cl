@@ -15,11 +15,11 @@ __kernel void narrow(__global uint* target, const uint rounds) {
 }
 
 // As many buffers as a pass that reads the whole scene.
-__kernel void many_buffers(__global uint* out, __global const uint* b0, __global const uint* b1, __global const uint* b2,
-                           __global const uint* b3, __global const uint* b4, __global const uint* b5,
-                           __global const uint* b6, __global const uint* b7, __global const uint* b8,
-                           __global const uint* b9, __global const uint* b10, __global const uint* b11,
-                           __global const uint* b12) {
+__kernel void many_buffers(__global uint* out, __global const uint* b0, __global const uint* b1,
+                           __global const uint* b2, __global const uint* b3, __global const uint* b4,
+                           __global const uint* b5, __global const uint* b6, __global const uint* b7,
+                           __global const uint* b8, __global const uint* b9, __global const uint* b10,
+                           __global const uint* b11, __global const uint* b12) {
   const uint i = get_global_id(0);
   out[i] = b0[i] + b1[i] + b2[i] + b3[i] + b4[i] + b5[i] + b6[i] + b7[i] + b8[i] + b9[i] + b10[i] + b11[i] + b12[i];
 }

@@ -3,8 +3,8 @@
 // clEnqueueNDRangeKernel; what overlap gains; what recording costs. "items" are passes.
 #include <benchmark/benchmark.h>
 
-#include "lucarium/compute/cl_handle.h"
-#include "lucarium/compute/scheduler.h"
+#include "lucarium/compute/device/cl_handle.h"
+#include "lucarium/compute/schedule/scheduler.h"
 
 const lucarium::EmbeddedSources& lucarium_bench_kernels();
 

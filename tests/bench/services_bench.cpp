@@ -4,8 +4,8 @@
 
 #include <random>
 
-#include "lucarium/compute/scheduler.h"
-#include "lucarium/services/primitives.h"
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/services/primitives/primitives.h"
 
 namespace {
 

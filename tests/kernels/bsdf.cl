@@ -2,7 +2,7 @@
 #include "lucarium/bsdf.clh"
 #include "lucarium/medium.clh"
 #include "lucarium/sobol.clh"
-#include "test_kernels/sphere_grid.clh"
+#include "sphere_grid.clh"
 
 // The BSDF of a triangle's middle seen from `view`.
 Bsdf bsdf_from(const Scene* scene, uint triangle, float3 view, uint options) {
@@ -71,8 +71,8 @@ kernel void evaluate_both_ways(LUCARIUM_SCENE_PARAMETERS const uint triangle, co
   const bool volume = (material->flags & LUCARIUM_MATERIAL_TRANSMISSIVE) && !(material->flags & LUCARIUM_MATERIAL_THIN);
   const float eta_v = volume && v.z < 0.0f ? material->ior : 1.0f, eta_l = volume && l.z < 0.0f ? material->ior : 1.0f;
   const float cos_l = fabs(dot(from_v.n_s, l)), cos_v = fabs(dot(from_l.n_s, v));
-  values[i] = (float2)(eval_bsdf(&from_v, l).y / (cos_l * eta_v * eta_v),
-                       eval_bsdf(&from_l, v).y / (cos_v * eta_l * eta_l));
+  values[i] =
+      (float2)(eval_bsdf(&from_v, l).y / (cos_l * eta_v * eta_v), eval_bsdf(&from_l, v).y / (cos_v * eta_l * eta_l));
 }
 
 // The value of one pair, and the density: xyz f |n_s.l|, w pdf.
@@ -85,14 +85,16 @@ kernel void evaluate_pair(LUCARIUM_SCENE_PARAMETERS const uint triangle, const f
   value[0] = (float4)(f, pdf);
 }
 
-// A ray of `metres` through `medium` meets the triangle: transmittance xyz; in w 0 for air behind it, else 1 + material.
+// A ray of `metres` through `medium` meets the triangle: transmittance xyz; in w 0 for air behind it, else 1 +
+// material.
 kernel void cross_medium(LUCARIUM_SCENE_PARAMETERS const uint triangle, const float4 view, const uint medium,
                          const float metres, global float4* value) {
   LUCARIUM_SCENE_BIND(scene);
   const Hit hit = {metres, triangle, 0.3f, 0.3f};
   const Surface surface = make_surface(&scene, hit, -view.xyz, 0u);
   const uint here = medium_at(&scene, &surface, medium), behind = medium_behind(&scene, &surface, here);
-  value[0] = (float4)(medium_transmittance(&scene, here, metres), behind == LUCARIUM_NONE ? 0.0f : 1.0f + (float)behind);
+  value[0] =
+      (float4)(medium_transmittance(&scene, here, metres), behind == LUCARIUM_NONE ? 0.0f : 1.0f + (float)behind);
 }
 
 // The albedo table: x, y directional (E1, B), z, w their averages.

@@ -8,7 +8,7 @@
 #include "albedo_values.h"
 #include "bsdf_scene.h"
 #include "closed_forms.h"
-#include "lucarium/scene/specular_albedo.h"
+#include "lucarium/scene/device/specular_albedo.h"
 #include "test_support.h"
 #include "tolerance.h"
 

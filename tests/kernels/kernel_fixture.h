@@ -5,7 +5,7 @@
 #include <string>
 
 #include "device_fixture.h"
-#include "lucarium/scene/scene_buffers.h"
+#include "lucarium/scene/device/scene_buffers.h"
 
 const lucarium::EmbeddedSources& test_kernels_kernels();
 

@@ -4,7 +4,7 @@
 // Densities that jump: no slivers missed, but no use in refining for ever.
 #define GRID_FEWEST 48u
 #define GRID_MOST 96u
-#include "test_kernels/sphere_grid.clh"
+#include "sphere_grid.clh"
 
 // Samples of the mixture for a point: xyz direction, w pdf; xyz radiance, w: 1 punctual, 2 at infinity; end points.
 kernel void sample_lights(LUCARIUM_SCENE_PARAMETERS const float4 position, const uint kinds, const uint seed,

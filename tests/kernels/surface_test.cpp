@@ -8,7 +8,7 @@
 #include <random>
 
 #include "kernel_fixture.h"
-#include "lucarium/scene/texture_sampling.h"
+#include "lucarium/scene/device/texture_sampling.h"
 #include "lucarium/shared/ray.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -306,14 +306,16 @@ TEST_CASE("ray origins keep off the edges of their triangle as far as off the tr
   scene.instances.push_back(instance);
   const SceneBuffers buffers(*test_device(), scene);
   std::vector<Hit> hits;
-  const float weights[][2] = {{0, 0}, {1, 0}, {0, 1}, {0, .4f}, {.7f, 0}, {.5f, .5f}, {.2f, 1e-4f}, {.3f, .3f}, {.5f, .2f}};
+  const float weights[][2] = {{0, 0},     {1, 0},       {0, 1},     {0, .4f},  {.7f, 0},
+                              {.5f, .5f}, {.2f, 1e-4f}, {.3f, .3f}, {.5f, .2f}};
   for (const uint triangle : {0u, 1u})
     for (const auto& w : weights) hits.push_back(hit_at(triangle, w[0], w[1]));
   const auto surfaces = make_surfaces(buffers, hits, glm::normalize(glm::vec3(0.3f, -0.5f, 0.7f)));
   for (size_t i = 0; i < hits.size(); ++i) {
     CAPTURE(i);
     const auto& p = corners[hits[i].triangle];
-    const glm::dvec3 origin(surfaces[i].origin_on.xyz()), hit = glm::dvec3(p[0]) + double(hits[i].u) * glm::dvec3(p[1] - p[0]) +
+    const glm::dvec3 origin(surfaces[i].origin_on.xyz()), hit = glm::dvec3(p[0]) +
+                                                                double(hits[i].u) * glm::dvec3(p[1] - p[0]) +
                                                                 double(hits[i].v) * glm::dvec3(p[2] - p[0]);
     const glm::dvec3 normal = glm::normalize(glm::cross(glm::dvec3(p[1] - p[0]), glm::dvec3(p[2] - p[0])));
     const double height = std::abs(glm::dot(origin - hit, normal));

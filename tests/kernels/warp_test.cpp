@@ -134,7 +134,8 @@ TEST_CASE("sincos_turns is as exact as single precision allows") {
 TEST_CASE("atan2_turns is as exact as single precision allows, at any radius") {
   const uint n = 1 << 16;
   const auto buffer = test::test_buffer<float4>(n);
-  test::run_kernel(program(), "angle_table", n, 64, [&](PassBuilder& pass) { pass.arg("count", n).arg("values", buffer); });
+  test::run_kernel(program(), "angle_table", n, 64,
+                   [&](PassBuilder& pass) { pass.arg("count", n).arg("values", buffer); });
   double worst = 0;
   for (const float4& v : buffer.download()) {
     const double exact = std::atan2(double(v.y), double(v.x)) / (2 * pi);

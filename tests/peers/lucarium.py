@@ -41,7 +41,7 @@ def separable_kernels(folder):
     """A kernel path on which GGX masking is separable, as in other renderers."""
     target = Path(folder) / "lucarium"
     target.mkdir(parents=True, exist_ok=True)
-    source = (ROOT / "kernels/ggx.clh").read_text()
+    source = (ROOT / "kernels/lucarium/ggx.clh").read_text()
     (target / "ggx.clh").write_text("#define LUCARIUM_GGX_SEPARABLE\n" + source)
     return Path(folder)
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Our metrics against the Python packages flip-evaluator (the authors' FLIP) and scikit-image, where they are installed
 // for the interpreter LUCARIUM_PEERS_PYTHON (default: python3).
-#include "lucarium/compare/metrics.h"
+#include "lucarium/metrics/metrics.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -44,7 +44,8 @@ std::pair<Image, Image> noisy_waves(float stops) {
       const auto u = static_cast<float>(x) / width, v = static_cast<float>(y) / height;
       const float level = 0.4f * std::exp2(stops * (u - 0.5f));
       for (uint32_t c = 0; c < 3; ++c) {
-        const float value = level * (1 + 0.8f * std::sin(static_cast<float>(7 + 5 * c) * v + static_cast<float>(20 + 9 * c) * u * v));
+        const float value =
+            level * (1 + 0.8f * std::sin(static_cast<float>(7 + 5 * c) * v + static_cast<float>(20 + 9 * c) * u * v));
         reference.push_back(value);
         test.push_back(value * (0.7f + 0.6f * random()));
       }
@@ -59,9 +60,9 @@ nlohmann::json peer_values(const Image& reference, const Image& test, const std:
   const char* python = std::getenv("LUCARIUM_PEERS_PYTHON");
   const char* source = std::getenv("LUCARIUM_TEST_SOURCE");
   const std::string in = folder.string();
-  const test::ProgramResult result = test::run_program(
-      fmt::format("'{}' '{}/tests/peers/metrics.py' {} {} '{}/reference' '{}/test' '{}'", python ? python : "python3",
-                  source ? source : ".", width, height, in, in, in));
+  const test::ProgramResult result =
+      test::run_program(fmt::format("'{}' '{}/tests/peers/metrics.py' {} {} '{}/reference' '{}/test' '{}'",
+                                    python ? python : "python3", source ? source : ".", width, height, in, in, in));
   return result.exit_code == 0 ? nlohmann::json::parse(result.out) : nlohmann::json::object();
 }
 
@@ -89,9 +90,10 @@ TEST_CASE("FLIP is that of flip-evaluator, pixel by pixel") {
                 hdr = FlipReference(width, height, reference, hdr_flip_views(exposures)).error_map(image);
     const double ldr_pixel = greatest_difference(ldr, read_raw(folder.path() / "ldr")),
                  hdr_pixel = greatest_difference(hdr, read_raw(folder.path() / "hdr"));
-    std::printf("%g stops: LDR-FLIP %.6f (peer %.6f, pixels within %.1e), HDR-FLIP %.6f (peer %.6f, pixels within %.1e)\n",
-                double{stops}, ours.ldr_flip, peer["LDR_FLIP"].get<double>(), ldr_pixel, ours.hdr_flip,
-                peer["HDR_FLIP"].get<double>(), hdr_pixel);
+    std::printf(
+        "%g stops: LDR-FLIP %.6f (peer %.6f, pixels within %.1e), HDR-FLIP %.6f (peer %.6f, pixels within %.1e)\n",
+        double{stops}, ours.ldr_flip, peer["LDR_FLIP"].get<double>(), ldr_pixel, ours.hdr_flip,
+        peer["HDR_FLIP"].get<double>(), hdr_pixel);
     CHECK(std::abs(ours.ldr_flip - peer["LDR_FLIP"].get<double>()) < 1e-5);
     CHECK(std::abs(ours.hdr_flip - peer["HDR_FLIP"].get<double>()) < 1e-5);
     CHECK(ldr_pixel < 1e-3);

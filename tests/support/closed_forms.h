@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compare/student_t.h"
+#include "lucarium/statistics/student_t.h"
 #include "test_support.h"
 
 namespace lucarium::test {
@@ -35,7 +35,8 @@ inline Estimate estimate_of(const std::vector<double>& means) {
 template <class Value>
 Estimate interleaved_estimate(size_t count, Value value_of) {
   std::vector<double> means(16);
-  for (size_t i = 0; i < count; ++i) means[i % 16] += static_cast<double>(value_of(i)) * 16 / static_cast<double>(count);
+  for (size_t i = 0; i < count; ++i)
+    means[i % 16] += static_cast<double>(value_of(i)) * 16 / static_cast<double>(count);
   return estimate_of(means);
 }
 
@@ -49,13 +50,15 @@ class ClosedForms {
   void add(const std::string& name, const Estimate& estimate, double exact, double slack = 0) {
     rows_.push_back({name, estimate, exact, slack});
   }
-  /// The standard errors must be at most 5e-4 of the exact value, or a third of the slack; in a quick run, `quick_error` of it.
+  /// The standard errors must be at most 5e-4 of the exact value, or a third of the slack; in a quick run,
+  /// `quick_error` of it.
   void check(double quick_error = 5e-4) const {
     const double most_error = full_run() ? 5e-4 : quick_error;
     for (const Row& row : rows_) {
       const double t = student_t_quantile(sidak_level(0.01, rows_.size()), row.estimate.replicates - 1);
       const double allowed = t * row.estimate.error + 2e-4 * row.exact + row.slack;
-      INFO(row.name, ": mean ", row.estimate.mean, " +- ", row.estimate.error, ", exact ", row.exact, ", allowed ", allowed);
+      INFO(row.name, ": mean ", row.estimate.mean, " +- ", row.estimate.error, ", exact ", row.exact, ", allowed ",
+           allowed);
       CHECK(std::abs(row.estimate.mean - row.exact) <= allowed);
       CHECK(row.estimate.error <= std::max(most_error * row.exact, row.slack / 3));
     }

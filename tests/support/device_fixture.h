@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compute/scheduler.h"
+#include "lucarium/compute/schedule/scheduler.h"
 
 namespace lucarium::test {
 

@@ -53,12 +53,14 @@ inline void add_triangles(Scene& scene, const std::vector<glm::vec3>& positions,
 /// A convex polygon as a fan, counter-clockwise seen from its front.
 inline void add_polygon(Scene& scene, const std::vector<glm::vec3>& corners, int material) {
   std::vector<glm::vec3> positions;
-  for (size_t i = 2; i < corners.size(); ++i) positions.insert(positions.end(), {corners[0], corners[i - 1], corners[i]});
+  for (size_t i = 2; i < corners.size(); ++i)
+    positions.insert(positions.end(), {corners[0], corners[i - 1], corners[i]});
   add_triangles(scene, positions, material);
 }
 
 /// A horizontal rectangle about (x, z) at height y that faces up or down.
-inline void add_horizontal(Scene& scene, float x, float y, float z, float size_x, float size_z, bool faces_up, int material) {
+inline void add_horizontal(Scene& scene, float x, float y, float z, float size_x, float size_z, bool faces_up,
+                           int material) {
   const float a = 0.5f * size_x, b = 0.5f * size_z;
   std::vector<glm::vec3> corners = {{x - a, y, z + b}, {x + a, y, z + b}, {x + a, y, z - b}, {x - a, y, z - b}};
   if (!faces_up) std::swap(corners[1], corners[3]);
@@ -115,7 +117,8 @@ inline std::vector<glm::vec3> sphere_triangles(const glm::vec3& center, float ra
   return result;
 }
 
-inline void add_light(Scene& scene, LightType type, float intensity, const glm::vec3& position, const glm::vec3& towards) {
+inline void add_light(Scene& scene, LightType type, float intensity, const glm::vec3& position,
+                      const glm::vec3& towards) {
   SceneLight light;
   light.type = type;
   light.intensity = glm::vec3(intensity);

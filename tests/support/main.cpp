@@ -20,7 +20,9 @@ struct CaseCounter : doctest::IReporter {
   explicit CaseCounter(const doctest::ContextOptions&) {}
   void report_query(const doctest::QueryData&) override {}
   void test_run_start() override {}
-  void test_run_end(const doctest::TestRunStats& stats) override { ran = static_cast<int>(stats.numTestCasesPassingFilters); }
+  void test_run_end(const doctest::TestRunStats& stats) override {
+    ran = static_cast<int>(stats.numTestCasesPassingFilters);
+  }
   void test_case_start(const doctest::TestCaseData&) override {}
   void test_case_reenter(const doctest::TestCaseData&) override {}
   void test_case_end(const doctest::CurrentTestCaseStats&) override {}
@@ -76,11 +78,14 @@ TemporaryFolder::~TemporaryFolder() {
 ProgramResult run_program(const std::string& command, double timeout_seconds) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "out").string(), err = (folder.path() / "err").string();
-  const std::string line = "timeout " + std::to_string(timeout_seconds) + " sh -c '" + [&] {
-    std::string quoted;
-    for (const char c : command) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted;
-  }() + "' >" + out + " 2>" + err + " </dev/null";
+  const std::string line = "timeout " + std::to_string(timeout_seconds) + " sh -c '" +
+                           [&] {
+                             std::string quoted;
+                             for (const char c : command)
+                               quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+                             return quoted;
+                           }() +
+                           "' >" + out + " 2>" + err + " </dev/null";
   const int status = std::system(line.c_str());
   ProgramResult result;
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -8,15 +8,15 @@
 
 #include "closed_forms.h"
 #include "device_fixture.h"
-#include "lucarium/services/bvh.h"
-#include "lucarium/services/path_integrator.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/path_integrator/path_integrator.h"
 #include "made_scene.h"
 
 namespace lucarium::test {
 
 /// How much to render. All pixels of one estimate share an exact value (or their mean has one).
 struct Effort {
-  uint32_t side = 32;               ///< pixels per image side
+  uint32_t side = 32;  ///< pixels per image side
   uint32_t replicates = 16;
   uint32_t samples_per_replicate = 16;
 };

@@ -7,19 +7,19 @@
 //
 //   A(x) = 1/π ∫ V(x, ω, d) (n·ω) dω
 //
-// over the hemisphere of n, where V is 1 when a ray from x along ω meets nothing within the distance d (Zhukov, Iones and
-// Kronin, An Ambient Light Illumination Model, Rendering Techniques 1998, with a step as falloff). Directions with density
-// cos/π make every sample simply V.
+// over the hemisphere of n, where V is 1 when a ray from x along ω meets nothing within the distance d (Zhukov, Iones
+// and Kronin, An Ambient Light Illumination Model, Rendering Techniques 1998, with a step as falloff). Directions with
+// density cos/π make every sample simply V.
 //
-// What is counted. No light: the technique's path set is empty, and a comparison with a reference means nothing. Its one
-// layer is `ambient_occlusion`, 0 (closed) to 1 (open); pixels that see no surface are 1. Mirrors and clear glass are
-// looked through, as by every technique that uses the G-buffer.
+// What is counted. No light: the technique's path set is empty, and a comparison with a reference means nothing. Its
+// one layer is `ambient_occlusion`, 0 (closed) to 1 (open); pixels that see no surface are 1. Mirrors and clear glass
+// are looked through, as by every technique that uses the G-buffer.
 //
 // Error. Unbiased for the given distance; the sum of up to 2^24 samples is exact.
 #include <algorithm>
 
-#include "lucarium/services/bvh.h"
-#include "lucarium/services/gbuffer.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/gbuffer/gbuffer.h"
 #include "lucarium/shared/ray.h"
 #include "lucarium/technique/plugin.h"
 
@@ -47,7 +47,8 @@ TechniqueInfo ambient_occlusion_info() {
   info.version = "1.0";
   info.summary = "openness of every visible point within a distance; no light";
   info.citation = "S. Zhukov, A. Iones and G. Kronin, An Ambient Light Illumination Model, Rendering Techniques 1998";
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"};
+  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
+                                 "transmission", "mask",   "blend",  "normal_map"};
   info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
   info.layers = {"ambient_occlusion"};
   return info;
@@ -67,7 +68,8 @@ class AmbientOcclusion : public Technique {
 
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
     const size_t pixels = size_t{settings.width} * settings.height;
-    return GBuffer::estimate_bytes(settings.width, settings.height) + pixels * (sizeof(Ray) + sizeof(uint32_t) + sizeof(float));
+    return GBuffer::estimate_bytes(settings.width, settings.height) +
+           pixels * (sizeof(Ray) + sizeof(uint32_t) + sizeof(float));
   }
 
   void prepare(const TechniqueContext& context) override {
@@ -143,10 +145,18 @@ class AmbientOcclusion : public Technique {
     const BufferRef occluded = recorder.transient<uint32_t>("occluded", pixels, "lower --size");
     PassBuilder generate = recorder.pass("generate occlusion rays", program_, "generate_occlusion_rays");
     context_->scene_buffers.bind(generate, program_, "generate_occlusion_rays");
-    generate.global(pixels).arg("points", gbuffer_->points()).arg("count", pixels).arg("sample_index", sample_index_)
-        .arg("seed", seed_).arg("reach", parameters_.distance * context_->scene.bounds().radius()).arg("rays", rays);
+    generate.global(pixels)
+        .arg("points", gbuffer_->points())
+        .arg("count", pixels)
+        .arg("sample_index", sample_index_)
+        .arg("seed", seed_)
+        .arg("reach", parameters_.distance * context_->scene.bounds().radius())
+        .arg("rays", rays);
     context_->bvh().record_any(recorder, "occlusion rays", rays, occluded, count_, 0, pixels);
-    recorder.pass("add open rays", program_, "add_open_rays").global(pixels).arg("count", pixels).arg("occluded", occluded)
+    recorder.pass("add open rays", program_, "add_open_rays")
+        .global(pixels)
+        .arg("count", pixels)
+        .arg("occluded", occluded)
         .arg("open", open_);
     schedule_ = recorder.compile();
   }
@@ -161,8 +171,8 @@ class AmbientOcclusion : public Technique {
   std::unique_ptr<TechniqueContext> context_;
   Program program_;
   std::unique_ptr<GBuffer> gbuffer_;
-  TypedBuffer<float> open_;       ///< per pixel: rays that met nothing
-  TypedBuffer<uint32_t> count_;   ///< one element: rays of a pass, as the intersector wants it
+  TypedBuffer<float> open_;      ///< per pixel: rays that met nothing
+  TypedBuffer<uint32_t> count_;  ///< one element: rays of a pass, as the intersector wants it
   Schedule schedule_;
   Variable<uint32_t> sample_index_, seed_;
   uint64_t samples_ = 0, seed_value_ = 1;

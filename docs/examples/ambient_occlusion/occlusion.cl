@@ -23,7 +23,8 @@ __kernel void generate_occlusion_rays(LUCARIUM_SCENE_PARAMETERS __global const G
   // Choose a direction with density cos/pi about the geometric normal.
   const Sampler sampler = make_sampler(i, OCCLUSION_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
   const Basis basis = make_basis(point.normal.xyz);
-  const float3 direction = to_world(&basis, sample_cosine_hemisphere(sample_direction_dimensions(&sampler, 0u).direction));
+  const float3 direction =
+      to_world(&basis, sample_cosine_hemisphere(sample_direction_dimensions(&sampler, 0u).direction));
 
   // Leave the triangle without meeting it again.
   LUCARIUM_SCENE_BIND(scene);

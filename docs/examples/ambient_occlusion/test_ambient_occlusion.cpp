@@ -2,8 +2,8 @@
 // test_ambient_occlusion FOLDER_OF_THE_PLUGIN: two scenes whose openness is known exactly.
 #include <cstdio>
 
-#include "lucarium/scene/load_scene.h"
-#include "lucarium/technique/session.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/session.h"
 
 using namespace lucarium;
 

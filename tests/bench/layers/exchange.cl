@@ -6,14 +6,14 @@ typedef struct Exchange {
   __global const AtlasTriangle* triangles;
   __global const uint* table;
   __global float4* slots;  // two per slot, half a cache line: what it sends (4 halfs); what it received (rgb, count)
-  uint double_sided;  // texels that have a back
+  uint double_sided;       // texels that have a back
 } Exchange;
 
-#include "lucarium/services/layered_raster_atlas.clh"
+#include "lucarium/services/layered_raster/atlas.clh"
 #define LAYERED_CONSUMER Exchange
 #define LAYERED_EARLY
 #define LAYERED_PAYLOAD LayeredAtlasCell
-#include "lucarium/services/layered_raster_tiles.clh"
+#include "lucarium/services/layered_raster/tiles.clh"
 
 void layered_announce(Exchange* exchange, uint triangle) { LUCARIUM_PREFETCH(exchange->triangles + triangle); }
 

@@ -1,23 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Milliseconds per direction of all-fragment rasterization with radiance exchange, and how many times faster that is than
-// the same rays through the hierarchy.
-#include <CLI/CLI.hpp>
+// Milliseconds per direction of all-fragment rasterization with radiance exchange, and how many times faster that is
+// than the same rays through the hierarchy.
 #include <fmt/format.h>
-
 #include <time.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cstring>
 #include <random>
 
-#include "lucarium/scene/builtin_builder.h"
-#include "lucarium/scene/load_scene.h"
-#include "lucarium/services/bvh.h"
-#include "lucarium/services/layered_raster.h"
-#include "lucarium/services/surface_atlas.h"
-
+#include "lucarium/scene/builtin/builder.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/layered_raster/layered_raster.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
 #include "pictures.h"
 
 const lucarium::EmbeddedSources& lucarium_layer_bench_kernels();
@@ -61,7 +59,8 @@ Scene make_full_room() {
       }
   add_instance(scene, add_mesh(scene, walls.take()), white);
   const auto inside = [&](float radius) {
-    return glm::vec3(uniform(radius, size.x - radius), uniform(radius, size.y - radius), uniform(radius, size.z - radius));
+    return glm::vec3(uniform(radius, size.x - radius), uniform(radius, size.y - radius),
+                     uniform(radius, size.z - radius));
   };
   MeshBuilder spheres("spheres"), boxes("boxes");
   for (int i = 0; i < 48; ++i) {
@@ -97,9 +96,7 @@ std::vector<LayeredView> make_views(const Scene& scene, uint32_t count, uint32_t
   return views;
 }
 
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Of all threads.
 double processor_seconds() {
@@ -127,8 +124,9 @@ class Bench {
                atlas_.info().texel_count, settings.size, settings.size);
     SourceLibrary library;
     library.add(lucarium_layer_bench_kernels());
-    exchange_ = Program(scheduler_.device(), library,
-                        {.name = "bench/exchange", .files = {"bench/layers/exchange.cl"}, .defines = raster_.defines()});
+    exchange_ =
+        Program(scheduler_.device(), library,
+                {.name = "bench/exchange", .files = {"bench/layers/exchange.cl"}, .defines = raster_.defines()});
     rays_ = Program(scheduler_.device(), library, {.name = "bench/rays", .files = {"bench/layers/rays.cl"}});
     record_exchange();
     record_rays();
@@ -165,13 +163,16 @@ class Bench {
         hits += found;
       }
       ratios.push_back(rays.processor / raster.processor);
-      fmt::print("round {}: raster {:.2f} ms ({:.2f} of processor), rays {:.1f} ms ({:.1f}) per direction, {:.2f} M hits: "
-                 "{:.1f} times the processor time\n", round, 1e3 * raster.wall, 1e3 * raster.processor, 1e3 * rays.wall,
-                 1e3 * rays.processor, 1e-6 * static_cast<double>(hits) / traced, ratios.back());
+      fmt::print(
+          "round {}: raster {:.2f} ms ({:.2f} of processor), rays {:.1f} ms ({:.1f}) per direction, {:.2f} M hits: "
+          "{:.1f} times the processor time\n",
+          round, 1e3 * raster.wall, 1e3 * raster.processor, 1e3 * rays.wall, 1e3 * rays.processor,
+          1e-6 * static_cast<double>(hits) / traced, ratios.back());
     }
-    fmt::print("{:.2f} ms per direction, {:.2f} of processor (least of rounds); {:.3f} M receiver updates, {:.0f} M/s "
-               "of processor time\n", 1e3 * best.wall, 1e3 * best.processor, 1e-6 * updates,
-               1e-6 * updates / best.processor);
+    fmt::print(
+        "{:.2f} ms per direction, {:.2f} of processor (least of rounds); {:.3f} M receiver updates, {:.0f} M/s "
+        "of processor time\n",
+        1e3 * best.wall, 1e3 * best.processor, 1e-6 * updates, 1e-6 * updates / best.processor);
     if (!ratios.empty()) {
       std::sort(ratios.begin(), ratios.end());
       fmt::print("{:.1f} times as fast as rays (median)\n", ratios[ratios.size() / 2]);
@@ -217,8 +218,10 @@ class Bench {
     ScheduleRecorder recorder = scheduler_.record("exchange", "bench");
     view_ = recorder.variable("view", 0u);
     raster_.record_tiles(recorder, "bundle", {views_, view_}, exchange_, "exchange", [&](PassBuilder& pass) {
-      pass.arg("atlas_triangles", atlas_.triangles()).arg("atlas_table", atlas_.table())
-          .arg("slots", slot_buffer_).arg("double_sided", atlas_.info().double_sided_count);
+      pass.arg("atlas_triangles", atlas_.triangles())
+          .arg("atlas_table", atlas_.table())
+          .arg("slots", slot_buffer_)
+          .arg("double_sided", atlas_.info().double_sided_count);
     });
     schedule_ = recorder.compile();
   }
@@ -234,17 +237,29 @@ class Bench {
     found_ = TypedBuffer<uint32_t>(device, "bench", "found", 1);
     ScheduleRecorder start = scheduler_.record("first rays", "bench");
     first_view_ = start.variable("view", 0u);
-    start.pass("first rays", rays_, "first_rays").global(capacity).local(64).arg("views", views_)
-        .arg("view_index", first_view_).arg("far_depth", 1e30f).arg("rays", ray_buffer_[0]).arg("counter", counter_[0]);
+    start.pass("first rays", rays_, "first_rays")
+        .global(capacity)
+        .local(64)
+        .arg("views", views_)
+        .arg("view_index", first_view_)
+        .arg("far_depth", 1e30f)
+        .arg("rays", ray_buffer_[0])
+        .arg("counter", counter_[0]);
     start.fill_zero("found", found_);
     first_ = start.compile();
     for (int from = 0; from < 2; ++from) {
       ScheduleRecorder recorder = scheduler_.record("next rays", "bench");
       bvh_.record_closest(recorder, "closest", ray_buffer_[from], hits_, counter_[from], 0, capacity);
       recorder.fill_zero("next counter", counter_[1 - from]);
-      recorder.pass("next rays", rays_, "next_rays").global(capacity / 1024 + 1).local(1).arg("rays", ray_buffer_[from])
-          .arg("hits", hits_).arg("counter", counter_[from]).arg("next", ray_buffer_[1 - from])
-          .arg("next_counter", counter_[1 - from]).arg("found", found_);
+      recorder.pass("next rays", rays_, "next_rays")
+          .global(capacity / 1024 + 1)
+          .local(1)
+          .arg("rays", ray_buffer_[from])
+          .arg("hits", hits_)
+          .arg("counter", counter_[from])
+          .arg("next", ray_buffer_[1 - from])
+          .arg("next_counter", counter_[1 - from])
+          .arg("found", found_);
       recorder.read_back("remaining", counter_[1 - from],
                          [this](std::span<const std::byte> bytes) { std::memcpy(&remaining_, bytes.data(), 4); });
       next_[from] = recorder.compile();
@@ -316,7 +331,8 @@ int main(int argc, char** argv) {
   app.add_option("--directions", settings.directions)->capture_default_str();
   app.add_option("--rounds", settings.rounds)->capture_default_str();
   app.add_flag("!--no-rays", settings.rays, "leave out the rays");
-  app.add_option("--picture", settings.picture, "write PREFIX_layers.png and PREFIX_depth.png of the first direction, and end");
+  app.add_option("--picture", settings.picture,
+                 "write PREFIX_layers.png and PREFIX_depth.png of the first direction, and end");
   app.add_flag("--variants", settings.variants, "measure the ways to a stored A-buffer instead");
   app.add_flag("--profile", settings.profile, "print where the time goes");
   CLI11_PARSE(app, argc, argv);

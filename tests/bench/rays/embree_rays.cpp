@@ -133,7 +133,8 @@ void EmbreeScene::closest16(std::span<const Ray> rays, std::span<Hit> hits) cons
     for (int i = 0; i < count; ++i) {
       const bool hit = query.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
       hits[first + static_cast<size_t>(i)] = {hit ? query.ray.tfar[i] : INFINITY,
-                                              hit ? query.hit.primID[i] : LUCARIUM_NO_HIT, query.hit.u[i], query.hit.v[i]};
+                                              hit ? query.hit.primID[i] : LUCARIUM_NO_HIT, query.hit.u[i],
+                                              query.hit.v[i]};
     }
   }
 }

@@ -14,8 +14,8 @@ namespace lucarium::bench {
 
 class EmbreeScene {
  public:
-  /// Builds with `threads` threads; build_seconds() is the wall time of that. `robust`: RTC_SCENE_FLAG_ROBUST, slower and
-  /// without gaps between triangles.
+  /// Builds with `threads` threads; build_seconds() is the wall time of that. `robust`: RTC_SCENE_FLAG_ROBUST, slower
+  /// and without gaps between triangles.
   EmbreeScene(std::span<const Vertex> vertices, std::span<const Triangle> triangles, unsigned threads, bool robust);
   ~EmbreeScene();
   EmbreeScene(const EmbreeScene&) = delete;

@@ -55,8 +55,8 @@ double exact_distance(const RaySubject& subject, const Ray& ray) {
 }
 
 /// Rays on which two sides differ, and those of them on which the first one is wrong.
-std::string describe_differences(const RaySubject& subject, const std::vector<Ray>& rays, const std::vector<Hit>& tested,
-                                 const std::vector<Hit>& reference) {
+std::string describe_differences(const RaySubject& subject, const std::vector<Ray>& rays,
+                                 const std::vector<Hit>& tested, const std::vector<Hit>& reference) {
   size_t different = 0, wrong = 0;
   for (size_t i = 0; i < rays.size(); ++i) {
     const double distance = static_cast<double>(tested[i].distance);
@@ -85,7 +85,9 @@ void print_rows(const std::string& scene, RayKind kind, size_t rays, const std::
   for (size_t i = 0; i < contestants.size(); ++i) {
     const Contestant& c = contestants[i];
     const double millions = 1e-6 * static_cast<double>(rays);
-    const auto ratio = [&](const Contestant* to) { return to ? fmt::format("{:.2f}", median_ratio(to->cpu, c.cpu)) : "-"; };
+    const auto ratio = [&](const Contestant* to) {
+      return to ? fmt::format("{:.2f}", median_ratio(to->cpu, c.cpu)) : "-";
+    };
     fmt::print("| {} | {} | {} | {:.2f} | {:.2f} | {} | {} | {} |\n", scene, to_string(kind), c.name,
                millions / median(c.cpu), millions / median(c.wall), ratio(single), ratio(packet), differences[i]);
   }
@@ -101,7 +103,7 @@ struct Field {
   std::vector<Entry> entries;
   EmbreeScene embree, robust;  // robust: what hits are compared with
 
-  Field(Device& device, const RaySubject& subject) 
+  Field(Device& device, const RaySubject& subject)
       : embree(subject.vertices, subject.triangles, 1, false), robust(subject.vertices, subject.triangles, 1, true) {
     for (const auto& [name, traversal] :
          {std::pair{"wide", BvhTraversal::wide}, std::pair{"portable", BvhTraversal::wide_portable}})
@@ -127,14 +129,14 @@ void measure(Device& device, KernelScheduler& scheduler, const Field& field, con
     contestants.push_back({.name = "wide, 2 threads", .run = [batch] { batch->run(); }, .cpus = 2});
   }
   if (EmbreeScene::available()) {
-    contestants.push_back({.name = "Embree", .run = [&] {
-                             any ? field.embree.any(rays, occluded) : field.embree.closest(rays, hits);
-                           }});
+    contestants.push_back(
+        {.name = "Embree", .run = [&] { any ? field.embree.any(rays, occluded) : field.embree.closest(rays, hits); }});
     contestants.push_back({.name = "Embree packets of 16", .run = [&] {
                              any ? field.embree.any16(rays, occluded16) : field.embree.closest16(rays, hits16);
                            }});
   }
-  std::erase_if(contestants, [&](const Contestant& c) { return !options.only.empty() && !listed(options.only, c.name); });
+  std::erase_if(contestants,
+                [&](const Contestant& c) { return !options.only.empty() && !listed(options.only, c.name); });
   run_rounds(contestants, options.rounds);
   std::vector<std::string> differences(contestants.size(), "-");
   if (EmbreeScene::available()) {
@@ -183,8 +185,7 @@ void run(const Options& options) {
     fmt::print("| scene | rays | kernel | Mrays/s cpu | Mrays/s wall | x Embree | x packets | differ (wrong) |\n");
     fmt::print("|---|---|---|---:|---:|---:|---:|---:|\n");
     for (const RayKind kind : {RayKind::primary, RayKind::diffuse, RayKind::shadow})
-      if (listed(options.kinds, to_string(kind)))
-        measure(*device, scheduler, field, subject, name, kind, options);
+      if (listed(options.kinds, to_string(kind))) measure(*device, scheduler, field, subject, name, kind, options);
     fmt::print("\n");
   }
 }

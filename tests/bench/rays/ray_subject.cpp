@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <random>
 
-#include "lucarium/scene/load_scene.h"
+#include "lucarium/scene/load/load_scene.h"
 #include "traced_batch.h"
 
 namespace lucarium::bench {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compute/scheduler.h"
-#include "lucarium/services/bvh.h"
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/services/bvh/bvh.h"
 
 namespace lucarium::bench {
 

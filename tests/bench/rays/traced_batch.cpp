@@ -5,7 +5,9 @@ namespace lucarium::bench {
 
 TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Bvh& bvh, const std::vector<Ray>& rays,
                          bool any)
-    : scheduler_(scheduler), rays_(device, "bench", "rays", rays), hits_(device, "bench", "hits", any ? 1 : rays.size()),
+    : scheduler_(scheduler),
+      rays_(device, "bench", "rays", rays),
+      hits_(device, "bench", "hits", any ? 1 : rays.size()),
       occluded_(device, "bench", "occluded", any ? rays.size() : 1),
       counter_(device, "bench", "counter", std::vector<uint32_t>{static_cast<uint32_t>(rays.size())}) {
   const auto count = static_cast<uint32_t>(rays.size());

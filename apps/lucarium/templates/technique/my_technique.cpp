@@ -4,18 +4,18 @@
 // --------------------------
 //
 // Idea. Per iteration and pixel: find the point that the pixel sees (G-buffer; mirrors and clear glass are looked
-// through), sample the light that reaches it once (DirectLight), and add what the eye sees shine by itself with a kernel
-// of our own, add_emission.cl. Replace this by your idea, its equations, and the paper they come from.
+// through), sample the light that reaches it once (DirectLight), and add what the eye sees shine by itself with a
+// kernel of our own, add_emission.cl. Replace this by your idea, its equations, and the paper they come from.
 //
-// What is counted. Layers `emission` and `direct`; no indirect light, whatever --max-bounces says. path_set() below says
-// the same to the program, which renders the reference of a comparison with exactly those paths.
+// What is counted. Layers `emission` and `direct`; no indirect light, whatever --max-bounces says. path_set() below
+// says the same to the program, which renders the reference of a comparison with exactly those paths.
 //
 // Error. Unbiased: the mean over the samples converges to the reference.
 #include <algorithm>
 
-#include "lucarium/services/bvh.h"
-#include "lucarium/services/direct_light.h"
-#include "lucarium/services/gbuffer.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/direct_light/direct_light.h"
+#include "lucarium/services/gbuffer/gbuffer.h"
 #include "lucarium/technique/plugin.h"
 
 /// The .cl files of this folder, embedded at build time under the names my_technique/….cl.
@@ -136,14 +136,18 @@ class Renderer : public Technique {
     const uint32_t pixels = context_->settings.width * context_->settings.height;
     gbuffer_ = std::make_unique<GBuffer>(device, context_->scheduler, context_->scene_buffers, context_->bvh(),
                                          make_frame(context_->settings), owner);
-    direct_light_ = std::make_unique<DirectLight>(device, context_->scheduler, context_->scene_buffers, context_->bvh(), owner);
+    direct_light_ =
+        std::make_unique<DirectLight>(device, context_->scheduler, context_->scene_buffers, context_->bvh(), owner);
     emission_ = TypedBuffer<float4>(device, owner, "emission", pixels, "lower --size");
     direct_ = TypedBuffer<float4>(device, owner, "direct light", pixels, "lower --size");
 
     // Arguments are bound by name; what a kernel reads and writes follows from its signature.
     ScheduleRecorder recorder = context_->scheduler.record("add emission", owner);
-    recorder.pass("add emission", program_, "add_emission").global(pixels).arg("points", gbuffer_->points())
-        .arg("count", pixels).arg("emission", emission_);
+    recorder.pass("add emission", program_, "add_emission")
+        .global(pixels)
+        .arg("points", gbuffer_->points())
+        .arg("count", pixels)
+        .arg("emission", emission_);
     schedule_ = recorder.compile();
     reset(context_->settings.seed);
   }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // test_my_technique FOLDER_OF_THE_PLUGIN: a scene whose image is known exactly.
 //
-// A white convex body of albedo a under a sky of radiance 1 everywhere reflects a: the light of the sky is scattered once
-// and nothing shades anything. Replace this by closed forms of your technique; `lucarium check` does the general ones.
+// A white convex body of albedo a under a sky of radiance 1 everywhere reflects a: the light of the sky is scattered
+// once and nothing shades anything. Replace this by closed forms of your technique; `lucarium check` does the general
+// ones.
 #include <cmath>
 #include <cstdio>
 
-#include "lucarium/scene/load_scene.h"
-#include "lucarium/technique/session.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/session.h"
 
 using namespace lucarium;
 

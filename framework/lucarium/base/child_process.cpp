@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/base/child_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+
+extern char** environ;
+
+namespace lucarium {
+namespace {
+
+constexpr size_t kept_lines = 20;
+constexpr int look_up_milliseconds = 200;  // between two looks at the interrupt flag
+const char* const parent_variable = "LUCARIUM_PARENT_PROCESS";
+
+/// This process' environment with its number as the parent's.
+std::vector<std::string> child_environment() {
+  std::vector<std::string> variables = {fmt::format("{}={}", parent_variable, ::getpid())};
+  for (char** variable = environ; *variable; ++variable) {
+    if (!std::string_view(*variable).starts_with(std::string(parent_variable) + "=")) variables.emplace_back(*variable);
+  }
+  return variables;
+}
+
+/// Pointers into the strings, with a null at the end, as exec wants them.
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
+  std::vector<char*> pointers;
+  for (std::string& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+struct Pipe {
+  int read_end = -1, write_end = -1;
+  Pipe() {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw_error(ErrorClass::internal, "pipe: {}", std::strerror(errno));
+    read_end = ends[0];
+    write_end = ends[1];
+  }
+  ~Pipe() {
+    close_end(read_end);
+    close_end(write_end);
+  }
+  Pipe(const Pipe&) = delete;
+  Pipe& operator=(const Pipe&) = delete;
+  static void close_end(int& end) {
+    if (end >= 0) ::close(end);
+    end = -1;
+  }
+};
+
+/// Cuts a byte stream into lines; carriage returns (progress bars) count as line ends.
+class LineSplitter {
+ public:
+  void add(std::string_view bytes, const std::function<void(std::string)>& on_line) {
+    for (const char c : bytes) {
+      if (c != '\n' && c != '\r') {
+        partial_ += c;
+        continue;
+      }
+      if (!partial_.empty()) on_line(std::move(partial_));
+      partial_.clear();
+    }
+  }
+  void finish(const std::function<void(std::string)>& on_line) {
+    if (!partial_.empty()) on_line(std::move(partial_));
+    partial_.clear();
+  }
+
+ private:
+  std::string partial_;
+};
+
+pid_t spawn(std::vector<std::string> arguments, const Pipe& out, const Pipe& err) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, out.write_end, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, err.write_end, STDERR_FILENO);
+  std::vector<std::string> variables = child_environment();
+  pid_t child = -1;
+  const int failure = posix_spawnp(&child, arguments[0].c_str(), &actions, nullptr, pointers_to(arguments).data(),
+                                   pointers_to(variables).data());
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure) throw_error(ErrorClass::internal, "cannot start {}: {}", arguments[0], std::strerror(failure));
+  return child;
+}
+
+}  // namespace
+
+ChildResult run_child(const std::vector<std::string>& arguments,
+                      const std::function<void(std::string_view)>& on_error_line) {
+  const auto start = std::chrono::steady_clock::now();
+  Pipe out, err;
+  const pid_t child = spawn(arguments, out, err);
+  Pipe::close_end(out.write_end);
+  Pipe::close_end(err.write_end);
+
+  ChildResult result;
+  LineSplitter splitter;
+  const auto keep = [&](std::string line) {
+    if (on_error_line) on_error_line(line);
+    if (result.last_words.size() == kept_lines) result.last_words.erase(result.last_words.begin());
+    result.last_words.push_back(std::move(line));
+  };
+  std::array<pollfd, 2> streams = {{{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}}};
+  std::array<char, 65536> bytes;
+  bool passed_on = false;
+  while (streams[0].fd >= 0 || streams[1].fd >= 0) {
+    const int ready = ::poll(streams.data(), streams.size(), look_up_milliseconds);
+    if (interrupt_requested() && !passed_on) {
+      // A terminal interrupts both, others only this process. SIGTERM, since a second SIGINT would end the child at
+      // once.
+      ::kill(child, SIGTERM);
+      passed_on = true;
+    }
+    if (ready < 0 && errno != EINTR) break;
+    if (ready <= 0) continue;
+    for (pollfd& stream : streams) {
+      if (stream.fd < 0 || !(stream.revents & (POLLIN | POLLHUP | POLLERR))) continue;
+      const ssize_t count = ::read(stream.fd, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) {
+        stream.fd = -1;
+      } else if (&stream == &streams[0]) {
+        result.out.append(bytes.data(), static_cast<size_t>(count));
+      } else {
+        splitter.add({bytes.data(), static_cast<size_t>(count)}, keep);
+      }
+    }
+  }
+  splitter.finish(keep);
+
+  int status = 0;
+  rusage usage{};
+  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  result.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  result.peak_memory_bytes = static_cast<size_t>(usage.ru_maxrss) * 1024;
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+void end_with_parent() {
+  const char* parent = std::getenv(parent_variable);
+  if (!parent) return;
+  ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+  // It may have ended before the request; then another process has adopted this one.
+  if (std::to_string(::getppid()) != parent) ::raise(SIGTERM);
+}
+
+std::string describe_end(const ChildResult& result) {
+  if (result.signal) return fmt::format("killed by signal {} ({})", result.signal, strsignal(result.signal));
+  return fmt::format("exit code {}", result.exit_code);
+}
+
+}  // namespace lucarium

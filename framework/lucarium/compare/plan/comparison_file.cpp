@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reading a comparison file; every complaint names file, line and key.
+#include "lucarium/compare/plan/comparison_file.h"
+
+#include "lucarium/base/error.h"
+#include "lucarium/compare/plan/comparison_spec.h"
+
+namespace lucarium {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr uint32_t largest_size = 32768;  // pixels a side
+
+class ComparisonReader {
+ public:
+  ComparisonReader(const JsonFile& file, const json& object, std::string pointer)
+      : file_(file), object_(object), pointer_(std::move(pointer)) {}
+
+  ComparisonSpec read() const {
+    const json& root = object_;
+    file_.check_keys(root, pointer_,
+                     {"scenes", "techniques", "budgets", "seeds", "size", "max_bounces", "pixel_sampling", "reference",
+                      "fallback_environment", "device_arguments"});
+    ComparisonSpec spec;
+    each("scenes", [&](const json& value, const std::string& at) { spec.scenes.push_back(scene(value, at)); });
+    each("techniques",
+         [&](const json& value, const std::string& at) { spec.variants.push_back(technique(value, at)); });
+    each("budgets", [&](const json& value, const std::string& at) { spec.budgets.push_back(budget(value, at)); });
+    if (root.contains("seeds")) spec.seeds = static_cast<uint32_t>(bounded("seeds", 1, 1000));
+    if (root.contains("size")) read_size(root["size"], spec);
+    if (root.contains("max_bounces")) spec.max_bounces = static_cast<int>(bounded("max_bounces", -1, 4095));
+    if (root.contains("pixel_sampling")) spec.pixel_sampling = static_cast<uint32_t>(bounded("pixel_sampling", 0, 16));
+    if (root.contains("reference")) spec.reference = reference(root["reference"]);
+    if (root.contains("fallback_environment")) {
+      spec.fallback_environment = file_.text(root["fallback_environment"], place("fallback_environment"));
+    }
+    if (root.contains("device_arguments")) {
+      each("device_arguments",
+           [&](const json& value, const std::string& at) { spec.device_arguments.push_back(file_.text(value, at)); });
+    }
+    return spec;
+  }
+
+ private:
+  std::string place(const std::string& key) const { return pointer_ + "/" + key; }
+
+  /// Calls visit(element, pointer) for the elements of the array `key`, which must hold one at least.
+  template <class Visit>
+  void each(const std::string& key, Visit&& visit) const {
+    if (!object_.contains(key) || !object_[key].is_array() || object_[key].empty()) {
+      file_.fail(place(key), "must be an array with at least one element");
+    }
+    for (size_t i = 0; i < object_[key].size(); ++i) visit(object_[key][i], fmt::format("{}/{}", place(key), i));
+  }
+
+  int64_t bounded(const std::string& key, int64_t low, int64_t high) const {
+    const json& value = object_[key];
+    if (!value.is_number_integer() || value.get<int64_t>() < low || value.get<int64_t>() > high) {
+      file_.fail(place(key), fmt::format("must be a whole number from {} to {}", low, high));
+    }
+    return value.get<int64_t>();
+  }
+
+  double positive(const json& object, const std::string& key, const std::string& pointer) const {
+    const double value = file_.number(object[key], pointer + "/" + key);
+    if (!(value > 0)) file_.fail(pointer + "/" + key, "must be above 0");
+    return value;
+  }
+
+  /// A scene's name as it is, or a file name resolved against the comparison file's folder.
+  std::string source(const json& value, const std::string& pointer) const {
+    const std::string& text = file_.text(value, pointer);
+    if (text.starts_with("builtin:") || fs::path(text).is_absolute()) return text;
+    return (file_.path().parent_path() / text).string();
+  }
+
+  ComparisonScene scene(const json& value, const std::string& pointer) const {
+    ComparisonScene result;
+    if (value.is_string()) {
+      result.source = source(value, pointer);
+      return result;
+    }
+    std::vector<std::string> keys = override_keys();
+    keys.insert(keys.end(), {"scene", "name", "sidecar", "texture_size"});
+    file_.check_keys(value, pointer, keys);
+    if (!value.contains("scene")) file_.fail(pointer, "\"scene\" is missing");
+    result.source = source(value["scene"], pointer + "/scene");
+    result.overrides = read_overrides(file_, value, pointer);
+    if (value.contains("name")) result.name = file_.text(value["name"], pointer + "/name");
+    if (value.contains("sidecar")) {
+      if (!value["sidecar"].is_boolean()) file_.fail(pointer + "/sidecar", "must be true or false");
+      result.overrides.use_sidecar = value["sidecar"].get<bool>();
+    }
+    if (value.contains("texture_size")) {
+      const uint64_t size = file_.count(value["texture_size"], pointer + "/texture_size");
+      if (size < 1 || size > 65536) file_.fail(pointer + "/texture_size", "must be from 1 to 65536");
+      result.import.max_texture_size = static_cast<uint32_t>(size);
+    }
+    return result;
+  }
+
+  TechniqueVariant technique(const json& value, const std::string& pointer) const {
+    TechniqueVariant result;
+    if (value.is_string()) {
+      result.technique = value.get<std::string>();
+      return result;
+    }
+    file_.check_keys(value, pointer, {"technique", "parameters", "name"});
+    if (!value.contains("technique")) file_.fail(pointer, "\"technique\" is missing");
+    result.technique = file_.text(value["technique"], pointer + "/technique");
+    if (value.contains("name")) result.name = file_.text(value["name"], pointer + "/name");
+    if (!value.contains("parameters")) return result;
+    const json& parameters = value["parameters"];
+    if (!parameters.is_object()) file_.fail(pointer + "/parameters", "must be an object {\"name\": value}");
+    for (const auto& [name, parameter] : parameters.items()) {
+      std::string text;
+      if (parameter.is_boolean()) {
+        text = parameter.get<bool>() ? "on" : "off";
+      } else if (parameter.is_string() || parameter.is_number()) {
+        text = parameter.is_string() ? parameter.get<std::string>() : parameter.dump();
+      } else {
+        file_.fail(pointer + "/parameters/" + name, "must be a number, a text, true or false");
+      }
+      result.parameters.emplace_back(name, text);
+    }
+    return result;
+  }
+
+  ComparisonBudget budget(const json& value, const std::string& pointer) const {
+    file_.check_keys(value, pointer, {"seconds", "iterations", "relmse", "limit_seconds"});
+    if (value.contains("seconds") + value.contains("iterations") + value.contains("relmse") != 1) {
+      file_.fail(pointer, "must have exactly one of \"seconds\", \"iterations\" and \"relmse\"");
+    }
+    if (value.contains("relmse") != value.contains("limit_seconds")) {
+      file_.fail(pointer, "\"relmse\" and \"limit_seconds\" go together");
+    }
+    ComparisonBudget result;
+    if (value.contains("seconds")) result.seconds = positive(value, "seconds", pointer);
+    if (value.contains("iterations")) {
+      result.iterations = file_.count(value["iterations"], pointer + "/iterations");
+      if (result.iterations == 0) file_.fail(pointer + "/iterations", "must be above 0");
+    }
+    if (value.contains("relmse")) {
+      result.relmse = positive(value, "relmse", pointer);
+      result.limit_seconds = positive(value, "limit_seconds", pointer);
+    }
+    return result;
+  }
+
+  void read_size(const json& value, ComparisonSpec& spec) const {
+    if (!value.is_array() || value.size() != 2) file_.fail(place("size"), "must be [width, height]");
+    const uint64_t width = file_.count(value[0], place("size/0")), height = file_.count(value[1], place("size/1"));
+    if (width < 1 || height < 1 || width > largest_size || height > largest_size) {
+      file_.fail(place("size"), fmt::format("must be from 1 to {} pixels a side", largest_size));
+    }
+    spec.width = static_cast<uint32_t>(width);
+    spec.height = static_cast<uint32_t>(height);
+  }
+
+  ReferenceRequest reference(const json& value) const {
+    const std::string at = place("reference");
+    file_.check_keys(value, at, {"file", "samples", "relmse"});
+    ReferenceRequest result;
+    if (value.contains("file")) {
+      if (value.size() > 1) file_.fail(at, "a file is used as it is; leave out the other keys");
+      result.file = file_.path().parent_path() / file_.text(value["file"], at + "/file");
+    }
+    if (value.contains("samples")) result.samples = file_.count(value["samples"], at + "/samples");
+    if (result.samples < 32) file_.fail(at + "/samples", "must be at least 32");
+    if (value.contains("relmse")) result.relmse = positive(value, "relmse", at);
+    return result;
+  }
+
+  const JsonFile& file_;
+  const json& object_;
+  std::string pointer_;
+};
+
+}  // namespace
+
+ComparisonSpec read_comparison(const JsonFile& file, const json& object, const std::string& pointer) {
+  return ComparisonReader(file, object, pointer).read();
+}
+
+ComparisonSpec read_comparison(const fs::path& path) {
+  const JsonFile file(path);
+  check_schema(file, comparison_schema);
+  json object = file.root();
+  object.erase("schema");
+  return read_comparison(file, object, "");
+}
+
+}  // namespace lucarium

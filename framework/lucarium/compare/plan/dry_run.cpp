@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/compare/plan/dry_run.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "lucarium/base/byte_size.h"
+#include "lucarium/base/child_process.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/progress.h"
+#include "lucarium/compare/plan/comparison_plan.h"
+#include "lucarium/compare/reference/reference_image.h"
+#include "lucarium/compare/reference/reference_render.h"
+#include "lucarium/film/image_io.h"
+
+namespace lucarium {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/// Measured on the first iterations.
+struct Rate {
+  std::string failure;
+  double start_seconds = 0;    ///< of everything but iterating
+  double counted_seconds = 0;  ///< of them, those that a budget of seconds counts
+  double iteration_seconds = 0;
+  double own_seconds = INFINITY;  ///< of iterating until the technique ends by itself, by its own account
+  bool leads = false;             ///< its work proper, of which it knows the amount, has not begun
+};
+
+Rate measure_rate(std::vector<std::string> command, const std::string& technique, int max_bounces, int iterations) {
+  command.insert(command.end(), {"--iterations", std::to_string(iterations), "--max-bounces",
+                                 std::to_string(max_bounces), "-t", technique, "--quiet"});
+  const ChildResult child = run_child(command);
+  Rate rate;
+  if (child.exit_code != 0) {
+    rate.failure = child.last_words.empty() ? describe_end(child) : child.last_words.back();
+    return rate;
+  }
+  const json summary = json::parse(child.out), clocks = summary.at("clocks");
+  const double iterate_seconds = clocks.at("iterate_seconds");
+  rate.iteration_seconds = iterate_seconds / summary.at("iterations").get<double>();
+  rate.start_seconds = child.seconds - iterate_seconds;
+  for (const char* clock : {"upload_seconds", "bvh_seconds", "prepare_seconds"})
+    rate.counted_seconds += clocks.at(clock).get<double>();
+  const json& left = summary.at("seconds_left");
+  if (summary.at("converged")) rate.own_seconds = iterate_seconds;
+  if (left.is_number()) rate.own_seconds = iterate_seconds + left.get<double>();
+  rate.leads = summary.at("progress") == 0 && !summary.at("converged");
+  return rate;
+}
+
+/// On one iteration, or on as many as lead to the work whose amount the technique knows.
+Rate measure_variant(const std::vector<std::string>& command, const std::string& technique, int max_bounces) {
+  Rate rate;
+  for (const int iterations : {1, 16, 64}) {
+    rate = measure_rate(command, technique, max_bounces, iterations);
+    if (!rate.leads) break;
+  }
+  return rate;
+}
+
+/// Seconds of a run of a variant on one scene; `bound`: it may take less.
+double seconds_of_run(const ComparisonBudget& budget, const Rate& rate, bool& bound) {
+  const double seconds = budget.seconds > 0 ? budget.seconds : budget.limit_seconds;
+  const double iterate = budget.iterations > 0 ? static_cast<double>(budget.iterations) * rate.iteration_seconds
+                                               : std::max(rate.iteration_seconds, seconds - rate.counted_seconds);
+  bound = budget.relmse > 0 || rate.own_seconds < iterate;
+  return rate.start_seconds + std::min(iterate, rate.own_seconds);
+}
+
+/// Samples per pixel that the cache already holds.
+uint64_t cached_samples(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return 0;
+  try {
+    return ReferenceImage(read_image(file), file.string()).samples();
+  } catch (const Error&) {
+    return 0;  // not usable: it will be rendered again
+  }
+}
+
+/// "all", or what differs from all light paths, in words.
+std::string describe_path_set(const std::string& text) {
+  std::vector<std::string> parts;
+  for (const std::string& line : PathSet::parse(text).differences(PathSet()))
+    parts.push_back(line.substr(0, line.find(" against ")));
+  return parts.empty() ? "all light paths" : fmt::format("light paths with {}", fmt::join(parts, ", "));
+}
+
+class DryRun {
+ public:
+  DryRun(const ComparisonSpec& spec, const TechniqueRegistry& registry, const ComparisonOptions& options)
+      : spec_(spec), registry_(registry), options_(options) {}
+
+  std::string describe() {
+    for (const ComparisonScene& scene : spec_.scenes) add_scene(scene);
+    std::vector<std::string> budgets;
+    for (const ComparisonBudget& budget : spec_.budgets) budgets.push_back(budget.label());
+    text_ +=
+        fmt::format("{} runs ({} at {}×{} pixels, {} seeds each), about {}{}\n", runs_, fmt::join(budgets, "; "),
+                    spec_.width, spec_.height, spec_.seeds, format_duration(seconds_), open_ended_ ? " at most" : "");
+    return text_;
+  }
+
+ private:
+  void add_scene(const ComparisonScene& scene) {
+    const ScenePlan plan = plan_scene(spec_, scene, registry_);
+    const SceneResult& entry = plan.result;
+    if (!entry.failure.empty()) {
+      text_ += fmt::format("{}\n  cannot be used: {}\n", entry.name, entry.failure);
+      return;
+    }
+    text_ += fmt::format("{}\n  {} triangles\n", entry.name, entry.triangles);
+    for (const std::string& warning : entry.warnings) text_ += fmt::format("  warning: {}\n", warning);
+    for (size_t i = 0; i < entry.references.size(); ++i) add_reference(scene, plan, i);
+    for (size_t variant = 0; variant < spec_.variants.size(); ++variant) add_variant(scene, plan, variant);
+  }
+
+  std::vector<std::string> command(const ComparisonScene& scene, const ScenePlan& plan) const {
+    return scene_command(spec_, plan, scene.source, options_.program, "render", 1);
+  }
+
+  void add_reference(const ComparisonScene& scene, const ScenePlan& plan, size_t index) {
+    const std::string set = plan.result.references[index].path_set;
+    text_ += fmt::format("  reference {}: {}; ", index + 1, describe_path_set(set));
+    if (spec_.reference.file) {
+      text_ += fmt::format("{}\n", spec_.reference.file->string());
+      return;
+    }
+    const uint64_t have = cached_samples(options_.cache_dir / "references" / plan.reference_files[index]);
+    const uint64_t missing = spec_.reference.samples > have ? spec_.reference.samples - have : 0;
+    std::string technique = "path_tracing";
+    for (const auto& [name, value] : reference_parameters(PathSet::parse(set))) {
+      technique += fmt::format("{}{}={}", technique == "path_tracing" ? ":" : ",", name, value);
+    }
+    const Rate rate =
+        missing > 0 ? measure_rate(command(scene, plan), technique, PathSet::parse(set).max_bounces, 1) : Rate();
+    const double seconds = rate.iteration_seconds * static_cast<double>(missing) / reference_batch;
+    seconds_ += seconds;
+    open_ended_ |= missing > 0 && spec_.reference.relmse > 0;
+    text_ += fmt::format("{} samples per pixel, {} of them in the cache, about {} to render\n", spec_.reference.samples,
+                         std::min(have, spec_.reference.samples), format_duration(seconds));
+  }
+
+  void add_variant(const ComparisonScene& scene, const ScenePlan& plan, size_t index) {
+    const SceneVariant& variant = plan.result.variants[index];
+    text_ += fmt::format("  {}: ", spec_.variants[index].label());
+    if (!variant.refused.empty()) {
+      text_ += fmt::format("does not run: {}\n", variant.refused);
+      return;
+    }
+    const Rate rate = measure_variant(command(scene, plan), spec_.variants[index].words(), spec_.max_bounces);
+    if (!rate.failure.empty()) {
+      text_ += fmt::format("fails: {}\n", rate.failure);
+      return;
+    }
+    runs_ += spec_.budgets.size() * spec_.seeds;
+    for (const ComparisonBudget& budget : spec_.budgets) {
+      bool bound = false;
+      seconds_ += spec_.seeds * seconds_of_run(budget, rate, bound);
+      open_ended_ |= bound;
+    }
+    text_ += fmt::format(
+        "reference {}, {} of device memory, {:.3g} s to start, {:.3g} s per iteration{}\n", variant.reference + 1,
+        format_bytes(variant.device_bytes), rate.start_seconds, rate.iteration_seconds,
+        std::isfinite(rate.own_seconds) ? fmt::format(", at most {:.3g} s until it ends by itself", rate.own_seconds)
+                                        : "");
+    for (const std::string& limitation : variant.limitations) text_ += fmt::format("    {}\n", limitation);
+  }
+
+  const ComparisonSpec& spec_;
+  const TechniqueRegistry& registry_;
+  const ComparisonOptions& options_;
+  std::string text_;
+  size_t runs_ = 0;
+  double seconds_ = 0;
+  bool open_ended_ = false;  ///< some run may end before, and the estimate is a bound
+};
+
+}  // namespace
+
+std::string describe_plan(const ComparisonSpec& spec, const TechniqueRegistry& registry,
+                          const ComparisonOptions& options) {
+  check_comparison(spec);
+  return DryRun(spec, registry, options).describe();
+}
+
+}  // namespace lucarium

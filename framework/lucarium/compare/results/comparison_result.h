@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "lucarium/compare/plan/comparison_spec.h"
+#include "lucarium/compare/results/bias.h"
+#include "lucarium/compare/results/gate.h"
+#include "lucarium/compare/results/reproduction.h"
+#include "lucarium/statistics/statistics.h"
+
+namespace lucarium {
+
+/// State of an error curve.
+struct Snapshot {
+  double seconds = 0;  ///< of preparing and iterating
+  uint64_t iterations = 0, samples = 0;
+  std::map<std::string, double> metrics;
+};
+
+/// One run: scene, variant, budget (indices) and seed.
+struct PieceResult {
+  size_t scene = 0, variant = 0, budget = 0;
+  uint32_t seed = 1;
+  std::string image;           ///< file name below the result folder, empty when it failed
+  std::string failure;         ///< why there is no image
+  std::string render_summary;  ///< JSON that `lucarium render --json` printed, with peak_host_bytes
+  double load_seconds = 0, prepare_seconds = 0, compile_seconds = 0, iterate_seconds = 0, device_seconds = 0;
+  uint64_t samples = 0, iterations = 0;
+  size_t peak_host_bytes = 0, peak_device_bytes = 0;
+  bool converged = false;
+  std::map<std::string, double> metrics;  ///< of the image against the scene's reference
+  std::vector<Snapshot> snapshots;
+  std::optional<double> reached_seconds;  ///< with an error budget
+  double seconds() const { return prepare_seconds + iterate_seconds; }
+};
+
+/// The truth for one scene and one set of light paths.
+struct ReferenceResult {
+  std::string path_set;
+  std::string image;   ///< below the result folder
+  std::string source;  ///< "path_tracing", or the given file
+  std::string failure;
+  uint64_t samples = 0;
+  bool from_cache = false;
+  double seconds = 0;
+  bool error_known = false;    ///< false for an image given as a file that does not tell
+  double mse = 0, relmse = 0;  ///< its own error
+};
+
+/// One variant on one scene.
+struct SceneVariant {
+  size_t reference = 0;                  ///< index into the scene's references
+  std::vector<std::string> limitations;  ///< what of the scene it cannot do
+  std::string refused;                   ///< why it does not run at all
+  size_t device_bytes = 0;               ///< estimate, with scene and BVH
+};
+
+struct SceneResult {
+  std::string name;
+  uint64_t triangles = 0;
+  std::string hash;
+  float exposure = 0;   ///< [stops]
+  std::string failure;  ///< the scene could not be had
+  std::vector<std::string> warnings;
+  std::vector<ReferenceResult> references;
+  std::vector<SceneVariant> variants;
+};
+
+struct Machine {
+  std::string cpu, system;
+  unsigned logical_cores = 0;
+  uint64_t memory_bytes = 0;
+};
+Machine describe_machine();
+
+/// Scene, variant and budget (indices): what seeds are averaged over.
+using SummaryKey = std::tuple<size_t, size_t, size_t>;
+
+/// When the curve of a variant gets to an error, over its seeds.
+struct SummaryTime {
+  double relmse = 0;
+  std::optional<SeedMean> seconds;  ///< absent: some seed does not get there
+  bool at_most = false;             ///< the first snapshot of some seed was below it already
+};
+
+struct SummaryPoint {
+  double seconds = 0, samples = 0;
+  SeedMean relmse;
+};
+
+/// What the finished pieces of one key say together (docs/results.md).
+struct Summary {
+  size_t seeds = 0;
+  std::map<std::string, SeedMean> metrics;
+  double iterate_seconds = 0, prepare_seconds = 0, compile_seconds = 0, device_seconds = 0, samples = 0;
+  size_t peak_host_bytes = 0, peak_device_bytes = 0;
+  double debiased_mse = 0;
+  bool resolved = true;
+  std::optional<BiasAndVariance> bias;  ///< from two seeds on
+  std::vector<SummaryPoint> curve;
+  SeedMean slope;
+  std::optional<SeedMean> reached_seconds;  ///< with an error budget, when every seed got there
+  std::vector<SummaryTime> times;
+};
+
+/// The ratio of two variants' errors, paired by seeds.
+struct SummaryPair {
+  size_t scene = 0, budget = 0, a = 0, b = 0;
+  std::string metric;
+  SeedMean ratio;
+  bool different() const { return ratio.seeds > 1 && (ratio.low > 1 || ratio.high < 1); }
+};
+
+/// One value then and now, of the same scene, variant and budget (by their labels).
+struct BaselineChange {
+  size_t scene = 0, variant = 0, budget = 0;
+  std::string metric;
+  SeedMean ratio;       ///< now over then: geometric means with Welch's 95 % interval on logarithms
+  std::string verdict;  ///< better, worse, same (the interval holds 1), unknown (one seed)
+};
+
+struct BaselineComparison {
+  std::string folder, version;
+  std::vector<BaselineChange> changes;
+  std::vector<std::string> missing;  ///< summaries that the baseline does not have
+
+  std::string table(const struct ComparisonResult& result) const;  ///< for people
+};
+
+struct VariantInfo {
+  std::string summary, citation, version;
+};
+
+struct ComparisonResult {
+  ComparisonSpec spec;
+  std::vector<VariantInfo> variants;
+  std::vector<SceneResult> scenes;
+  std::vector<PieceResult> pieces;
+  std::map<SummaryKey, Summary> summaries;
+  std::vector<GateResult> gates;
+  std::optional<BaselineComparison> baseline;
+  std::optional<Reproduction> reproduction;
+  std::string device, driver, version, started;
+  Machine machine;
+  bool interrupted = false;
+
+  std::string to_json() const;        ///< results.json (docs/results.md)
+  std::string pieces_csv() const;     ///< results.csv
+  std::string snapshots_csv() const;  ///< curves.csv
+};
+
+}  // namespace lucarium

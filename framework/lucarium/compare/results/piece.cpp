@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/compare/results/piece.h"
+
+#include <nlohmann/json.hpp>
+
+#include "lucarium/base/error.h"
+#include "lucarium/compare/results/error_curve.h"
+
+namespace lucarium {
+
+using nlohmann::json;
+
+namespace {
+
+std::map<std::string, double> read_metrics(const json& object) {
+  std::map<std::string, double> metrics;
+  for (const auto& [name, value] : object.items()) metrics[name] = value.get<double>();
+  return metrics;
+}
+
+void read_clocks(PieceResult& piece, const json& clocks) {
+  piece.load_seconds = clocks.at("load_seconds");
+  piece.prepare_seconds = clocks.at("upload_seconds").get<double>() + clocks.at("bvh_seconds").get<double>() +
+                          clocks.at("prepare_seconds").get<double>();
+  piece.compile_seconds = clocks.at("compile_seconds").get<double>() + clocks.at("warm_up_seconds").get<double>();
+  piece.iterate_seconds = clocks.at("iterate_seconds");
+}
+
+/// When the curve got to the error; the first snapshot's time bounds it where that was enough.
+std::optional<double> find_reached(const std::vector<Snapshot>& snapshots, double relmse) {
+  std::vector<CurvePoint> curve;
+  for (const Snapshot& snapshot : snapshots) curve.push_back({snapshot.seconds, snapshot.metrics.at("relMSE")});
+  const TimeToError reached = time_to_error(curve, relmse);
+  if (reached.state == TimeToError::State::not_reached) return std::nullopt;
+  return reached.time;
+}
+
+}  // namespace
+
+std::vector<std::string> budget_words(const ComparisonBudget& budget) {
+  if (budget.seconds > 0) return {"--compute-time", fmt::format("{}", budget.seconds), "--curve"};
+  if (budget.iterations > 0) return {"--iterations", std::to_string(budget.iterations), "--curve"};
+  return {"--compute-time", fmt::format("{}", budget.limit_seconds), "--until-relmse",
+          fmt::format("{}", budget.relmse)};
+}
+
+std::string piece_stem(size_t scene, size_t variant, size_t budget, uint32_t seed) {
+  return fmt::format("pieces/scene{}-variant{}-budget{}-seed{}", scene + 1, variant + 1, budget + 1, seed);
+}
+
+std::string mean_file(const PieceResult& piece) {
+  return fmt::format("means/scene{}-variant{}-budget{}.exr", piece.scene + 1, piece.variant + 1, piece.budget + 1);
+}
+
+void read_summary(PieceResult& piece, const ComparisonBudget& budget) {
+  try {
+    const json summary = json::parse(piece.render_summary);
+    read_clocks(piece, summary.at("clocks"));
+    piece.samples = summary.at("samples");
+    piece.iterations = summary.at("iterations");
+    piece.converged = summary.at("converged");
+    piece.peak_host_bytes = summary.at("peak_host_bytes");
+    piece.peak_device_bytes = summary.at("peak_device_memory_bytes");
+    piece.device_seconds = 0;
+    for (const json& pass : summary.at("passes")) piece.device_seconds += pass.at("device_seconds").get<double>();
+    piece.metrics = read_metrics(summary.at("metrics"));
+    piece.snapshots.clear();
+    for (const json& snapshot : summary.at("snapshots")) {
+      piece.snapshots.push_back({snapshot.at("seconds"), snapshot.at("iterations"), snapshot.at("samples"),
+                                 read_metrics(snapshot.at("metrics"))});
+    }
+    if (budget.relmse > 0) piece.reached_seconds = find_reached(piece.snapshots, budget.relmse);
+  } catch (const json::exception& error) {
+    throw_error(ErrorClass::input, "its summary cannot be read: {}", error.what());
+  }
+}
+
+}  // namespace lucarium

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "lucarium/compare/results/comparison_result.h"
+
+namespace lucarium {
+
+/// Finished pieces of a key in order of their seeds.
+std::vector<const PieceResult*> pieces_of(const ComparisonResult& result, const SummaryKey& key);
+
+/// Everything but bias and times; `reference` is the one the pieces were measured against.
+Summary summarize(const std::vector<const PieceResult*>& pieces, const ReferenceResult& reference,
+                  const ComparisonBudget& budget);
+
+/// Bias of the pieces' images, read from `folder`; also writes the mean image, "means/….exr", there.
+BiasAndVariance measure_bias(const std::vector<const PieceResult*>& pieces, const ReferenceResult& reference,
+                             const std::filesystem::path& folder);
+
+/// Errors (1 and 3 times powers of ten, at most six, the smallest first) that some curve of a scene and budget passes,
+/// and when each variant's curves get there.
+void add_times_to_error(const ComparisonResult& result, size_t scene, size_t budget,
+                        std::map<SummaryKey, Summary>& summaries);
+
+std::vector<SummaryPair> make_pairs(const ComparisonResult& result);
+
+}  // namespace lucarium

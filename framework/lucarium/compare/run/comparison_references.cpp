@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// The references of a comparison: from a file, from the cache, or rendered into the cache.
+#include <nlohmann/json.hpp>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/file_lock.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/compare/reference/reference_image.h"
+#include "lucarium/compare/run/comparison_runner.h"
+#include "lucarium/film/image_io.h"
+
+namespace lucarium {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/// Complains when the header of an image says that it shows other light paths or another scene. An image from elsewhere
+/// says nothing and is taken at its user's word.
+void check_reference(const Film& film, const fs::path& file, const ReferenceResult& wanted, const SceneResult& scene) {
+  const auto path_set = film.metadata.find("path_set"), hash = film.metadata.find("scene_hash");
+  if (hash != film.metadata.end() && hash->second != scene.hash) {
+    throw_error(ErrorClass::usage, "{} shows another scene than {}, or another state of it", file.string(), scene.name);
+  }
+  if (path_set == film.metadata.end() || path_set->second == wanted.path_set) return;
+  std::string text;
+  for (const std::string& line : PathSet::parse(path_set->second).differences(PathSet::parse(wanted.path_set))) {
+    text += (text.empty() ? "" : "; ") + line;
+  }
+  throw_error(ErrorClass::usage,
+              "{} shows other light paths than the technique computes ({}); leave out --reference to have the right "
+              "one rendered",
+              file.string(), text);
+}
+
+}  // namespace
+
+void ComparisonRunner::get_references(size_t scene) {
+  SceneResult& entry = result_.scenes[scene];
+  for (size_t index = 0; index < entry.references.size(); ++index) {
+    ReferenceResult& reference = entry.references[index];
+    reference.image = fmt::format("references/scene{}-set{}.exr", scene + 1, index + 1);
+    try {
+      if (spec_.reference.file) {
+        write_exr(options_.folder / reference.image, read_reference_file(scene, reference));
+        reference.source = spec_.reference.file->filename().string();
+      } else if (!render_reference(scene, index)) {
+        return;
+      }
+      measure_reference(reference);
+    } catch (const Error& error) {
+      if (spec_.scenes.size() == 1 && entry.references.size() == 1) throw;
+      reference.failure = error.what();
+      say(fmt::format("{}: no reference: {}", entry.name, reference.failure));
+    }
+  }
+}
+
+void ComparisonRunner::check_reference_file() const {
+  if (!spec_.reference.file) return;
+  for (const SceneResult& scene : result_.scenes) {
+    if (scene.references.size() <= 1) continue;
+    throw_error(
+        ErrorClass::usage,
+        "the techniques compute {} different sets of light paths, for which one --reference file cannot be true",
+        scene.references.size());
+  }
+  // Of several scenes the others go on without it.
+  if (result_.scenes.size() == 1 && !result_.scenes[0].references.empty())
+    read_reference_file(0, result_.scenes[0].references[0]);
+}
+
+Film ComparisonRunner::read_reference_file(size_t scene, const ReferenceResult& reference) const {
+  const fs::path& file = *spec_.reference.file;
+  Film film = read_image(file);
+  if (film.width() != spec_.width || film.height() != spec_.height) {
+    throw_error(ErrorClass::input, "{} is {}×{}, the comparison {}×{}; give --size {}x{}", file.string(), film.width(),
+                film.height(), spec_.width, spec_.height, film.width(), film.height());
+  }
+  check_reference(film, file, reference, result_.scenes[scene]);
+  return film;
+}
+
+void ComparisonRunner::measure_reference(ReferenceResult& reference) {
+  ReferenceError own;
+  reference.error_known = estimate_reference_error(read_image(options_.folder / reference.image), own);
+  reference.mse = own.mse;
+  reference.relmse = own.relmse;
+  const std::string how = spec_.reference.file ? reference.source
+                          : reference.from_cache
+                              ? fmt::format("from the cache, {} samples per pixel", reference.samples)
+                              : fmt::format("{} samples per pixel, {:.1f} s", reference.samples, reference.seconds);
+  say(fmt::format("  reference: {}{}", how,
+                  reference.error_known ? fmt::format(", its own relMSE {:.2g}", own.relmse) : ""));
+}
+
+/// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
+ChildResult ComparisonRunner::run_reference(size_t scene, size_t index, const fs::path& cached) {
+  std::vector<std::string> command =
+      scene_command(spec_, plans_[scene], spec_.scenes[scene].source, options_.program, "reference", reference_seed);
+  command.insert(command.end(), {"--path-set", result_.scenes[scene].references[index].path_set, "--extend", "--spp",
+                                 std::to_string(spec_.reference.samples), "--output", cached.string()});
+  if (spec_.reference.relmse > 0) command.insert(command.end(), {"--error", fmt::format("{}", spec_.reference.relmse)});
+  return run_child(command, [&](std::string_view line) {
+    if (!interrupt_requested()) say("  " + std::string(line));  // its advice how to go on is not that of a comparison
+  });
+}
+
+/// Whether the result folder holds the reference from an earlier start of this comparison. It stays, even when the
+/// cache has grown a better one since: the finished pieces were measured against it.
+bool ComparisonRunner::keep_reference(size_t scene, size_t index) {
+  ReferenceResult& reference = result_.scenes[scene].references[index];
+  const fs::path file = options_.folder / reference.image;
+  if (!options_.resume || !fs::exists(file)) return false;
+  try {
+    const Film film = read_image(file);
+    if (film.metadata.at("identity") + ".exr" != plans_[scene].reference_files[index]) return false;
+    reference.samples = std::stoull(film.metadata.at("samples"));
+    reference.seconds = std::stod(film.metadata.at("seconds"));
+    result_.device = film.metadata.at("device");
+    result_.driver = film.metadata.at("driver");
+  } catch (const std::exception&) {
+    return false;  // damaged, or no reference: rendered again
+  }
+  reference.source = "path_tracing";
+  reference.from_cache = true;
+  return true;
+}
+
+/// Returns false when interrupted.
+bool ComparisonRunner::render_reference(size_t scene, size_t index) {
+  if (keep_reference(scene, index)) return true;
+  ReferenceResult& reference = result_.scenes[scene].references[index];
+  const fs::path cached = options_.cache_dir / "references" / plans_[scene].reference_files[index];
+  std::error_code ignored;
+  fs::create_directories(cached.parent_path(), ignored);
+  say(fmt::format("{}: reference {} of {}", result_.scenes[scene].name, index + 1,
+                  result_.scenes[scene].references.size()));
+  const FileLock lock(cached.string() + ".lock", [&] { say("  waiting for another run that renders the same"); });
+  const bool was_cached = fs::exists(cached);
+  ChildResult child = run_reference(scene, index, cached);
+  if (was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
+    say("  what is in the cache is not usable, rendering it again");
+    fs::remove(cached, ignored);
+    child = run_reference(scene, index, cached);
+  }
+  if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) {
+    set_interrupt_requested(true);
+    return false;
+  }
+  if (child.exit_code != 0) {
+    throw_error(ErrorClass::technique, "rendering it ended with {}: {}", describe_end(child),
+                child.last_words.empty() ? "no message" : child.last_words.back());
+  }
+  const json summary = json::parse(child.out);
+  result_.device = summary.at("device");
+  result_.driver = summary.at("driver");
+  reference.source = "path_tracing";
+  reference.samples = summary.at("samples");
+  reference.seconds = summary.at("seconds");
+  reference.from_cache = summary.at("rounds_rendered") == 0;
+  write_file_atomically(options_.folder / reference.image, [&](const fs::path& part) { fs::copy_file(cached, part); });
+  return true;
+}
+
+}  // namespace lucarium

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "lucarium/base/child_process.h"
+#include "lucarium/compare/comparison.h"
+#include "lucarium/compare/plan/comparison_plan.h"
+
+namespace lucarium {
+
+/// State of one comparison in progress: run_comparison() drives it.
+class ComparisonRunner {
+ public:
+  ComparisonRunner(const ComparisonSpec& spec, const TechniqueRegistry& registry, const ComparisonOptions& options);
+  ComparisonResult run();
+
+ private:
+  // The result folder.
+  void check_folder() const;
+  void prepare_folder();
+  void save();
+  void write_page();
+  bool page_is_due() const;
+
+  // References.
+  void get_references(size_t scene);
+  bool keep_reference(size_t scene, size_t index);
+  bool render_reference(size_t scene, size_t index);
+  ChildResult run_reference(size_t scene, size_t index, const std::filesystem::path& cached);
+  void check_reference_file() const;
+  Film read_reference_file(size_t scene, const ReferenceResult& reference) const;
+  void measure_reference(ReferenceResult& reference);
+
+  // Pieces.
+  void load_finished_pieces();
+  bool load_finished_piece(PieceResult& piece);
+  bool run_missing_pieces();
+  PieceResult run_piece(size_t scene, size_t variant, size_t budget, uint32_t seed);
+  void add_piece(PieceResult piece);
+  bool is_wanted(size_t scene, size_t variant) const;
+  bool is_finished(const SummaryKey& key, uint32_t seed) const;
+  const ReferenceResult& reference_of(size_t scene, size_t variant) const;
+  void tell(const PieceResult& piece, size_t number, size_t total) const;
+
+  void update_conclusions();
+  void say(const std::string& line) const;
+
+  ComparisonSpec spec_;
+  const TechniqueRegistry& registry_;
+  ComparisonOptions options_;
+  ComparisonResult result_;
+  std::vector<ScenePlan> plans_;
+  std::vector<SummaryKey> changed_;  ///< summaries that miss the newest pieces
+  std::chrono::steady_clock::time_point page_written_{};
+  double page_seconds_ = 0;  ///< what the last page took
+};
+
+}  // namespace lucarium

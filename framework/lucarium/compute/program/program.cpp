@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/compute/program/program.h"
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <optional>
+#include <set>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/hash.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/nearest_name.h"
+#include "lucarium/compute/device/cl_handle.h"
+#include "lucarium/compute/device/pocl_folder.h"
+#include "lucarium/compute/program/kernel_reflection.h"
+#include "lucarium/compute/program/pocl_files.h"
+#include "lucarium/compute/program/program_cache.h"
+
+namespace lucarium {
+namespace {
+
+/// Defines stand in the source and not on the driver's command line, so that any value is passed on untouched.
+std::string preamble(const ProgramSpec& spec) {
+  std::string text = fmt::format("#line 1 \"<defines of {}>\"\n", spec.name);
+  // OpenCL C contracts a*b+c by default; the options offer no way to forbid it.
+  if (!spec.mad_enable) text += "#pragma OPENCL FP_CONTRACT OFF\n";
+  for (const auto& [name, value] : spec.defines) {
+    if (value.find('\n') != std::string::npos) {
+      throw_error(ErrorClass::internal, "program {}: the value of define {} has a line break", spec.name, name);
+    }
+    text += fmt::format("#define {} {}\n", name, value.empty() ? "1" : value);
+  }
+  return text;
+}
+
+std::string build_options(const ProgramSpec& spec) {
+  return std::string("-cl-std=CL1.2 -cl-kernel-arg-info") + (spec.mad_enable ? " -cl-mad-enable" : "");
+}
+
+std::string build_log(cl_program program, const Device& device) {
+  size_t bytes = 0;
+  if (clGetProgramBuildInfo(program, device.id(), CL_PROGRAM_BUILD_LOG, 0, nullptr, &bytes) != CL_SUCCESS) return "";
+  std::string log(bytes, '\0');
+  clGetProgramBuildInfo(program, device.id(), CL_PROGRAM_BUILD_LOG, bytes, log.data(), nullptr);
+  log.resize(std::min(log.find('\0'), log.size()));
+  return log;
+}
+
+/// The compiler's first error with file and line, or the first line that says anything.
+std::string first_error(const std::string& log) {
+  std::string fallback;
+  for (std::string_view rest = log; !rest.empty();) {
+    const size_t end = std::min(rest.find('\n'), rest.size());
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    const bool is_error = line.find("error:") != std::string_view::npos;
+    if (constexpr std::string_view prefix = "error: "; line.starts_with(prefix)) line.remove_prefix(prefix.size());
+    if (is_error) return std::string(line);
+    if (fallback.empty() && line.find_first_not_of(" \t\r") != std::string_view::npos) fallback = line;
+  }
+  return fallback.empty() ? "the driver gives no reason" : fallback;
+}
+
+void build(cl_program program, const Device& device, const ProgramSpec& spec) {
+  const cl_device_id id = device.id();
+  const cl_int code = clBuildProgram(program, 1, &id, build_options(spec).c_str(), nullptr, nullptr);
+  if (code == CL_BUILD_PROGRAM_FAILURE) {
+    const std::string log = build_log(program, device);
+    throw Error(ErrorClass::device, fmt::format("program {} does not compile: {}", spec.name, first_error(log)))
+        .with_details(fmt::format("build log of {} on {}:\n{}", spec.name, device.info().name, log));
+  }
+  check_opencl(code, "clBuildProgram", "program " + spec.name, device);
+  const std::string log = build_log(program, device);
+  if (log.find("warning:") != std::string::npos) log_debug("program {}: {}", spec.name, log);
+}
+
+ClProgram create_from_source(const Device& device, const ProgramSpec& spec, const std::string& source) {
+  const char* text = source.c_str();
+  const size_t length = source.size();
+  cl_int code = CL_SUCCESS;
+  ClProgram program(clCreateProgramWithSource(device.context(), 1, &text, &length, &code));
+  check_opencl(code, "clCreateProgramWithSource", "program " + spec.name, device);
+  return program;
+}
+
+ClProgram create_from_binary(const Device& device, const ProgramSpec& spec, const std::string& binary) {
+  const cl_device_id id = device.id();
+  const size_t length = binary.size();
+  const auto* bytes = reinterpret_cast<const unsigned char*>(binary.data());
+  cl_int status = CL_SUCCESS, code = CL_SUCCESS;
+  ClProgram program(clCreateProgramWithBinary(device.context(), 1, &id, &length, &bytes, &status, &code));
+  check_opencl(code, "clCreateProgramWithBinary", "program " + spec.name, device);
+  check_opencl(status, "clCreateProgramWithBinary", "program " + spec.name, device);
+  return program;
+}
+
+/// The driver's binary of a built program, or empty when it gives none.
+std::string binary_of(cl_program program) {
+  size_t length = 0;
+  if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof length, &length, nullptr) != CL_SUCCESS) return "";
+  std::string binary(length, '\0');
+  auto* bytes = reinterpret_cast<unsigned char*>(binary.data());
+  if (length == 0 || clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof bytes, &bytes, nullptr) != CL_SUCCESS)
+    return "";
+  return binary;
+}
+
+}  // namespace
+
+struct Program::State {
+  std::shared_ptr<Device> device;
+  std::string name;
+  ClProgram program;
+  std::map<std::string, KernelSignature, std::less<>> signatures;
+  bool from_cache = false;
+  double build_seconds = 0;
+
+  Hash128 key;
+  std::string driver_program;        // see driver_files.h; empty where there is none to keep
+  std::set<std::string> kept_files;  // of the driver, in the cache entry
+
+  /// The programs that are ready.
+  struct Registry {
+    std::mutex mutex;
+    std::set<State*> states;
+  };
+  /// Never destroyed: programs that are static objects themselves may outlive whatever was made after them.
+  static Registry& registry() {
+    static Registry& instance = *new Registry;
+    return instance;
+  }
+
+  ~State() {
+    {
+      const std::lock_guard lock(registry().mutex);
+      registry().states.erase(this);
+    }
+    keep_launch_code();
+  }
+
+  bool has_driver_files() const { return device->info().is_pocl && driver_folder() != nullptr; }
+
+  /// Whether a whole entry was found and the driver took it.
+  bool load(const ProgramSpec& spec, const std::string& source) {
+    const std::optional<CachedProgram> entry = device->program_cache().load(key);
+    if (!entry) return false;
+    try {
+      if (has_driver_files()) restore_driver_files(key, *entry);
+      program = entry->binary.empty() ? create_from_source(*device, spec, source)
+                                      : create_from_binary(*device, spec, entry->binary);
+      build(program.get(), *device, spec);
+    } catch (const std::exception& error) {
+      log_debug("program cache: {} is rebuilt: {}", spec.name, error.what());
+      program = ClProgram();
+      device->program_cache().discard(key);
+      return false;
+    }
+    set_signatures(entry->signatures);
+    driver_program = entry->driver_program;
+    for (const DriverFile& file : entry->driver_files) kept_files.insert(file.path);
+    return true;
+  }
+
+  void compile(const ProgramSpec& spec, const std::string& source) {
+    program = create_from_source(*device, spec, source);
+    if (has_driver_files()) {
+      driver_program = program_made_by(key, [&] { build(program.get(), *device, spec); });
+    } else {
+      build(program.get(), *device, spec);
+    }
+    CachedProgram entry;
+    entry.signatures = reflect_kernels(*device, program.get(), spec.name);
+    set_signatures(entry.signatures);
+    if (!device->program_cache().enabled()) return;
+    if (has_driver_files()) {
+      if (driver_program.empty()) return;
+      entry.driver_program = driver_program;
+      kept_files = list_driver_files(driver_program);
+      entry.driver_files = read_driver_files(kept_files);
+    } else {
+      entry.binary = binary_of(program.get());
+      if (entry.binary.empty()) return;
+    }
+    device->program_cache().store(key, entry);
+  }
+
+  void keep_launch_code() noexcept {
+    if (driver_program.empty()) return;
+    try {
+      const ProgramCache& cache = device->program_cache();
+      if (!cache.enabled() || !has_driver_files()) return;
+      const std::set<std::string> present = list_driver_files(driver_program);
+      if (std::includes(kept_files.begin(), kept_files.end(), present.begin(), present.end())) return;
+      std::optional<CachedProgram> entry = cache.load(key);
+      if (!entry) return;
+      std::set<std::string> missing = present;  // another process may have added some
+      for (const DriverFile& file : entry->driver_files) missing.erase(file.path);
+      for (DriverFile& file : read_driver_files(missing)) entry->driver_files.push_back(std::move(file));
+      if (entry->binary.empty()) {
+        without_generic_variants(driver_program, names(), [&] { entry->binary = binary_of(program.get()); });
+      }
+      cache.store(key, *entry);
+      kept_files = present;
+    } catch (const std::exception& error) {
+      log_debug("program cache: launch code of {} is not kept: {}", name, error.what());
+    }
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> list;
+    for (const auto& [kernel, signature] : signatures) list.push_back(kernel);
+    return list;
+  }
+
+ private:
+  void set_signatures(const std::vector<KernelSignature>& list) {
+    for (const KernelSignature& signature : list) signatures.emplace(signature.name, signature);
+  }
+};
+
+Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec)
+    : state_(std::make_shared<State>()) {
+  const auto start = std::chrono::steady_clock::now();
+  state_->device = device.shared_from_this();
+  state_->name = spec.name;
+  const std::string source = preamble(spec) + library.preprocess(spec.files);
+  state_->key = device.program_cache().key(source, build_options(spec));
+  state_->from_cache = state_->load(spec, source);
+  if (!state_->from_cache) state_->compile(spec, source);
+  {
+    const std::lock_guard lock(State::registry().mutex);
+    State::registry().states.insert(state_.get());
+  }
+  state_->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  device.add_program_seconds(state_->build_seconds);
+}
+
+void keep_launch_code(const Device& device) noexcept {
+  Program::State::Registry& registry = Program::State::registry();
+  const std::lock_guard lock(registry.mutex);
+  for (Program::State* state : registry.states) {
+    if (state->device.get() == &device) state->keep_launch_code();
+  }
+}
+const std::string& Program::name() const { return state_->name; }
+Device& Program::device() const { return *state_->device; }
+cl_program Program::handle() const { return state_->program.get(); }
+bool Program::from_cache() const { return state_->from_cache; }
+double Program::build_seconds() const { return state_->build_seconds; }
+
+const KernelSignature& Program::signature(std::string_view kernel) const {
+  const auto found = state_->signatures.find(kernel);
+  if (found != state_->signatures.end()) return found->second;
+  throw_error(ErrorClass::device, "program {} has no kernel '{}'{}", name(), kernel,
+              suggest_name(kernel, kernel_names()));
+}
+
+std::vector<std::string> Program::kernel_names() const { return state_->names(); }
+
+}  // namespace lucarium

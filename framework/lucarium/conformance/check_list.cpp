@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// The list of checks, in the order of the table, and the loop over them.
+#include <algorithm>
+#include <chrono>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/conformance/checks.h"
+#include "lucarium/scene/load/load_scene.h"
+
+namespace lucarium {
+namespace {
+
+using namespace check;
+
+struct Check {
+  std::string name, required;
+  std::function<Outcome(CheckContext&)> run;
+};
+
+void add_radiometric_checks(std::vector<Check>& list, const CheckContext& context) {
+  const std::string bias =
+      context.can().bias > 0 ? fmt::format(" or the admitted {:.3g} %", 100 * context.can().bias) : "";
+  const std::string exact = fmt::format("within t({}) standard errors{}", level, bias);
+  const std::string agrees = context.can().bias > 0
+                                 ? fmt::format("difference of at most {:.3g} % beyond noise", 100 * context.can().bias)
+                                 : fmt::format("no block and not the whole different at the level {}", level);
+  list.push_back({"furnace", exact, check_furnace});
+  list.push_back({"shining_box", exact, check_shining_box});
+  const std::vector<std::string> lights = {"point", "spot", "directional", "emissive", "environment"};
+  for (const std::string& light : lights) {
+    list.push_back({"light/" + light, exact, [light](CheckContext& c) { return check_light(c, light); }});
+  }
+  for (const std::string& light : lights) {
+    list.push_back({"reference/light/" + light, agrees,
+                    [light](CheckContext& c) { return check_reference(c, "diffuse", light); }});
+  }
+  for (const char* material :
+       {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"}) {
+    const std::string light = context.any_light();
+    list.push_back({fmt::format("reference/material/{}", material), agrees,
+                    [material, light](CheckContext& c) { return check_reference(c, material, light); }});
+  }
+}
+
+std::vector<Check> make_list(const CheckContext& context) {
+  std::vector<Check> list = {
+      {"declaration", "known words, nothing left out", check_declaration},
+      {"parameters", "documented, values read back, others refused", check_parameters},
+      {"layers", "those declared and of the path set", check_layers},
+      {"finite", "no NaN, infinite or negative value", check_finite},
+      {"repeat/seed", "same bits", check_seed},
+      {"repeat/reset", "same bits", check_reset},
+      {"repeat/observing", "same bits", check_observing},
+      {"repeat/threads", "same bits", check_threads},
+      {"camera_move", "no program, no hierarchy, at most 100 ms", check_camera_cost},
+  };
+  for (const char* kind : {"camera", "transforms", "deformation", "materials", "lights", "topology"}) {
+    list.push_back({fmt::format("change/{}", kind), "the image of a fresh start",
+                    [kind](CheckContext& c) { return check_change(c, kind); }});
+  }
+  list.push_back({"change/alpha", "the image of a fresh start", check_alpha_change});
+  list.push_back({"memory/returned", "as before", check_memory});
+  list.push_back({"memory/stated", "at most 1.1 times what is stated", check_estimate});
+  list.push_back({"budget/iterations", "exactly as asked, and samples are counted", check_iterations});
+  list.push_back({"budget/seconds", "at most 1 s more than asked", check_seconds});
+  list.push_back({"cancellation", "within 1 s, without trace", check_cancellation});
+  add_radiometric_checks(list, context);
+  list.push_back({"oclgrind", "no error", check_oclgrind});
+  return list;
+}
+
+bool is_chosen(const std::string& name, const std::vector<std::string>& only) {
+  return only.empty() ||
+         std::any_of(only.begin(), only.end(), [&](const std::string& part) { return name.starts_with(part); });
+}
+
+CheckResult run_check(const Check& check, CheckContext& context) {
+  const auto start = std::chrono::steady_clock::now();
+  Outcome outcome;
+  try {
+    outcome = check.run(context);
+  } catch (const Error& error) {
+    outcome = verdict_of(false, error.what());
+  } catch (const std::exception& error) {
+    outcome = verdict_of(false, error.what());
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return {check.name, outcome.verdict, outcome.measured, check.required, seconds};
+}
+
+}  // namespace
+
+const char* verdict_name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::passed: return "passed";
+    case Verdict::failed: return "failed";
+    case Verdict::skipped: return "skipped";
+    case Verdict::not_claimed: return "not claimed";
+  }
+  return "?";
+}
+
+std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const TechniqueRegistry& registry,
+                                         const TechniqueType& type, const ConformanceOptions& options) {
+  CheckContext context{std::move(device), registry, type, options, {}};
+  const Scene furnace = load_scene("builtin:furnace");
+  const std::unique_ptr<Technique> technique = type.create();
+  technique->parameters().set_all(options.parameters);
+  context.path_set = technique->path_set(furnace, context.settings(furnace));
+
+  std::vector<CheckResult> results;
+  const auto keep = [&](CheckResult result) {
+    if (options.on_result) options.on_result(result);
+    results.push_back(std::move(result));
+  };
+  for (const Check& check : make_list(context)) {
+    if (interrupt_requested()) return results;
+    if (is_chosen(check.name, options.only)) keep(run_check(check, context));
+  }
+  if (results.empty()) throw_error(ErrorClass::usage, "no check has a name that begins with {}", options.only.front());
+  return results;
+}
+
+}  // namespace lucarium

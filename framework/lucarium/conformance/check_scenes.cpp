@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/conformance/check_scenes.h"
+
+#include <cmath>
+
+#include "lucarium/base/error.h"
+#include "lucarium/scene/builtin/builder.h"
+
+namespace lucarium::check {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+void add_floor(Scene& scene, float half, int material) {
+  add_instance(
+      scene,
+      add_mesh(
+          scene,
+          MeshBuilder("floor").quad({-half, 0, half}, {half, 0, half}, {half, 0, -half}, {-half, 0, -half}).take()),
+      material);
+}
+
+SceneLight& add_light(Scene& scene, LightType type, const glm::vec3& position, const glm::vec3& direction,
+                      float intensity) {
+  SceneLight light;
+  light.name = "lamp";
+  light.type = type;
+  light.intensity = glm::vec3(intensity);
+  light.world_from_light = frame_along(position, direction);
+  scene.lights.push_back(light);
+  return scene.lights.back();
+}
+
+void add_white_sky(Scene& scene, float radiance) {
+  scene.environment = Environment{};
+  scene.environment->name = "white";
+  scene.environment->factor = glm::vec3(radiance);
+}
+
+/// A square lamp at height y that shines down.
+void add_lamp(Scene& scene, float y, float half, float radiance) {
+  add_instance(
+      scene,
+      add_mesh(scene,
+               MeshBuilder("lamp").quad({-half, y, -half}, {half, y, -half}, {half, y, half}, {-half, y, half}).take()),
+      add_emitter(scene, "lamp", glm::vec3(radiance)));
+}
+
+/// Form factor of a square of half side `half` from a small patch at the distance `height` below its middle, both
+/// horizontal: four corner rectangles (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, B-3).
+double form_factor(double half, double height) {
+  const double a = half / height, root = std::sqrt(1 + a * a);
+  return 4 / (2 * pi) * 2 * (a / root) * std::atan(a / root);
+}
+
+/// A lamp of the named kind for pictures of about unit radiance.
+void add_picture_light(Scene& scene, const std::string& kind) {
+  if (kind == "point") {
+    add_light(scene, LightType::point, {-1.2f, 2.5f, 1.5f}, {0, -1, 0}, 20);
+  } else if (kind == "spot") {
+    SceneLight& light = add_light(scene, LightType::spot, {-1.2f, 2.5f, 1.5f}, {1.2f, -2.5f, -1.5f}, 40);
+    light.inner_angle = 0.2f;
+    light.outer_angle = 0.5f;
+  } else if (kind == "directional") {
+    add_light(scene, LightType::directional, {0, 3, 0}, {0.5f, -1, -0.4f}, 4);
+  } else if (kind == "environment") {
+    add_white_sky(scene, 1);
+  } else if (kind == "emissive") {
+    add_lamp(scene, 2.5f, 0.6f, 12);
+  } else {
+    throw_error(ErrorClass::internal, "no check scene has a light of kind {}", kind);
+  }
+}
+
+/// An upright square about the z axis with texture coordinates and tangents; facing +z.
+Mesh make_screen() {
+  Mesh mesh = MeshBuilder("screen")
+                  .quad({-0.7f, 0.1f, 0.3f}, {0.7f, 0.1f, 0.3f}, {0.7f, 1.5f, 0.3f}, {-0.7f, 1.5f, 0.3f})
+                  .take();
+  mesh.uv[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+  mesh.tangents.assign(4, {1, 0, 0, 1});
+  return mesh;
+}
+
+/// 4×4 texels: alternately `a` and `b`, nearest texel.
+int add_checker(Scene& scene, const std::array<uint8_t, 4>& a, const std::array<uint8_t, 4>& b) {
+  Image image;
+  image.name = "checker";
+  image.width = image.height = 4;
+  for (int i = 0; i < 16; ++i) {
+    const std::array<uint8_t, 4>& texel = (i + i / 4) % 2 ? a : b;
+    image.rgba.insert(image.rgba.end(), texel.begin(), texel.end());
+  }
+  scene.images.push_back(std::move(image));
+  SceneTexture texture;
+  texture.image = static_cast<int>(scene.images.size()) - 1;
+  texture.nearest = true;
+  scene.textures.push_back(texture);
+  return static_cast<int>(scene.textures.size()) - 1;
+}
+
+/// The object in the middle of a picture: a box, or a screen where the material needs texture coordinates or is thin.
+void add_object(Scene& scene, const std::string& kind) {
+  const Mesh box = MeshBuilder("box").box({-0.5f, 0.05f, -0.5f}, {0.5f, 1.05f, 0.5f}).take();
+  if (kind == "diffuse") {
+    add_instance(scene, add_mesh(scene, box), add_lambert(scene, kind, {0.7f, 0.4f, 0.2f}));
+  } else if (kind == "glossy") {
+    add_instance(scene, add_mesh(scene, box), add_metal(scene, kind, {0.9f, 0.7f, 0.5f}, 0.4f));
+  } else if (kind == "mirror") {
+    add_instance(scene, add_mesh(scene, box), add_metal(scene, kind, {0.9f, 0.9f, 0.9f}, 0));
+  } else if (kind == "refraction" || kind == "transmission") {
+    const int material = add_dielectric(scene, kind, glm::vec3(0.9f), kind == "refraction" ? 0.f : 0.3f);
+    scene.materials[material].transmission = 1;
+    if (kind == "refraction") scene.materials[material].thickness = 1;
+    add_instance(scene, add_mesh(scene, kind == "refraction" ? box : make_screen()), material);
+  } else if (kind == "mask" || kind == "blend" || kind == "normal_map") {
+    const int index = add_lambert(scene, kind, {0.3f, 0.5f, 0.7f});
+    SceneMaterial& material = scene.materials[index];
+    material.double_sided = true;
+    if (kind == "mask") {
+      material.alpha_mode = AlphaMode::mask;
+      material.base_color_texture.texture = add_checker(scene, {255, 255, 255, 255}, {255, 255, 255, 0});
+    } else if (kind == "blend") {
+      material.alpha_mode = AlphaMode::blend;
+      material.base_color.a = 0.5f;
+    } else {
+      material.normal_texture.texture = add_checker(scene, {168, 128, 246, 255}, {88, 128, 246, 255});
+    }
+    add_instance(scene, add_mesh(scene, make_screen()), index);
+  } else {
+    throw_error(ErrorClass::internal, "no check scene has a material of kind {}", kind);
+  }
+}
+
+void look_at_middle(Scene& scene) {
+  scene.cameras.push_back(look_at_camera("front", {0.9f, 1.6f, 3.4f}, {0, 0.5f, 0}, 38.f));
+}
+
+}  // namespace
+
+LitFloor make_lit_floor(const std::string& light) {
+  LitFloor floor;
+  Scene& scene = floor.scene;
+  scene.source = "check:floor-" + light;
+  add_floor(scene, 10, add_lambert(scene, "floor", glm::vec3(albedo)));
+  if (light == "point") {  // E = I cos θ / d²
+    add_light(scene, LightType::point, {1, 2, 0}, {0, -1, 0}, 10);
+    floor.irradiance = 10 * (2 / std::sqrt(5.0)) / 5;
+  } else if (light == "spot") {  // the same inside the inner cone
+    SceneLight& lamp = add_light(scene, LightType::spot, {1, 2, 0}, {-1, -2, 0}, 10);
+    lamp.inner_angle = 0.3f;
+    lamp.outer_angle = 0.6f;
+    floor.irradiance = 10 * (2 / std::sqrt(5.0)) / 5;
+  } else if (light == "directional") {  // E = E⊥ cos θ
+    add_light(scene, LightType::directional, {0, 3, 0}, {0.6f, -0.8f, 0}, 3);
+    floor.irradiance = 3 * 0.8;
+  } else if (light == "emissive") {  // E = π L F
+    add_lamp(scene, 2, 0.5f, 5);
+    floor.irradiance = pi * 5 * form_factor(0.5, 2);
+  } else if (light == "environment") {  // E = π L
+    add_white_sky(scene, 1);
+    floor.irradiance = pi;
+  } else {
+    throw_error(ErrorClass::internal, "no closed form for a light of kind {}", light);
+  }
+  SceneCamera camera;
+  camera.name = "point";
+  camera.perspective = false;
+  camera.xmag = camera.ymag = 5e-4f;
+  camera.world_from_camera = frame_along({0, 1, 1}, {0, -1, -1});
+  scene.cameras.push_back(camera);
+  return floor;
+}
+
+Scene make_shining_box() {
+  Scene scene;
+  scene.source = "check:shining-box";
+  SceneMaterial wall;
+  wall.name = "wall";
+  wall.base_color = glm::vec4(glm::vec3(albedo), 1);
+  wall.metallic = 0;
+  wall.roughness = 1;
+  wall.ior = 1;
+  wall.emissive_factor = glm::vec3(1);
+  scene.materials.push_back(wall);
+  MeshBuilder walls("walls");
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int side = 0; side < 2; ++side) walls.box_face({-1, -1, -1}, {1, 1, 1}, axis, side, true);
+  }
+  add_instance(scene, add_mesh(scene, walls.take()), 0);
+  scene.cameras.push_back(look_at_camera("inside", {0.3f, 0.2f, 0.5f}, {-1, -0.4f, -1}, 60.f));
+  return scene;
+}
+
+Scene make_material_scene(const std::string& material, const std::string& light) {
+  Scene scene;
+  scene.source = "check:" + material + "-" + light;
+  add_floor(scene, 3, add_lambert(scene, "floor", glm::vec3(0.6f)));
+  add_object(scene, material);
+  const Mesh low = MeshBuilder("low box").box({-1.3f, 0, -0.6f}, {-0.8f, 0.4f, 0.2f}).take();
+  add_instance(scene, add_mesh(scene, low), add_lambert(scene, "low box", {0.2f, 0.6f, 0.3f}));
+  add_picture_light(scene, light);
+  look_at_middle(scene);
+  return scene;
+}
+
+Scene make_changing_scene(const std::string& light) {
+  Scene scene;
+  scene.source = "check:changing-" + light;
+  add_floor(scene, 3, add_lambert(scene, "floor", glm::vec3(0.6f)));
+  const int moving = add_lambert(scene, "moving", {0.7f, 0.3f, 0.2f}),
+            soft = add_lambert(scene, "soft", {0.2f, 0.4f, 0.7f});
+  add_instance(scene, add_mesh(scene, MeshBuilder("moving").box({-0.9f, 0.05f, -0.4f}, {-0.2f, 0.7f, 0.3f}).take()),
+               moving);
+  add_instance(scene, add_mesh(scene, MeshBuilder("soft").box({0.2f, 0.05f, -0.4f}, {0.9f, 1, 0.3f}).take()), soft);
+  scene.instances.back().pose = std::make_shared<Mesh>(scene.meshes.back());
+  add_picture_light(scene, light);
+  look_at_middle(scene);
+  return scene;
+}
+
+}  // namespace lucarium::check

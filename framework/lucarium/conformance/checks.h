@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// The checks by kind; check_list.cpp names them. Each returns its outcome or throws what the technique threw.
+#pragma once
+#include "lucarium/conformance/check_context.h"
+
+namespace lucarium::check {
+
+// ---- what it declares (declaration_checks.cpp)
+Outcome check_declaration(CheckContext& context);
+Outcome check_parameters(CheckContext& context);
+Outcome check_layers(CheckContext& context);
+Outcome check_finite(CheckContext& context);
+
+// ---- what it repeats (repeat_checks.cpp)
+Outcome check_seed(CheckContext& context);
+Outcome check_reset(CheckContext& context);
+Outcome check_observing(CheckContext& context);
+Outcome check_threads(CheckContext& context);
+Outcome check_oclgrind(CheckContext& context);
+
+// ---- what it follows (change_checks.cpp)
+Outcome check_camera_cost(CheckContext& context);
+Outcome check_change(CheckContext& context, const std::string& kind);
+Outcome check_alpha_change(CheckContext& context);
+
+// ---- what it keeps to (limit_checks.cpp)
+Outcome check_memory(CheckContext& context);
+Outcome check_estimate(CheckContext& context);
+Outcome check_iterations(CheckContext& context);
+Outcome check_seconds(CheckContext& context);
+Outcome check_cancellation(CheckContext& context);
+
+// ---- what it computes (light_checks.cpp, reference_checks.cpp)
+Outcome check_light(CheckContext& context, const std::string& light);
+Outcome check_furnace(CheckContext& context);
+Outcome check_shining_box(CheckContext& context);
+Outcome check_reference(CheckContext& context, const std::string& material, const std::string& light);
+
+}  // namespace lucarium::check

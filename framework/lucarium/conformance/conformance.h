@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lucarium/technique/plugin.h"
+
+namespace lucarium {
+
+enum class Verdict {
+  passed,
+  failed,
+  skipped,      ///< could not be done here; `measured` says why
+  not_claimed,  ///< the technique does not say that it can do this
+};
+
+/// One line of the table.
+struct CheckResult {
+  std::string name;  ///< "light/point", unique
+  Verdict verdict = Verdict::passed;
+  std::string measured;  ///< with numbers
+  std::string required;  ///< what passes
+  double seconds = 0;
+};
+
+struct ConformanceOptions {
+  std::vector<std::pair<std::string, std::string>> parameters;  ///< of the technique, set in every check
+  std::vector<std::string> only;  ///< run the checks whose names begin with one of these; empty: all
+  std::filesystem::path program;  ///< lucarium, for checks that need a process of their own; empty: they are skipped
+  std::vector<std::string> arguments;                      ///< for that program: --technique-path
+  std::vector<std::string> device_arguments;               ///< the same, where the program uses the device under test
+  std::function<void(const CheckResult&)> on_result = {};  ///< as they come
+};
+
+/// Runs the conformance kit (docs/conformance.md) on one technique. What a technique throws fails the check it happened
+/// in and no other. Stops early, with what there is, when an interrupt is requested. Throws Error{usage} for parameters
+/// that the technique refuses, or when `only` matches nothing.
+std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const TechniqueRegistry& registry,
+                                         const TechniqueType& type, const ConformanceOptions& options);
+
+/// "passed", "failed", "skipped", "not claimed".
+const char* verdict_name(Verdict verdict);
+
+}  // namespace lucarium

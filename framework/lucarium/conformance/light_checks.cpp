@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <numeric>
+
+#include "lucarium/conformance/check_scenes.h"
+#include "lucarium/conformance/checks.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/statistics/student_t.h"
+
+namespace lucarium::check {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+/// A standard error above this part of the expected value shows too little to call it passed.
+constexpr double largest_noise = 0.05;
+
+/// Mean over the middle of the image, all channels.
+double middle_mean(const std::vector<float>& image, uint32_t width, uint32_t height) {
+  double sum = 0;
+  size_t count = 0;
+  for (uint32_t y = 3 * height / 8; y < 5 * height / 8; ++y) {
+    for (uint32_t x = 3 * width / 8; x < 5 * width / 8; ++x) {
+      for (uint32_t c = 0; c < 3; ++c, ++count) sum += image[3 * (size_t{y} * width + x) + c];
+    }
+  }
+  return sum / static_cast<double>(count);
+}
+
+/// Radiance in the middle of the image over independent seeds against `expected`: Student's t.
+Outcome compare_middle(CheckContext& context, const Scene& scene, double expected) {
+  RenderSession session = context.session(scene);
+  std::vector<double> values;
+  for (uint64_t seed = 1; seed <= seeds; ++seed) {
+    session.restart(seed);
+    context.run_long(session);
+    const Film film = session.resolve();
+    values.push_back(middle_mean(film.image(), film.width(), film.height()));
+  }
+  const double n = static_cast<double>(values.size());
+  const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+  double squares = 0;
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  const double error = std::sqrt(squares / (n - 1) / n);
+  const double allowed = student_t_quantile(level, n - 1) * error + (rounding + context.can().bias) * expected;
+  const std::string measured = fmt::format("{:.5g} ± {:.2g}, expected {:.5g}", mean, error, expected);
+  if (error > largest_noise * expected) return {Verdict::skipped, "too noisy to tell: " + measured};
+  return verdict_of(std::abs(mean - expected) <= allowed, measured);
+}
+
+}  // namespace
+
+Outcome check_light(CheckContext& context, const std::string& light) {
+  if (!context.path_set.direct) return {Verdict::not_claimed, "computes no direct light"};
+  if (!context.claims_light(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
+  const LitFloor floor = make_lit_floor(light);
+  return compare_middle(context, floor.scene, albedo * floor.irradiance / pi);
+}
+
+Outcome check_furnace(CheckContext& context) {
+  if (!context.path_set.direct || !context.claims_light("environment")) {
+    return {Verdict::not_claimed, "does not claim direct light of the environment"};
+  }
+  return compare_middle(context, load_scene("builtin:furnace"), 0.8);
+}
+
+Outcome check_shining_box(CheckContext& context) {
+  if (!context.path_set.light_transport() || !context.claims_light("emissive")) {
+    return {Verdict::not_claimed, "does not claim emissive surfaces"};
+  }
+  const Scene scene = make_shining_box();
+  const RenderSettings settings = context.settings(scene);
+  const std::unique_ptr<Technique> technique = context.type.create();
+  technique->parameters().set_all(context.options.parameters);
+  const PathSet set = technique->path_set(scene, settings);
+  // The sum of albedo^n over the scatterings n that the layers of the path set hold.
+  const int most = set.max_bounces < 0 ? -1 : set.max_bounces + 1;
+  const double all = 1 / (1 - static_cast<double>(albedo));
+  const double later = all - 1 - albedo - (most < 0 ? 0 : std::pow(albedo, most + 1) * all);
+  const double expected = (set.emission ? 1 : 0) + (set.direct ? albedo : 0) + (set.indirect && most != 1 ? later : 0);
+  return compare_middle(context, scene, expected);
+}
+
+}  // namespace lucarium::check

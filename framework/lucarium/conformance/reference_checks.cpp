@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "lucarium/conformance/block_comparison.h"
+#include "lucarium/conformance/check_scenes.h"
+#include "lucarium/conformance/checks.h"
+
+namespace lucarium::check {
+namespace {
+
+const char* const reference_name = "path_tracing";
+constexpr uint64_t reference_samples = 64;
+constexpr uint64_t reference_seed = 1000;  // apart from those of the technique
+constexpr double largest_noise = 0.05;     // of the blocks, relative; more shows too little to call it passed
+
+std::vector<std::vector<float>> technique_images(CheckContext& context, const Scene& scene) {
+  std::vector<std::vector<float>> images;
+  RenderSession session = context.session(scene);
+  for (uint64_t seed = 1; seed <= seeds; ++seed) {
+    session.restart(seed);
+    context.run_long(session);
+    images.push_back(session.resolve().image());
+  }
+  return images;
+}
+
+std::vector<std::vector<float>> reference_images(CheckContext& context, const Scene& scene, const PathSet& set,
+                                                 const TechniqueType& type) {
+  RenderSettings settings = context.settings(scene);
+  settings.max_bounces = set.max_bounces;
+  auto parameters = set.technique_parameters();
+  parameters.emplace_back("samples_per_iteration", "16");
+  RenderSession session(context.device, scene, type, settings, parameters);
+  std::vector<std::vector<float>> images;
+  for (uint64_t seed = 0; seed < seeds; ++seed) {
+    session.restart(reference_seed + seed);
+    session.run({.samples = reference_samples});
+    images.push_back(session.resolve().image());
+  }
+  return images;
+}
+
+}  // namespace
+
+Outcome check_reference(CheckContext& context, const std::string& material, const std::string& light) {
+  if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
+  if (!context.claims_light(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
+  if (!context.claims_material(material)) return {Verdict::not_claimed, "does not claim this kind of material"};
+  const auto& types = context.registry.types();
+  const auto reference =
+      std::find_if(types.begin(), types.end(), [](const TechniqueType& t) { return t.info().name == reference_name; });
+  if (reference == types.end()) return {Verdict::skipped, "the technique path_tracing is not there"};
+
+  const Scene scene = make_material_scene(material, light);
+  const std::unique_ptr<Technique> technique = context.type.create();
+  technique->parameters().set_all(context.options.parameters);
+  const PathSet set = technique->path_set(scene, context.settings(scene));
+  const BlockTest test =
+      compare_blocks(technique_images(context, scene), reference_images(context, scene, set, *reference), 32, 32);
+  if (test.noise > largest_noise) return {Verdict::skipped, "too noisy to tell: " + test.describe(context.can().bias)};
+  return verdict_of(test.passes(context.can().bias), test.describe(context.can().bias));
+}
+
+}  // namespace lucarium::check

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "lucarium/base/child_process.h"
+#include "lucarium/base/error.h"
+#include "lucarium/conformance/checks.h"
+#include "lucarium/film/image_io.h"
+
+namespace lucarium::check {
+namespace fs = std::filesystem;
+namespace {
+
+Outcome same_bits(const std::string& different, const std::string& when_same) {
+  return verdict_of(different.empty(), different.empty() ? when_same : different);
+}
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "lucarium-check-XXXXXX").string();
+    if (!mkdtemp(pattern.data()))
+      throw_error(ErrorClass::input, "cannot create a folder in {}", fs::temp_directory_path().string());
+    path_ = pattern;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Words that render a small picture of builtin:cornell with the technique under test into `output`.
+std::vector<std::string> render_words(const CheckContext& context, const fs::path& output, const char* size,
+                                      uint64_t iterations) {
+  const RenderSettings settings = context.settings(context.plain_scene());
+  std::vector<std::string> words = {context.options.program.string(), "render", "builtin:cornell", "-t",
+                                    context.type.info().name};
+  for (const auto& [name, value] : context.options.parameters) words.insert(words.end(), {"-p", name + "=" + value});
+  words.insert(words.end(), context.options.arguments.begin(), context.options.arguments.end());
+  const std::string sampling = settings.pixel_sampling == 0   ? "jitter"
+                               : settings.pixel_sampling == 1 ? "centre"
+                                                              : std::to_string(settings.pixel_sampling);
+  words.insert(words.end(), {"--size", size, "--iterations", std::to_string(iterations),
+                             fmt::format("--max-bounces={}", settings.max_bounces), "--pixel-sampling", sampling,
+                             "--quiet", "-o", output.string()});
+  return words;
+}
+
+std::string last_word(const ChildResult& result) {
+  return result.last_words.empty() ? describe_end(result) : result.last_words.back();
+}
+
+fs::path find_on_path(const std::string& name) {
+  const char* list = std::getenv("PATH");
+  const std::string text(list ? list : "");
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find(':', begin), text.size());
+    const fs::path file = fs::path(text.substr(begin, end - begin)) / name;
+    if (::access(file.c_str(), X_OK) == 0) return file;
+    begin = end + 1;
+  }
+  return {};
+}
+
+}  // namespace
+
+Outcome check_seed(CheckContext& context) {
+  const Scene scene = context.plain_scene();
+  RenderSession first = context.session(scene), second = context.session(scene);
+  return same_bits(difference(context.run_short(first), context.run_short(second)), "two runs, same bits");
+}
+
+Outcome check_reset(CheckContext& context) {
+  const Scene scene = context.plain_scene();
+  RenderSettings other = context.settings(scene);
+  other.seed = 2;
+  RenderSession fresh = context.session(scene, other), used = context.session(scene);
+  used.run({.iterations = 5});
+  used.restart(2);
+  return same_bits(difference(context.run_short(used), context.run_short(fresh)),
+                   "after 5 iterations and a reset, same bits as a new run");
+}
+
+Outcome check_observing(CheckContext& context) {
+  const Scene scene = context.plain_scene();
+  RenderSession plain = context.session(scene), observed = context.session(scene);
+  const Picture expected = context.run_short(plain);
+  while (observed.iterations() < plain.iterations()) {
+    observed.technique().warm_up();
+    observed.iterate();
+    const std::string twice = difference(context.picture(observed), context.picture(observed));
+    if (!twice.empty()) return verdict_of(false, "a second resolve differs: " + twice);
+  }
+  return same_bits(difference(expected, context.picture(observed)),
+                   "warm_up and resolve between iterations, same bits");
+}
+
+Outcome check_threads(CheckContext& context) {
+  if (context.options.program.empty()) return {Verdict::skipped, "needs the program lucarium"};
+  if (!context.device->info().is_pocl) return {Verdict::skipped, "threads are a setting of PoCL's CPU device"};
+  const TemporaryFolder folder;
+  RenderSession counted = context.session(context.plain_scene());
+  context.run_short(counted);
+  std::vector<Picture> pictures;
+  for (const char* threads : {"1", "2"}) {
+    const fs::path file = folder.path() / fmt::format("{}.exr", threads);
+    std::vector<std::string> words = render_words(context, file, "32x32", counted.iterations());
+    words.insert(words.end(), context.options.device_arguments.begin(), context.options.device_arguments.end());
+    words.insert(words.end(), {"--threads", threads});
+    const ChildResult result = run_child(words);
+    if (result.exit_code != 0) return verdict_of(false, fmt::format("with {} threads: {}", threads, last_word(result)));
+    pictures.push_back(picture_of(read_image(file)));
+  }
+  return same_bits(difference(pictures[0], pictures[1]), "1 and 2 threads, same bits");
+}
+
+Outcome check_oclgrind(CheckContext& context) {
+  const fs::path oclgrind = find_on_path("oclgrind");
+  if (context.options.program.empty()) return {Verdict::skipped, "needs the program lucarium"};
+  if (oclgrind.empty()) return {Verdict::skipped, "oclgrind is not installed"};
+  if (detail::plugin_header().sanitizers[0])
+    return {Verdict::skipped, "not together with the sanitizers of this build"};
+  const TemporaryFolder folder;
+  // Unoptimized, kernels hold no compiler intrinsics that the interpreter does not know; the scalar traversal is short.
+  std::vector<std::string> words = {"/usr/bin/env",    "LUCARIUM_BVH=scalar", oclgrind.string(),
+                                    "--build-options", "-cl-opt-disable",     "--data-races"};
+  const std::vector<std::string> render = render_words(context, folder.path() / "a.exr", "4x4", 2);
+  words.insert(words.end(), render.begin(), render.end());
+  words.emplace_back("--no-cache");
+  size_t errors = 0;
+  std::string first, unknown;
+  const ChildResult result = run_child(words, [&](std::string_view line) {
+    if (line.find("Undefined external function") != std::string_view::npos) unknown = line;
+    for (const char* sign : {"Invalid read", "Invalid write", "data race"}) {
+      if (line.find(sign) == std::string_view::npos) continue;
+      if (errors++ == 0) first = line;
+    }
+  });
+  if (!unknown.empty()) return {Verdict::skipped, "Oclgrind cannot interpret the kernels: " + unknown};
+  if (errors > 0) return verdict_of(false, fmt::format("{} errors, the first: {}", errors, first));
+  if (result.exit_code > 0) return verdict_of(false, last_word(result));
+  return verdict_of(true, "no access outside a buffer, no data race (4×4 pixels)");
+}
+
+}  // namespace lucarium::check

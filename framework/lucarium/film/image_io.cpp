@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/film/image_io.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/srgb.h"
+
+namespace lucarium {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr float largest_half = 65504.f;
+constexpr uint64_t most_values = uint64_t{1} << 31;  // of all channels; larger files are refused before memory is taken
+constexpr std::string_view attribute_prefix = "lucarium:";
+const std::string additive_attribute = "lucarium:additive_layers";
+
+/// Channel name of a layer in an EXR: "direct.R".
+std::string channel_name(const FilmLayer& layer, size_t channel) { return layer.name + "." + layer.channels[channel]; }
+
+OIIO::ImageSpec exr_spec(const Film& film, const ExrOptions& options) {
+  std::vector<std::string> names = {"R", "G", "B"};
+  std::set<std::string>
+      additive;  // sorted, so that a film that was read and extended says the same as one made at once
+  for (const FilmLayer& layer : film.layers()) {
+    for (size_t c = 0; c < layer.channels.size(); ++c) names.push_back(channel_name(layer, c));
+    if (layer.additive) additive.insert(layer.name);
+  }
+  OIIO::ImageSpec spec(static_cast<int>(film.width()), static_cast<int>(film.height()), static_cast<int>(names.size()),
+                       options.half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+  spec.channelnames = names;
+  spec.attribute("compression", "zip");
+  spec.attribute("oiio:ColorSpace", "Linear");
+  spec.attribute(additive_attribute, fmt::format("{}", fmt::join(additive, ",")));
+  for (const auto& [key, value] : film.metadata) spec.attribute(std::string(attribute_prefix) + key, value);
+  return spec;
+}
+
+std::vector<float> interleave(const Film& film, size_t channels) {
+  std::vector<float> pixels(film.pixel_count() * channels);
+  const std::vector<float> image = film.image();
+  for (size_t p = 0; p < film.pixel_count(); ++p) std::copy_n(&image[3 * p], 3, &pixels[channels * p]);
+  size_t first = 3;
+  for (const FilmLayer& layer : film.layers()) {
+    const size_t count = layer.channels.size();
+    for (size_t p = 0; p < film.pixel_count(); ++p)
+      std::copy_n(&layer.pixels[count * p], count, &pixels[channels * p + first]);
+    first += count;
+  }
+  return pixels;
+}
+
+void write_with_oiio(const fs::path& file, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(file.string());
+  if (!out || !out->open(file.string(), spec) || !out->write_image(type, pixels) || !out->close()) {
+    throw_error(ErrorClass::input, "cannot write {}: {}", file.string(), out ? out->geterror() : OIIO::geterror());
+  }
+}
+
+uint8_t srgb_byte(float linear) {
+  return static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(double{linear}, 0.0, 1.0))));
+}
+
+std::vector<uint8_t> tone_map(const std::vector<float>& rgb, float exposure_stops) {
+  const float scale = std::exp2(exposure_stops);
+  std::vector<uint8_t> bytes(rgb.size());
+  std::transform(rgb.begin(), rgb.end(), bytes.begin(),
+                 [scale](float v) { return srgb_byte(std::isnan(v) ? 0.f : v * scale); });
+  return bytes;
+}
+
+OIIO::ImageSpec png_spec(uint32_t width, uint32_t height) {
+  OIIO::ImageSpec spec(static_cast<int>(width), static_cast<int>(height), 3, OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  return spec;
+}
+
+/// Splits "direct.R" into layer and channel; a bare "R" has an empty layer.
+std::pair<std::string, std::string> split_channel(const std::string& name) {
+  const size_t dot = name.rfind('.');
+  if (dot == std::string::npos) return {"", name};
+  return {name.substr(0, dot), name.substr(dot + 1)};
+}
+
+bool is_additive(const std::string& list, const std::string& layer) {
+  return ("," + list + ",").find("," + layer + ",") != std::string::npos;
+}
+
+/// Makes all channels but alpha linear.
+void decode_srgb(const OIIO::ImageSpec& spec, std::vector<float>& pixels) {
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    if (static_cast<int>(i % static_cast<size_t>(spec.nchannels)) == spec.alpha_channel) continue;
+    pixels[i] = static_cast<float>(linear_from_srgb(pixels[i]));
+  }
+}
+
+/// Distributes interleaved channels onto layers. Without named layers the first three channels are the image.
+void fill_layers(Film& film, const OIIO::ImageSpec& spec, const std::vector<float>& pixels) {
+  const size_t channels = static_cast<size_t>(spec.nchannels);
+  const std::string additive = spec.get_string_attribute(additive_attribute);
+  std::map<std::string, std::vector<size_t>> members;
+  std::vector<std::string> order;
+  for (size_t c = 0; c < channels; ++c) {
+    const std::string layer = split_channel(spec.channelnames[c]).first;
+    if (layer.empty()) continue;
+    if (!members.count(layer)) order.push_back(layer);
+    members[layer].push_back(c);
+  }
+  if (additive.empty()) {
+    FilmLayer& image = film.layer("image", {"R", "G", "B"}, true);
+    for (size_t p = 0; p < film.pixel_count(); ++p) {
+      for (size_t c = 0; c < 3; ++c) image.pixels[3 * p + c] = pixels[channels * p + (channels >= 3 ? c : 0)];
+    }
+  }
+  for (const std::string& name : order) {
+    std::vector<std::string> names;
+    for (const size_t c : members[name]) names.push_back(split_channel(spec.channelnames[c]).second);
+    FilmLayer& layer = film.layer(name, names, is_additive(additive, name));
+    for (size_t p = 0; p < film.pixel_count(); ++p) {
+      for (size_t i = 0; i < names.size(); ++i)
+        layer.pixels[names.size() * p + i] = pixels[channels * p + members[name][i]];
+    }
+  }
+}
+
+}  // namespace
+
+void write_exr(const fs::path& file, const Film& film, const ExrOptions& options) {
+  const OIIO::ImageSpec spec = exr_spec(film, options);
+  const std::vector<float> pixels = interleave(film, static_cast<size_t>(spec.nchannels));
+  if (options.half) {
+    const auto overflows =
+        std::count_if(pixels.begin(), pixels.end(), [](float v) { return std::abs(v) > largest_half; });
+    if (overflows)
+      log_warning("{}: {} values do not fit into half floats; write without --half", file.string(), overflows);
+  }
+  write_file_atomically(
+      file, [&](const fs::path& part) { write_with_oiio(part, spec, OIIO::TypeDesc::FLOAT, pixels.data()); });
+}
+
+void write_png(const fs::path& file, uint32_t width, uint32_t height, const std::vector<float>& rgb,
+               float exposure_stops) {
+  const std::vector<uint8_t> bytes = tone_map(rgb, exposure_stops);
+  write_file_atomically(file, [&](const fs::path& part) {
+    write_with_oiio(part, png_spec(width, height), OIIO::TypeDesc::UINT8, bytes.data());
+  });
+}
+
+void write_png(const fs::path& file, const Film& film, float exposure_stops) {
+  write_png(file, film.width(), film.height(), film.image(), exposure_stops);
+}
+
+std::string encode_png(uint32_t width, uint32_t height, const std::vector<float>& rgb, float exposure_stops) {
+  std::vector<unsigned char> encoded;
+  OIIO::Filesystem::IOVecOutput memory(encoded);
+  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create("png");
+  const std::vector<uint8_t> bytes = tone_map(rgb, exposure_stops);
+  if (!out || !out->set_ioproxy(&memory) || !out->open("memory.png", png_spec(width, height)) ||
+      !out->write_image(OIIO::TypeDesc::UINT8, bytes.data()) || !out->close()) {
+    throw_error(ErrorClass::internal, "cannot encode a PNG: {}", out ? out->geterror() : OIIO::geterror());
+  }
+  return {encoded.begin(), encoded.end()};
+}
+
+Film read_image(const fs::path& file) {
+  std::error_code failure;
+  if (!fs::is_regular_file(file, failure)) throw_error(ErrorClass::input, "{}: no such file", file.string());
+  const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string());
+  if (!in) throw_error(ErrorClass::input, "{}: not a readable image: {}", file.string(), OIIO::geterror());
+  const OIIO::ImageSpec spec = in->spec();
+  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.image_pixels() > most_values ||
+      spec.image_pixels() * static_cast<uint64_t>(spec.nchannels) > most_values) {
+    throw_error(ErrorClass::input, "{}: {}×{} pixels with {} channels is not an image this program reads",
+                file.string(), spec.width, spec.height, spec.nchannels);
+  }
+  std::vector<float> pixels(spec.image_pixels() * static_cast<size_t>(spec.nchannels));
+  if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data())) {
+    throw_error(ErrorClass::input, "{}: damaged image: {}", file.string(), in->geterror());
+  }
+  if (spec.get_string_attribute("oiio:ColorSpace") == "sRGB") decode_srgb(spec, pixels);
+  Film film(static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height));
+  fill_layers(film, spec, pixels);
+  for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
+    const std::string name = attribute.name().string();
+    if (name.starts_with(attribute_prefix) && name != additive_attribute) {
+      film.metadata[name.substr(attribute_prefix.size())] = attribute.get_string();
+    }
+  }
+  return film;
+}
+
+}  // namespace lucarium

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/scene/device/light_list.h"
+
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "lucarium/scene/device/alias_table.h"
+#include "lucarium/scene/device/environment_tables.h"
+
+namespace lucarium {
+
+namespace {
+
+constexpr float pi = glm::pi<float>();
+
+float channel_mean(const glm::vec3& v) { return (v.r + v.g + v.b) / 3.f; }
+
+Light punctual_light(const SceneLight& light, float scene_radius) {
+  Light entry{};
+  entry.intensity = float4(light.intensity, channel_mean(light_flux(light, scene_radius)));
+  entry.position = float4(glm::vec3(light.world_from_light[3]), 0.f);
+  const glm::vec3 axis = -glm::vec3(light.world_from_light[2]);
+  const glm::vec3 direction = glm::length(axis) > 0 ? glm::normalize(axis) : glm::vec3(0, 0, -1);
+  entry.direction = float4(direction, 0.f);
+  entry.triangle = LUCARIUM_NONE;
+  switch (light.type) {
+    case LightType::point: entry.kind = LUCARIUM_LIGHT_POINT; break;
+    case LightType::directional: entry.kind = LUCARIUM_LIGHT_DIRECTIONAL; break;
+    case LightType::spot: {
+      const glm::vec2 ramp = spot_ramp(light);
+      entry.kind = LUCARIUM_LIGHT_SPOT;
+      entry.direction.w = ramp.x;
+      entry.spot_offset = ramp.y;
+      entry.spot_cos_outer = std::cos(light.outer_angle);
+    }
+  }
+  return entry;
+}
+
+double world_area(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
+  const glm::dmat3 linear{glm::mat3(m)};
+  const glm::dvec3 a(mesh.positions[t.x]);
+  const glm::dvec3 u = linear * (glm::dvec3(mesh.positions[t.y]) - a),
+                   v = linear * (glm::dvec3(mesh.positions[t.z]) - a);
+  return 0.5 * glm::length(glm::cross(u, v));
+}
+
+std::vector<AliasEntry> choice_table(const std::vector<Light>& lights, LightChoice choice) {
+  const double n = static_cast<double>(lights.size());
+  double sum = 0;
+  for (const Light& light : lights) sum += static_cast<double>(light.intensity.w);
+  std::vector<double> weights;
+  weights.reserve(lights.size());
+  for (const Light& light : lights) {
+    const bool even = choice == LightChoice::uniform || !(sum > 0);
+    weights.push_back(
+        even ? 1 : (1 - even_light_share) * static_cast<double>(light.intensity.w) / sum + even_light_share / n);
+  }
+  return make_alias_table(weights);
+}
+
+}  // namespace
+
+glm::vec3 light_flux(const SceneLight& light, float scene_radius) {
+  if (light.type == LightType::point) return 4 * pi * light.intensity;
+  if (light.type == LightType::spot) return static_cast<float>(spot_solid_angle(light)) * light.intensity;
+  return pi * scene_radius * scene_radius * light.intensity;
+}
+
+void LightListBuilder::add_triangles(const Scene& scene, LightList& list) {
+  EmissionEstimator estimator(scene);
+  radiance_.resize(scene.instances.size());
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const SceneInstance& instance = scene.instances[i];
+    const SceneMaterial& material = scene.materials[instance.material];
+    const Mesh& mesh = instance.shape(scene);
+    const size_t first = list.triangle_lights.size();
+    list.triangle_lights.resize(first + mesh.triangles.size(), LUCARIUM_NONE);
+    if (!material.emits()) continue;
+    if (radiance_[i].size() != mesh.triangles.size()) {
+      radiance_[i].clear();
+      for (const glm::uvec3& t : mesh.triangles) radiance_[i].push_back(estimator.mean_radiance(mesh, t, material));
+    }
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const float area = static_cast<float>(world_area(instance.world_from_object, mesh, mesh.triangles[t]));
+      const glm::vec3& radiance = radiance_[i][t];
+      if (!(area > 0) || radiance == glm::vec3(0)) continue;
+      Light entry{};
+      const float sides = is_two_sided(material) ? 2.f : 1.f;
+      entry.intensity = float4(radiance, sides * pi * area * channel_mean(radiance));
+      entry.position.w = area;
+      entry.kind = LUCARIUM_LIGHT_TRIANGLE;
+      entry.triangle = static_cast<uint>(first + t);
+      list.triangle_lights[first + t] = static_cast<uint>(list.lights.size());
+      list.lights.push_back(entry);
+    }
+  }
+}
+
+LightList LightListBuilder::build(const Scene& scene, float scene_radius, LightChoice choice) {
+  LightList list;
+  for (const SceneLight& light : scene.lights) {
+    if (light.intensity != glm::vec3(0)) list.lights.push_back(punctual_light(light, scene_radius));
+  }
+  add_triangles(scene, list);
+  if (scene.environment) {
+    const glm::vec3 integral = environment_integral(*scene.environment);
+    if (channel_mean(integral) > 0) {
+      Light entry{};
+      entry.intensity = float4(integral / (4 * pi), pi * scene_radius * scene_radius * channel_mean(integral));
+      entry.kind = LUCARIUM_LIGHT_ENVIRONMENT;
+      entry.triangle = LUCARIUM_NONE;
+      list.environment_light = static_cast<uint>(list.lights.size());
+      list.lights.push_back(entry);
+    }
+  }
+  list.table = choice_table(list.lights, choice);
+  return list;
+}
+
+}  // namespace lucarium

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Environment maps: .hdr and .exr through OpenImageIO.
+#include <OpenImageIO/imageio.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/scene/load/load_scene.h"
+
+namespace lucarium {
+
+namespace {
+
+enum class Kind { unknown, hdr, exr };
+
+Kind sniff(const std::filesystem::path& file) {
+  char start[10] = {};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(start, sizeof(start));
+  const std::string_view text(start, sizeof(start));
+  if (text.starts_with("#?RADIANCE") || text.starts_with("#?RGBE")) return Kind::hdr;
+  return text.starts_with("\x76\x2F\x31\x01") ? Kind::exr : Kind::unknown;
+}
+
+void check_size(const OIIO::ImageSpec& spec, const std::string& name, const ImportOptions& options) {
+  if (spec.width <= 0 || spec.height <= 0) throw_error(ErrorClass::input, "{}: it has no pixels", name);
+  if (spec.depth > 1 || spec.deep)
+    throw_error(ErrorClass::input, "{}: deep and volume images are no environment maps", name);
+  const uint64_t pixels = static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height);
+  const uint64_t tile =
+      static_cast<uint64_t>(std::max(spec.tile_width, 1)) * static_cast<uint64_t>(std::max(spec.tile_height, 1));
+  if (std::max(pixels, tile) > options.max_image_pixels) {
+    throw_error(ErrorClass::input, "{}: {}x{} pixels are more than the {} that are allowed; scale it down", name,
+                spec.width, spec.height, options.max_image_pixels);
+  }
+  if (spec.nchannels > 64) throw_error(ErrorClass::input, "{}: {} channels are too many", name, spec.nchannels);
+}
+
+/// The positions of R, G and B; of a single channel three times.
+glm::ivec3 color_channels(const OIIO::ImageSpec& spec) {
+  glm::ivec3 channels = spec.nchannels >= 3 ? glm::ivec3(0, 1, 2) : glm::ivec3(0);
+  const char* names[] = {"R", "G", "B"};
+  glm::ivec3 named;
+  for (int c = 0; c < 3; ++c) named[c] = spec.channelindex(names[c]);
+  return glm::all(glm::greaterThanEqual(named, glm::ivec3(0))) ? named : channels;
+}
+
+}  // namespace
+
+Environment load_environment(const std::filesystem::path& file, const ImportOptions& options) {
+  const std::string name = file.string();
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored))
+    throw_error(ErrorClass::input, "{}: there is no such file", name);
+  const Kind kind = sniff(file);
+  if (kind == Kind::unknown) {
+    throw_error(ErrorClass::input, "{}: this is neither a Radiance .hdr nor an OpenEXR .exr file", name);
+  }
+  const auto damaged = [&](std::string reason) {
+    for (char& c : reason) c = c == '\n' ? ' ' : c;
+    throw_error(ErrorClass::input, "{}: the {} file is damaged: {}", name, kind == Kind::hdr ? "Radiance" : "OpenEXR",
+                reason.empty() ? "it cannot be decoded" : reason);
+  };
+  // The reader is chosen by the contents: the name may have any ending.
+  const auto input = OIIO::ImageInput::create(kind == Kind::hdr ? "hdr" : "openexr");
+  OIIO::ImageSpec spec;
+  if (!input) damaged(OIIO::geterror());
+  if (!input->open(name, spec)) damaged(input->geterror());
+  check_size(spec, name, options);
+  const size_t count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
+  const size_t channels = static_cast<size_t>(spec.nchannels);
+  std::vector<float> values(count * channels);
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, values.data())) damaged(input->geterror());
+  input->close();
+
+  Environment environment;
+  environment.name = file.filename().string();
+  environment.width = static_cast<uint32_t>(spec.width);
+  environment.height = static_cast<uint32_t>(spec.height);
+  environment.radiance.resize(count);
+  const glm::ivec3 rgb = color_channels(spec);
+  size_t negative = 0, not_finite = 0;
+  for (size_t i = 0; i < count; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      const float value = values[i * channels + static_cast<size_t>(rgb[c])];
+      not_finite += !std::isfinite(value);
+      negative += value < 0;
+      environment.radiance[i][c] = std::max(value, 0.f);
+    }
+  }
+  if (not_finite) {
+    throw_error(ErrorClass::input, "{}: {} values are infinite or not numbers; clamp them in an image editor", name,
+                not_finite);
+  }
+  if (negative) log_warning("{}: {} negative values were taken as 0", name, negative);
+  return environment;
+}
+
+}  // namespace lucarium

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <span>
+#include <string>
+
+#include "lucarium/scene/load/load_scene.h"
+
+namespace lucarium {
+
+struct DecodedImage {
+  Image image;
+  bool shrunk = false;  ///< halved to fit the limit
+};
+
+/// Decodes a PNG or JPEG to RGBA8 (grey, palette, 1, 2, 4 and 16 bits and CMYK are converted, alpha stays
+/// unassociated) and halves it until it fits options.max_texture_size. The kind is told from the contents. Images of
+/// more than options.max_image_pixels are refused before any pixel is decoded. Colour profiles and other metadata are
+/// ignored, as glTF demands. Throws Error{input} that starts with `what`.
+DecodedImage decode_image(std::span<const uint8_t> encoded, const std::string& what, const ImportOptions& options);
+
+}  // namespace lucarium

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/ranges.h>
+
+#include "lucarium/base/byte_size.h"
+#include "lucarium/scene/report/scene_report.h"
+
+namespace lucarium {
+
+namespace {
+
+/// Collects labelled lines.
+class Page {
+ public:
+  void line(std::string_view label, const std::string& value) { text_ += fmt::format("{:<14}{}\n", label, value); }
+  void more(const std::string& value) { line("", value); }
+  std::string take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string triple(const glm::vec3& v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z); }
+
+void add_geometry(Page& page, const SceneReport& r) {
+  const std::string degenerate =
+      r.degenerate_triangles ? fmt::format(", {} without area", r.degenerate_triangles) : std::string();
+  page.line("triangles", fmt::format("{} in {} instances of {} meshes, {} vertices{}", r.triangles, r.instances,
+                                     r.meshes, r.vertices, degenerate));
+  const glm::vec3 extent = r.bounds.empty() ? glm::vec3(0) : r.bounds.max - r.bounds.min;
+  page.line("bounds", fmt::format("({}) to ({}) m, {:.4g} x {:.4g} x {:.4g} m", triple(r.bounds.min),
+                                  triple(r.bounds.max), extent.x, extent.y, extent.z));
+  if (r.deformed_instances) {
+    page.line("deformed", fmt::format("{} instances ({} skins)", r.deformed_instances, r.skins));
+  }
+}
+
+void add_materials(Page& page, const SceneReport& r) {
+  page.line("materials", std::to_string(r.materials.size()));
+  for (const SceneMaterial& m : r.materials) {
+    std::string notes;
+    if (m.unlit)
+      notes += ", unlit";
+    else if (m.emits())
+      notes += fmt::format(", emits {} cd/m2", triple(m.emissive_factor * m.emissive_strength));
+    if (m.transmission > 0) notes += fmt::format(", transmits {:.3g}", m.transmission);
+    if (m.alpha_mode != AlphaMode::opaque) notes += fmt::format(", {}", alpha_mode_name(m.alpha_mode));
+    if (m.double_sided) notes += ", double-sided";
+    page.more(fmt::format("{}: base {}{}, metallic {:.3g}, roughness {:.3g}{}", m.name, triple(glm::vec3(m.base_color)),
+                          m.base_color_texture.texture == none ? "" : " x texture", m.metallic, m.roughness, notes));
+  }
+  page.line("textures", fmt::format("{} of {} images, {} texels", r.textures, r.images, r.texels));
+}
+
+void add_lights(Page& page, const SceneReport& r) {
+  page.line("lights", fmt::format("{} punctual, {} emissive triangles, {}", r.lamps.size(), r.emissive_triangles,
+                                  r.has_environment ? "an environment" : "no environment"));
+  for (const SceneReport::Lamp& lamp : r.lamps) {
+    page.more(fmt::format("{} {}: {} {}, flux {} lm", lamp.type, lamp.name, triple(lamp.intensity),
+                          lamp.type == "directional" ? "lx" : "cd", triple(lamp.flux)));
+  }
+  if (r.emissive_triangles) {
+    page.more(fmt::format("emissive triangles: {:.4g} m2, flux {} lm", r.emissive_area, triple(r.emissive_flux)));
+  }
+  if (!r.has_environment) return;
+  const std::string size =
+      r.environment_width ? fmt::format("{}x{}", r.environment_width, r.environment_height) : std::string("constant");
+  page.more(fmt::format("environment {}: mean {} cd/m2", size, triple(r.environment_radiance)));
+}
+
+void add_views(Page& page, const SceneReport& r) {
+  page.line("cameras", std::to_string(r.cameras.size()));
+  for (size_t i = 0; i < r.cameras.size(); ++i) {
+    const SceneCamera& c = r.cameras[i];
+    const std::string kind = c.perspective ? fmt::format("{:.3g} degrees", glm::degrees(c.yfov)) : "orthographic";
+    page.more(fmt::format("{} {}: {} at ({})", i, c.name, kind, triple(glm::vec3(c.world_from_camera[3]))));
+  }
+  if (!r.animations.empty()) page.line("animations", std::to_string(r.animations.size()));
+  for (size_t i = 0; i < r.animations.size(); ++i) {
+    const Animation& a = r.animations[i];
+    page.more(fmt::format("{} {}: {:.4g} s, {} channels", i, a.name, a.duration, a.channels.size()));
+  }
+}
+
+}  // namespace
+
+std::string SceneReport::text() const {
+  Page page;
+  page.line("scene", source);
+  add_geometry(page, *this);
+  add_materials(page, *this);
+  add_lights(page, *this);
+  add_views(page, *this);
+  if (!extensions_used.empty()) page.line("extensions", fmt::format("{}", fmt::join(extensions_used, ", ")));
+  if (!extensions_ignored.empty()) page.line("  ignored", fmt::format("{}", fmt::join(extensions_ignored, ", ")));
+  page.line("device memory", format_bytes(device_bytes));
+  for (const std::string& warning : warnings) page.line("warning", warning);
+  return page.take();
+}
+
+}  // namespace lucarium

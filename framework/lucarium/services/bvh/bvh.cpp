@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/bvh/bvh.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+#include <utility>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/bvh/forest.h"
+#include "lucarium/services/bvh/parts.h"
+
+namespace lucarium {
+
+namespace {
+
+constexpr uint32_t minimum_stack = 128;  // so that most scenes share one compiled program
+constexpr size_t slice_rays = 1u << 15;  // per compute unit, between two looks at the cancel flag
+
+struct TraversalShape {
+  int width, leaf_size;
+  uint32_t rays_per_item;
+  size_t local_size;
+};
+
+TraversalShape shape_of(BvhTraversal traversal) {
+  return traversal == BvhTraversal::scalar ? TraversalShape{4, 4, 1, 64} : TraversalShape{16, 8, 1024, 1};
+}
+
+BvhTraversal choose_traversal(BvhTraversal asked, const DeviceInfo& device) {
+  if (asked != BvhTraversal::automatic) return asked;
+  if (const char* value = std::getenv("LUCARIUM_BVH"); value && *value) {
+    const std::string name = value;
+    if (name == "wide") return BvhTraversal::wide;
+    if (name == "wide-portable") return BvhTraversal::wide_portable;
+    if (name == "scalar") return BvhTraversal::scalar;
+    throw_error(ErrorClass::usage, "LUCARIUM_BVH='{}': must be wide, wide-portable or scalar", name);
+  }
+  return device.type == DeviceType::cpu ? BvhTraversal::wide : BvhTraversal::scalar;
+}
+
+void write_words(TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words, bool all,
+                 std::span<const std::pair<size_t, size_t>> changed) {
+  if (all) {
+    buffer.upload(words);
+    return;
+  }
+  for (const auto& [first, end] : changed)
+    if (end > first) buffer.write(words.data() + first, sizeof(uint32_t) * (end - first), sizeof(uint32_t) * first);
+}
+
+}  // namespace
+
+struct Bvh::State {
+  State(Device& on, const SceneBuffers* of, BvhTraversal asked)
+      : device(&on),
+        traversal(choose_traversal(asked, on.info())),
+        shape(shape_of(traversal)),
+        scene(of),
+        forest(shape.width, shape.leaf_size, std::max(1u, std::thread::hardware_concurrency())) {}
+
+  Device* device;
+  BvhTraversal traversal;
+  TraversalShape shape;
+  const SceneBuffers* scene;  // for MASK and BLEND materials; null: everything is opaque
+  BvhForest forest;
+  BvhParts parts;  // which instance lies in which part of the forest
+  WorldGeometry geometry;
+  Program program;
+  uint32_t program_stack = 0;
+  bool program_alpha = false;
+  TypedBuffer<uint32_t> nodes, blocks;
+  bool uploaded = false;                        // these hold what the forest did after its last change
+  size_t vertex_count = 0, triangle_count = 0;  // of the last build
+  BvhStatistics statistics;
+  uint64_t generation = 0;
+
+  void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
+             std::vector<BvhForest::Part> ranges);
+  void build_scene(const SceneBuffers& buffers);
+  void follow(const SceneBuffers& buffers, const SceneChange& change);
+  bool same_counts(size_t vertices, size_t triangles) const {
+    return vertices == vertex_count && triangles == triangle_count;
+  }
+  void prepare_refit();
+  void upload();
+  void compile();
+  void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const BufferRef& rays,
+              const char* result_name, const BufferRef& result, const BufferRef& counter, uint32_t counter_index,
+              uint32_t capacity) const;
+};
+
+void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
+                       std::vector<BvhForest::Part> ranges) {
+  const auto start = std::chrono::steady_clock::now();
+  vertex_count = vertices.size();
+  triangle_count = triangles.size();
+  forest.build(vertices, triangles, std::move(ranges));
+  statistics.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Builds the hierarchies of the scene's parts.
+void Bvh::State::build_scene(const SceneBuffers& buffers) {
+  geometry.read_all(buffers);
+  build(geometry.vertices, geometry.triangles, parts.ranges(buffers));
+  if (forest.parts().size() == 1) geometry = {};  // nothing is known to move: read again should something
+}
+
+/// Brings back the words that were given up after the upload.
+void Bvh::State::prepare_refit() {
+  if (forest.can_refit()) return;
+  if (forest.released())
+    forest.restore(nodes.download(0, forest.node_word_count()), blocks.download(0, forest.block_word_count()));
+  else
+    forest.restore({}, {});
+}
+
+void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) {
+  prepare_refit();
+  geometry.read_instances(buffers, change);
+  std::vector<size_t> moved = parts.touched(change);
+  for (const size_t part : moved) {
+    if (forest.refit(part, geometry.vertices, geometry.triangles)) continue;
+    if (part == BvhParts::resting) {
+      // What moves among things at rest would spoil them again: it leaves them for good.
+      parts.separate(change);
+      build(geometry.vertices, geometry.triangles, parts.ranges(buffers));
+      return;
+    }
+    forest.rebuild(part, geometry.vertices, geometry.triangles);
+  }
+  forest.join(moved);
+}
+
+/// Buffers that are too small are replaced: both or, if memory does not suffice, none, so that what was recorded and
+/// what will be recorded stay usable. The old ones live until the last schedule that was recorded with them is gone.
+void Bvh::State::upload() {
+  const char* const remedy = "use a scene with fewer triangles";
+  const auto too_small = [](const TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words) {
+    return !buffer || buffer.count() < words.size();
+  };
+  const bool new_nodes = too_small(nodes, forest.node_words()), new_blocks = too_small(blocks, forest.block_words());
+  const size_t bytes =
+      (new_nodes ? 4 * forest.node_words().size() : 0) + (new_blocks ? 4 * forest.block_words().size() : 0);
+  const bool all = !std::exchange(uploaded, false);
+  if (bytes > 0) device->memory().require_total("bvh", "hierarchy", bytes, remedy);
+  const auto allocate = [&](const char* name, const std::vector<uint32_t>& words) {
+    return TypedBuffer<uint32_t>(*device, "bvh", name, std::max<size_t>(1, words.size()), remedy);
+  };
+  TypedBuffer<uint32_t> node_buffer = new_nodes ? allocate("nodes", forest.node_words()) : nodes;
+  TypedBuffer<uint32_t> block_buffer = new_blocks ? allocate("leaf blocks", forest.block_words()) : blocks;
+  nodes = std::move(node_buffer);
+  blocks = std::move(block_buffer);
+  if (new_nodes || new_blocks) ++generation;
+  write_words(nodes, forest.node_words(), all || new_nodes, forest.changed_nodes());
+  write_words(blocks, forest.block_words(), all || new_blocks, forest.changed_blocks());
+  uploaded = true;
+  forest.release();
+  statistics.triangles = forest.triangle_count();
+  statistics.ignored_triangles = forest.ignored_count();
+  statistics.nodes = forest.node_count();
+  statistics.leaf_blocks = forest.block_count();
+  statistics.bytes = nodes.bytes() + blocks.bytes();
+  statistics.sah_cost = forest.sah_cost();
+  statistics.parts = static_cast<uint32_t>(forest.parts().size());
+  statistics.part_builds = forest.builds();
+  statistics.part_refits = forest.refits();
+  statistics.host_bytes = forest.host_bytes();
+}
+
+void Bvh::State::compile() {
+  const uint32_t stack = std::max({minimum_stack, std::bit_ceil(forest.stack_size()), program_stack});
+  const bool alpha = scene && (scene->info().flags & LUCARIUM_SCENE_HAS_ALPHA);
+  if (program && stack == program_stack && alpha == program_alpha) return;
+  ProgramSpec spec{.name = "services/bvh", .files = {"lucarium/services/bvh/intersect.cl"}};
+  spec.defines = {{"BVH_WIDTH", std::to_string(shape.width)},
+                  {"BVH_LEAF", std::to_string(shape.leaf_size)},
+                  {"BVH_STACK", std::to_string(stack)},
+                  {"BVH_CHUNK", std::to_string(shape.rays_per_item)}};
+  if (traversal != BvhTraversal::wide) spec.defines["BVH_PORTABLE"] = "";
+  if (alpha) spec.defines["BVH_ALPHA"] = "";
+  // Watertight edge functions must round both products alike: no contraction but where the source asks for it.
+  spec.mad_enable = false;
+  program = Program(*device, SourceLibrary(), spec);
+  program_stack = stack;
+  program_alpha = alpha;
+  ++generation;
+}
+
+void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
+                        const BufferRef& rays, const char* result_name, const BufferRef& result,
+                        const BufferRef& counter, uint32_t counter_index, uint32_t capacity) const {
+  const size_t items = std::max<size_t>(1, (size_t{capacity} + shape.rays_per_item - 1) / shape.rays_per_item);
+  PassBuilder pass = recorder.pass(pass_name, program, kernel);
+  pass.global(items)
+      .local(shape.local_size)
+      .slice(slice_rays * std::max(1u, device->info().compute_units) / shape.rays_per_item)
+      .arg("rays", rays)
+      .arg(result_name, result)
+      .arg("counter", counter)
+      .arg("counter_index", counter_index)
+      .arg("capacity", capacity)
+      .arg("bvh_nodes", nodes)
+      .arg("bvh_blocks", blocks);
+  if (program_alpha) scene->bind(pass, program, kernel);
+}
+
+Bvh::Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers, BvhTraversal traversal)
+    : state_(std::make_unique<State>(device, &buffers, traversal)) {
+  SceneChange everything;
+  everything.topology = true;
+  update(scene, buffers, everything);
+}
+
+Bvh::Bvh(Device& device, std::span<const Vertex> vertices, std::span<const Triangle> triangles, BvhTraversal traversal)
+    : state_(std::make_unique<State>(device, nullptr, traversal)) {
+  update(vertices, triangles, true);
+}
+
+Bvh::~Bvh() = default;
+
+void Bvh::update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change) {
+  State& s = *state_;
+  s.scene = &buffers;
+  if (change.topology || !s.same_counts(buffers.scene_vertices.count(), buffers.info().triangle_count)) {
+    s.parts = BvhParts(scene);
+    s.build_scene(buffers);
+  } else if (change.geometry()) {
+    s.follow(buffers, change);
+  } else {
+    s.compile();
+    return;
+  }
+  s.compile();
+  s.upload();
+}
+
+void Bvh::update(std::span<const Vertex> vertices, std::span<const Triangle> triangles, bool topology) {
+  State& s = *state_;
+  const size_t all[] = {0};
+  if (!topology && s.same_counts(vertices.size(), triangles.size()))
+    s.prepare_refit();
+  else
+    topology = true;
+  if (topology || !s.forest.refit(0, vertices, triangles))
+    s.build(vertices, triangles, {{{0, static_cast<uint32_t>(triangles.size())}}});
+  else
+    s.forest.join(all);
+  s.compile();  // before the upload: a program for more stack serves the old hierarchy, too
+  s.upload();
+}
+
+uint64_t Bvh::generation() const { return state_->generation; }
+
+void Bvh::record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
+                         const BufferRef& hits, const BufferRef& counter, uint32_t counter_index,
+                         uint32_t capacity) const {
+  state_->record(recorder, pass_name, "bvh_closest", rays, "hits", hits, counter, counter_index, capacity);
+}
+
+void Bvh::record_any(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
+                     const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
+                     uint32_t capacity) const {
+  state_->record(recorder, pass_name, "bvh_any", rays, "occluded", occluded, counter, counter_index, capacity);
+}
+
+BvhTraversal Bvh::traversal() const { return state_->traversal; }
+
+const BvhStatistics& Bvh::statistics() const { return state_->statistics; }
+
+size_t Bvh::estimate_bytes(const Scene& scene) {
+  const TraversalShape shape = shape_of(BvhTraversal::wide);
+  return WideBvh::estimate_bytes(scene.triangle_count(), shape.width, shape.leaf_size);
+}
+
+}  // namespace lucarium

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/direct_light/direct_light.h"
+
+#include <map>
+
+#include "lucarium/base/error.h"
+#include "lucarium/shared/ray.h"
+
+namespace lucarium {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+const char* const kFewerPoints = "use fewer points at once";
+
+/// A recorded schedule for one pair of buffers.
+struct Recorded {
+  Buffer points, sums;  ///< kept alive, so that their addresses stay theirs
+  Schedule schedule;
+  Variable<uint32_t> sample_index, seed;
+};
+
+}  // namespace
+
+struct DirectLight::State {
+  State(Device& device_, KernelScheduler& scheduler_, const SceneBuffers& scene_, const Intersector& intersector_,
+        const std::string& owner_, uint32_t kinds_)
+      : device(device_),
+        scheduler(scheduler_),
+        scene(scene_),
+        intersector(intersector_),
+        owner(owner_),
+        kinds(kinds_),
+        program(device, SourceLibrary(),
+                {"services/direct_light",
+                 {"lucarium/services/direct_light/sample_direct_light.cl",
+                  "lucarium/services/direct_light/add_direct_light.cl"},
+                 {}}) {}
+
+  Recorded& radiance_schedule(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& sums);
+  Recorded& irradiance_schedule(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& sums);
+  Recorded& begin(std::map<std::pair<cl_mem, cl_mem>, Recorded>& known, const Buffer& points, const Buffer& sums);
+  bool run(Recorded& recorded, uint32_t sample_index, uint32_t seed);
+  /// One element: how many points there are, as the intersector wants it.
+  TypedBuffer<uint32_t> counter(uint32_t count) const {
+    return TypedBuffer<uint32_t>(device, owner, "direct light points", std::vector<uint32_t>{count});
+  }
+
+  Device& device;
+  KernelScheduler& scheduler;
+  const SceneBuffers& scene;
+  const Intersector& intersector;
+  std::string owner;
+  uint32_t kinds;
+  Program program;
+  std::map<std::pair<cl_mem, cl_mem>, Recorded> radiance, irradiance;
+};
+
+Recorded& DirectLight::State::begin(std::map<std::pair<cl_mem, cl_mem>, Recorded>& known, const Buffer& points,
+                                    const Buffer& sums) {
+  Recorded& recorded = known[{points.handle(), sums.handle()}];
+  recorded.points = points;
+  recorded.sums = sums;
+  return recorded;
+}
+
+Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>& points,
+                                                const TypedBuffer<float4>& sums) {
+  Recorded& recorded = begin(radiance, points, sums);
+  if (recorded.schedule) return recorded;
+  const uint32_t count = static_cast<uint32_t>(points.count());
+  const TypedBuffer<uint32_t> point_count = counter(count);
+  ScheduleRecorder recorder = scheduler.record("direct light at pixels", owner);
+  recorded.sample_index = recorder.variable("sample_index", 0u);
+  recorded.seed = recorder.variable("seed", 0u);
+  const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", count, kFewerPoints);
+  const BufferRef shadow_light = recorder.transient<float4>("light behind the shadow rays", count, kFewerPoints);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded", count, kFewerPoints);
+  const BufferRef bsdf_rays = recorder.transient<Ray>("BSDF rays", count, kFewerPoints);
+  const BufferRef bsdf_weights = recorder.transient<float4>("BSDF weights", count, kFewerPoints);
+  const BufferRef hits = recorder.transient<Hit>("hits", count, kFewerPoints);
+  PassBuilder sample = recorder.pass("sample direct light", program, "sample_direct_radiance");
+  scene.bind(sample, program, "sample_direct_radiance");
+  sample.global(count)
+      .local(kLocalSize)
+      .arg("points", points)
+      .arg("count", count)
+      .arg("sample_index", recorded.sample_index)
+      .arg("seed", recorded.seed)
+      .arg("kinds", kinds)
+      .arg("shadow_rays", shadow_rays)
+      .arg("shadow_light", shadow_light)
+      .arg("bsdf_rays", bsdf_rays)
+      .arg("bsdf_weights", bsdf_weights);
+  intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, point_count, 0, count);
+  intersector.record_closest(recorder, "BSDF rays", bsdf_rays, hits, point_count, 0, count);
+  PassBuilder add = recorder.pass("add direct light", program, "add_direct_radiance");
+  scene.bind(add, program, "add_direct_radiance");
+  add.global(count)
+      .local(kLocalSize)
+      .arg("count", count)
+      .arg("kinds", kinds)
+      .arg("shadow_light", shadow_light)
+      .arg("occluded", occluded)
+      .arg("bsdf_rays", bsdf_rays)
+      .arg("bsdf_weights", bsdf_weights)
+      .arg("hits", hits)
+      .arg("radiance", sums);
+  recorded.schedule = recorder.compile();
+  return recorded;
+}
+
+Recorded& DirectLight::State::irradiance_schedule(const TypedBuffer<SurfacePoint>& points,
+                                                  const TypedBuffer<float4>& sums) {
+  Recorded& recorded = begin(irradiance, points, sums);
+  if (recorded.schedule) return recorded;
+  const uint32_t count = static_cast<uint32_t>(points.count());
+  const TypedBuffer<uint32_t> point_count = counter(count);
+  ScheduleRecorder recorder = scheduler.record("direct light at points", owner);
+  recorded.sample_index = recorder.variable("sample_index", 0u);
+  recorded.seed = recorder.variable("seed", 0u);
+  const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", count, kFewerPoints);
+  const BufferRef shadow_light = recorder.transient<float4>("light behind the shadow rays", count, kFewerPoints);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded", count, kFewerPoints);
+  PassBuilder sample = recorder.pass("sample direct light", program, "sample_direct_irradiance");
+  scene.bind(sample, program, "sample_direct_irradiance");
+  sample.global(count)
+      .local(kLocalSize)
+      .arg("points", points)
+      .arg("count", count)
+      .arg("sample_index", recorded.sample_index)
+      .arg("seed", recorded.seed)
+      .arg("kinds", kinds)
+      .arg("shadow_rays", shadow_rays)
+      .arg("shadow_light", shadow_light);
+  intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, point_count, 0, count);
+  recorder.pass("add direct light", program, "add_direct_irradiance")
+      .global(count)
+      .local(kLocalSize)
+      .arg("count", count)
+      .arg("shadow_light", shadow_light)
+      .arg("occluded", occluded)
+      .arg("irradiance", sums);
+  recorded.schedule = recorder.compile();
+  return recorded;
+}
+
+bool DirectLight::State::run(Recorded& recorded, uint32_t sample_index, uint32_t seed) {
+  recorded.schedule.set(recorded.sample_index, sample_index);
+  recorded.schedule.set(recorded.seed, seed);
+  return scheduler.run(recorded.schedule) == RunResult::done;
+}
+
+DirectLight::DirectLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
+                         const Intersector& intersector, const std::string& owner, uint32_t kinds)
+    : state_(std::make_unique<State>(device, scheduler, scene, intersector, owner, kinds)) {}
+
+DirectLight::~DirectLight() = default;
+
+size_t DirectLight::estimate_bytes(size_t points) {
+  return points * (2 * sizeof(Ray) + 2 * sizeof(float4) + sizeof(uint32_t) + sizeof(Hit));  // the transients, unshared
+}
+
+bool DirectLight::accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,
+                                      uint32_t sample_index, uint32_t seed) {
+  if (radiance.count() < points.count()) throw Error(ErrorClass::internal, "DirectLight: fewer sums than points");
+  return state_->run(state_->radiance_schedule(points, radiance), sample_index, seed);
+}
+
+bool DirectLight::accumulate_irradiance(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance,
+                                        uint32_t sample_index, uint32_t seed) {
+  if (irradiance.count() < points.count()) throw Error(ErrorClass::internal, "DirectLight: fewer sums than points");
+  return state_->run(state_->irradiance_schedule(points, irradiance), sample_index, seed);
+}
+
+void DirectLight::warm_up(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance) {
+  state_->scheduler.warm_up(state_->radiance_schedule(points, radiance).schedule);
+}
+
+void DirectLight::warm_up(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance) {
+  state_->scheduler.warm_up(state_->irradiance_schedule(points, irradiance).schedule);
+}
+
+}  // namespace lucarium

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// One light sample and, at pixels, one BSDF sample per point; what lies behind the rays is added by
+// add_direct_light.cl.
+#include "lucarium/gbuffer.clh"
+#include "lucarium/scene.clh"
+#include "lucarium/services/direct_light/light_strategies.clh"
+#include "lucarium/shared/surface_point.h"
+
+// Apart from all other uses of the same seed.
+#define DIRECT_LIGHT_STREAM 0x64697265u
+
+Ray inactive_ray(void) {
+  Ray ray;
+  ray.origin = (float4)(0.0f);
+  ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
+  return ray;
+}
+
+// shadow_light: xyz what the pixel gets if shadow ray i is free; w unused.
+// bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
+__kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
+                                     uint sample_index, uint seed, uint kinds, __global Ray* restrict shadow_rays,
+                                     __global float4* restrict shadow_light, __global Ray* restrict bsdf_rays,
+                                     __global float4* restrict bsdf_weights) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  shadow_rays[i] = bsdf_rays[i] = inactive_ray();
+  shadow_light[i] = bsdf_weights[i] = (float4)(0.0f);
+  const GBufferPoint point = points[i];
+  if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
+
+  // Rebuild the surface as the eye sees it.
+  const Surface surface = gbuffer_surface(&scene, &point);
+  const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+  if (!bsdf_has_smooth_lobe(&bsdf)) return;
+
+  const Sampler sampler = make_sampler(i, DIRECT_LIGHT_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
+  const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
+  float3 light;
+  Ray ray;
+  if (sample_light_at(&scene, &surface, &bsdf, u, true, kinds,
+                      make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light, &ray)) {
+    shadow_rays[i] = ray;
+    shadow_light[i] = (float4)(point.throughput.xyz * light, 0.0f);
+  }
+
+  if (!(kinds & (1u << LUCARIUM_LIGHT_TRIANGLE | 1u << LUCARIUM_LIGHT_ENVIRONMENT))) return;  // nothing to be hit
+  // Ideal lobes belong to the G-buffer's path: what they are sampled for here is left out.
+  const DirectionSample v = sample_direction_dimensions(&sampler, 0u);
+  const BsdfSample sample = sample_bsdf(&bsdf, u.lobe, v.direction);
+  if (sample.delta || is_black(sample.weight)) return;
+  bsdf_rays[i] = make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 1u)));
+  bsdf_weights[i] = (float4)(point.throughput.xyz * sample.weight, sample.pdf);
+}
+
+// The same for irradiance at surface points [lx]; light samples only.
+__kernel void sample_direct_irradiance(LUCARIUM_SCENE_PARAMETERS __global const SurfacePoint* restrict points,
+                                       uint count, uint sample_index, uint seed, uint kinds,
+                                       __global Ray* restrict shadow_rays, __global float4* restrict shadow_light) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  shadow_rays[i] = inactive_ray();
+  shadow_light[i] = (float4)(0.0f);
+  const SurfacePoint point = points[i];
+  const Sampler sampler = make_sampler(i, DIRECT_LIGHT_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
+  const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
+  const LightSample sample = sample_light(&scene, point.position.xyz, u.choice, u.point, kinds, 1u);
+  const float cosine = dot(point.normal.xyz, sample.direction);
+  if (!(sample.pdf > 0.0f) || is_black(sample.radiance) || cosine <= 0.0f) return;
+  Hit hit;
+  hit.distance = 0.0f;
+  hit.triangle = point.triangle;
+  hit.u = point.u;
+  hit.v = point.v;
+  const Surface surface = make_surface(&scene, hit, -point.normal.xyz, 0u);
+  const Ray ray = make_shadow_ray(&surface, &sample, make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)));
+  if (ray.direction.w < 0.0f) return;
+  shadow_rays[i] = ray;
+  shadow_light[i] = (float4)(sample.radiance * (cosine / sample.pdf), 0.0f);
+}

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/layered_raster/layered_raster.h"
+
+#include <algorithm>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/layered_raster/state.h"
+
+namespace lucarium {
+
+namespace {
+
+constexpr uint32_t lanes = 16;               // pixels per row of a tile
+constexpr uint32_t chunks = 16;              // runs of triangles binned in parallel
+constexpr uint32_t slice_pixels = 1u << 22;  // of the film between two looks whether to stop, about 0.1 s
+constexpr const char* fewer_triangles = "use a scene with fewer triangles";
+constexpr const char* smaller_film = "lower the film's resolution";
+
+uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
+
+}  // namespace
+
+LayeredRaster::State::State(KernelScheduler& scheduler_, const SceneBuffers& scene_,
+                            const LayeredRasterOptions& options_, const std::string& owner_)
+    : scheduler(scheduler_), scene(scene_), options(options_), owner(owner_), primitives(scheduler_.device()) {
+  if (options.max_width == 0 || options.max_height == 0 || options.max_width > LAYERED_MAX_FILM ||
+      options.max_height > LAYERED_MAX_FILM)
+    throw_error(ErrorClass::usage, "layered raster: film of {} x {} pixels, each side must be 1 to {}",
+                options.max_width, options.max_height, LAYERED_MAX_FILM);
+  follow();
+}
+
+std::map<std::string, std::string> LayeredRaster::State::defines() const {
+  std::map<std::string, std::string> result = {{"LAYERED_LANES", std::to_string(lanes)},
+                                               {"LAYERED_CHUNKS", std::to_string(chunks) + "u"}};
+  if (options.perspective) result["LAYERED_PERSPECTIVE"] = "";
+  if (options.conservative) result["LAYERED_CONSERVATIVE"] = "";
+  if (options.portable) result["LAYERED_PORTABLE"] = "";
+  if (alpha) result["LAYERED_ALPHA"] = "";
+  return result;
+}
+
+void LayeredRaster::State::follow() {
+  const uint32_t count = scene.info().triangle_count;
+  const bool has_alpha = (scene.info().flags & LUCARIUM_SCENE_HAS_ALPHA) != 0;
+  if (!program || scene.generation() != scene_generation || count != triangles || has_alpha != alpha) {
+    if (count >= LAYERED_AWAY / 8)
+      throw_error(ErrorClass::device, "layered raster: {} triangles are too many; {}", count, fewer_triangles);
+    triangles = count;
+    alpha = has_alpha;
+    scene_generation = scene.generation();
+    ++generation;
+    program =
+        Program(scheduler.device(), SourceLibrary(),
+                {.name = "services/layered_raster",
+                 .files = {"lucarium/services/layered_raster/setup.cl", "lucarium/services/layered_raster/bins.cl"},
+                 .defines = defines()});
+    consumers.clear();
+    geometry = {};
+    geometry =
+        TypedBuffer<float>(scheduler.device(), owner, "de-indexed triangles",
+                           size_t{LAYERED_BLOCK_WORDS} * divide_up(std::max(1u, triangles), 16), fewer_triangles);
+    ScheduleRecorder recorder = scheduler.record("gather triangles", owner);
+    PassBuilder pass = recorder.pass("gather triangles", program, "layered_gather_triangles");
+    scene.bind(pass, program, "layered_gather_triangles");
+    pass.global(divide_up(std::max(1u, triangles), 16))
+        .local(1)
+        .arg("triangles", triangles)
+        .arg("layered_geometry", geometry);
+    gather = recorder.compile();
+  }
+  scheduler.run_to_end(gather);  // cancelled, it would leave triangles of zeros that nothing would gather again
+}
+
+LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const std::string& name,
+                                              const ViewRef& view) const {
+  const uint32_t blocks = divide_up(std::max(1u, triangles), 16);
+  const uint32_t tiles = divide_up(options.max_width, lanes) * divide_up(options.max_height, LAYERED_TILE_ROWS);
+  const uint32_t stride = divide_up(tiles + 1, 16) * 16;
+  LayeredBins bins;
+  bins.records = recorder.transient<LayeredRecord>(name + ".records", std::max(1u, triangles), fewer_triangles);
+  bins.bounds = recorder.transient<uint32_t>(name + ".bounds", 16 * blocks, fewer_triangles);
+  const BufferRef clip_counts = recorder.transient<uint32_t>(name + ".clip_counts", blocks);
+  bins.clipped = recorder.transient<uint32_t>(name + ".clipped", 1);
+  recorder.pass(name + ".set_up", program, "layered_set_up")
+      .global(blocks)
+      .local(1)
+      .arg("layered_views", view.views)
+      .arg("layered_view", view.index)
+      .arg("layered_geometry", geometry)
+      .arg("triangles", triangles)
+      .arg("layered_records", bins.records)
+      .arg("layered_bounds", bins.bounds)
+      .arg("layered_clip_counts", clip_counts)
+      .discards("layered_records")
+      .discards("layered_bounds")
+      .discards("layered_clip_counts");
+  primitives.record_exclusive_scan(recorder, name + ".clip_scan", clip_counts, clip_counts, bins.clipped, blocks);
+  bins.extra = recorder.transient_sized_by<LayeredRecord>(name + ".clip_records", bins.clipped, 0, LAYERED_CLIP_PARTS,
+                                                          smaller_film);
+  bins.clips =
+      recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
+  bins.extra_bounds =
+      recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
+  recorder.pass(name + ".clip", program, "layered_clip_triangles")
+      .global(blocks)
+      .local(1)
+      .arg("layered_views", view.views)
+      .arg("layered_view", view.index)
+      .arg("layered_geometry", geometry)
+      .arg("triangles", triangles)
+      .arg("layered_clip_counts", clip_counts)
+      .arg("layered_clipped", bins.clipped)
+      .arg("layered_extra", bins.extra)
+      .arg("layered_clips", bins.clips)
+      .arg("layered_extra_bounds", bins.extra_bounds)
+      .discards("layered_extra")
+      .discards("layered_clips")
+      .discards("layered_extra_bounds");
+  const BufferRef histogram = recorder.transient<uint32_t>(name + ".histogram", size_t{chunks} * stride, smaller_film);
+  bins.starts = recorder.transient<uint32_t>(name + ".starts", stride);
+  const BufferRef pair_count = recorder.transient<uint32_t>(name + ".pair_count", 1);
+  recorder.pass(name + ".count_bins", program, "layered_count_bins")
+      .global(chunks)
+      .local(1)
+      .arg("layered_bounds", bins.bounds)
+      .arg("layered_extra_bounds", bins.extra_bounds)
+      .arg("layered_clipped", bins.clipped)
+      .arg("triangles", triangles)
+      .arg("layered_views", view.views)
+      .arg("layered_view", view.index)
+      .arg("stride", stride)
+      .arg("layered_histogram", histogram)
+      .discards("layered_histogram");
+  recorder.pass(name + ".sum_bins", program, "layered_sum_bins")
+      .global(stride / 16)
+      .local(1)
+      .arg("layered_histogram", histogram)
+      .arg("stride", stride)
+      .arg("layered_starts", bins.starts)
+      .discards("layered_starts");
+  primitives.record_exclusive_scan(recorder, name + ".scan_bins", bins.starts, bins.starts, pair_count, stride);
+  bins.pairs = recorder.transient_sized_by<uint32_t>(name + ".pairs", pair_count, 0, 1, smaller_film);
+  recorder.pass(name + ".fill_bins", program, "layered_fill_bins")
+      .global(chunks)
+      .local(1)
+      .arg("layered_bounds", bins.bounds)
+      .arg("layered_extra_bounds", bins.extra_bounds)
+      .arg("layered_clipped", bins.clipped)
+      .arg("triangles", triangles)
+      .arg("layered_views", view.views)
+      .arg("layered_view", view.index)
+      .arg("stride", stride)
+      .arg("layered_histogram", histogram)
+      .arg("layered_starts", bins.starts)
+      .arg("layered_pairs", bins.pairs)
+      .discards("layered_pairs");
+  return bins;
+}
+
+void LayeredRaster::State::record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                                        const LayeredBins& bins, const Program& consumer, std::string_view kernel,
+                                        const std::function<void(PassBuilder&)>& bind) const {
+  const uint32_t rows = divide_up(options.max_height, LAYERED_TILE_ROWS);
+  for (uint32_t parity = 0; parity < std::min(2u, rows); ++parity) {
+    PassBuilder pass = recorder.pass(name + (parity ? ".odd_rows" : ".even_rows"), consumer, kernel);
+    pass.global(divide_up(rows - parity, 2))
+        .local(1)
+        .slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
+    bind_tiles(pass, view, bins, consumer, kernel, parity);
+    bind(pass);
+  }
+}
+
+void LayeredRaster::State::bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins,
+                                      const Program& consumer, std::string_view kernel, uint32_t parity) const {
+  if (alpha) scene.bind(pass, consumer, kernel);
+  pass.arg("layered_views", view.views)
+      .arg("layered_view", view.index)
+      .arg("layered_records", bins.records)
+      .arg("layered_extra", bins.extra)
+      .arg("layered_clips", bins.clips)
+      .arg("layered_triangles", triangles)
+      .arg("layered_starts", bins.starts)
+      .arg("layered_pairs", bins.pairs)
+      .arg("layered_parity", parity);
+}
+
+LayeredRaster::LayeredRaster(KernelScheduler& scheduler, const SceneBuffers& scene, const LayeredRasterOptions& options,
+                             const std::string& owner)
+    : state_(std::make_unique<State>(scheduler, scene, options, owner)) {}
+LayeredRaster::~LayeredRaster() = default;
+
+size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOptions& options, bool stored) {
+  constexpr size_t layers = 4;
+  const size_t blocks = (std::max<size_t>(1, triangles) + 15) / 16,
+               pixels = size_t{options.max_width} * options.max_height;
+  const size_t tiles = size_t{divide_up(options.max_width, lanes)} * divide_up(options.max_height, LAYERED_TILE_ROWS);
+  const size_t per_block = (LAYERED_BLOCK_WORDS + 16 + 1) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord);
+  const size_t pairs = 2 * triangles + layers * tiles;  // a triangle lies in a tile, or in all that it covers
+  const size_t bins = (size_t{chunks} + 1) * (tiles + 16) + pairs;
+  const size_t fragments = stored ? pixels * (sizeof(uint32_t) + layers * sizeof(LayeredFragment)) : 0;
+  return blocks * per_block + bins * sizeof(uint32_t) + fragments;
+}
+
+void LayeredRaster::update() { state_->follow(); }
+uint64_t LayeredRaster::generation() const { return state_->generation; }
+std::map<std::string, std::string> LayeredRaster::defines() const { return state_->defines(); }
+
+void LayeredRaster::record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                                 const Program& program, std::string_view kernel,
+                                 const std::function<void(PassBuilder&)>& bind) const {
+  state_->record_tiles(recorder, name, view, state_->record_bins(recorder, name, view), program, kernel, bind);
+}
+
+}  // namespace lucarium

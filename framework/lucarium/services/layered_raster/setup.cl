@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// From world-space triangles to LayeredRecords of a view: gather, project, snap, orient, bound. LAYERED_PERSPECTIVE and
+// LAYERED_CONSERVATIVE as LayeredRaster::defines() says.
+#include "lucarium/services/layered_raster/project.clh"
+
+// De-indexed positions in blocks of 16 triangles, component by component, so that set-up is all vector loads.
+__kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __global const Vertex* scene_vertices,
+                                       __global const Triangle* scene_triangles,
+                                       __global const Instance* scene_instances,
+                                       __global const Material* scene_materials, uint triangles,
+                                       __global float* layered_geometry) {
+  const uint block = get_global_id(0);
+  __global float* out = layered_geometry + block * LAYERED_BLOCK_WORDS;
+  for (uint lane = 0u; lane < 16u; ++lane) {
+    const uint index = block * 16u + lane;
+    float4 p[3] = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
+    uint flags = 0u;
+    if (index < triangles) {
+      const Triangle triangle = scene_triangles[index];
+      p[0] = scene_vertices[triangle.v0].position;
+      p[1] = scene_vertices[triangle.v1].position;
+      p[2] = scene_vertices[triangle.v2].position;
+      const uint material = scene_materials[scene_instances[triangle.instance].material].flags;
+      flags = material & (LUCARIUM_MATERIAL_MASK | LUCARIUM_MATERIAL_BLEND) ? LAYERED_RECORD_ALPHA : 0u;
+    }
+    for (uint corner = 0u; corner < 3u; ++corner) {
+      out[(3u * corner + 0u) * 16u + lane] = p[corner].x;
+      out[(3u * corner + 1u) * 16u + lane] = p[corner].y;
+      out[(3u * corner + 2u) * 16u + lane] = p[corner].z;
+    }
+    out[9u * 16u + lane] = as_float(flags);
+  }
+}
+
+// Records and tile bounds of 16 triangles. Triangles that must be clipped get no bounds here, but are counted.
+__kernel void layered_set_up(__global const LayeredView* layered_views, uint layered_view,
+                             __global const float* layered_geometry, uint triangles,
+                             __global LayeredRecord* layered_records, __global uint* layered_bounds,
+                             __global uint* layered_clip_counts) {
+  const uint block = get_global_id(0);
+  if (block * 16u >= triangles) return;
+  const LayeredView view = layered_views[layered_view];
+  __global const float* in = layered_geometry + block * LAYERED_BLOCK_WORDS;
+  LayeredCorner16 corners[3];
+  for (uint k = 0u; k < 3u; ++k)
+    corners[k] = layered_project16(&view, vload16(3u * k, in), vload16(3u * k + 1u, in), vload16(3u * k + 2u, in));
+  const int16 clip = layered_needs_clip16(&view, corners);
+  LayeredSetUp16 set = layered_set_up16(&view, corners, clip);
+  const uint16 flags = as_uint16(vload16(9, in)) | set.flags;
+  vstore16(set.bounds, block, layered_bounds);
+  const int16 ones = clip & 1;
+  const int8 eight = ones.lo + ones.hi;
+  const int4 four = eight.lo + eight.hi;
+  layered_clip_counts[block] = (uint)(four.x + four.y + four.z + four.w);
+  layered_store_records(layered_records + block * 16u, &set, block * 16u, flags, min(triangles - block * 16u, 16u));
+}
+
+// What clipping adds: parts of the clipped triangles of a block, LAYERED_CLIP_PARTS places each. `layered_clip_counts`
+// scanned.
+__kernel void layered_clip_triangles(__global const LayeredView* layered_views, uint layered_view,
+                                     __global const float* layered_geometry, uint triangles,
+                                     __global const uint* layered_clip_counts, __global const uint* layered_clipped,
+                                     __global LayeredRecord* layered_extra, __global LayeredClip* layered_clips,
+                                     __global uint* layered_extra_bounds) {
+  const uint block = get_global_id(0), blocks = (triangles + 15u) / 16u;
+  if (block >= blocks) return;
+  uint place = layered_clip_counts[block] * LAYERED_CLIP_PARTS;
+  const uint end = (block + 1u < blocks ? layered_clip_counts[block + 1u] : layered_clipped[0]) * LAYERED_CLIP_PARTS;
+  if (place == end) return;
+  const LayeredView view = layered_views[layered_view];
+  __global const float* in = layered_geometry + block * LAYERED_BLOCK_WORDS;
+  for (uint lane = 0u; lane < 16u; ++lane) {
+    LayeredCorner corners[3];
+    for (uint k = 0u; k < 3u; ++k)
+      corners[k] = layered_project(&view, in[3u * k * 16u + lane], in[(3u * k + 1u) * 16u + lane],
+                                   in[(3u * k + 2u) * 16u + lane]);
+    if (!layered_needs_clip(&view, corners)) continue;
+    layered_clip(&view, corners, block * 16u + lane, as_uint(in[9u * 16u + lane]), layered_extra, layered_clips,
+                 layered_extra_bounds, place);
+    place += LAYERED_CLIP_PARTS;
+  }
+}

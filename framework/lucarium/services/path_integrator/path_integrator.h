@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/film/film.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/services/path_set.h"
+
+namespace lucarium {
+
+enum class PathSampler { sobol, random };
+/// How light from emissive triangles and the environment is found: light samples and BSDF hits joined by the power
+/// heuristic (`mis`) or the balance heuristic, or one of them alone. Punctual lights are always sampled.
+enum class PathEstimator { mis, mis_balance, nee_only, bsdf_only };
+
+struct PathIntegratorOptions {
+  PathSet path_set;
+  PathEstimator estimator = PathEstimator::mis;
+  PathSampler sampler = PathSampler::sobol;
+  LightChoice light_choice = LightChoice::power;
+  bool roulette = true;                ///< ignored below 8 bounces
+  int roulette_start = 5;              ///< counted scatterings before Russian roulette may end a path
+  uint32_t replicates = 1;             ///< independently scrambled sample sets per pixel; error comes from their spread
+  uint32_t batch_paths = 1u << 20;     ///< most paths in flight
+  uint32_t samples_per_iteration = 1;  ///< per pixel
+};
+
+/// Wavefront path tracer over any Intersector (docs/path_tracing.md): camera paths → closest hit → shade (emission with
+/// MIS, light sample, BSDF sample) → shadow rays → add → compact. Deterministic: every path owns its sums, and a
+/// pixel's paths are added in sample order.
+class PathIntegrator {
+ public:
+  /// `path_set.max_bounces` is the limit; the frame's is not read.
+  PathIntegrator(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+                 const Frame& frame, const PathIntegratorOptions& options, const std::string& owner);
+  ~PathIntegrator();
+
+  /// Adds samples_per_iteration samples to every pixel. Returns false when cancelled midway: the iteration is then
+  /// discarded as a whole. Throws Error{technique} when a sample is NaN, infinite or negative.
+  bool iterate();
+  /// Starts again from zero samples.
+  void reset(uint64_t seed);
+  /// The same with another camera; image size and seed stay.
+  void set_frame(const Frame& frame);
+  void warm_up();
+
+  uint64_t samples() const;  ///< per pixel
+  /// Layers emission, direct, indirect; with replicates > 1 also "Variance" (of the mean, per channel).
+  void resolve(Film& film) const;
+  /// Image of each replicate, 3 floats per pixel; empty with one replicate. Their spread is the error of the mean.
+  std::vector<std::vector<float>> replicate_images() const;
+  /// paths, closest_rays, shadow_rays, nonfinite, terminated_by_cap, terminated_in_mirrors.
+  std::map<std::string, double> counters() const;
+  static size_t estimate_bytes(uint32_t width, uint32_t height, const PathIntegratorOptions& options);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucarium

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// The passes of PathIntegrator: generate once per batch, bounce as often as paths live, finish once per batch.
+#include <cstring>
+
+#include "lucarium/services/path_integrator/path_integrator_state.h"
+
+namespace lucarium {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+const char* const kLowerBatch = "lower the technique's batch_paths";
+
+}  // namespace
+
+void PathIntegrator::State::bind_scene(PassBuilder& pass, std::string_view kernel) const {
+  // SceneBuffers::bind(), but with the light table of the path set.
+  const auto bind = [&](std::string_view name, const Buffer& buffer) {
+    for (const KernelArgument& argument : program.signature(kernel).arguments)
+      if (argument.name == name) pass.arg(name, BufferRef(buffer));
+  };
+#define LUCARIUM_BIND_SCENE_BUFFER(type, name, meaning) \
+  bind(#name, light_table&& std::string_view(#name) == "scene_light_table" ? Buffer(light_table) : Buffer(scene.name));
+  LUCARIUM_SCENE_BUFFERS(LUCARIUM_BIND_SCENE_BUFFER)
+#undef LUCARIUM_BIND_SCENE_BUFFER
+}
+
+void PathIntegrator::State::record_generate() {
+  ScheduleRecorder recorder = scheduler.record("generate paths", owner);
+  generate_frame = recorder.variable("frame", frame);
+  generate_batch = recorder.variable("batch", PathBatch());
+  recorder.pass("generate camera paths", program, "generate_camera_paths")
+      .global(plan.paths())
+      .local(kLocalSize)
+      .arg("frame", generate_frame)
+      .arg("settings", settings)
+      .arg("batch", generate_batch)
+      .arg("rays", paths.rays)
+      .arg("queue", paths.queue)
+      .arg("active", paths.active)
+      .arg("path_throughput", paths.throughput)
+      .arg("path_state", paths.state)
+      .arg("path_radiance", paths.radiance);
+  generate = recorder.compile();
+}
+
+void PathIntegrator::State::record_bounce() {
+  ScheduleRecorder recorder = scheduler.record("bounce", owner);
+  bounce_batch = recorder.variable("batch", PathBatch());
+  const uint32_t capacity = plan.paths();
+  const BufferRef hits = recorder.transient<Hit>("hits", capacity, kLowerBatch);
+  const BufferRef next_rays = recorder.transient<Ray>("next rays", capacity, kLowerBatch);
+  const BufferRef next_queue = recorder.transient<uint32_t>("next queue", capacity, kLowerBatch);
+  const BufferRef alive = recorder.transient<uint32_t>("alive", capacity, kLowerBatch);
+  const BufferRef survivors = recorder.transient<uint32_t>("survivors", capacity, kLowerBatch);
+  const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
+  const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", capacity, kLowerBatch);
+  const BufferRef shadow_light = recorder.transient<float4>("light behind the shadow rays", capacity, kLowerBatch);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded", capacity, kLowerBatch);
+
+  intersector.record_closest(recorder, "closest hit", paths.rays, hits, paths.active, 0, capacity);
+  PassBuilder shade = recorder.pass("shade surface", program, "shade_surface");
+  bind_scene(shade, "shade_surface");
+  shade.global_by(paths.active)
+      .local(kLocalSize)
+      .arg("settings", settings)
+      .arg("batch", bounce_batch)
+      .arg("rays", paths.rays)
+      .arg("hits", hits)
+      .arg("queue", paths.queue)
+      .arg("active", paths.active)
+      .arg("path_throughput", paths.throughput)
+      .arg("path_state", paths.state)
+      .arg("path_radiance", paths.radiance)
+      .arg("next_rays", next_rays)
+      .arg("next_queue", next_queue)
+      .arg("alive", alive)
+      .arg("shadow_rays", shadow_rays)
+      .arg("shadow_light", shadow_light);
+  if (settings.flags & (LUCARIUM_PATH_SAMPLE_LIGHTS | LUCARIUM_PATH_PUNCTUAL)) {
+    intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, paths.active, 0, capacity);
+    recorder.pass("add unoccluded light", program, "add_unoccluded_light")
+        .global_by(paths.active)
+        .local(kLocalSize)
+        .arg("batch", bounce_batch)
+        .arg("queue", paths.queue)
+        .arg("active", paths.active)
+        .arg("shadow_rays", shadow_rays)
+        .arg("shadow_light", shadow_light)
+        .arg("occluded", occluded)
+        .arg("path_radiance", paths.radiance);
+  }
+  primitives.record_compact(recorder, "compact paths", alive, survivors, next_active, 0, paths.active, 0, capacity);
+  recorder.pass("advance paths", program, "advance_paths")
+      .global_by(paths.active)
+      .local(kLocalSize)
+      .arg("survivors", survivors)
+      .arg("next_active", next_active)
+      .arg("next_rays", next_rays)
+      .arg("next_queue", next_queue)
+      .arg("rays", paths.rays)
+      .arg("queue", paths.queue)
+      .arg("active", paths.active);
+  recorder.read_back("active paths", paths.active,
+                     [this](std::span<const std::byte> bytes) { std::memcpy(&active, bytes.data(), sizeof active); });
+  bounce = recorder.compile();
+}
+
+void PathIntegrator::State::record_finish() {
+  ScheduleRecorder recorder = scheduler.record("accumulate samples", owner);
+  finish_batch = recorder.variable("batch", PathBatch());
+  recorder.pass("accumulate layers", program, "accumulate_layers")
+      .global(plan.pixels_per_batch)
+      .local(kLocalSize)
+      .arg("settings", settings)
+      .arg("batch", finish_batch)
+      .arg("pixels", plan.pixels)
+      .arg("path_state", paths.state)
+      .arg("path_radiance", paths.radiance)
+      .arg("layer_sums", sums.layers)
+      .arg("pixel_shadow_rays", sums.shadow_rays)
+      .arg("counts", sums.counts);
+  for (uint32_t replicate = 0; replicate < sums.replicates.size(); ++replicate)
+    recorder.pass("accumulate replicate", program, "accumulate_replicate")
+        .global(plan.pixels_per_batch)
+        .local(kLocalSize)
+        .arg("settings", settings)
+        .arg("batch", finish_batch)
+        .arg("replicate", replicate)
+        .arg("path_radiance", paths.radiance)
+        .arg("replicate_sums", sums.replicates[replicate]);
+  recorder.read_back("nonfinite samples", sums.counts, [this](std::span<const std::byte> bytes) {
+    std::memcpy(&nonfinite, bytes.data() + LUCARIUM_PATH_COUNT_NONFINITE * sizeof nonfinite, sizeof nonfinite);
+  });
+  finish = recorder.compile();
+}
+
+}  // namespace lucarium

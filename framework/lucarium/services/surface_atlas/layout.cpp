@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/surface_atlas/layout.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/surface_atlas/chart.h"
+#include "lucarium/services/surface_atlas/grow.h"
+#include "lucarium/services/surface_atlas/table.h"
+#include "lucarium/services/surface_atlas/texcoord.h"
+
+namespace lucarium {
+
+namespace {
+
+constexpr int attempts = 4;               // at texel edges, until the wanted count is met
+constexpr double count_tolerance = 1.08;  // within which a count counts as met
+constexpr size_t parts = 64;              // independent of the number of threads, and so is the result
+
+void check(const AtlasLayoutOptions& options) {
+  if (options.texel_edge < 0 || !std::isfinite(options.texel_edge) ||
+      (options.texel_edge == 0 && options.texel_count == 0)) {
+    throw_error(ErrorClass::usage, "surface atlas: neither {} texels nor a texel edge of {} m can be had",
+                options.texel_count, options.texel_edge);
+  }
+  if (!(options.merge_threshold >= 0 && options.merge_threshold <= 1)) {
+    throw_error(ErrorClass::usage, "surface atlas: the merge threshold {} is outside 0 to 1", options.merge_threshold);
+  }
+}
+
+/// Area of all reflecting sides [m²].
+double side_area(const AtlasMesh& mesh) {
+  double sum = 0;
+  for (uint32_t t = 0; t < mesh.triangle_count(); ++t) sum += mesh.area[t] * (mesh.two_sided(t) ? 2 : 1);
+  return sum;
+}
+
+/// Asks whether to stop and tells how far it is.
+class Watch {
+ public:
+  explicit Watch(const AtlasLayoutOptions& options) : options_(options) {}
+  void at(double fraction, const char* stage) const {
+    if (options_.cancelled && options_.cancelled()) {
+      throw Error(ErrorClass::interrupted, "surface atlas: cancelled while it was built");
+    }
+    if (options_.progress) options_.progress(fraction, stage);
+  }
+
+ private:
+  const AtlasLayoutOptions& options_;
+};
+
+/// Runs job(0 … count-1) on some threads, each with a worker of its own. This thread takes part and alone calls `tick`,
+/// which may throw; the first exception ends the work and is thrown again.
+template <class MakeWorker>
+void run_jobs(size_t count, unsigned threads, const MakeWorker& make_worker, const std::function<void(size_t)>& tick) {
+  std::atomic<size_t> next{0};
+  std::atomic<bool> stop{false};
+  std::exception_ptr failure;
+  std::mutex failure_lock;
+  const auto work = [&](bool reports) {
+    try {
+      auto job = make_worker();
+      for (size_t i = next++; i < count && !stop; i = next++) {
+        if (reports) tick(i);
+        job(i);
+      }
+    } catch (...) {
+      const std::lock_guard lock(failure_lock);
+      if (!failure) failure = std::current_exception();
+      stop = true;
+    }
+  };
+  std::vector<std::thread> others;
+  for (unsigned i = 1; i < threads; ++i) others.emplace_back(work, false);
+  work(true);
+  for (std::thread& thread : others) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+std::vector<AtlasPart> place_charts(const AtlasMesh& mesh, const ChartSets& sets, const ChartSettings& settings,
+                                    unsigned threads, const std::function<void(double)>& tick) {
+  // Runs of sets with about as many triangles each.
+  std::vector<size_t> first_set{0};
+  const size_t share = sets.triangles.size() / parts + 1;
+  for (size_t c = 0; c < sets.count(); ++c)
+    if (sets.first[c + 1] - sets.first[first_set.back()] >= share) first_set.push_back(c + 1);
+  if (first_set.back() != sets.count()) first_set.push_back(sets.count());
+  std::vector<AtlasPart> result(first_set.size() - 1);
+  const auto make_worker = [&] {
+    return [&, placer = ChartPlacer(mesh, settings)](size_t job) mutable {
+      std::vector<uint32_t> triangles;
+      for (size_t c = first_set[job]; c < first_set[job + 1]; ++c) {
+        triangles.assign(sets.triangles.begin() + sets.first[c], sets.triangles.begin() + sets.first[c + 1]);
+        placer.place(triangles, sets.one_texel[c], result[job]);
+      }
+    };
+  };
+  run_jobs(result.size(), threads, make_worker, [&](size_t job) { tick(double(job) / double(result.size())); });
+  return result;
+}
+
+}  // namespace
+
+AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOptions& options) {
+  check(options);
+  const Watch watch(options);
+  watch.at(0, "welding");
+  const AtlasMesh mesh(geometry);
+  ChartSettings settings;
+  settings.merge_threshold = options.merge_threshold;
+  settings.texcoord_scale = check_texcoord1(mesh);
+  const GrownCharts grown =
+      grow_charts(mesh, settings.texcoord_scale, [&](double done) { watch.at(0.1 + 0.2 * done, "growing charts"); });
+  const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+  settings.edge =
+      options.texel_edge > 0 ? options.texel_edge : std::sqrt(side_area(mesh) / double(options.texel_count));
+  if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
+  std::vector<AtlasPart> best;
+  double best_edge = 0, best_off = INFINITY;
+  double share = 0.3;  // of the progress; most layouts need one attempt
+  for (int attempt = 0; attempt < attempts; ++attempt, share *= 0.5) {
+    const ChartSets sets = join_small_charts(mesh, grown, settings.edge);
+    std::vector<AtlasPart> placed = place_charts(
+        mesh, sets, settings, threads, [&](double done) { watch.at(0.9 - share * (2 - done), "placing charts"); });
+    absorb_fragments(mesh, settings, placed);
+    const double ratio = options.texel_edge > 0 ? 1 : double(slot_count(placed)) / double(options.texel_count);
+    const double off = std::fabs(std::log(std::max(ratio, 1e-9)));
+    const bool better = off < best_off;
+    const bool worth_another = ratio > 0 && off > std::log(count_tolerance) && off < 0.9 * best_off;
+    if (better) best = std::move(placed), best_edge = settings.edge, best_off = off;
+    if (!worth_another) break;
+    settings.edge *= std::sqrt(ratio);
+  }
+  watch.at(0.9, "joining charts");
+  AtlasLayout layout = join_parts(mesh, best, best_edge);
+  link_seams(mesh, best, layout);
+  fill_empty_cells(layout);
+  sample_texels(mesh, layout, options.samples);
+  return layout;
+}
+
+uint32_t atlas_cell(const AtlasTriangle& t, float b1, float b2) {
+  const auto along = [&](float a, float b, float c) {
+    const float x = a + b1 * (b - a) + b2 * (c - a);
+    return std::min(std::max(x, std::min(a, std::min(b, c))), std::max(a, std::max(b, c)));
+  };
+  return t.base + static_cast<uint32_t>(along(t.v0, t.v1, t.v2)) * t.pitch +
+         static_cast<uint32_t>(along(t.u0, t.u1, t.u2));
+}
+
+}  // namespace lucarium

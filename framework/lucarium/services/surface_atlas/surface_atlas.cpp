@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/surface_atlas/surface_atlas.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "lucarium/base/byte_size.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/scene/device/emission.h"
+#include "lucarium/services/surface_atlas/geometry.h"
+
+namespace lucarium {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+
+/// Area of all reflecting sides [m²].
+double scene_side_area(const Scene& scene) {
+  double sum = 0;
+  for (const SceneInstance& instance : scene.instances) {
+    const Mesh& mesh = instance.shape(scene);
+    const glm::mat3 linear(instance.world_from_object);
+    double area = 0;
+    for (const glm::uvec3& t : mesh.triangles) {
+      const glm::vec3 a = mesh.positions[t.x];
+      const glm::vec3 e1 = linear * (mesh.positions[t.y] - a), e2 = linear * (mesh.positions[t.z] - a);
+      area += 0.5 * static_cast<double>(glm::length(glm::cross(e1, e2)));
+    }
+    sum += area * (is_two_sided(scene.materials[static_cast<size_t>(instance.material)]) ? 2 : 1);
+  }
+  return sum;
+}
+
+void measure_texels(const AtlasLayout& layout, SurfaceAtlasReport& report) {
+  report.slots = layout.info.texel_count;
+  report.texels = layout.info.texel_count - layout.info.double_sided_count;
+  report.charts = layout.charts.size();
+  report.one_texel_charts = static_cast<uint64_t>(
+      std::count_if(layout.charts.begin(), layout.charts.end(), [](const AtlasChart& c) { return c.width == 1; }));
+  report.cells = layout.info.cell_count;
+  report.texel_edge = static_cast<double>(layout.info.texel_edge);
+  std::vector<double> areas;
+  for (const AtlasTexel& texel : layout.texels) {
+    report.area += static_cast<double>(texel.area);
+    areas.push_back(static_cast<double>(texel.area) / (report.texel_edge * report.texel_edge));
+  }
+  std::sort(areas.begin(), areas.end());
+  const auto percentile = [&](double p) {
+    return areas.empty() ? 0 : areas[static_cast<size_t>(p * static_cast<double>(areas.size() - 1))];
+  };
+  report.area_p5 = percentile(0.05), report.area_p50 = percentile(0.5), report.area_p95 = percentile(0.95);
+}
+
+}  // namespace
+
+struct SurfaceAtlas::State {
+  State(Device& device_, KernelScheduler& scheduler_, const SceneBuffers& scene_, const SurfaceAtlasOptions& options_,
+        const std::string& owner_)
+      : device(device_),
+        scheduler(scheduler_),
+        buffers(scene_),
+        options(options_),
+        owner(owner_),
+        program(device, SourceLibrary(),
+                {"services/surface_atlas",
+                 {"lucarium/services/surface_atlas/fill_surface_atlas.cl",
+                  "lucarium/services/surface_atlas/draw_atlas_layer.cl"},
+                 {}}) {
+    if (!options.cancelled) options.cancelled = interrupt_requested;
+  }
+
+  void build(const Scene& scene);
+  void refuse_if_too_large(const Scene& scene) const;
+  void upload(const AtlasLayout& layout);
+  void record();
+  void run(Schedule& schedule) { scheduler.run_to_end(schedule); }
+  void bind(PassBuilder& pass, const Program& kernels, std::string_view kernel) const;
+
+  Device& device;
+  KernelScheduler& scheduler;
+  const SceneBuffers& buffers;
+  SurfaceAtlasOptions options;
+  std::string owner;
+  Program program;
+  AtlasInfo info{};
+  SurfaceAtlasReport report;
+  std::vector<AtlasChart> charts;
+  std::vector<uint8_t> two_sided;
+  TypedBuffer<AtlasTriangle> triangles;
+  TypedBuffer<uint32_t> table;
+  TypedBuffer<uint8_t> links;
+  TypedBuffer<AtlasTexel> texels;
+  TypedBuffer<SurfacePoint> points;
+  TypedBuffer<AtlasMaterial> materials;
+  TypedBuffer<uint2> ranges;
+  TypedBuffer<AtlasPiece> pieces;
+  TypedBuffer<AtlasSample> samples;
+  Schedule place, shade;
+  uint64_t generation = 0, scene_generation = 0;
+};
+
+// Before the work, from the estimate: the host would need as much while it lays the atlas out.
+void SurfaceAtlas::State::refuse_if_too_large(const Scene& scene) const {
+  const MemoryAccount& account = device.memory();
+  const size_t least = estimate_bytes(scene, options) / 5 * 4;  // the estimate is good to a fifth
+  if (least <= account.total_bytes() - std::min(account.used_bytes(), account.total_bytes())) return;
+  throw_error(ErrorClass::device, "surface atlas: about {} are needed, but {} of {} are in use; {}",
+              format_bytes(estimate_bytes(scene, options)), format_bytes(account.used_bytes()),
+              format_bytes(account.total_bytes()), options.remedy);
+}
+
+void SurfaceAtlas::State::build(const Scene& scene) {
+  const auto start = std::chrono::steady_clock::now();
+  place = {}, shade = {};
+  triangles = {}, table = {}, links = {}, texels = {}, points = {}, materials = {}, ranges = {}, pieces = {},
+  samples = {};
+  two_sided = two_sided_instances(scene);
+  refuse_if_too_large(scene);
+  AtlasLayout layout = make_atlas_layout(read_atlas_geometry(scene, buffers, options.use_texcoord1), options);
+  report = {};
+  measure_texels(layout, report);
+  info = layout.info;
+  charts = std::move(layout.charts);
+  upload(layout);
+  ++generation;
+  record();
+  run(place);
+  run(shade);
+  scheduler.finish();
+  report.bytes = triangles.bytes() + table.bytes() + links.bytes() + texels.bytes() + points.bytes() +
+                 materials.bytes() + ranges.bytes() + pieces.bytes() + (options.samples > 0 ? samples.bytes() : 0);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (options.progress) options.progress(1, "done");
+}
+
+void SurfaceAtlas::State::upload(const AtlasLayout& layout) {
+  const auto store = [&](auto& buffer, const char* name, const auto& values) {
+    buffer = std::remove_reference_t<decltype(buffer)>(device, owner, name, values, options.remedy);
+  };
+  store(triangles, "atlas triangles", layout.triangles);
+  store(table, "atlas table", layout.table);
+  store(links, "atlas links", layout.links);
+  store(texels, "atlas texels", layout.texels);
+  store(ranges, "atlas ranges", layout.ranges);
+  store(pieces, "atlas pieces", layout.pieces);
+  if (options.samples > 0) store(samples, "atlas samples", layout.samples);
+  points = TypedBuffer<SurfacePoint>(device, owner, "atlas points", info.texel_count, options.remedy);
+  materials = TypedBuffer<AtlasMaterial>(device, owner, "atlas materials", info.texel_count, options.remedy);
+}
+
+void SurfaceAtlas::State::record() {
+  const size_t slots = std::max<size_t>(1, info.texel_count);
+  ScheduleRecorder placing = scheduler.record("place atlas slots", owner);
+  PassBuilder place_pass = placing.pass("place atlas slots", program, "place_atlas_slots");
+  buffers.bind(place_pass, program, "place_atlas_slots");
+  bind(place_pass, program, "place_atlas_slots");
+  place_pass.global(slots).local(kLocalSize);
+  place = placing.compile();
+  ScheduleRecorder shading = scheduler.record("shade atlas slots", owner);
+  PassBuilder shade_pass = shading.pass("shade atlas slots", program, "shade_atlas_slots");
+  buffers.bind(shade_pass, program, "shade_atlas_slots");
+  bind(shade_pass, program, "shade_atlas_slots");
+  shade_pass.global(slots).local(kLocalSize);
+  shade = shading.compile();
+  scene_generation = buffers.generation();
+}
+
+void SurfaceAtlas::State::bind(PassBuilder& pass, const Program& kernels, std::string_view kernel) const {
+  for (const KernelArgument& argument : kernels.signature(kernel).arguments) {
+    if (argument.name == "atlas_info") pass.arg(argument.name, info);
+    const auto bind_if_named = [&](std::string_view name, const Buffer& buffer) {
+      if (argument.name == name) pass.arg(name, buffer);
+    };
+    bind_if_named("atlas_triangles", triangles);
+    bind_if_named("atlas_table", table);
+    bind_if_named("atlas_links", links);
+    bind_if_named("atlas_texels", texels);
+    bind_if_named("atlas_points", points);
+    bind_if_named("atlas_materials", materials);
+    bind_if_named("atlas_ranges", ranges);
+    bind_if_named("atlas_pieces", pieces);
+    bind_if_named("atlas_samples", samples);
+  }
+}
+
+SurfaceAtlas::SurfaceAtlas(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+                           const SurfaceAtlasOptions& options, const std::string& owner)
+    : state_(std::make_unique<State>(device, scheduler, buffers, options, owner)) {
+  state_->build(scene);
+}
+
+SurfaceAtlas::~SurfaceAtlas() = default;
+
+void SurfaceAtlas::refit(const Scene& scene, const SceneChange& change) {
+  State& s = *state_;
+  if (change.topology || two_sided_instances(scene) != s.two_sided) return s.build(scene);
+  if (!change.geometry() && change.materials.empty()) return;
+  if (s.scene_generation != s.buffers.generation()) s.record();
+  if (change.geometry()) s.run(s.place);
+  s.run(s.shade);
+}
+
+void SurfaceAtlas::resolve(const TypedBuffer<GBufferPoint>& points, Film& film) const {
+  State& s = *state_;
+  const uint32_t count = static_cast<uint32_t>(points.count());
+  if (count != film.pixel_count()) throw Error(ErrorClass::internal, "the film has another size than the G-buffer");
+  const TypedBuffer<float4> colors(s.device, s.owner, "atlas layer", count);
+  ScheduleRecorder recorder = s.scheduler.record("draw atlas layer", s.owner);
+  PassBuilder pass = recorder.pass("draw atlas layer", s.program, "draw_atlas_layer");
+  s.bind(pass, s.program, "draw_atlas_layer");
+  pass.global(count).local(kLocalSize).arg("points", points).arg("count", count).arg("colors", colors);
+  Schedule schedule = recorder.compile();
+  s.run(schedule);
+  s.scheduler.finish();
+  FilmLayer& layer = film.layer("atlas");
+  layer.pixels.clear();
+  for (const float4& color : colors.download()) layer.pixels.insert(layer.pixels.end(), {color.x, color.y, color.z});
+}
+
+std::vector<float4> SurfaceAtlas::slot_colors() const {
+  State& s = *state_;
+  if (s.info.texel_count == 0) return {};
+  const TypedBuffer<float4> colors(s.device, s.owner, "atlas colors", s.info.texel_count, s.options.remedy);
+  ScheduleRecorder recorder = s.scheduler.record("color atlas slots", s.owner);
+  recorder.pass("color atlas slots", s.program, "color_atlas_slots")
+      .global(s.info.texel_count)
+      .local(kLocalSize)
+      .arg("count", s.info.texel_count)
+      .arg("colors", colors);
+  Schedule schedule = recorder.compile();
+  s.run(schedule);
+  s.scheduler.finish();
+  return colors.download();
+}
+
+double SurfaceAtlas::estimate_edge(const Scene& scene, const AtlasLayoutOptions& options) {
+  if (options.texel_edge > 0) return options.texel_edge;
+  return std::sqrt(scene_side_area(scene) / static_cast<double>(std::max<uint64_t>(1, options.texel_count)));
+}
+
+size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {
+  // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
+  const double wanted = options.texel_edge > 0 ? scene_side_area(scene) / (options.texel_edge * options.texel_edge)
+                                               : static_cast<double>(options.texel_count);
+  const size_t slots = static_cast<size_t>(std::min(wanted, 1e14));
+  const size_t triangles = static_cast<size_t>(scene.triangle_count());
+  const size_t per_slot = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2) +
+                          options.samples * sizeof(AtlasSample);
+  return slots * (per_slot + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(AtlasPiece) / 2) +
+         triangles * (sizeof(AtlasTriangle) + 2 * sizeof(AtlasPiece));
+}
+
+void SurfaceAtlas::warm_up() {
+  state_->scheduler.warm_up(state_->place);
+  state_->scheduler.warm_up(state_->shade);
+}
+
+void SurfaceAtlas::bind(PassBuilder& pass, const Program& program, std::string_view kernel) const {
+  state_->bind(pass, program, kernel);
+}
+
+uint64_t SurfaceAtlas::generation() const { return state_->generation; }
+const AtlasInfo& SurfaceAtlas::info() const { return state_->info; }
+const SurfaceAtlasReport& SurfaceAtlas::report() const { return state_->report; }
+const TypedBuffer<AtlasTriangle>& SurfaceAtlas::triangles() const { return state_->triangles; }
+const TypedBuffer<uint32_t>& SurfaceAtlas::table() const { return state_->table; }
+const TypedBuffer<uint8_t>& SurfaceAtlas::links() const { return state_->links; }
+const TypedBuffer<AtlasTexel>& SurfaceAtlas::texels() const { return state_->texels; }
+const TypedBuffer<SurfacePoint>& SurfaceAtlas::surface_points() const { return state_->points; }
+const TypedBuffer<AtlasMaterial>& SurfaceAtlas::materials() const { return state_->materials; }
+const TypedBuffer<uint2>& SurfaceAtlas::ranges() const { return state_->ranges; }
+const TypedBuffer<AtlasPiece>& SurfaceAtlas::pieces() const { return state_->pieces; }
+const TypedBuffer<AtlasSample>& SurfaceAtlas::samples() const { return state_->samples; }
+const std::vector<AtlasChart>& SurfaceAtlas::charts() const { return state_->charts; }
+
+}  // namespace lucarium

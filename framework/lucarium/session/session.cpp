@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/session/session.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <new>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/log.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/version.h"
+
+namespace lucarium {
+namespace {
+
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Calls into a technique: whatever it throws leaves as lucarium::Error with its name before the message.
+template <class Call>
+auto call_technique(const TechniqueInfo& info, Call&& call) {
+  try {
+    return call();
+  } catch (const Error& error) {
+    throw error.with_context(info.name);
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throw_error(ErrorClass::technique, "{}: {}", info.name, error.what());
+  }
+}
+
+/// What a technique may not hand out: layers of the wrong size, NaN, infinity. Negative radiance is told.
+void check_film(const Film& film, const TechniqueInfo& info) {
+  bool additive = false;
+  for (const FilmLayer& layer : film.layers()) {
+    additive |= layer.additive;
+    if (layer.pixels.size() != film.pixel_count() * layer.channels.size() ||
+        (layer.additive && layer.channels.size() != 3)) {
+      throw_error(ErrorClass::technique, "{}: layer {} has {} values for {} pixels of {} channels", info.name,
+                  layer.name, layer.pixels.size(), film.pixel_count(), layer.channels.size());
+    }
+  }
+  if (!additive) throw_error(ErrorClass::technique, "{}: gave no layer that is part of the image", info.name);
+  const BadPixels bad = film.count_bad_pixels();
+  const std::string where =
+      fmt::format("the first in layer {} at pixel ({}, {})", bad.first_layer, bad.first_x, bad.first_y);
+  if (bad.nan + bad.infinite > 0) {
+    throw_error(ErrorClass::technique, "{}: {} values are NaN and {} infinite, {}", info.name, bad.nan, bad.infinite,
+                where);
+  }
+  if (bad.negative > 0) log_warning("{}: {} values are negative, {}", info.name, bad.negative, where);
+}
+
+}  // namespace
+
+void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
+  const Capabilities& can = info.capabilities;
+  if (settings.width == 0 || settings.height == 0 || uint64_t{settings.width} * settings.height > (uint64_t{1} << 28)) {
+    throw_error(ErrorClass::usage, "--size {}x{} is not an image size this program renders", settings.width,
+                settings.height);
+  }
+  if (can.max_bounces >= 0 && (settings.max_bounces < 0 || settings.max_bounces > can.max_bounces)) {
+    throw_error(ErrorClass::technique, "{} computes at most {} bounces; give --max-bounces {} or fewer", info.name,
+                can.max_bounces, can.max_bounces);
+  }
+  if (std::find(can.pixel_sampling.begin(), can.pixel_sampling.end(), settings.pixel_sampling) ==
+      can.pixel_sampling.end()) {
+    throw_error(ErrorClass::technique, "{} cannot sample pixels in mode {} (0 jitter, 1 centre, n grid); it knows {}",
+                info.name, settings.pixel_sampling, fmt::join(can.pixel_sampling, ", "));
+  }
+}
+
+size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const Scene& scene,
+                    const RenderSettings& settings) {
+  const size_t bvh = info.capabilities.uses_bvh ? Bvh::estimate_bytes(scene) : 0;
+  return SceneBuffers::estimate_bytes(scene) + bvh + technique.estimate_bytes(scene, settings);
+}
+
+namespace {
+
+/// What lowers the need for memory: settings of the framework, and the technique's parameters that do when they are
+/// halved (those whose least value stands for an automatic choice: when they are 1 instead), largest savings first.
+std::string describe_remedy(Technique& technique, const Scene& scene, const RenderSettings& settings) {
+  constexpr double least_saving = 0.1;
+  constexpr size_t most_named = 3;
+  const auto bytes = static_cast<double>(technique.estimate_bytes(scene, settings));
+  std::vector<std::pair<double, std::string>> savings;
+  for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
+    if (entry.info.type != "int") continue;
+    const std::string value = entry.get();
+    const long number = std::stol(value);
+    for (const long less : {number / 2, number - 1, 1L}) {
+      double saved = 0;
+      try {
+        entry.set(std::to_string(less));
+        saved = bytes - static_cast<double>(technique.estimate_bytes(scene, settings));
+      } catch (const Error&) {  // no value that it takes
+      }
+      entry.set(value);
+      if (saved < least_saving * bytes) continue;
+      savings.emplace_back(saved, entry.info.name);
+      break;
+    }
+  }
+  std::sort(savings.rbegin(), savings.rend());
+  savings.resize(std::min(savings.size(), most_named));
+  std::string remedy = "lower --size or --texture-size";
+  for (const auto& [saved, name] : savings) remedy += fmt::format(", {}", name);
+  return remedy;
+}
+
+}  // namespace
+
+struct RenderSession::State {
+  // In order of construction; the technique goes first at the end, then what it refers to.
+  TechniqueType type;
+  std::shared_ptr<Device> device;
+  Scene scene;
+  RenderSettings settings;
+  KernelScheduler scheduler;
+  std::unique_ptr<SceneBuffers> buffers;
+  std::unique_ptr<Bvh> bvh;
+  std::unique_ptr<Technique> technique;
+  std::vector<std::string> limitations;
+  Clocks clocks;
+  IterationResult last;
+  uint64_t iterations = 0;
+  OnPreparing on_preparing;
+
+  State(std::shared_ptr<Device> d, Scene s, TechniqueType t, RenderSettings r, OnPreparing p)
+      : type(std::move(t)),
+        device(std::move(d)),
+        scene(std::move(s)),
+        settings(std::move(r)),
+        scheduler(device),
+        on_preparing(std::move(p)) {
+    if (!on_preparing) on_preparing = [](double, const std::string&) {};
+  }
+
+  Bvh& built_bvh() {
+    if (!type.info().capabilities.uses_bvh)
+      throw_error(ErrorClass::technique, "it asks for the BVH but declares uses_bvh = false");
+    if (!bvh) {
+      const Stopwatch watch;
+      const double compiled = device->program_seconds();
+      bvh = std::make_unique<Bvh>(*device, scene, *buffers);
+      clocks.bvh += watch.seconds() - (device->program_seconds() - compiled);
+    }
+    return *bvh;
+  }
+
+  /// Runs `work` and books its wall time, less kernel compilation and BVH building, which have clocks of their own.
+  template <class Work>
+  void timed(double& clock, Work&& work) {
+    const Stopwatch watch;
+    const double compiled = device->program_seconds(), built = clocks.bvh;
+    work();
+    const double compile = device->program_seconds() - compiled;
+    clocks.compile += compile;
+    clock += watch.seconds() - compile - (clocks.bvh - built);
+  }
+
+  /// Refuses a change that the technique does not declare, before anything is touched.
+  void require_change(const SceneChange& change) const {
+    const std::vector<std::string>& can = type.info().capabilities.changes;
+    const auto require = [&](bool happens, const char* kind) {
+      if (!happens || std::find(can.begin(), can.end(), kind) != can.end()) return;
+      throw_error(ErrorClass::technique, "cannot follow a change of {}; it knows {}; render the time alone with --at",
+                  kind, fmt::join(can, ", "));
+    };
+    require(change.camera, "camera");
+    require(!change.moved_instances.empty(), "transforms");
+    require(!change.deformed_instances.empty(), "deformation");
+    require(!change.materials.empty(), "materials");
+    require(change.lights || change.environment, "lights");
+    require(change.topology, "topology");
+  }
+
+  /// Brings everything up to date and starts anew; clocks and counts then are those of the new state.
+  void apply(const SceneChange& change) {
+    require_change(change);
+    clocks = {};
+    last = {};
+    iterations = 0;
+    if (!change.any()) {
+      technique->reset(settings.seed);
+      return;
+    }
+    timed(clocks.upload, [&] { buffers->update(scene, change); });
+    // Materials too: traversal is compiled for whether any is MASK or BLEND.
+    if (bvh && (change.geometry() || !change.materials.empty()))
+      timed(clocks.bvh, [&] { bvh->update(scene, *buffers, change); });
+    timed(clocks.prepare, [&] { technique->update(change); });
+  }
+
+  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters) {
+    technique->parameters().set_all(parameters);
+    limitations = technique->limitations(scene, settings);
+    const size_t bytes = needed_bytes(type.info(), *technique, scene, settings);
+    const MemoryAccount& memory = device->memory();
+    if (bytes > memory.total_bytes() - memory.used_bytes())
+      memory.require_total("scene, BVH and technique", "all buffers", bytes,
+                           describe_remedy(*technique, scene, settings));
+    on_preparing(-1, "upload");
+    timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
+    const TechniqueContext context{device,   scheduler,   scene, *buffers, [this]() -> Bvh& { return built_bvh(); },
+                                   settings, on_preparing};
+    on_preparing(-1, "kernels");
+    timed(clocks.prepare, [&] { technique->prepare(context); });
+    on_preparing(-1, "kernels");
+    timed(clocks.warm_up, [&] { technique->warm_up(); });
+    scheduler.reset_profile();
+  }
+};
+
+RenderSession::RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type,
+                             RenderSettings settings,
+                             const std::vector<std::pair<std::string, std::string>>& parameters,
+                             OnPreparing on_preparing) {
+  check_settings(type.info(), settings);
+  state_ =
+      std::make_unique<State>(std::move(device), std::move(scene), type, std::move(settings), std::move(on_preparing));
+  state_->technique = type.create();
+  call_technique(type.info(), [&] { state_->prepare(parameters); });
+}
+
+RenderSession::~RenderSession() = default;
+
+Technique& RenderSession::technique() { return *state_->technique; }
+const Scene& RenderSession::scene() const { return state_->scene; }
+const RenderSettings& RenderSession::settings() const { return state_->settings; }
+KernelScheduler& RenderSession::scheduler() { return state_->scheduler; }
+const RenderSession::Clocks& RenderSession::clocks() const { return state_->clocks; }
+const std::vector<std::string>& RenderSession::limitations() const { return state_->limitations; }
+uint64_t RenderSession::iterations() const { return state_->iterations; }
+IterationResult RenderSession::last() const { return state_->last; }
+
+IterationResult RenderSession::iterate() {
+  State& s = *state_;
+  call_technique(s.type.info(), [&] { s.timed(s.clocks.iterate, [&] { s.last = s.technique->iterate(); }); });
+  ++s.iterations;
+  return s.last;
+}
+
+bool RenderSession::run(const RenderBudget& budget, const std::function<bool(const IterationResult&)>& on_progress) {
+  const double spent = state_->clocks.iterate;
+  const uint64_t done = state_->iterations;
+  while (!state_->last.converged) {
+    if (interrupt_requested()) return true;
+    if (budget.iterations > 0 && state_->iterations - done >= budget.iterations) break;
+    if (budget.seconds > 0 && state_->clocks.iterate - spent >= budget.seconds) break;
+    if (budget.samples > 0 && state_->last.samples >= budget.samples) break;
+    iterate();
+    if (on_progress && !on_progress(state_->last)) break;
+  }
+  return interrupt_requested();
+}
+
+void RenderSession::restart(uint64_t seed) {
+  State& s = *state_;
+  s.settings.seed = seed;
+  s.last = {};
+  s.iterations = 0;
+  call_technique(s.type.info(), [&] { s.technique->reset(seed); });
+}
+
+void RenderSession::set_time(double seconds) {
+  change_scene([seconds](Scene& scene) { return evaluate(scene, seconds, scene.animation); });
+}
+
+void RenderSession::set_camera(const SceneCamera& camera) {
+  State& s = *state_;
+  s.settings.camera = camera;
+  SceneChange change;
+  change.camera = true;
+  change.time = s.scene.time;
+  call_technique(s.type.info(), [&] { s.apply(change); });
+}
+
+void RenderSession::change_scene(const std::function<SceneChange(Scene&)>& edit) {
+  State& s = *state_;
+  const SceneChange change = edit(s.scene);
+  if (change.camera) s.settings.camera = s.scene.cameras.front();
+  if (change.any() || s.iterations > 0) call_technique(s.type.info(), [&] { s.apply(change); });
+}
+
+Film RenderSession::resolve() {
+  State& s = *state_;
+  Film film(s.settings.width, s.settings.height);
+  call_technique(s.type.info(), [&] { s.technique->resolve(film); });
+  check_film(film, s.type.info());
+  const DeviceInfo& device = s.device->info();
+  // What the technique itself says stays, but not under these names.
+  std::map<std::string, std::string> metadata = {{"technique", s.type.info().name},
+                                                 {"parameters", s.technique->parameters().to_string()},
+                                                 {"path_set", s.technique->path_set(s.scene, s.settings).to_string()},
+                                                 {"scene", s.scene.source},
+                                                 {"scene_hash", s.scene.hash().hex()},
+                                                 {"scene_time_seconds", fmt::format("{}", s.scene.time)},
+                                                 {"max_bounces", std::to_string(s.settings.max_bounces)},
+                                                 {"pixel_sampling", std::to_string(s.settings.pixel_sampling)},
+                                                 {"samples", std::to_string(s.last.samples)},
+                                                 {"iterations", std::to_string(s.iterations)},
+                                                 {"seconds", fmt::format("{:.3f}", s.clocks.iterate)},
+                                                 {"seed", std::to_string(s.settings.seed)},
+                                                 {"device", device.name},
+                                                 {"driver", device.driver_version},
+                                                 {"version", LUCARIUM_VERSION}};
+  metadata.merge(film.metadata);
+  film.metadata = std::move(metadata);
+  return film;
+}
+
+}  // namespace lucarium

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lucarium/technique/plugin.h"
+
+namespace lucarium {
+
+/// How long to render; whichever ends first, 0: no limit. Checked between iterations.
+struct RenderBudget {
+  double seconds = 0;  ///< of iterating
+  uint64_t iterations = 0;
+  uint64_t samples = 0;  ///< per pixel
+};
+
+/// Refuses settings that a technique does not declare: image size, bounces, pixel sampling. Throws Error.
+void check_settings(const TechniqueInfo& info, const RenderSettings& settings);
+/// Device bytes that rendering will take: scene, BVH where the technique uses one, and technique, as they state it.
+size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const Scene& scene,
+                    const RenderSettings& settings);
+
+/// One technique on one scene on one device: owns scene buffers, BVH, scheduler and the technique, in the right order,
+/// with clocks. The programs render and compare, and tests, all go through it.
+class RenderSession {
+ public:
+  /// Wall times [s] of the present state of the scene; each leaves out what the others count.
+  struct Clocks {
+    double upload = 0, bvh = 0, compile = 0, prepare = 0, warm_up = 0, iterate = 0;
+  };
+
+  /// How far the work before the first iteration is: `fraction` (negative: unknown), and what is being done.
+  using OnPreparing = std::function<void(double fraction, const std::string& stage)>;
+
+  /// Applies `parameters` (name, value), checks capabilities and memory, uploads the scene, prepares and warms up.
+  /// `on_preparing` is kept, for later changes of the scene.
+  RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
+                const std::vector<std::pair<std::string, std::string>>& parameters = {}, OnPreparing on_preparing = {});
+  ~RenderSession();
+
+  Technique& technique();
+  const Scene& scene() const;
+  const RenderSettings& settings() const;
+  KernelScheduler& scheduler();
+  const Clocks& clocks() const;
+  const std::vector<std::string>& limitations() const;
+
+  IterationResult iterate();
+  /// Iterates until the budget is used up, converged or interrupted, or `on_progress`, called after each iteration,
+  /// returns false. Returns whether it was interrupted.
+  bool run(const RenderBudget& budget, const std::function<bool(const IterationResult&)>& on_progress = {});
+  uint64_t iterations() const;
+  IterationResult last() const;
+
+  /// Starts anew from zero samples with another seed; the clocks run on.
+  void restart(uint64_t seed);
+  /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique. Clocks and
+  /// iterations then count from there.
+  void set_time(double seconds);
+  void set_camera(const SceneCamera& camera);
+  /// The same for any change: `edit` alters the scene and says what it altered.
+  void change_scene(const std::function<SceneChange(Scene&)>& edit);
+
+  /// Film with layers and metadata (technique, parameters, scene hash, samples, seconds, seed, device, driver,
+  /// version). Throws Error{technique} for NaN or infinite values, naming the first; negative ones are a warning.
+  Film resolve();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucarium

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/film/film.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/scene/scene.h"
+#include "lucarium/services/path_set.h"
+#include "lucarium/technique/parameters.h"
+
+namespace lucarium {
+
+class Bvh;
+
+/// Settings that belong to the framework and are the same for all techniques of a comparison.
+struct RenderSettings {
+  uint32_t width = 640, height = 360;
+  uint32_t pixel_sampling = 0;  ///< LUCARIUM_PIXEL_JITTER, _CENTRE, or n ≥ 2 for n×n
+  int max_bounces = -1;         ///< -1: unlimited
+  uint64_t seed = 1;
+  SceneCamera camera;
+};
+
+/// The 32 bits of a seed that kernels get.
+inline uint32_t kernel_seed(uint64_t seed) { return static_cast<uint32_t>(seed ^ (seed >> 32)); }
+
+/// The settings as kernels see them: camera for the image's aspect, size, pixel sampling, seed, bounces.
+Frame make_frame(const RenderSettings& settings);
+
+/// What a technique works with. All references outlive the technique.
+struct TechniqueContext {
+  std::shared_ptr<Device> device;
+  KernelScheduler& scheduler;
+  const Scene& scene;
+  const SceneBuffers& scene_buffers;
+  /// The scene's BVH, built at the first call (services/bvh.h) and kept up to date by the framework.
+  std::function<Bvh&()> bvh;
+  const RenderSettings& settings;
+  /// Tells how far a prepare() or update() is that takes seconds: `fraction` of the work (negative: unknown), and what
+  /// is being done. May be called at any rate, from the calling thread; never empty.
+  std::function<void(double fraction, const std::string& stage)> progress;
+};
+
+/// Can this be done, and if not, what is lost: checked before a run, printed and kept in the report.
+struct Capabilities {
+  std::vector<std::string> lights;  ///< of point, spot, directional, emissive, environment
+  std::vector<std::string>
+      materials;                     ///< of diffuse, glossy, mirror, refraction, transmission, mask, blend, normal_map
+  std::vector<std::string> changes;  ///< of camera, transforms, deformation, materials, lights, topology
+  int max_bounces = -1;              ///< most it can do; -1: unlimited
+  bool progressive = true;           ///< iterations converge; false: one iteration is the result
+  bool view_independent = false;     ///< a camera change keeps its data
+  bool uses_bvh = true;              ///< may call context.bvh(); if not, none is counted in the memory that is needed
+  bool sample_streams = false;       ///< independent replicates may be merged by sample count
+  double bias = 0;  ///< systematic error it admits to, root mean square over 8×8 pixel blocks relative to
+                    ///< the image's; 0: none. `lucarium check` holds it to that.
+  std::vector<uint32_t> pixel_sampling = {0, 1};  ///< modes supported
+};
+
+struct TechniqueInfo {
+  std::string name, version, summary;
+  std::string citation;  ///< of the paper, or empty
+  Capabilities capabilities;
+  std::vector<std::string> layers;  ///< additive ones and further ones it writes
+};
+
+/// State of progress after an iterate().
+struct IterationResult {
+  bool converged = false;  ///< nothing more to do: all is done, or as accurate as wanted
+  double progress = 0;     ///< of a known amount of work, 0…1; negative: unknown
+  uint64_t samples = 0;    ///< per pixel so far, or the technique's own unit
+  std::string
+      phase;  ///< "propagate", "gather"; shown beside the progress. When converged, why: "all 200 rounds are done"
+  bool visible = false;  ///< resolve() has a picture worth keeping though `samples` is 0: a coarse or an unfinished one
+};
+
+/// A technique instance. Life cycle: construct → (set parameters) → prepare → { update | iterate | resolve | reset }*.
+/// Same seed, device and parameters: the same image, bit for bit, whatever the clock says.
+class Technique {
+ public:
+  virtual ~Technique() = default;
+
+  virtual ParameterTable& parameters() = 0;
+  /// Which paths are computed with the current parameters on this scene; callable before prepare().
+  virtual PathSet path_set(const Scene& scene, const RenderSettings& settings) const = 0;
+  /// What of this scene it cannot do, one line each; empty: everything.
+  virtual std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const = 0;
+  /// Device bytes it will allocate, stated before it does.
+  virtual size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const = 0;
+
+  /// Compiles programs, allocates, records schedules; short. Long precomputation is made of iterations, or tells its
+  /// progress and ends soon with Error{interrupted} when interrupt_requested() (base/interrupt.h).
+  virtual void prepare(const TechniqueContext& context) = 0;
+  /// The scene or camera changed; buffers are already up to date.
+  virtual void update(const SceneChange& change) = 0;
+  /// Does one iteration (aim: ≤ 250 ms of device time; its size never depends on a clock). Where the scheduler's run()
+  /// says `cancelled`, the state must be what it was before the iteration, so that resolve() gives a true image.
+  virtual IterationResult iterate() = 0;
+  /// Fills the film's layers from the current state; legal after any iterate, changes nothing.
+  virtual void resolve(Film& film) = 0;
+  virtual void reset(uint64_t seed) = 0;
+  /// Launches every kernel once without touching state, so that drivers compile outside the clocks.
+  virtual void warm_up() = 0;
+  /// Counters for the report ("rays", "paths", "nonfinite"), cumulative.
+  virtual std::map<std::string, double> counters() const { return {}; }
+};
+
+}  // namespace lucarium

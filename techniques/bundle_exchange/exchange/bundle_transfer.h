@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "bundle_exchange/directions/bundle_view.h"
+#include "bundle_exchange/pixels/pixel_gather.h"
+#include "bundle_exchange/senders/slot_means.h"
+#include "bundle_exchange/texels/slot_openness.h"
+#include "lucarium/services/layered_raster/layered_raster.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
+
+namespace lucarium::bundle {
+
+/// Exchange along all rays of one direction: the scene is drawn orthographically with every fragment. Either
+/// consecutive fragments of a pixel give each other what they send (exchange_rows.cl), or slots look themselves up in
+/// the film (exchange_texels.cl).
+class BundleTransfer {
+ public:
+  struct Options {
+    float pixel_size = 0.5f;  ///< edge of a film pixel in texel edges; larger where texels would cover more than 16
+    Transfer transfer = Transfer::ray;
+    const PixelGather* gather = nullptr;  ///< must outlive this; null: pixels gather nothing
+  };
+  BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const SlotExposure& exposure,
+                 const SlotOpenness& openness, const Channels& channels, const Options& options);
+
+  /// Adds the rays of one direction to the records, to the end whoever cancels. `seed` decides BLEND.
+  void exchange(const Direction& direction, uint32_t seed);
+  /// Only the channel of emission.
+  void exchange_emission(const Direction& direction, uint32_t seed);
+  /// What pixels gather along the direction; `first` of a batch.
+  void gather(const Direction& direction, uint32_t seed, bool first);
+  void warm_up();
+  /// Expected device memory [bytes], with texels of that edge [m].
+  static size_t estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters, bool gathers);
+  double pixel() const { return pixel_; }  ///< edge of film pixels [m]
+  const LayeredRaster& raster() const { return raster_; }
+  /// Largest film of a direction [pixels].
+  double largest_film() const { return static_cast<double>(side_) * side_; }
+  /// Mean film of the directions until now [pixels]; 0 before the first.
+  double mean_film() const { return films_ > 0 ? film_pixels_ / static_cast<double>(films_) : 0.0; }
+
+ private:
+  struct Recorded {
+    Schedule schedule;
+    Variable<LayeredView> view;
+    Variable<float4> omega;
+    Variable<float> weight;
+    Variable<uint32_t> first;
+  };
+  enum class What { all, emission, gather };
+  Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
+                  const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness,
+                  What what);
+  void run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray);
+  KernelScheduler* scheduler_;
+  Channels channels_;
+  Options options_;
+  Bounds bounds_;
+  double pixel_;
+  uint32_t side_;
+  LayeredRaster raster_;
+  TypedBuffer<LayeredView> views_;
+  TypedBuffer<float4> ends_;
+  Recorded all_, emission_, gather_;
+  uint64_t films_ = 0;      ///< drawn until now
+  double film_pixels_ = 0;  ///< of all of them
+};
+
+}  // namespace lucarium::bundle

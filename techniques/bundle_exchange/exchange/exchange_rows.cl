@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+// The exchange itself: a row of rays along omega, with their fragments in the order in which omega meets them.
+// Consecutive fragments see each other: the side of the nearer one that faces omega, and the side of the farther one
+// that faces -omega. Each receives what the other sends, and counts it by how open its own part of the texel is. Ends
+// of rays see the environment. A side that does not reflect (the back of a single-sided surface) sends nothing, but
+// what sees it has seen black: that counts.
+#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/texels/slot_parts.clh"
+
+typedef struct Exchange {
+  const global AtlasTriangle* atlas_triangles;
+  const global uint* atlas_table;
+  const global uint* openness;
+  const global float2* exposure;  // y: what a ray counts that meets a back
+  global float4* records;
+  float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
+  float weight;                // w of exchange_layout.clh
+  uint double_sided;           // texels that have a back
+} Exchange;
+
+#define BUNDLE_ROWS Exchange
+#include "bundle_exchange/exchange/bundle_rows.clh"
+
+void bundle_expect(Exchange* exchange, uint texel) {
+  LUCARIUM_PREFETCH(exchange->records + (size_t)texel * BUNDLE_RECORD);
+  LUCARIUM_PREFETCH(exchange->openness + (size_t)texel * SLOT_PART_WORDS);
+}
+
+// Weight of a ray at one of its ends.
+float end_weight(const Exchange* exchange, BundleSide side) {
+  return exchange->weight * part_openness(exchange->openness, side.slot, side.part);
+}
+
+// A slot sees another, which counts the ray by `sender_weight`.
+void receive(Exchange* exchange, uint receiver, float weight, uint sender, float sender_weight) {
+  global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
+  const global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
+  to[0].w += sender_weight;
+  to[1] += weight * (float4)(from[0].xyz, 1.0f);
+  for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel)
+    to[2u * channel + 1u].xyz += weight * from[2u * channel].xyz;
+}
+
+// A slot sees the end of the ray: radiance `end` there, in the channel of emission.
+void receive_end(Exchange* exchange, BundleSide side, float3 end) {
+  if (side.slot == LUCARIUM_NONE) return;
+  exchange->records[(size_t)side.slot * BUNDLE_RECORD + 1u] += end_weight(exchange, side) * (float4)(end, 1.0f);
+}
+
+// The ray of a slot ends at the back of a single-sided surface: black, and counted unless it began in a hidden place.
+void meet_back(Exchange* exchange, BundleSide side) {
+  if (side.slot == LUCARIUM_NONE) return;
+  exchange->records[(size_t)side.slot * BUNDLE_RECORD + 1u].w +=
+      end_weight(exchange, side) * exchange->exposure[side.slot].y;
+}
+
+void exchange_gap(Exchange* exchange, BundleGap gap) {
+  if (gap.none) return;
+  if (gap.near.slot == LUCARIUM_NONE || gap.far.slot == LUCARIUM_NONE) {
+    meet_back(exchange, gap.near.slot == LUCARIUM_NONE ? gap.far : gap.near);
+    return;
+  }
+  const float near_weight = end_weight(exchange, gap.near), far_weight = end_weight(exchange, gap.far);
+  receive(exchange, gap.near.slot, near_weight, gap.far.slot, far_weight);
+  receive(exchange, gap.far.slot, far_weight, gap.near.slot, near_weight);
+}
+
+void layered_consume(Exchange* exchange, const LayeredRow* row) {
+  if (row->part & LAYERED_PART_FIRST)
+    for (uint lanes = layered_present(row, 0u); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const bool towards = layered_key(row, 0u, lane) & LAYERED_KEY_TOWARDS;
+      receive_end(exchange, side_towards(exchange, layered_at(row, 0u, lane), towards), exchange->from_near);
+    }
+  for (uint layer = 1u; layer < row->count; ++layer)
+    for (uint lanes = facing_lanes(exchange, row, layer); lanes; lanes &= lanes - 1u)
+      exchange_gap(exchange, bundle_gap(exchange, row, layer, layered_first(lanes)));
+  if (!(row->part & LAYERED_PART_LAST)) return;
+  for (uint layer = 0u; layer < row->count; ++layer)
+    for (uint lanes = ending_lanes(row, layer); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const bool towards = layered_key(row, layer, lane) & LAYERED_KEY_TOWARDS;
+      receive_end(exchange, side_away(exchange, layered_at(row, layer, lane), towards), exchange->from_far);
+    }
+}
+
+// ends: radiance that enters along omega, and along -omega.
+__kernel void exchange_rows(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle* atlas_triangles,
+                            __global const uint* atlas_table, __global const uint* openness,
+                            __global const float2* exposure, float weight, __global const float4* ends,
+                            __global float4* records) {
+  Exchange exchange;
+  exchange.atlas_triangles = atlas_triangles;
+  exchange.atlas_table = atlas_table;
+  exchange.openness = openness;
+  exchange.exposure = exposure;
+  exchange.records = records;
+  exchange.from_near = ends[0].xyz;
+  exchange.from_far = ends[1].xyz;
+  exchange.weight = weight;
+  exchange.double_sided = atlas_info.double_sided_count;
+  LAYERED_RUN_TILES(&exchange);
+}

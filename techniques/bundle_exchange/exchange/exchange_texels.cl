@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// The exchange as in the paper: every slot's own point is projected into the film, finds itself among the fragments of
+// its pixel, and takes what the neighbour sends. One ray per slot and direction, weighted by its cosine, however many
+// film pixels the slot covers.
+#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/exchange/film_list.clh"
+#include "bundle_exchange/texels/slot_parts.clh"
+#include "lucarium/random.clh"
+#include "lucarium/shared/surface_point.h"
+
+// Moves a slot's sample position to a random one within its texel, on the same triangle; where that misses, it stays.
+AtlasTexel jitter_texel(const global AtlasTriangle* atlas_triangles, const global uint* atlas_table, AtlasTexel texel,
+                        uint front_slot, float2 u) {
+  const AtlasTriangle t = atlas_triangles[texel.triangle];
+  const float2 e1 = (float2)(t.u1 - t.u0, t.v1 - t.v0), e2 = (float2)(t.u2 - t.u0, t.v2 - t.v0);
+  const float area = e1.x * e2.y - e1.y * e2.x;
+  if (t.pitch == 0u || area == 0.0f) return texel;
+  const float2 d = floor(atlas_uv(t, texel.b1, texel.b2)) + u - (float2)(t.u0, t.v0);
+  const float b1 = (d.x * e2.y - d.y * e2.x) / area, b2 = (e1.x * d.y - e1.y * d.x) / area;
+  if (!(b1 >= 0.0f && b2 >= 0.0f && b1 + b2 <= 1.0f)) return texel;
+  if (atlas_texel(atlas_triangles, atlas_table, texel.triangle, b1, b2) != front_slot) return texel;
+  texel.b1 = b1;
+  texel.b2 = b2;
+  return texel;
+}
+
+// weight: W. ends: radiance that enters along omega (the view's direction), and along -omega. Of the records, what
+// slots send is read, and each work-item adds to its own sums.
+__kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
+                              __global const AtlasTriangle* restrict atlas_triangles,
+                              __global const uint* restrict atlas_table,
+                              __global const AtlasTexel* restrict atlas_texels,
+                              __global const SurfacePoint* restrict atlas_points, uint slots,
+                              __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
+                              __global const LayeredFragment* restrict fragments, float weight,
+                              __global const uint* restrict openness, __global const float2* restrict exposure,
+                              __global const float4* restrict ends, __global float4* records) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const FilmList film = {views, pixel_start, fragments};
+  const uint doubles = atlas_info.double_sided_count;
+  const bool front = slot < doubles || slot >= 2u * doubles;
+  const float4 u = random_float4(views[0].seed, slot, 0x7465786cu);
+  const AtlasTexel texel =
+      jitter_texel(atlas_triangles, atlas_table, atlas_texels[slot], front ? slot : slot - doubles, u.xy);
+  const Triangle t = scene_triangles[texel.triangle];
+  const float3 p0 = scene_vertices[t.v0].position.xyz;
+  const float3 position =
+      p0 + texel.b1 * (scene_vertices[t.v1].position.xyz - p0) + texel.b2 * (scene_vertices[t.v2].position.xyz - p0);
+  const float3 normal = atlas_points[slot].normal.xyz;
+  const Neighbour neighbour = film_neighbour(&scene, atlas_info, atlas_triangles, atlas_table, &film, position,
+                                             texel.triangle, normal, front, true);
+  const AtlasTriangle triangle = atlas_triangles[texel.triangle];
+  const uint part = slot_part(triangle.pitch, texel.triangle, atlas_uv(triangle, texel.b1, texel.b2));
+  const float cosine = dot(normal, views[0].row_w.xyz), w = weight * fabs(cosine) * part_openness(openness, slot, part);
+  global float4* to = records + (size_t)slot * BUNDLE_RECORD;
+  if (neighbour.slot == LUCARIUM_NONE) {
+    const float3 end = cosine > 0.0f ? ends[1].xyz : ends[0].xyz;
+    // Backs are black, and count but for rays that begin in hidden places (exchange_rows.cl).
+    to[1] += neighbour.beyond ? w * (float4)(end, 1.0f) : (float4)(0.0f, 0.0f, 0.0f, w * exposure[slot].y);
+    return;
+  }
+  const global float4* from = records + (size_t)neighbour.slot * BUNDLE_RECORD;
+  to[0].w += w;
+  to[1] += w * (float4)(from[0].xyz, 1.0f);
+  for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel) to[2u * channel + 1u].xyz += w * from[2u * channel].xyz;
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counts, for every part of every slot, the rays of a bundle, those that meet backs, and those that soon meet something
+// else.
+#include "bundle_exchange/texels/slot_parts.clh"
+
+typedef struct Probe {
+  const global AtlasTriangle* atlas_triangles;
+  const global uint* atlas_table;
+  global uint* counts;
+  uint double_sided;
+  uint open_gap;  // shorter gaps are near, in steps of LAYERED_KEY_DEPTH
+} Probe;
+
+#define BUNDLE_ROWS Probe
+#include "bundle_exchange/exchange/bundle_rows.clh"
+
+void bundle_expect(Probe* probe, uint texel) { LUCARIUM_PREFETCH(probe->counts + (size_t)texel * SLOT_PARTS); }
+
+// See PROBE_RAYS; no more than it holds.
+void count_ray(Probe* probe, BundleSide side, bool near, bool back) {
+  if (side.slot == LUCARIUM_NONE) return;
+  global uint* count = probe->counts + (size_t)side.slot * SLOT_PARTS + side.part;
+  if (PROBE_RAYS(*count) < PROBE_MOST) *count += 1u | (uint)(near && !back) << 10u | (uint)back << 20u;
+}
+
+void layered_consume(Probe* probe, const LayeredRow* row) {
+  if (row->part & LAYERED_PART_FIRST)
+    for (uint lanes = layered_present(row, 0u); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const bool towards = layered_key(row, 0u, lane) & LAYERED_KEY_TOWARDS;
+      count_ray(probe, side_towards(probe, layered_at(row, 0u, lane), towards), false, false);
+    }
+  for (uint layer = 1u; layer < row->count; ++layer)
+    for (uint lanes = facing_lanes(probe, row, layer); lanes; lanes &= lanes - 1u) {
+      const BundleGap gap = bundle_gap(probe, row, layer, layered_first(lanes));
+      if (gap.none) continue;
+      count_ray(probe, gap.near, gap.length < probe->open_gap, gap.far.slot == LUCARIUM_NONE);
+      count_ray(probe, gap.far, gap.length < probe->open_gap, gap.near.slot == LUCARIUM_NONE);
+    }
+  if (!(row->part & LAYERED_PART_LAST)) return;
+  for (uint layer = 0u; layer < row->count; ++layer)
+    for (uint lanes = ending_lanes(row, layer); lanes; lanes &= lanes - 1u) {
+      const uint lane = layered_first(lanes);
+      const bool towards = layered_key(row, layer, lane) & LAYERED_KEY_TOWARDS;
+      count_ray(probe, side_away(probe, layered_at(row, layer, lane), towards), false, false);
+    }
+}
+
+// open_gap [m].
+__kernel void probe_rows(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle* atlas_triangles,
+                         __global const uint* atlas_table, float open_gap, __global uint* counts) {
+  Probe probe;
+  probe.atlas_triangles = atlas_triangles;
+  probe.atlas_table = atlas_table;
+  probe.counts = counts;
+  probe.double_sided = atlas_info.double_sided_count;
+  probe.open_gap = (uint)(open_gap * layered_views[layered_view].depth_scale * 4194304.0f);
+  LAYERED_RUN_TILES(&probe);
+}

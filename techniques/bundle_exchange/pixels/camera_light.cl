@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light towards the eye: what the G-buffer's points emit and reflect, summed over iterations.
+#include "lucarium/bsdf.clh"
+#include "lucarium/gbuffer.clh"
+#include "lucarium/scene.clh"
+#include "lucarium/surface_atlas.clh"
+
+// One sample per pixel: plain sums (w: samples).
+__kernel void add_camera_sample(__global const GBufferPoint* restrict points, uint count,
+                                __global const float4* restrict direct_sample, __global float4* restrict emission,
+                                __global float4* restrict direct) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  emission[i] += (float4)(points[i].emission.xyz, 1.0f);
+  direct[i] += direct_sample[i];
+}
+
+// What the atlas knows of the same sample. That changes from iteration to iteration, so that the sample counts
+// `atlas_weight` of the mean (later ones count more).
+// shown, shown_direct (BUNDLE_EMISSION): irradiance over pi of slots times w, their openness, or 0 where it is not
+// known. gathered: light of chains that begin at the pixels, scattered once and more often; they bring all there is
+// where they are `whole`. bundled: the same, sums over the directions whose number is in w. exchanged: direct light
+// that bundles have carried.
+__kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
+                              __global const AtlasTriangle* restrict atlas_triangles,
+                              __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
+                              __global const GBufferPoint* restrict points, uint count, float atlas_weight, uint whole,
+                              __global const float4* restrict shown, __global const float4* restrict shown_direct,
+                              __global const float4* restrict bundled, __global const float4* restrict gathered,
+                              __global float4* restrict exchanged, __global float4* restrict indirect) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const GBufferPoint point = points[i];
+  float3 once = gathered[2u * i].xyz, reflected = gathered[2u * i + 1u].xyz;
+  const float directions = bundled[2u * i].w;
+  if (directions > 0.0f) {
+    once += bundled[2u * i].xyz / directions;
+    reflected += bundled[2u * i + 1u].xyz / directions;
+  }
+  if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE) {
+    const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
+                                       point.u, point.v, point.normal.w == 0.0f);
+    const Surface surface = gbuffer_surface(&scene, &point);
+    const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+    if (held.w > 0.0f) reflected += point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
+#ifdef BUNDLE_EXCHANGED
+    const float4 emitted = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct,
+                                          point.triangle, point.u, point.v, point.normal.w == 0.0f);
+    if (emitted.w > 0.0f) once += point.throughput.xyz * bsdf.diffuse * (emitted.xyz / emitted.w);
+#endif
+  }
+  exchanged[i] = mix(exchanged[i], (float4)(once, 1.0f), atlas_weight);
+  indirect[i] = mix(indirect[i], (float4)(reflected, 1.0f), atlas_weight);
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+
+#include "bundle_exchange/pixels/pixel_gather.h"
+#include "bundle_exchange/senders/slot_preview.h"
+#include "bundle_exchange/specular/hop_tracer.h"
+#include "lucarium/services/direct_light/direct_light.h"
+#include "lucarium/services/gbuffer/gbuffer.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
+
+namespace lucarium::bundle {
+
+/// What depends on the camera: the points it sees, their emission, direct light by samples, and the atlas' light
+/// reflected at full resolution; specular lobes, or all, by chains that begin at the pixels. One sample per pixel and
+/// iteration.
+class CameraLight {
+ public:
+  struct Options {
+    FinalGather gather = FinalGather::off;
+    bool punctual = false;   ///< there are punctual lights
+    bool single = false;     ///< chains end behind their first vertex
+    bool exchanged = false;  ///< bundles carry emitted light: light samples are of punctual lights only
+    int max_bounces = -1;
+    bool by_bundles = false;  ///< rays of `gather` are those of bundles, but for lobes narrower than alpha_least
+    float alpha_least = 0;
+  };
+  /// `preview` (may be null) must outlive this: commit() shows what it has smoothed in an image of its own.
+  CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+              const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
+              const SlotPreview* preview, const Frame& frame, const Options& options);
+
+  /// The next sample, in two steps, between which bundles may gather for its points (pixel_gather()); false when
+  /// cancelled. commit() then adds it, looking up the atlas as it is then; what the atlas said while it knew nothing is
+  /// forgotten.
+  bool begin_sample();
+  bool sample();
+  void commit(bool atlas_known);
+  void reset(uint32_t seed);
+  void set_frame(const Frame& frame);
+  void warm_up();
+  uint32_t samples() const { return samples_; }
+  uint32_t atlas_samples() const { return atlas_samples_; }  ///< of them, in the mean of what the atlas says
+  /// `smoothed`: the image of the preview.
+  void resolve(Film& film, bool smoothed) const;
+  PixelGather* pixel_gather() { return bundles_.get(); }  ///< null where bundles gather nothing
+  uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
+  static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
+
+ private:
+  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means,
+              const SlotPreview* preview);
+  /// What the atlas knows, added to two images.
+  void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
+                          const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
+                          const TypedBuffer<float4>& shown_direct, const TypedBuffer<float4>& exchanged,
+                          const TypedBuffer<float4>& indirect);
+  void record_chains(const Program& program, const SceneBuffers& scene);
+  bool gather();
+  bool whole() const { return options_.gather == FinalGather::all; }
+  KernelScheduler* scheduler_;
+  Options options_;
+  Frame frame_;
+  uint32_t pixels_, samples_ = 0, atlas_samples_ = 0;
+  TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, exchanged_, indirect_;
+  TypedBuffer<float4> smooth_exchanged_, smooth_indirect_;  ///< the same by what the preview shows
+  GBuffer gbuffer_;
+  bool sampled_;  ///< some light is, by light samples
+  DirectLight direct_light_;
+  std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered
+  std::unique_ptr<PixelGather> bundles_;
+  Schedule clear_, begin_, add_;
+  Variable<HopSettings> settings_;
+  Variable<float> atlas_weight_;
+};
+
+}  // namespace lucarium::bundle

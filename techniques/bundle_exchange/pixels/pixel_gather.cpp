@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_exchange/pixels/pixel_gather.h"
+
+#include "bundle_exchange/bundle_program.h"
+
+namespace lucarium::bundle {
+namespace {
+
+const char* const kOwner = "bundle_exchange";
+const char* const kLowerSize = "lower --size";
+
+}  // namespace
+
+PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+                         const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
+                         const TypedBuffer<GBufferPoint>& points, const Options& options)
+    : program_(program),
+      scheduler_(&scheduler),
+      scene_(&scene),
+      intersector_(&intersector),
+      atlas_(&atlas),
+      options_(options),
+      points_(points),
+      records_(means.records()),
+      gain_(device, kOwner, "gathered in a batch", 2 * size_t{options.pixels}, kLowerSize),
+      gathered_(device, kOwner, "gathered by bundles", 2 * size_t{options.pixels}, kLowerSize),
+      shares_(device, kOwner, "shares of gathered light", options.pixels, kLowerSize),
+      rays_(device, kOwner, "rays of pixels not found", options.pixels, kLowerSize),
+      count_(device, kOwner, "number of pixels", std::vector<uint32_t>{options.pixels}) {
+  ScheduleRecorder recorder = scheduler_->record("add gathered light", kOwner);
+  directions_ = recorder.variable("directions", 0u);
+  recorder.pass("add gathered light", program_, "add_gathered")
+      .global(options_.pixels)
+      .arg("count", options_.pixels)
+      .arg("directions", directions_)
+      .arg("gain", gain_)
+      .arg("gathered", gathered_);
+  add_ = recorder.compile();
+  restart();
+}
+
+size_t PixelGather::estimate_bytes(size_t pixels) { return pixels * (5 * sizeof(float4) + sizeof(Ray) + sizeof(Hit)); }
+
+void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored& stored,
+                         const TypedBuffer<LayeredView>& views, const TypedBuffer<float4>& ends,
+                         const Variable<uint32_t>& first, const Variable<float>& weight) const {
+  const BufferRef hits = recorder.transient<Hit>("hits of pixels", options_.pixels);
+  PassBuilder gather = surface_pass(recorder, "gather at pixels", program_, "gather_pixels", *scene_, *atlas_);
+  gather.global(options_.pixels)
+      .arg("points", points_)
+      .arg("count", options_.pixels)
+      .arg("whole", options_.whole ? 1u : 0u)
+      .arg("alpha_least", options_.alpha_least)
+      .arg("first", first)
+      .arg("weight", weight)
+      .arg("views", views)
+      .arg("pixel_start", stored.pixel_start)
+      .arg("fragments", stored.fragments)
+      .arg("ends", ends)
+      .arg("records", records_)
+      .arg("gain", gain_)
+      .arg("rays", rays_)
+      .arg("shares", shares_);
+  intersector_->record_closest(recorder, "rays of pixels not found", rays_, hits, count_, 0, options_.pixels);
+  PassBuilder missed =
+      surface_pass(recorder, "gather at pixels not found", program_, "gather_missed", *scene_, *atlas_);
+  missed.global(options_.pixels)
+      .arg("count", options_.pixels)
+      .arg("views", views)
+      .arg("ends", ends)
+      .arg("rays", rays_)
+      .arg("hits", hits)
+      .arg("shares", shares_)
+      .arg("records", records_)
+      .arg("gain", gain_);
+}
+
+void PixelGather::commit(uint32_t directions) {
+  add_.set(directions_, directions);
+  scheduler_->run_to_end(add_);
+}
+
+void PixelGather::restart() {
+  scheduler_->finish();
+  gathered_.fill_zero();
+}
+
+void PixelGather::warm_up() { scheduler_->warm_up(add_); }
+
+}  // namespace lucarium::bundle

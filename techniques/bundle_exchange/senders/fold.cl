@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adds a batch to what slots hold for good, tells how sure that is, and makes of it what is displayed.
+#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "lucarium/math.clh"
+#include "lucarium/shared/surface_atlas.h"
+
+float4 batch_statistics(float x, float n) { return (float4)(x * x, x * n, n * n, n); }
+
+// S = sender_scale S + sender_weight batch, D += display_weight batch (the channel of emission: D += batch).
+// visible: xy += sums of w, of rays that met a slot and of all. statistics: sums over batches of X^2, X N, N^2, N with
+// X = luminance of v sum w L (all channels of reflected light), N = v sum w, v display_weight, from which the variance
+// of D's ratio follows; behind those of all slots (BUNDLE_EXCHANGED) the same of the channel of emission, v = 1.
+__kernel void fold_batch(uint slots, float sender_scale, float sender_weight, float display_weight,
+                         __global const float4* restrict records, __global float4* restrict senders,
+                         __global float4* restrict display, __global float2* restrict visible,
+                         __global float4* restrict statistics) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const global float4* record = records + (size_t)slot * BUNDLE_RECORD;
+  const float weight = record[1].w, seen = record[0].w;
+  float3 total = (float3)(0.0f);
+#ifdef BUNDLE_EXCHANGED
+  display[slot] += (float4)(record[1].xyz, weight);
+  statistics[slots + slot] += batch_statistics(luminance(record[1].xyz), weight);
+#endif
+  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
+    const float4 batch = (float4)(record[2u * channel + 1u].xyz, weight);
+    const size_t sender = (size_t)(channel - BUNDLE_FIRST) * slots + slot;
+    senders[sender] = sender_scale * senders[sender] + sender_weight * batch;
+    display[(size_t)channel * slots + slot] += display_weight * batch;
+    total += batch.xyz;
+  }
+  visible[slot] += (float2)(seen, weight);
+  statistics[slot] += batch_statistics(display_weight * luminance(total), display_weight * weight);
+}
+
+// Standard error of a slot's displayed irradiance and the irradiance itself, both over pi, luminance, times its area:
+// what the relative error of the whole is made of. indirect_errors: the error of what is reflected alone; both are
+// taken for independent.
+__kernel void measure_errors(uint slots, __global const float4* restrict albedo,
+                             __global const float4* restrict display, __global const float4* restrict statistics,
+                             __global float* restrict errors, __global float* restrict indirect_errors,
+                             __global float* restrict values) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  float3 indirect = (float3)(0.0f);
+  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel)
+    indirect += slot_mean(display[(size_t)channel * slots + slot]);
+  float value = luminance(indirect), variance = ratio_variance(statistics[slot], value);
+  indirect_errors[slot] = albedo[slot].w * sqrt(variance);
+#ifdef BUNDLE_EXCHANGED
+  const float direct = luminance(slot_mean(display[slot]));
+  variance += ratio_variance(statistics[slots + slot], direct);
+  value += direct;
+#endif
+  errors[slot] = albedo[slot].w * sqrt(variance);
+  values[slot] = albedo[slot].w * value;
+}
+
+// Indirect irradiance over pi of every slot, all bounces, times openness, which is w (0 where no ray has come yet):
+// what is hardly seen counts little in interpolation. shown_direct (BUNDLE_EXCHANGED): the same of exchanged emitted
+// light. radiance (BUNDLE_HOPS): what slots reflect diffusely of all the light, BUNDLE_REFLECTED channels each, as
+// diffuse of make_senders.
+__kernel void make_display(uint slots, float share, __global const float* restrict openness,
+                           __global const float4* restrict albedo, __global const float4* restrict light_samples,
+                           uint settles, __global const float4* restrict settled,
+                           __global const float4* restrict display, __global float4* restrict shown,
+                           __global float4* restrict shown_direct, __global float4* restrict radiance) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const float4 before = settles ? settled[slot] : (float4)(0.0f);
+  float3 total = before.xyz;
+  float weight = before.w;
+  for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
+    const float4 sums = display[(size_t)channel * slots + slot];
+    total += share * slot_mean(sums);
+    weight = fmax(weight, sums.w);
+  }
+  const float open = weight > 0.0f ? openness[slot] : 0.0f;
+  shown[slot] = open * (float4)(total, 1.0f);
+#ifdef BUNDLE_EXCHANGED
+  const float4 emitted = display[slot];
+  shown_direct[slot] = (emitted.w > 0.0f ? openness[slot] : 0.0f) * (float4)(slot_mean(emitted), 1.0f);
+#endif
+#ifdef BUNDLE_HOPS
+  float3 held = direct_mean(slot, light_samples, display);
+#ifdef BUNDLE_SELF_FED
+  held += total;
+#endif
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
+    radiance[(size_t)slot * BUNDLE_REFLECTED + k] = (float4)(albedo[slot].xyz * held, 0.0f);
+    held = slot_mean(display[(size_t)(BUNDLE_FIRST + k) * slots + slot]);
+  }
+#endif
+}
+
+// End of a bounce that was computed alone: what it brought is kept, and is what the next one sends.
+__kernel void settle_bounce(uint slots, __global float4* restrict display, __global float4* restrict senders,
+                            __global float4* restrict settled) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const size_t own = (size_t)BUNDLE_FIRST * slots + slot;
+  const float4 bounce = display[own];
+  settled[slot] = (float4)(settled[slot].xyz + slot_mean(bounce), fmax(settled[slot].w, bounce.w));
+  senders[slot] = bounce;
+  display[own] = (float4)(0.0f);
+}
+
+__kernel void join_sums(__global const float* restrict error, __global const float* restrict indirect_error,
+                        __global const float* restrict value, __global float* restrict sums) {
+  sums[0] = error[0];
+  sums[1] = indirect_error[0];
+  sums[2] = value[0];
+}
+
+// Diffuse albedo and emission of slots; w: area times openness [m^2].
+__kernel void take_materials(uint slots, __global const AtlasTexel* restrict atlas_texels,
+                             __global const AtlasMaterial* restrict atlas_materials,
+                             __global const float* restrict openness, __global float4* restrict albedo,
+                             __global float4* restrict emission) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const float area = atlas_texels[slot].area * openness[slot];
+  albedo[slot] = (float4)(atlas_materials[slot].diffuse.xyz, area);
+  emission[slot] = (float4)(atlas_materials[slot].emission.xyz, area);
+}

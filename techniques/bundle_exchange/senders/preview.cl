@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is displayed of slots before it has converged: smoothed as far as its error goes, by an à-trous filter over the
+// cells of the atlas (Dammertz, Sewtz, Hanika, Lensch, Edge-Avoiding À-Trous Wavelet Transform for fast Global
+// Illumination Filtering, HPG 2010), with weights by standard errors.
+#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "lucarium/math.clh"
+#include "lucarium/surface_atlas.clh"
+
+// What is displayed of a slot, without its openness; w: 1, or 0 where it is not known.
+float4 shown_light(float4 shown) { return shown.w > 0.0f ? (float4)(shown.xyz / shown.w, 1.0f) : (float4)(0.0f); }
+
+// variance: of the luminance of shown + direct, from the batches so far (statistics as in fold.cl); 0: not known; -1:
+// no ray has come. correction: n / (n - 1) of n batches.
+__kernel void begin_preview(uint slots, float correction, __global const float4* restrict shown,
+                            __global const float4* restrict shown_direct, __global const float4* restrict statistics,
+                            __global float4* restrict indirect, __global float4* restrict direct,
+                            __global float* restrict variance) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const float4 light = shown_light(shown[slot]);
+  indirect[slot] = light;
+  float total = correction * ratio_variance(statistics[slot], luminance(light.xyz));
+#ifdef BUNDLE_EXCHANGED
+  direct[slot] = shown_light(shown_direct[slot]);
+  total += correction * ratio_variance(statistics[slots + slot], luminance(direct[slot].xyz));
+#endif
+  bool known = shown[slot].w > 0.0f;
+#ifdef BUNDLE_EXCHANGED
+  known = known || shown_direct[slot].w > 0.0f;  // directions that carry emission only come first
+#endif
+  variance[slot] = known ? total : -1.0f;
+}
+
+// The cell `step` cells away from one, where the surface goes on all the way; LUCARIUM_NONE where it does not.
+uint walk_cells(AtlasInfo info, const global uchar* links, uint cell, uint pitch, int du, int dv, uint step) {
+  for (uint k = 0u; k < step; ++k) {
+    if (!(links[cell] & LUCARIUM_ATLAS_LINK(du, dv))) return LUCARIUM_NONE;
+    cell = (uint)((int)cell + dv * (int)pitch + du);
+    if (cell >= info.cell_count) return LUCARIUM_NONE;
+  }
+  return cell;
+}
+
+// One level: the 3 x 3 cells that are `step` apart, by (1/4, 1/2, 1/4)² and by how likely their difference is noise.
+__kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
+                             __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
+                             __global const AtlasTexel* restrict atlas_texels, uint slots, uint stride, uint slice_base,
+                             __global const float4* restrict indirect, __global const float4* restrict direct,
+                             __global const float* restrict variance, __global float4* restrict next_indirect,
+                             __global float4* restrict next_direct, __global float* restrict next_variance) {
+  const uint slot = get_global_id(0) + slice_base;
+  if (slot >= slots) return;
+  const uint doubles = atlas_info.double_sided_count;
+  const bool front = slot < doubles || slot >= 2u * doubles;
+  const AtlasTexel texel = atlas_texels[slot];
+  const AtlasTriangle triangle = atlas_triangles[texel.triangle];
+  const uint home = atlas_cell(triangle, atlas_uv(triangle, texel.b1, texel.b2));
+  const float own_variance = variance[slot];
+  const bool known = own_variance >= 0.0f;
+  float own = luminance(indirect[slot].xyz), weight = 0.0f, squares = 0.0f;
+  float3 sum = (float3)(0.0f), direct_sum = (float3)(0.0f);
+#ifdef BUNDLE_EXCHANGED
+  own += luminance(direct[slot].xyz);
+#endif
+  for (int k = 0; k < 9; ++k) {
+    const int du = k % 3 - 1, dv = k / 3 - 1;
+    uint other = slot;
+    if (du != 0 || dv != 0) {
+      if (triangle.pitch == 0u) continue;
+      const uint cell = walk_cells(atlas_info, atlas_links, home, triangle.pitch, du, dv, stride);
+      if (cell == LUCARIUM_NONE) continue;
+      other = atlas_side(atlas_info, atlas_table[cell], front);
+      if (other == LUCARIUM_NONE) continue;
+    }
+    const float other_variance = variance[other];
+    if (other_variance < 0.0f) continue;
+    float w = (du == 0 ? 0.5f : 0.25f) * (dv == 0 ? 0.5f : 0.25f), value = luminance(indirect[other].xyz);
+#ifdef BUNDLE_EXCHANGED
+    value += luminance(direct[other].xyz);
+#endif
+    const float spread = own_variance + other_variance, difference = value - own;
+    if (known && other != slot) w *= spread > 0.0f ? exp(-difference * difference / (2.0f * spread)) : 0.0f;
+    sum += w * indirect[other].xyz;
+#ifdef BUNDLE_EXCHANGED
+    direct_sum += w * direct[other].xyz;
+#endif
+    squares += w * w * other_variance;
+    weight += w;
+  }
+  const float scale = weight > 0.0f ? 1.0f / weight : 0.0f, found = weight > 0.0f ? 1.0f : 0.0f;
+  next_indirect[slot] = (float4)(scale * sum, found);
+#ifdef BUNDLE_EXCHANGED
+  next_direct[slot] = (float4)(scale * direct_sum, found);
+#endif
+  next_variance[slot] = weight > 0.0f ? squares * scale * scale : -1.0f;
+}

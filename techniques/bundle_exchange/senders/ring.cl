@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// Glossy reflection from directions to directions: slots remember what the last directions of the sequence brought, and
+// send towards the next one what their specular lobe reflects of it. Equation 5 of the paper takes the one direction
+// before; a window of more of them varies less.
+//
+// history: [direction modulo its length][channel][entry of the list of slots], xyz: sum of w L, w: sum of w.
+#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/shared/ring.h"
+#include "lucarium/bsdf.clh"
+#include "lucarium/shared/surface_atlas.h"
+#include "lucarium/shared/surface_point.h"
+
+// The reflection lobe of a slot seen from `view`, by what the atlas keeps of its material.
+Bsdf slot_reflection(const global AtlasMaterial* material, float3 n_g, float3 view) {
+  Bsdf bsdf;
+  bsdf.n_g = n_g;
+  bsdf.n_s = material->shading.xyz;
+  bsdf.view = view;
+  bsdf.diffuse = bsdf.transmission = (float3)(0.0f);
+  bsdf.f0 = material->f0.xyz;
+  bsdf.f90 = material->f0.w;
+  bsdf.dielectric_f0 = bsdf.dielectric_f90 = 0.0f;
+  bsdf.eta = 1.0f;
+  bsdf.alpha = material->diffuse.w;
+  bsdf.p_reflect = dot(bsdf.n_s, view) > 0.0f ? 1.0f : 0.0f;
+  bsdf.p_diffuse = bsdf.p_transmit = 0.0f;
+  bsdf.flags = 0u;
+  return bsdf;
+}
+
+float3 reflection_albedo(const global float* table, const Bsdf* bsdf) {
+  const float2 e = specular_albedo_directional(table, dot(bsdf->n_s, bsdf->view), sqrt(bsdf->alpha));
+  return bsdf->f0 * (e.x - e.y) + bsdf->f90 * e.y;
+}
+
+// Light that arrived through channel `output` of what is reflected: that of one scattering less.
+float3 ring_input(const global float4* record, uint output) {
+  float3 light = (float3)(0.0f);
+#ifdef BUNDLE_EMISSION
+  if (output == 0u) light = record[1].xyz;
+#endif
+#ifdef BUNDLE_SELF_FED
+  light += record[2u * BUNDLE_FIRST + 1u].xyz;
+#else
+  if (output > 0u) light = record[2u * (BUNDLE_FIRST + output - 1u) + 1u].xyz;
+#endif
+  return light;
+}
+
+// Work-item i: what entry i has received from the direction that was exchanged last. before: sums of the batch up to
+// then.
+__kernel void ring_receive(uint count, RingStep turn, __global const uint* restrict list,
+                           __global const float4* restrict records, __global float4* restrict before,
+                           __global float4* restrict history) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const global float4* record = records + (size_t)list[i] * BUNDLE_RECORD;
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
+    const size_t own = (size_t)k * count + i;
+    const float4 now = (float4)(ring_input(record, k), record[1].w);
+    const float4 old = turn.first ? (float4)(0.0f) : before[own];
+    history[(size_t)turn.place * BUNDLE_REFLECTED * count + own] = now - old;
+    before[own] = now;
+  }
+}
+
+// Work-item i: adds to what entry i sends towards `omega` the light that it reflects of the last turn.known directions.
+// With f the specular lobe, L and w of the rays that came from them (their cosine is implicit), and a its albedo:
+//   by their share:  a Σ f w L / Σ f w        by themselves:  Σ f w L / (turn.known A),  A the slot's area times
+//   openness
+// albedo: w is A. diffuse: what the slot sends otherwise; null where turn.onto says that the record holds it.
+__kernel void ring_send(__global const float* restrict scene_albedo_table,
+                        __global const AtlasTexel* restrict atlas_texels,
+                        __global const SurfacePoint* restrict atlas_points,
+                        __global const AtlasMaterial* restrict atlas_materials, uint count, RingStep turn, float4 omega,
+                        __global const float4* restrict directions, __global const uint* restrict list,
+                        __global const float4* restrict history, __global const float4* restrict diffuse,
+                        __global const float4* restrict albedo, __global float4* restrict records) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const uint slot = list[i];
+  const float3 n_g = atlas_points[slot].normal.xyz;
+  const float3 out = dot(n_g, omega.xyz) > 0.0f ? omega.xyz : -omega.xyz;
+  const Bsdf bsdf = slot_reflection(atlas_materials + slot, n_g, out);
+  float3 light[BUNDLE_REFLECTED], share = (float3)(0.0f);
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] = (float3)(0.0f);
+  for (uint m = 0u; m < turn.known; ++m) {
+    const uint place = (turn.place + turn.length - 1u - m) % turn.length;
+    const float3 axis = directions[place].xyz, in = dot(n_g, axis) > 0.0f ? axis : -axis;
+    const float cosine = dot(bsdf.n_s, in);
+    if (!(cosine > 1e-6f)) continue;
+    const float3 f = eval_bsdf(&bsdf, in) / cosine;
+    const global float4* received = history + (size_t)place * BUNDLE_REFLECTED * count + i;
+    for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] += f * received[(size_t)k * count].xyz;
+    share += f * received[0].w;
+  }
+  const float measure = (float)turn.known * albedo[slot].w / (turn.by_area ? 1.0f : atlas_texels[slot].area);
+  float3 scale = (float3)(measure > 0.0f ? 1.0f / measure : 0.0f);
+  if (turn.by_share) {
+    const float3 albedo = bsdf.p_reflect > 0.0f ? reflection_albedo(scene_albedo_table, &bsdf) : (float3)(0.0f);
+    scale = select((float3)(0.0f), albedo / share, share > 0.0f);
+  }
+  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
+    global float4* send = records + (size_t)slot * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
+    const float3 otherwise = turn.onto ? (*send).xyz : diffuse[(size_t)slot * BUNDLE_REFLECTED + k].xyz;
+    (*send).xyz = otherwise + scale * light[k];
+  }
+}

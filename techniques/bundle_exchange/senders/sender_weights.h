@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "bundle_exchange/parameters.h"
+
+namespace lucarium::bundle {
+
+/// How a batch enters the two means of every slot. A mean is Σ v w L / Σ v w n with growing weights v, so that slots
+/// which no ray hits need no step of their own.
+///
+/// S, which senders use, is to forget: batch k counts γ_k = k^-gain_exp of it, hence v_k = γ_k e^l_k with
+/// l_k = l_{k-1} - ln(1 - γ_k), l_1 = 0 (relative deficit after N batches exp(-(1-ρ) Σγ) instead of N^-(1-ρ)). D, which
+/// is displayed, is nearly a plain mean: v_i = i^avg_exp.
+class SenderWeights {
+ public:
+  struct Step {
+    double sender_scale = 1;    ///< what S so far is multiplied with, before
+    double sender_weight = 1;   ///< v of S
+    double display_weight = 1;  ///< v of D
+  };
+
+  SenderWeights() = default;
+  explicit SenderWeights(const Parameters& parameters);
+  /// Weights of the next batch: directions `first` … `first + count - 1`, from 0.
+  Step next(uint64_t first, uint32_t count) const;
+  /// The batch has been added.
+  void advance();
+  /// From now on S counts for `batches` at most, so that later ones change it faster. Returns what S is to be
+  /// multiplied with.
+  double forget(uint64_t batches);
+  uint64_t batches() const { return batch_; }
+
+ private:
+  bool plain_ = false;  ///< running mean for both
+  double gain_ = 0.5, power_ = 0.5;
+  uint64_t batch_ = 0;     ///< done
+  double log_growth_ = 0;  ///< l
+};
+
+}  // namespace lucarium::bundle

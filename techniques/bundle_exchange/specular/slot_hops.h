@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "bundle_exchange/directions/direction_sequence.h"
+#include "bundle_exchange/specular/hop_tracer.h"
+
+namespace lucarium::bundle {
+
+/// What slots with specular lobes (mirrors, glass, metals, coats) send towards the two directions of a bundle, found by
+/// rays: chains of some slots per direction, chosen at random by how much their specular lobes reflect.
+class SlotHops {
+ public:
+  struct Options {
+    float share = 1;        ///< probability of a chain of a slot that reflects everything
+    bool punctual = false;  ///< there are punctual lights
+    int max_bounces = -1;
+    bool only_punctual = false;  ///< no chains: the slots' own reflection of punctual lights
+  };
+  /// Slots with specular lobes, and roughly how much they reflect of light from everywhere.
+  struct List {
+    std::vector<uint32_t> slots;
+    std::vector<float> reflectance;
+  };
+  struct Lists {
+    List traced;  ///< mirrors, what transmits, and lobes narrower than `alpha_ring`
+    List glossy;  ///< the rest
+  };
+  static Lists specular_slots(const SurfaceAtlas& atlas, float alpha_ring);
+  /// `list` must not be empty.
+  SlotHops(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+           const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means, const List& list,
+           const Options& options);
+
+  /// Renews what listed slots send, for the exchange along `direction`; false when cancelled. `lit`: with what their
+  /// chains find of lights.
+  bool find(const Direction& direction, uint32_t seed, bool lit);
+  void warm_up();
+  uint64_t rays() const { return tracer_.rays(); }
+  void reset_count() { tracer_.reset_count(); }
+
+  static size_t estimate_bytes(size_t slots, const Channels& channels);
+
+ private:
+  void record(const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means);
+  KernelScheduler* scheduler_;
+  Program program_;
+  Options options_;
+  bool joined_;
+  uint32_t count_;
+  Primitives primitives_;
+  TypedBuffer<uint32_t> list_, size_;
+  TypedBuffer<float> probabilities_;
+  HopTracer tracer_;
+  Schedule begin_, apply_;
+  Variable<float4> omega_;
+  Variable<HopSettings> settings_;
+};
+
+}  // namespace lucarium::bundle

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// How open the parts of slots are: which share of their rays goes farther than the neighbouring texels. Rays that meet
+// backs tell nothing, since most of them begin in hidden places (slot_exposure.cl); where there are no others, the part
+// is hidden.
+#include "bundle_exchange/texels/slot_parts.clh"
+#include "lucarium/random.clh"
+#include "lucarium/surface_atlas.clh"
+
+#define SURELY_HIDDEN 6u  // rays to backs that tell so also where no point of the slot is hidden
+
+// Of 0 to SLOT_MOST_OPEN, at random one of the two about `open` [1], so that the mean is right.
+uint dithered_level(float open, uint slot, uint part) {
+  const float random = uint_to_unit(hash_uint3(slot, part, 0x6f70656eu));
+  return min((uint)(open * (float)SLOT_MOST_OPEN + random), SLOT_MOST_OPEN);
+}
+
+// counts: see probe_rows.cl. exposure, hidden: SlotExposure. share: what of the slot's area its rays count for, the
+// mean of the openness over it. openness: of its parts. points: of its random points, 4 bits each, 0 for hidden ones.
+__kernel void finish_openness(uint slots, AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
+                              __global const AtlasSample* restrict atlas_samples, __global const uint* restrict counts,
+                              __global const float2* restrict exposure, __global const uint* restrict hidden,
+                              __global float* restrict share, __global uint* restrict openness,
+                              __global uint* restrict points) {
+  const uint slot = get_global_id(0);
+  if (slot >= slots) return;
+  const global uint* own = counts + (size_t)slot * SLOT_PARTS;
+  uint rays = 0u, backs = 0u, near = 0u;
+  for (uint part = 0u; part < SLOT_PARTS; ++part) {
+    rays += PROBE_RAYS(own[part]);
+    backs += PROBE_BACKS(own[part]);
+    near += PROBE_NEAR(own[part]);
+  }
+  // Where no ray goes far, all parts are alike.
+  const bool closed = near + backs == rays;
+  const float mean = closed ? 1.0f : 1.0f - (float)near / (float)(rays - backs), counted = exposure[slot].y;
+  const bool partly = exposure[slot].x < 1.0f;  // some of it is hidden
+  float total = 0.0f;
+  for (uint word = 0u; word < SLOT_PART_WORDS; ++word) {
+    uint levels = 0u;
+    for (uint part = 16u * word; part < 16u * (word + 1u); ++part) {
+      const uint all = PROBE_RAYS(own[part]) - PROBE_BACKS(own[part]);
+      const uint lost = PROBE_BACKS(own[part]);
+      float open = closed || all == 0u ? mean : 1.0f - (float)PROBE_NEAR(own[part]) / (float)all;
+      if (all == 0u && lost > 0u && (partly || lost >= SURELY_HIDDEN)) open = 0.0f;
+      const uint level = dithered_level(open, slot, part);
+      levels |= level << 2u * (part & 15u);
+      total += (float)level * ((float)all + counted * (float)lost);
+    }
+    openness[(size_t)slot * SLOT_PART_WORDS + word] = levels;
+  }
+  // Slots that no ray has met are too small to matter.
+  share[slot] = rays > 0u ? total / (float)(SLOT_MOST_OPEN * rays) : exposure[slot].x;
+  uint of_points = 0u;
+  for (uint k = 0u; k < SLOT_POINTS; ++k) {
+    if (hidden[slot] >> k & 1u) continue;
+    const AtlasSample sample = atlas_samples[(size_t)slot * SLOT_POINTS + k];
+    const AtlasTriangle triangle = atlas_triangles[sample.triangle];
+    const uint part = slot_part(triangle.pitch, sample.triangle, atlas_uv(triangle, sample.b1, sample.b2));
+    of_points |= part_level(openness, slot, part) << 4u * k;
+  }
+  points[slot] = of_points;
+}

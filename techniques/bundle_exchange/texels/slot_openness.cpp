@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_exchange/texels/slot_openness.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bundle_exchange/bundle_program.h"
+#include "bundle_exchange/directions/bundle_view.h"
+#include "bundle_exchange/texels/texel_extent.h"
+#include "lucarium/base/error.h"
+#include "lucarium/services/layered_raster/layered_raster.h"
+
+namespace lucarium::bundle {
+namespace {
+
+constexpr uint32_t kMostCells = 1u << BUNDLE_PART;
+constexpr double kRaysPerTexel =
+    256;  // if it faced all directions: about two per part, of few of which the mean is right too
+constexpr uint64_t kSeed = 0x6f70656e;  // not that of a run, whose directions then are others
+const char* const kOwner = "bundle_exchange";
+const char* const kFewerTexels = "lower texels";
+
+}  // namespace
+
+/// The bundles that tell how open parts are, and what they have counted so far.
+struct SlotOpenness::Probes {
+  KernelScheduler* scheduler = nullptr;
+  Bounds bounds;
+  double pixel = 0;
+  uint64_t count = 0;  ///< bundles
+  bool only_hidden = false;
+  TypedBuffer<uint32_t> hidden, counts;
+  TypedBuffer<LayeredView> views;
+  TypedBuffer<float4> ends;
+  DirectionSequence sequence{Parameters{}, kSeed, nullptr};
+  Schedule begin, draw, sum;
+  Variable<LayeredView> view;
+};
+
+SlotOpenness::SlotOpenness(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
+                           const Options& options)
+    : options_(options),
+      shares_(device, kOwner, "openness of slots", atlas.info().texel_count, kFewerTexels),
+      parts_(device, kOwner, "openness of slots' parts", size_t{atlas.info().texel_count} * SLOT_PART_WORDS,
+             kFewerTexels),
+      points_(device, kOwner, "openness of slots' points", atlas.info().texel_count, kFewerTexels) {
+  if (atlas.info().cell_count > kMostCells)
+    throw_error(ErrorClass::usage, "bundle_exchange: the atlas has {} cells, more than {}: lower texels",
+                atlas.info().cell_count, kMostCells);
+  const double wanted = options.pixel_size * static_cast<double>(atlas.info().texel_edge);
+  // Work-items that count for the same texel at a time would lose rays of it.
+  safe_pixel_ = std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
+}
+
+SlotOpenness::~SlotOpenness() = default;
+
+void SlotOpenness::begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
+                         const SceneBuffers& buffers, const SurfaceAtlas& atlas, const SlotExposure& exposure,
+                         const LayeredRaster& raster) {
+  const uint32_t slots = atlas.info().texel_count;
+  probes_ = std::make_unique<Probes>();
+  Probes& probes = *probes_;
+  probes.scheduler = &scheduler;
+  probes.bounds = scene.bounds();
+  probes.pixel = safe_pixel_;
+  probes.count = static_cast<uint64_t>(
+      std::clamp(std::ceil(kRaysPerTexel * options_.pixel_size * options_.pixel_size), 32.0, 1024.0));
+  probes.only_hidden = options_.open_gap <= 0;
+  probes.hidden = exposure.hidden();
+  probes.counts = TypedBuffer<uint32_t>(device, kOwner, "probes of slots", size_t{slots} * SLOT_PARTS, kFewerTexels);
+  probes.counts.fill_zero();
+  probes.views = TypedBuffer<LayeredView>(device, kOwner, "view of a probe", 1);
+  probes.ends = TypedBuffer<float4>(device, kOwner, "ends of rays", 2);
+
+  ScheduleRecorder begin = scheduler.record("begin openness", kOwner);
+  probes.view = begin.variable("view", LayeredView{});
+  const Program begin_program = make_bundle_program(device, "directions/begin_direction", {});
+  PassBuilder pass = begin.pass("begin probe", begin_program, "begin_direction");
+  buffers.bind(pass, begin_program, "begin_direction");
+  pass.global(1).local(1).arg("view", probes.view).arg("omega", float4(0, 0, 1, 0)).arg("emission", 0u);
+  pass.arg("views", probes.views).arg("ends", probes.ends);
+  probes.begin = begin.compile();
+
+  ScheduleRecorder draw = scheduler.record("openness", kOwner);
+  const Program probe = make_bundle_program(device, "exchange/probe_rows", raster.defines());
+  raster.record_tiles(draw, "probe", {probes.views, draw.variable("view index", 0u)}, probe, "probe_rows",
+                      [&](PassBuilder& rows) {
+                        atlas.bind(rows, probe, "probe_rows");
+                        rows.arg("open_gap", options_.open_gap * atlas.info().texel_edge).arg("counts", probes.counts);
+                      });
+  probes.draw = draw.compile();
+
+  ScheduleRecorder sum = scheduler.record("openness of parts", kOwner);
+  PassBuilder finish = sum.pass("finish openness", program, "finish_openness");
+  atlas.bind(finish, program, "finish_openness");
+  finish.global(slots).arg("slots", slots).arg("counts", probes.counts);
+  finish.arg("exposure", exposure.shares()).arg("hidden", exposure.hidden());
+  finish.arg("share", shares_).arg("openness", parts_).arg("points", points_);
+  probes.sum = sum.compile();
+}
+
+bool SlotOpenness::advance() {
+  Probes& probes = *probes_;
+  if (drawn_ == 0 && probes.only_hidden) {
+    probes.scheduler->finish();
+    const std::vector<uint32_t> hidden = probes.hidden.download();
+    if (std::none_of(hidden.begin(), hidden.end(), [](uint32_t bits) { return bits != 0; }))
+      drawn_ = probes.count;  // all is open
+  }
+  if (drawn_ < probes.count) {
+    const Direction direction = probes.sequence.at(drawn_);
+    probes.begin.set(probes.view,
+                     make_bundle_view(probes.bounds, direction, probes.pixel, static_cast<uint32_t>(drawn_ + 1)).view);
+    if (probes.scheduler->run(probes.begin) == RunResult::cancelled) return false;
+    probes.scheduler->run_to_end(probes.draw);  // half a film would be counted twice
+    ++drawn_;
+  }
+  if (drawn_ < probes.count) return true;
+  probes.scheduler->run_to_end(probes.sum);
+  probes.scheduler->finish();
+  complete_ = true;
+  probes_.reset();
+  return true;
+}
+
+double SlotOpenness::progress() const {
+  return probes_ ? static_cast<double>(drawn_) / static_cast<double>(probes_->count) : 1.0;
+}
+
+size_t SlotOpenness::estimate_bytes(size_t slots) {
+  return slots * (sizeof(float) + (1 + SLOT_PART_WORDS) * sizeof(uint32_t) + SLOT_PARTS * sizeof(uint32_t));
+}
+
+}  // namespace lucarium::bundle

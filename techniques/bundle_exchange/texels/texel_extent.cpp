@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_exchange/texels/texel_extent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace lucarium::bundle {
+namespace {
+
+constexpr size_t kMostCorners = 1024;
+constexpr double kLookUp = 1.001;  // cells end where a look-up may round to, 1e-4 of them beyond their edges
+
+struct Box {
+  glm::vec3 low{1e30f}, high{-1e30f};
+  void add(const glm::vec3& p) { low = glm::min(low, p), high = glm::max(high, p); }
+  double diagonal() const { return high.x < low.x ? 0.0 : static_cast<double>(glm::length(high - low)); }
+};
+
+/// A convex polygon of few corners in cells.
+struct Polygon {
+  glm::dvec2 corners[8];
+  int count = 0;
+};
+
+/// What of a polygon lies where sign (x[axis] - edge) >= 0 (Sutherland and Hodgman).
+Polygon cut(const Polygon& polygon, int axis, double sign, double edge) {
+  Polygon result;
+  for (int i = 0; i < polygon.count; ++i) {
+    const glm::dvec2 a = polygon.corners[i], b = polygon.corners[(i + 1) % polygon.count];
+    const double da = sign * (a[axis] - edge), db = sign * (b[axis] - edge);
+    if (da >= 0) result.corners[result.count++] = a;
+    if ((da < 0) != (db < 0)) result.corners[result.count++] = a + da / (da - db) * (b - a);
+  }
+  return result;
+}
+
+/// Calls visit(texel, point) for the corners of every piece of a triangle.
+template <class Visit>
+void visit_corners(const AtlasTriangle& t, const glm::vec3 (&p)[3], const std::vector<uint32_t>& table,
+                   const Visit& visit) {
+  const glm::dvec2 uv[3] = {{t.u0, t.v0}, {t.u1, t.v1}, {t.u2, t.v2}};
+  const auto texel = [&](int u, int v) {
+    return table[t.base + static_cast<uint32_t>(v) * t.pitch + static_cast<uint32_t>(u)];
+  };
+  const glm::dvec2 low = glm::min(uv[0], glm::min(uv[1], uv[2])), high = glm::max(uv[0], glm::max(uv[1], uv[2]));
+  const glm::ivec2 first(low), last(high);
+  const glm::dvec2 e1 = uv[1] - uv[0], e2 = uv[2] - uv[0];
+  const double area = e1.x * e2.y - e1.y * e2.x;
+  for (int v = first.y; v <= last.y; ++v)
+    for (int u = first.x; u <= last.x; ++u) {
+      const bool whole = first == last || area == 0;
+      if (whole) {
+        for (const glm::vec3& corner : p) visit(texel(u, v), corner);
+        continue;
+      }
+      Polygon polygon{{uv[0], uv[1], uv[2]}, 3};
+      polygon = cut(cut(cut(cut(polygon, 0, 1, u), 0, -1, u + 1), 1, 1, v), 1, -1, v + 1);
+      for (int i = 0; i < polygon.count; ++i) {
+        const glm::dvec2 d = polygon.corners[i] - uv[0];
+        const double b1 = (d.x * e2.y - d.y * e2.x) / area, b2 = (e1.x * d.y - e1.y * d.x) / area;
+        visit(texel(u, v), p[0] + static_cast<float>(b1) * (p[1] - p[0]) + static_cast<float>(b2) * (p[2] - p[0]));
+      }
+    }
+}
+
+double largest_distance(const std::vector<glm::vec3>& points) {
+  float square = 0;
+  for (size_t i = 0; i < points.size(); ++i)
+    for (size_t j = 0; j < i; ++j) {
+      const glm::vec3 d = points[i] - points[j];
+      square = std::max(square, glm::dot(d, d));
+    }
+  return std::sqrt(static_cast<double>(square));
+}
+
+}  // namespace
+
+double largest_texel_extent(const SurfaceAtlas& atlas, const SceneBuffers& buffers, double limit) {
+  const std::vector<AtlasTriangle> records = atlas.triangles().download();
+  const std::vector<uint32_t> table = atlas.table().download();
+  const auto triangles = buffers.scene_triangles.download();
+  const auto vertices = buffers.scene_vertices.download();
+  const auto visit_all = [&](const auto& visit) {
+    for (size_t k = 0; k < records.size(); ++k) {
+      const auto position = [&](uint32_t v) {
+        return glm::vec3(vertices[v].position.x, vertices[v].position.y, vertices[v].position.z);
+      };
+      const glm::vec3 p[3] = {position(triangles[k].v0), position(triangles[k].v1), position(triangles[k].v2)};
+      visit_corners(records[k], p, table, visit);
+    }
+  };
+  std::vector<Box> boxes(atlas.info().texel_count);
+  visit_all([&](uint32_t texel, const glm::vec3& p) { boxes[texel].add(p); });
+  double result = 0;
+  std::unordered_map<uint32_t, std::vector<glm::vec3>> large;  // texels whose box is longer than the limit
+  for (uint32_t texel = 0; texel < boxes.size(); ++texel) {
+    const double diagonal = kLookUp * boxes[texel].diagonal();
+    if (diagonal > limit)
+      large[texel];
+    else
+      result = std::max(result, diagonal);
+  }
+  if (large.empty()) return result;
+  visit_all([&](uint32_t texel, const glm::vec3& p) {
+    const auto found = large.find(texel);
+    if (found != large.end() && found->second.size() <= kMostCorners) found->second.push_back(p);
+  });
+  for (const auto& [texel, points] : large)
+    result = std::max(
+        result, points.size() > kMostCorners ? kLookUp * boxes[texel].diagonal() : kLookUp * largest_distance(points));
+  return result;
+}
+
+}  // namespace lucarium::bundle

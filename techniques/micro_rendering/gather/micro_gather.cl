@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gathers light at points: one work-item per gather, in groups of one.
+#include "micro_rendering/gather/micro_gather.clh"
+
+#ifndef MICRO_LEVELS
+#define MICRO_LEVELS 0  // 1: what the frames before have found is known (MICRO_ERROR_CUT)
+#endif
+#ifndef MICRO_GATHER_ENV
+#define MICRO_GATHER_ENV 0  // 1: empty micro-pixels see the environment
+#endif
+#if MICRO_GATHER_ENV
+#include "micro_rendering/gather/micro_sky.clh"
+#endif
+
+// The micro-buffer of the inspected slot: radiance and distance [m]; -1: empty.
+void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const MicroBuffer* buffer,
+                       const MicroNodeLight* light, float unit, __global float4* micro_buffer) {
+  for (uint y = 0; y < warp->edge; ++y) {
+    for (uint x = 0; x < warp->edge; ++x) {
+      const uint i = (y + 1u) * buffer->rows + x + 1u;
+      const ulong key = buffer->key[i];
+      float4 pixel = (float4)(0.0f, 0.0f, 0.0f, -1.0f);
+      if (key != MICRO_EMPTY) {
+        const float3 w = (float3)(buffer->x[i], buffer->y[i], buffer->z[i]);
+        pixel = (float4)(unit * pixel_radiance(light, point, w, key), as_float((uint)(key >> 32)));
+      }
+      micro_buffer[y * MICRO_SIZE + x] = pixel;
+    }
+  }
+}
+
+// Results at the gathers' slots, see MicroStatistics (micro_types.h); every gather overwrites those of its lobes.
+// micro_buffer: of the slot settings.inspect, rows of MICRO_SIZE pixels; of the larger lobe.
+__kernel void mr_gather(__global const MicroTree* restrict trees, const uint tree_count,
+                        __global const uint4* restrict nodes, __global const half* restrict radiance,
+                        __global const uint4* restrict clips, __global const float* restrict radiance_unit,
+                        __global const MicroGather* restrict gathers, __global const uint* restrict gather_count,
+                        const MicroSettings settings, __global float4* restrict irradiance,
+                        __global float4* restrict specular, __global MicroStatistics* restrict statistics,
+                        __global float4* restrict micro_buffer,
+#if MICRO_LEVELS
+                        __global const float4* restrict levels,
+#endif
+#if MICRO_GATHER_ENV
+                        LUCARIUM_SCENE_PARAMETERS __global float4* restrict sky,
+#endif
+#if MICRO_DYNAMIC
+                        __global const MicroNodeChoice* restrict choices,
+                        __global const MicroLeafLight* restrict leaf_lights,
+                        __global const MicroLeafLobe* restrict leaf_lobes,
+#endif
+                        const uint slice_base) {
+  const uint i = settings.first + slice_base + get_global_id(0);
+  if (i >= gather_count[0]) return;
+  const float unit = radiance_unit[0];
+#if MICRO_GATHER_ENV
+  LUCARIUM_SCENE_BIND(scene);
+#endif
+  MicroForest forest;
+  forest.trees = trees;
+  forest.tree_count = tree_count;
+  forest.nodes = nodes;
+  forest.radiance = radiance;
+  forest.clips = clips;
+  MicroNodeLight node_light;
+  node_light.radiance = radiance;
+#if MICRO_DYNAMIC
+  node_light.choices = choices;
+  node_light.leaf_lights = leaf_lights;
+  node_light.leaf_lobes = leaf_lobes;
+  node_light.inverse_unit = 1.0f / unit;
+#endif
+  const MicroPoint point = make_micro_point(gathers + i, settings.seed);
+  const uint lobes = gathers[i].lobes;
+  const float eta = gathers[i].eta;
+  const uint edges[2] = {min(lobes & 255u, (uint)MICRO_SIZE), min((lobes >> 8) & 255u, (uint)MICRO_SIZE)};
+  MicroStatistics counts;
+  counts.visits = counts.splats = counts.listed = counts.disc_tests = counts.holes = counts.flushes = counts.levels =
+      counts.uneven = 0u;
+#if MICRO_LEVELS
+  const float4 level = levels[point.slot];
+#else
+  const float4 level = (float4)(0.0f);
+#endif
+  const bool flat = MICRO_ERROR_CUT && level.w < 0.0f;
+  const float kappa = settings.kappa * (flat ? MICRO_FLAT_KAPPA : 1.0f);
+  MicroBuffer buffer;
+  MicroWarp warp;
+  for (uint lobe = MICRO_LOBE_DIFFUSE; lobe <= MICRO_LOBE_SPECULAR; ++lobe) {
+    if (edges[lobe] == 0u) {
+#if MICRO_LEVELS
+      if (lobe == MICRO_LOBE_SPECULAR)
+        specular[2u * point.slot] = (float4)(0.0f);  // of a frame that saw another surface
+#endif
+      continue;
+    }
+    const uint kind = lobe == MICRO_LOBE_SPECULAR && eta > 0.0f ? MICRO_LOBE_REFRACTED : lobe;
+    make_micro_warp(kind, edges[lobe], half_value(lobes >> 16), eta, to_local(&point.basis, point.view), kappa, &warp);
+#if MICRO_ERROR_CUT
+    tolerate_error(&forest, settings, (lobe == MICRO_LOBE_DIFFUSE ? level.x : level.y) / unit, flat, &warp);
+#endif
+    draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
+    float3 grazing;
+    const float4 light = micro_light(&warp, &point, &buffer, &node_light, &grazing, &counts);
+    if (lobe == MICRO_LOBE_DIFFUSE) {
+      irradiance[point.slot] = (float4)(M_PI_F * unit * light.xyz, light.w);
+    } else {
+      specular[2u * point.slot] = (float4)(unit * light.xyz, 0.0f);
+      specular[2u * point.slot + 1u] = (float4)(unit * grazing, 0.0f);
+    }
+#if MICRO_GATHER_ENV
+    float3 grazing_sky;
+    const float3 plain_sky = micro_sky(&scene, &warp, &point, &buffer, &grazing_sky);
+    if (lobe == MICRO_LOBE_DIFFUSE) {
+      sky[3u * point.slot] = (float4)(M_PI_F * plain_sky, 0.0f);
+    } else {
+      sky[3u * point.slot + 1u] = (float4)(plain_sky, 0.0f);
+      sky[3u * point.slot + 2u] = (float4)(grazing_sky, 0.0f);
+    }
+#endif
+    if ((point.slot == settings.inspect || point.slot == settings.inspect_too) && edges[lobe] >= edges[1u - lobe])
+      keep_micro_buffer(&warp, &point, &buffer, &node_light, unit, micro_buffer);
+  }
+  statistics[point.slot] = counts;
+}

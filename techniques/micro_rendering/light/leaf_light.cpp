@@ -1,0 +1,316 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "micro_rendering/light/leaf_light.h"
+
+#include <algorithm>
+
+#include "lucarium/base/embedded_files.h"
+#include "lucarium/shared/ray.h"
+
+const lucarium::EmbeddedSources& micro_rendering_kernels();
+
+namespace lucarium::micro {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+constexpr size_t kLeavesPerSlice = 1 << 16;
+constexpr double kLeavesPerGather = 1024;  // of which a shadow ray each takes about as long as one gather
+const char* const kRemedy = "lower points_log2";
+// Apart from the gathers at pixels, which get the seed itself.
+constexpr uint32_t kNodeSeed = 0x6a61636fu;
+
+}  // namespace
+
+Program light_program(Device& device, const MicroParameters& parameters) {
+  SourceLibrary library;
+  library.add(micro_rendering_kernels());
+  const bool dynamic = parameters.node_shading == NodeShading::dynamic;
+  return Program(
+      device, library,
+      {"micro_rendering/light", {"micro_rendering/light/micro_light.cl"}, {{"MICRO_DYNAMIC", dynamic ? "1" : "0"}}});
+}
+
+LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
+                     const Intersector& intersector, const PointForest& forest, const GatherPass& gather,
+                     const MicroParameters& parameters, int bounces, const std::string& owner)
+    : device_(device),
+      scheduler_(scheduler),
+      scene_(scene),
+      intersector_(intersector),
+      forest_(forest),
+      parameters_(parameters),
+      bounces_(bounces),
+      owner_(owner),
+      program_(light_program(device, parameters)),
+      primitives_(device) {
+  const uint32_t leaves = forest.leaf_count();
+  direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kRemedy);
+  leaf_count_ = TypedBuffer<uint32_t>(device, owner, "number of leaves", std::vector<uint32_t>{leaves});
+  if (dynamic()) {
+    shading_ = DynamicShading(device, owner, leaves);
+    record_lobes();
+  }
+  if (parameters.multibounce != MultiBounce::jacobi) {
+    paths_ = std::make_unique<LightPaths>(device, scheduler, host_scene, scene, intersector, forest, parameters,
+                                          bounces, direct_, shading_, owner);
+  } else if (bounces > 1) {
+    irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kRemedy);
+    nodes_ = std::make_unique<NodeGather>(device, scheduler, scene, forest, gather, shading_, parameters, owner);
+    record_bounce();
+  }
+  record_direct();
+  record_pull();
+}
+
+/// One light sample per leaf, added to direct_.
+void LeafLight::record_direct() {
+  const uint32_t leaves = forest_.leaf_count();
+  ScheduleRecorder recorder = scheduler_.record("light at points", owner_);
+  sample_ = recorder.variable("sample", 0u);
+  light_seed_ = recorder.variable("seed", 0u);
+  const BufferRef rays = recorder.transient<Ray>("shadow rays", leaves, kRemedy);
+  const BufferRef light = recorder.transient<float4>("light behind the shadow rays", leaves, kRemedy);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded", leaves, kRemedy);
+  PassBuilder sample = recorder.pass("sample light at points", program_, "mr_sample_light");
+  scene_.bind(sample, program_, "mr_sample_light");
+  sample.global(leaves)
+      .local(kLocalSize)
+      .slice(kLeavesPerSlice)
+      .arg("leaves", forest_.leaves)
+      .arg("count", leaves)
+      .arg("sample_index", sample_)
+      .arg("seed", light_seed_)
+      .arg("shadow_rays", rays)
+      .arg("shadow_light", light);
+  intersector_.record_any(recorder, "shadow rays of points", rays, occluded, leaf_count_, 0, leaves);
+  PassBuilder add = recorder.pass("add light at points", program_, "mr_add_light");
+  add.global(leaves)
+      .local(kLocalSize)
+      .arg("count", leaves)
+      .arg("weight", 1.f / static_cast<float>(parameters_.light_samples))
+      .arg("shadow_light", light)
+      .arg("occluded", occluded)
+      .arg("irradiance", direct_);
+  if (dynamic()) add.arg("shadow_rays", rays).arg("number", sample_).arg("leaf_lights", shading_.leaf_lights);
+  direct_schedule_ = recorder.compile();
+}
+
+/// From the leaves' irradiance to the radiance of all nodes.
+void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance, bool choose) {
+  const uint32_t leaves = forest_.leaf_count();
+  const BufferRef brightness = recorder.transient<float>("brightness of leaves", leaves, kRemedy);
+  const BufferRef brightest = recorder.transient<float>("brightest leaf", 1);
+  const BufferRef extremes = recorder.transient<float4>("extremes of nodes", size_t{2} * leaves, kRemedy);
+  recorder.pass("brightness of leaves", program_, "mr_leaf_brightness")
+      .global(leaves)
+      .local(kLocalSize)
+      .arg("irradiance", irradiance)
+      .arg("leaf_albedo", forest_.leaf_albedo)
+      .arg("count", leaves)
+      .arg("brightness", brightness);
+  primitives_.record_reduce(recorder, "brightest leaf", Primitives::Reduction::max_float, brightness, brightest,
+                            leaves);
+  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
+    const ForestTree& tree = forest_.trees()[t];
+    recorder.pass("store radiance", program_, "mr_store_radiance")
+        .global(tree.leaves())
+        .local(kLocalSize)
+        .arg("irradiance", irradiance)
+        .arg("leaf_albedo", forest_.leaf_albedo)
+        .arg("brightest", brightest)
+        .arg("trees", forest_.tree_records)
+        .arg("tree", t)
+        .arg("nodes", forest_.nodes)
+        .arg("count", tree.leaves())
+        .arg("radiance", forest_.radiance)
+        .arg("extremes", extremes)
+        .arg("radiance_unit", forest_.radiance_unit);
+    PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
+      recorder.pass("pull", program_, "mr_pull")
+          .global(size_t{1} << top)
+          .local(1)
+          .arg("trees", forest_.tree_records)
+          .arg("tree", t)
+          .arg("top", top)
+          .arg("bottom", bottom)
+          .arg("radiance", forest_.radiance)
+          .arg("extremes", extremes);
+    });
+  }
+  if (choose) add_choices(recorder, extremes);
+}
+
+/// The leaf that every node stands for where glossy lobes are asked for.
+void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extremes) {
+  choice_seed_ = recorder.variable("seed", 0u);
+  for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
+    const ForestTree& tree = forest_.trees()[t];
+    recorder.pass("choose leaves", program_, "mr_choose_leaves")
+        .global(tree.leaves())
+        .local(kLocalSize)
+        .arg("leaf_lights", shading_.leaf_lights)
+        .arg("trees", forest_.tree_records)
+        .arg("tree", t)
+        .arg("count", tree.leaves())
+        .arg("choices", shading_.choices);
+    PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
+      recorder.pass("pull choices", program_, "mr_pull_choices")
+          .global(size_t{1} << top)
+          .local(1)
+          .arg("trees", forest_.tree_records)
+          .arg("tree", t)
+          .arg("top", top)
+          .arg("bottom", bottom)
+          .arg("seed", choice_seed_)
+          .arg("extremes", extremes)
+          .arg("choices", shading_.choices);
+    });
+  }
+}
+
+/// Depends on geometry and materials alone.
+void LeafLight::record_lobes() {
+  const uint32_t leaves = forest_.leaf_count();
+  ScheduleRecorder recorder = scheduler_.record("lobes of leaves", owner_);
+  PassBuilder pass = recorder.pass("lobes of leaves", program_, "mr_leaf_lobes");
+  scene_.bind(pass, program_, "mr_leaf_lobes");
+  pass.global(leaves)
+      .local(kLocalSize)
+      .arg("leaves", forest_.leaves)
+      .arg("count", leaves)
+      .arg("leaf_lobes", shading_.leaf_lobes);
+  lobes_schedule_ = recorder.compile();
+}
+
+void LeafLight::record_pull() {
+  ScheduleRecorder recorder = scheduler_.record("pull", owner_);
+  add_pull(recorder, direct_, dynamic());
+  pull_schedule_ = recorder.compile();
+}
+
+/// What nodes have gathered: pushed to the leaves, and pulled.
+void LeafLight::record_bounce() {
+  ScheduleRecorder recorder = scheduler_.record("bounce", owner_);
+  nodes_->add_push(recorder, direct_, irradiance_);
+  add_pull(recorder, irradiance_, false);
+  bounce_schedule_ = recorder.compile();
+}
+
+void LeafLight::changed(bool surfaces) {
+  stage_ = Stage::none;
+  if (!surfaces) return;
+  lobes_known_ = false;
+  if (nodes_) nodes_->geometry_changed();
+}
+
+void LeafLight::begin(uint32_t frame, uint32_t seed) {
+  scheduler_.finish();
+  direct_.fill_zero();
+  if (dynamic()) shading_.leaf_lights.fill_zero();
+  frame_ = frame;
+  seed_ = seed;
+  part_ = 0;
+  const bool sampled = parameters_.multibounce != MultiBounce::photon_map || !parameters_.photon_direct;
+  stage_ = sampled ? Stage::samples : Stage::paths;
+}
+
+bool LeafLight::step(uint32_t frame, uint32_t seed) {
+  if (stage_ == Stage::none || frame_ != frame || seed_ != seed) begin(frame, seed);
+  last_work_ = 0;
+  if (stage_ == Stage::done || advance()) return true;
+  stage_ = Stage::none;
+  return false;
+}
+
+bool LeafLight::receive(uint32_t frame, uint32_t seed) {
+  do {
+    if (!step(frame, seed)) return false;
+  } while (stage_ < Stage::pull);
+  return true;
+}
+
+bool LeafLight::spread() {
+  while (stage_ != Stage::done)
+    if (!step(frame_, seed_)) return false;
+  return true;
+}
+
+bool LeafLight::advance() {
+  switch (stage_) {
+    case Stage::samples: return sample();
+    case Stage::paths:
+      if (paths_ && !paths_->trace(frame_, seed_)) return false;
+      last_work_ = paths_ ? paths_->traced_rays() / kLeavesPerGather : 0;
+      part_ = 0;
+      stage_ = paths_ && paths_->parts() > 0 ? Stage::path_light : Stage::pull;
+      return true;
+    case Stage::path_light: return add_path_light();
+    case Stage::pull: return pull();
+    case Stage::gather: return gather();
+    case Stage::none:
+    case Stage::done: break;
+  }
+  return true;
+}
+
+bool LeafLight::sample() {
+  direct_schedule_.set(light_seed_, seed_);
+  direct_schedule_.set(sample_, frame_ * static_cast<uint32_t>(parameters_.light_samples) + part_);
+  if (scheduler_.run(direct_schedule_) == RunResult::cancelled) return false;
+  last_work_ = forest_.leaf_count() / kLeavesPerGather;
+  if (++part_ == static_cast<uint32_t>(parameters_.light_samples)) stage_ = Stage::paths;
+  return true;
+}
+
+bool LeafLight::add_path_light() {
+  if (!paths_->add(part_)) return false;
+  last_work_ = forest_.leaf_count() / kLeavesPerGather;
+  if (++part_ == paths_->parts()) stage_ = Stage::pull;
+  return true;
+}
+
+bool LeafLight::pull() {
+  if (dynamic()) {
+    if (!lobes_known_) scheduler_.run_to_end(lobes_schedule_);
+    lobes_known_ = true;
+    pull_schedule_.set(choice_seed_, seed_ ^ (frame_ * 0x9e3779b9u));
+  }
+  if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
+  if (nodes_) nodes_->list();
+  part_ = 0;
+  bounce_ = 1;
+  stage_ = nodes_ ? Stage::gather : Stage::done;
+  return true;
+}
+
+/// A batch of nodes; after the last one of a bounce all leaves and nodes shine with it.
+bool LeafLight::gather() {
+  const uint32_t number = frame_ * static_cast<uint32_t>(bounces_) + static_cast<uint32_t>(bounce_);
+  if (!nodes_->gather(part_, seed_ ^ kNodeSeed ^ (number * 0x9e3779b9u))) return false;
+  const uint32_t made = std::min(NodeGather::kBatch, nodes_->count() - part_);
+  gathers_ += made;
+  last_work_ = made;
+  part_ += made;
+  if (part_ < nodes_->count()) return true;
+  if (scheduler_.run(bounce_schedule_) == RunResult::cancelled) return false;
+  part_ = 0;
+  if (++bounce_ == bounces_) stage_ = Stage::done;
+  return true;
+}
+
+void LeafLight::warm_up() {
+  for (Schedule* schedule : {&direct_schedule_, &pull_schedule_, &bounce_schedule_, &lobes_schedule_})
+    if (*schedule) scheduler_.warm_up(*schedule);
+  if (nodes_) nodes_->warm_up();
+  if (paths_) paths_->warm_up();
+}
+
+size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
+  const size_t transient = leaves * (sizeof(Ray) + sizeof(float4) + 3 * sizeof(uint32_t) + 2 * sizeof(float4));
+  const size_t shading = parameters.node_shading == NodeShading::dynamic ? DynamicShading::estimate_bytes(leaves) : 0;
+  if (parameters.multibounce != MultiBounce::jacobi)
+    return shading + leaves * sizeof(float4) + 2 * transient + LightPaths::estimate_bytes(parameters, leaves, bounces);
+  return shading + leaves * sizeof(float4) + 2 * transient +
+         (bounces > 1 ? leaves * sizeof(float4) + NodeGather::estimate_bytes(parameters, leaves) : 0);
+}
+
+}  // namespace lucarium::micro

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "micro_rendering/light/node_gather.h"
+
+#include <algorithm>
+
+#include "lucarium/base/embedded_files.h"
+
+const lucarium::EmbeddedSources& micro_rendering_kernels();
+
+namespace lucarium::micro {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+constexpr uint32_t kFewestLevels = 6;  // of a small tree's level that gathers
+constexpr uint32_t kMost = 2;          // times as many nodes as the level alone has
+const char* const kRemedy = "lower jacobi_level";
+
+Program nodes_program(Device& device) {
+  SourceLibrary library;
+  library.add(micro_rendering_kernels());
+  return Program(device, library, {"micro_rendering/nodes", {"micro_rendering/light/micro_nodes.cl"}, {}});
+}
+
+}  // namespace
+
+NodeGather::NodeGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const PointForest& forest,
+                       const GatherPass& gather, const DynamicShading& shading, const MicroParameters& parameters,
+                       const std::string& owner)
+    : scheduler_(scheduler),
+      scene_(scene),
+      forest_(forest),
+      gather_(gather),
+      shading_(shading),
+      parameters_(parameters),
+      owner_(owner),
+      program_(nodes_program(device)),
+      primitives_(device) {
+  for (const ForestTree& tree : forest.trees()) {
+    first_root_.push_back(roots_);
+    roots_ += 1u << level_of(tree);
+  }
+  const size_t most = size_t{kMost} * roots_;
+  totals_ = TypedBuffer<uint32_t>(device, owner, "sizes of cuts", MICRO_CUT_LEVELS + 1);
+  slots_ = TypedBuffer<uint32_t>(device, owner, "slots of cuts", roots_, kRemedy);
+  leaf_slots_ = TypedBuffer<uint32_t>(device, owner, "slots of leaves", forest.leaf_count(), kRemedy);
+  node_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers at nodes", 1);
+  gathers_ = TypedBuffer<MicroGather>(device, owner, "gathers at nodes", most, kRemedy);
+  results_ = GatherResults(device, owner, "nodes'", most, false);
+  record_list();
+  record_gather();
+}
+
+/// Nodes of about the same size in all trees, but some detail in small ones.
+uint32_t NodeGather::level_of(const ForestTree& tree) const {
+  const int depth = static_cast<int>(tree.record.depth);
+  const int level = parameters_.jacobi_level - (parameters_.points_log2 - depth);
+  return static_cast<uint32_t>(std::clamp(level, std::min(depth, static_cast<int>(kFewestLevels)), depth));
+}
+
+void NodeGather::record_list() {
+  ScheduleRecorder recorder = scheduler_.record("cut of gathering nodes", owner_);
+  const float cone = parameters_.jacobi_cone * (3.14159265f / 180);
+  const uint32_t most = kMost * roots_;
+  const auto pass_of = [&](const char* name, const char* kernel, uint32_t t) {
+    const uint32_t level = level_of(forest_.trees()[t]);
+    PassBuilder pass = recorder.pass(name, program_, kernel);
+    pass.global(size_t{1} << level)
+        .local(1)
+        .arg("trees", forest_.tree_records)
+        .arg("tree", t)
+        .arg("level", level)
+        .arg("cone", cone)
+        .arg("nodes", forest_.nodes)
+        .arg("totals", totals_);
+    return pass;
+  };
+  const auto trees = static_cast<uint32_t>(forest_.trees().size());
+  recorder.fill_zero("sizes of cuts", totals_);
+  for (uint32_t t = 0; t < trees; ++t) pass_of("sizes of cuts", "mr_cut_totals", t);
+  for (uint32_t t = 0; t < trees; ++t)
+    pass_of("nodes of the cut", "mr_cut_counts", t)
+        .arg("first_slot", first_root_[t])
+        .arg("most", most)
+        .arg("slots", slots_);
+  primitives_.record_exclusive_scan(recorder, "slots of cuts", slots_, slots_, node_count_, roots_);
+  for (uint32_t t = 0; t < trees; ++t) {
+    PassBuilder pass = pass_of("gathers at nodes", "mr_cut_gathers", t);
+    scene_.bind(pass, program_, "mr_cut_gathers");
+    pass.arg("leaves", forest_.leaves)
+        .arg("first_slot", first_root_[t])
+        .arg("most", most)
+        .arg("slots", slots_)
+        .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size))
+        .arg("patches", forest_.patches)
+        .arg("gathers", gathers_)
+        .arg("leaf_slots", leaf_slots_);
+  }
+  list_schedule_ = recorder.compile();
+}
+
+void NodeGather::record_gather() {
+  ScheduleRecorder recorder = scheduler_.record("gather at nodes", owner_);
+  settings_ = recorder.variable("settings", MicroSettings{});
+  gather_.record(recorder, "gather at nodes", scene_, forest_, gathers_, node_count_,
+                 std::min(kBatch, static_cast<uint32_t>(gathers_.count())), settings_, results_, shading_);
+  gather_schedule_ = recorder.compile();
+}
+
+void NodeGather::list() {
+  if (listed_) return;
+  scheduler_.run_to_end(list_schedule_);
+  scheduler_.finish();
+  count_ = node_count_.download().front();
+  listed_ = true;
+}
+
+bool NodeGather::gather(uint32_t first, uint32_t seed) {
+  MicroSettings settings = GatherPass::settings(parameters_, seed);
+  settings.first = first;
+  gather_schedule_.set(settings_, settings);
+  return scheduler_.run(gather_schedule_) == RunResult::done;
+}
+
+void NodeGather::add_push(ScheduleRecorder& recorder, const BufferRef& direct, const BufferRef& irradiance) const {
+  const uint32_t leaves = forest_.leaf_count();
+  recorder.pass("push", program_, "mr_push")
+      .global(leaves)
+      .local(kLocalSize)
+      .arg("count", leaves)
+      .arg("leaf_slots", leaf_slots_)
+      .arg("direct", direct)
+      .arg("gathered", results_.irradiance)
+      .arg("irradiance", irradiance);
+}
+
+void NodeGather::warm_up() {
+  scheduler_.warm_up(list_schedule_);
+  scheduler_.warm_up(gather_schedule_);
+}
+
+size_t NodeGather::estimate_bytes(const MicroParameters& parameters, size_t leaves) {
+  const size_t roots =
+      size_t{2} << std::min(parameters.jacobi_level, parameters.points_log2);  // a level is clamped to its tree
+  return roots * (sizeof(uint32_t) + kMost * sizeof(MicroGather)) + leaves * sizeof(uint32_t) +
+         GatherResults::estimate_bytes(kMost * roots, false) + (size_t{1} << 16);
+}
+
+}  // namespace lucarium::micro

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "micro_rendering/points/scene_sides.h"
+#include "micro_rendering/shared/micro_types.h"
+
+namespace lucarium::micro {
+
+/// The leaf at a point.
+MicroLeaf leaf_of(const SampledPoint& point);
+
+/// Which sides of points anything sees. Walks leave a side in all directions and go on from where they meet fronts; a
+/// walk that meets the back of a single-sided surface is inside a solid, or in a gap that solids close, and where all
+/// are nothing sees that side. What moves hides nothing, since it may move away; two-sided surfaces never do.
+class PointExposure {
+ public:
+  /// `intersector`: of the whole scene; `sources`: all trees; `contact`: fronts that are no farther apart see nothing
+  /// of each other [m].
+  PointExposure(Device& device, KernelScheduler& scheduler, const ScenePoints& scene_points,
+                const SceneBuffers& buffers, const Intersector& intersector, const std::vector<TreeSource>& sources,
+                float contact, const std::string& owner);
+
+  using Progress = std::function<void(double fraction)>;  ///< may be empty
+  /// Whether something sees the front of each point. Throws Error{interrupted}.
+  std::vector<bool> fronts(const std::vector<SampledPoint>& points, const Progress& progress);
+  /// Whether something sees the backs of those points that are on single-sided surfaces.
+  std::vector<bool> backs(const std::vector<SampledPoint>& points, const Progress& progress);
+  static size_t estimate_bytes(const Scene& scene, size_t points);
+
+ private:
+  std::vector<bool> measure(const std::vector<SampledPoint>& points, const std::vector<uint8_t>& known, uint32_t side,
+                            uint32_t most_walks, const Progress& progress);
+  std::vector<uint8_t> walk(std::span<const SampledPoint> points, std::span<const uint8_t> known, uint32_t side,
+                            uint32_t most_walks, const Progress& progress);
+
+  Device& device_;
+  KernelScheduler& scheduler_;
+  const SceneBuffers& buffers_;
+  std::unique_ptr<Bvh> resting_;  ///< without what moves
+  const Intersector& intersector_;
+  const ScenePoints& scene_points_;
+  float contact_;
+  std::string owner_;
+  Program program_;
+};
+
+/// Samples the surfaces of trees where something sees their fronts.
+class ExposedSampler {
+ public:
+  /// `exposure`: null where everything counts as seen; `backs`: whether backs are asked for.
+  ExposedSampler(const ScenePoints& scene_points, PointExposure* exposure, bool backs, uint32_t seed, int threads)
+      : scene_points_(scene_points), exposure_(exposure), backs_(backs), seed_(seed), threads_(threads) {}
+
+  /// Share of a tree's surface whose front something sees, from `points` points; 1 for what moves.
+  double exposed_share(const TreeSource& source, uint32_t points) const;
+  /// sample_surface() there. `share`: exposed_share(); where it was too large hidden points make up the number.
+  /// SampledSurface::area is that of what is seen; points are told whether they are solid.
+  SampledSurface sample(const TreeSource& source, double share, uint32_t count,
+                        const PointExposure::Progress& progress) const;
+
+ private:
+  bool measures(const TreeSource& source) const { return exposure_ && source.kind == TreeKind::resting; }
+  const ScenePoints& scene_points_;
+  PointExposure* exposure_;
+  bool backs_;
+  uint32_t seed_;
+  int threads_;
+};
+
+}  // namespace lucarium::micro

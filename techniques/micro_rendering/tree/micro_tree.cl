@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// Leaves from the scene's triangles, and inner nodes from their children: spheres that contain spheres, cones that
+// contain cones. O(n), so that the hierarchy follows every deformation.
+#include "micro_rendering/gather/micro_surface.clh"
+#include "micro_rendering/tree/micro_node.clh"
+
+#define MICRO_LEAST_SHOWN 64.0f  // a quarter of 255: of a convex solid, the mean over all directions (Cauchy)
+#define MICRO_CLIP_STEPS 32u     // directions over which the area of a bounded disc is summed up
+
+// Albedo of the diffuse lobe per leaf, as 4 halfs; needs materials and texture coordinates only.
+__kernel void mr_leaf_albedo(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
+                             __global half* restrict leaf_albedo) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const Surface surface = leaf_surface(&scene, leaves[i]);
+  vstore_half4((float4)(leaf_diffuse(&scene, &surface), 0.0f), i, leaf_albedo);
+}
+
+float3 mesh_position(__global const Vertex* mesh_vertices, __global const Instance* instance, uint vertex) {
+  return mesh_vertices[instance->mesh_vertex + (vertex - instance->world_vertex)].position.xyz;
+}
+
+// Lines that bound the disc of a leaf, in its plane: outward normals as angles, distances from the centre.
+typedef struct LeafLines {
+  float angle[MICRO_CLIPS], distance[MICRO_CLIPS];
+  uint count;
+} LeafLines;
+
+// Area of what the lines leave of the disc of radius r, each moved outwards by `shift`: a mean over directions.
+float kept_area(const LeafLines* lines, float r, float shift) {
+  float sum = 0.0f;
+  for (uint i = 0; i < MICRO_CLIP_STEPS; ++i) {
+    float reach = r;
+    for (uint k = 0; k < lines->count; ++k) {
+      const float c = cos(((float)i + 0.5f) * (2.0f * M_PI_F / (float)MICRO_CLIP_STEPS) - lines->angle[k]);
+      if (c > 0.0f) reach = fmin(reach, (lines->distance[k] + shift) / c);
+    }
+    sum += reach * reach;
+  }
+  return sum * (M_PI_F / (float)MICRO_CLIP_STEPS);
+}
+
+// The line through a and b, corners of a triangle that is wound about `front`, unless it is too far from c. Lines of
+// neighbours count where the point of the edge that is nearest to c is on it, and c lies on their triangle's side.
+void add_line(float3 c, float3 front, const Basis* basis, float r, float3 a, float3 b, bool own, LeafLines* lines) {
+  const float3 edge = (b - a) - front * dot(b - a, front);
+  const float length2 = dot(edge, edge);
+  if (!(length2 > 0.0f)) return;
+  const float3 outward = cross(edge, front) * rsqrt(length2);
+  const float distance = dot(outward, a - c), along = dot(edge, c - a);
+  if (distance >= r || (!own && (distance < 0.0f || along < 0.0f || along > length2))) return;
+  lines->angle[lines->count] = atan2(dot(outward, basis->b), dot(outward, basis->t));
+  lines->distance[lines->count++] = fmax(distance, 0.0f);
+}
+
+// Packs the lines; they leave of the disc at least the area that the leaf stands for, so that no holes open between
+// discs on facets that are smaller.
+uint4 pack_lines(const LeafLines* lines, float r, float least_area) {
+  float shift = 0.0f;
+  const float wanted = least_area * M_PI_F * r * r;
+  if (kept_area(lines, r, 0.0f) < wanted) {
+    float enough = r;
+    for (uint i = 0; i < 12u; ++i) {
+      const float middle = 0.5f * (shift + enough);
+      if (kept_area(lines, r, middle) < wanted)
+        shift = middle;
+      else
+        enough = middle;
+    }
+  }
+  uint words[MICRO_CLIPS] = {0u, 0u, 0u, 0u};
+  for (uint k = 0; k < lines->count; ++k) {
+    const float distance = (lines->distance[k] + shift) / r;
+    if (distance >= 1.0f) continue;
+    const uint angle = (uint)(int)rint(lines->angle[k] * (65536.0f / (2.0f * M_PI_F))) & 0xffffu;
+    words[k] = angle | ((1u + (uint)rint(distance * 65534.0f)) << 16);
+  }
+  return (uint4)(words[0], words[1], words[2], words[3]);
+}
+
+// Leaf nodes of one tree, and the lines that bound their discs.
+__kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
+                             __global const Vertex* restrict mesh_vertices,
+                             __global const Triangle* restrict scene_triangles,
+                             __global const Instance* restrict scene_instances,
+                             __global const Material* restrict scene_materials,
+                             __global const MicroLeaf* restrict leaves, __global const MicroTree* restrict trees,
+                             const MicroLeafRules rules, const uint count, __global const MicroPatch* restrict patches,
+                             __global uint4* restrict nodes, __global uint4* restrict clips) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  __global const MicroTree* tree = trees + rules.tree;
+  const uint index = tree->first_node / 2u + i;
+  const MicroLeaf leaf = leaves[index];
+  const Triangle triangle = scene_triangles[leaf_triangle(leaf)];
+  __global const Instance* instance = scene_instances + triangle.instance;
+  float3 a, b, c;
+  if (rules.object_space) {
+    a = mesh_position(mesh_vertices, instance, triangle.v0);
+    b = mesh_position(mesh_vertices, instance, triangle.v1);
+    c = mesh_position(mesh_vertices, instance, triangle.v2);
+  } else {
+    a = scene_vertices[triangle.v0].position.xyz;
+    b = scene_vertices[triangle.v1].position.xyz;
+    c = scene_vertices[triangle.v2].position.xyz;
+  }
+  const float2 weights = leaf_weights(leaf);
+  const float3 normal = cross(b - a, c - a);
+  const float area = 0.5f * length(normal);
+  const bool back = leaf.triangle & MICRO_LEAF_BACK;
+  const bool two_sided = shows_both_sides(scene_materials[instance->material].flags);
+  const bool cullable = two_sided || rules.all_cullable || leaf.triangle & MICRO_LEAF_SOLID;
+
+  MicroNode node;
+  const float inverse_step = 1.0f / tree->origin_step.w;
+  node.center = (a + weights.x * (b - a) + weights.y * (c - a) - tree->origin_step.xyz) * inverse_step;
+  node.radius = rules.disc_radius * (leaf.area > 0.0f ? sqrt(area / leaf.area) : 1.0f) * inverse_step;
+  node.normal = safe_normalize(back ? -normal : normal, (float3)(0.0f, 0.0f, 1.0f));
+  node.cone = 0.0f;
+  node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (cullable ? MICRO_NODE_CULLABLE : 0u);
+  node.side = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, back);
+  const uint4 packed = pack_node(node);
+  nodes[tree->first_node + (1u << tree->depth) + i] = packed;
+
+  node = unpack_node(packed);
+  const MicroPatch patch = patches[leaf_triangle(leaf)];
+  const Basis basis = make_basis(node.normal);
+  LeafLines lines;
+  lines.count = 0u;
+  for (uint k = 0; k < MICRO_CLIPS && patch.ends[2 * k] != LUCARIUM_NONE; ++k) {
+    float3 ends[2];
+    for (uint e = 0; e < 2u; ++e) {
+      const uint vertex = patch.ends[2 * k + e];
+      const float3 p =
+          rules.object_space ? mesh_position(mesh_vertices, instance, vertex) : scene_vertices[vertex].position.xyz;
+      ends[e] = (p - tree->origin_step.xyz) * inverse_step;
+    }
+    add_line(node.center, back ? -node.normal : node.normal, &basis, node.radius, ends[0], ends[1], k < patch.own,
+             &lines);
+  }
+  clips[index] = lines.count > 0u ? pack_lines(&lines, node.radius, rules.least_area) : (uint4)(0u);
+}
+
+// The smallest sphere about both.
+void merge_spheres(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
+  const float3 between = b->center - a->center;
+  const float d = length(between);
+  sum->center = a->center;
+  sum->radius = a->radius;
+  if (d + b->radius <= a->radius) return;
+  sum->center = b->center;
+  sum->radius = b->radius;
+  if (d + a->radius <= b->radius) return;
+  sum->radius = 0.5f * (d + a->radius + b->radius);
+  sum->center = a->center + between * ((sum->radius - a->radius) / d);
+}
+
+// The narrowest cone about both.
+void merge_cones(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
+  const float angle = angle_between(a->normal, b->normal);
+  sum->normal = a->normal;
+  sum->cone = a->cone;
+  if (angle + b->cone <= a->cone) return;
+  sum->normal = b->normal;
+  sum->cone = b->cone;
+  if (angle + a->cone <= b->cone) return;
+  const float half_angle = 0.5f * (angle + a->cone + b->cone);
+  // Opposite axes have no direction between them.
+  sum->normal = a->normal;
+  sum->cone = M_PI_F;
+  if (half_angle >= M_PI_F || angle > 3.1414f) return;
+  const float3 side = normalize(b->normal - a->normal * dot(a->normal, b->normal));
+  const float turn = half_angle - a->cone;
+  sum->normal = angle > 1e-5f ? normalize(cos(turn) * a->normal + sin(turn) * side) : a->normal;
+  sum->cone = half_angle + (angle > 1e-5f ? 0.0f : angle);
+}
+
+// leaves: both are leaves.
+uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
+  const MicroNode a = unpack_node(left), b = unpack_node(right);
+  MicroNode sum;
+  merge_spheres(&a, &b, &sum);
+  merge_cones(&a, &b, &sum);
+  const float shown_a = leaves ? 1.0f : (float)a.side / 255.0f, shown_b = leaves ? 1.0f : (float)b.side / 255.0f;
+  const float shown = 0.5f * dot(shown_a * a.normal + shown_b * b.normal, sum.normal);
+  sum.side = (uint)clamp(ceil(shown * 255.0f), MICRO_LEAST_SHOWN, 255.0f);
+  sum.flags = (a.flags & b.flags & MICRO_NODE_CULLABLE) | ((a.flags | b.flags) & MICRO_NODE_TWIN);
+  return pack_node(sum);
+}
+
+// Inner nodes of levels [top, bottom) of one tree; level `bottom` is done. Work-item w owns what lies below node w of
+// level `top`.
+__kernel void mr_refit(__global const MicroTree* restrict trees, const uint tree, const uint top, const uint bottom,
+                       __global uint4* restrict nodes) {
+  const uint w = get_global_id(0);
+  if (w >= (1u << top)) return;
+  __global uint4* heap = nodes + trees[tree].first_node;
+  for (uint level = bottom; level-- > top;) {
+    const uint first = ((1u << top) + w) << (level - top), end = first + (1u << (level - top));
+    for (uint i = first; i < end; ++i)
+      heap[i] = merge_nodes(heap[2u * i], heap[2u * i + 1u], level + 1u == trees[tree].depth);
+  }
+}

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every class of mistake: its exit code, one line that says what to do, and nothing written.
+#include <fstream>
+
+#include "cli_support.h"
+
+using namespace lucarium::test;
+
+TEST_CASE("memory that is missing names the parameters that need it") {
+  const TemporaryFolder folder;
+  const std::string common = " --size 64x64 --memory-limit 8M -o " + (folder.path() / "a.exr").string();
+  check_refused("render builtin:cornell -t bundle_exchange" + common, 4, "lower --size or --texture-size, texels");
+  check_refused("render builtin:cornell -t bundle_exchange:texels=500000" + common, 4,
+                "lower --size or --texture-size, texels");
+  check_refused("render builtin:cornell -t micro_rendering" + common, 4, "lower --size or --texture-size, points_log2");
+}
+
+TEST_CASE("a command that does not exist is a mistake even with --help") {
+  check_refused("rendr --help", 2, "unknown command 'rendr'; did you mean 'render'?");
+}
+
+TEST_CASE("usage: exit code 2, and the nearest valid name") {
+  const TemporaryFolder folder;
+  const std::string out = " -o " + (folder.path() / "a.exr").string() + " ";
+  check_refused("", 2, "subcommand is required");
+  check_refused("rendr builtin:cornell", 2, "did you mean 'render'?");
+  check_refused("render builtin:cornell --sppp 3" + out, 2, "unknown option --sppp; did you mean '--spp'?");
+  check_refused("render", 2, "scene is required");
+  check_refused("render builtin:cornell", 2, "--output");
+  check_refused("render builtin:cornell --spp 0" + out, 2, "--spp: '0' is not a number above 0");
+  check_refused("render builtin:cornell --spp many" + out, 2, "--spp: 'many' is not a number above 0");
+  check_refused("render builtin:cornell --time -1" + out, 2, "--time: '-1' is not a number above 0");
+  check_refused("render builtin:cornell --time nan" + out, 2, "--time: 'nan' is not a number above 0");
+  check_refused("render builtin:cornell --time inf" + out, 2, "--time: 'inf' is not a number above 0");
+  check_refused("render builtin:cornell --size 64" + out, 2, "WIDTHxHEIGHT");
+  check_refused("render builtin:cornell --size 0x64" + out, 2, "from 1 to 32768");
+  check_refused("render builtin:cornell --max-bounces -2" + out, 2, "--max-bounces");
+  check_refused("render builtin:cornell --pixel-sampling middle" + out, 2, "jitter, centre");
+  check_refused("render builtin:cornell --frames 3:1" + out, 2, "FIRST:LAST");
+  check_refused("render builtin:cornell --frames 0:1 --at 1" + out, 2, "not both");
+  check_refused("render builtin:cornell -p red=1" + out, 2, "name the technique it belongs to first");
+  check_refused("render builtin:cornell -o " + (folder.path() / "a.jpg").string(), 2, ".exr or .png");
+  check_refused("render builtin:cornell --memory-limit lots" + out, 2, "--memory-limit");
+  check_refused("render builtin:cornell " + constant_technique() + "-t constant" + out, 2, "lucarium compare");
+  check_refused("render builtin:cornell " + constant_technique("rde=1") + out, 2, "did you mean 'red'?");
+  check_refused("render builtin:cornell " + constant_technique("red=-1") + out, 2, "0 … 100");
+  check_refused("render builtin:cornell " + constant_technique() + "-p red=101" + out, 2,
+                "parameter red: 101 is outside");
+  check_refused("render builtin:cornell " + constant_technique("failure=nana") + out, 2, "did you mean 'nan'?");
+  check_refused("render builtin:cornell " + constant_technique() + "--camera nonsense" + out, 2, "nonsense");
+  check_refused("render builtin:cornell " + constant_technique() + "--light bulb:1" + out, 2, "point:X,Y,Z");
+  check_refused("render builtin:cornell " + constant_technique() + "--material '*:shiny=1'" + out, 2, "shiny");
+  check_refused("diff only-one.exr", 2, "reference is required");
+  CHECK(count_files(folder.path()) == 0);
+}
+
+TEST_CASE("input: exit code 3") {
+  const TemporaryFolder folder;
+  const std::string out = " -o " + (folder.path() / "a.exr").string() + " ";
+  const std::string broken = (folder.path() / "broken.glb").string();
+  std::ofstream(broken) << "glTF, but not really";
+  check_refused("render /nonexistent/scene.gltf " + constant_technique() + out, 3, "/nonexistent/scene.gltf");
+  check_refused("scene " + broken, 3, broken);
+  check_refused("scene builtin:cornel", 3, "did you mean 'cornell'?");
+  check_refused("render builtin:cornell " + constant_technique() + "-o /nonexistent/folder/a.exr", 3,
+                "there is no folder /nonexistent/folder");
+  check_refused("render builtin:cornell " + constant_technique() + "-o /proc/a.exr", 3, "/proc cannot be written into");
+  check_refused("render builtin:cornell " + constant_technique() + "--material '*:emissive_factor=0,0,0'" + out, 3,
+                "--environment");
+  check_refused("diff /nonexistent/a.exr " + broken, 3, "/nonexistent/a.exr: no such file");
+  CHECK(count_files(folder.path()) == 1);
+}
+
+TEST_CASE("device: exit code 4") {
+  const TemporaryFolder folder;
+  const std::string render = "render builtin:cornell -o " + (folder.path() / "a.exr").string() + " ";
+  check_refused(render + constant_technique() + "--device quantum", 4, "quantum");
+  check_refused(render + constant_technique() + "--memory-limit 1K", 4, "KiB");
+  check_refused(render + constant_technique("extra_megabytes=100000000"), 4, "TiB");
+  const ProgramResult none = run_program("OCL_ICD_VENDORS=/nonexistent " + lucarium_program() + " devices");
+  CHECK(none.exit_code == 4);
+  CHECK(contains(none.err, "pocl-opencl-icd"));
+  CHECK(count_files(folder.path()) == 0);
+}
+
+TEST_CASE("technique: exit code 5, and a failure leaves no file") {
+  const TemporaryFolder folder;
+  const std::string out = " -o " + (folder.path() / "a.exr").string() + " --iterations 3 ";
+  const std::string plugins = environment("LUCARIUM_TEST_PLUGINS");
+  check_refused("render builtin:cornell -t path_traicng" + out, 5, "did you mean 'path_tracing'?");
+  check_refused("render builtin:cornell -t wrong_abi --technique-path " + plugins + "/wrong_abi" + out, 5,
+                "is built for ABI");
+  check_refused("render builtin:cornell -t throws_in_create --technique-path " + plugins + "/throws_in_create" + out, 5,
+                "an exception of the plug-in's own");
+  check_refused("render builtin:cornell " + constant_technique() + "--max-bounces 7" + out, 5, "at most 3 bounces");
+  check_refused("render builtin:cornell " + constant_technique("failure=error,fail_at=2") + out, 5,
+                "it was told to fail");
+  check_refused("render builtin:cornell " + constant_technique("failure=exception,fail_at=2") + out, 5,
+                "an exception that is no Error");
+  check_refused("render builtin:cornell " + constant_technique("failure=nan,fail_at=2") + out, 5, "values are NaN");
+  CHECK(count_files(folder.path()) == 0);
+}
+
+TEST_CASE("existing files are refused before any work, and replaced only when asked") {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.exr").string();
+  std::ofstream(file) << "precious";
+  check_refused("render builtin:cornell " + constant_technique() + "-o " + file, 2,
+                file + " exists; choose another name or give --overwrite");
+  check_refused(
+      "render builtin:cornell " + constant_technique() + "-o " + (folder.path() / "b.png").string() + " -o " + file, 2,
+      "exists");
+  check_refused("render builtin:cornell " + constant_technique() + "--frames 0:1 -o " + folder.path().string(), 2,
+                ".exr or .png");
+  std::string text;
+  std::ifstream(file) >> text;
+  CHECK(text == "precious");
+  CHECK(count_files(folder.path()) == 1);
+  CHECK(run_lucarium("render builtin:cornell " + constant_technique() + "--overwrite --iterations 1 -o " + file)
+            .exit_code == 0);
+  CHECK(std::filesystem::file_size(file) > 100);
+}
+
+TEST_CASE("a plug-in that cannot be loaded does not stop the others, and says why") {
+  const std::string plugins = environment("LUCARIUM_TEST_PLUGINS");
+  const ProgramResult result = run_lucarium("techniques --technique-path " + plugins + "/wrong_abi --technique-path " +
+                                            plugins + "/text_file --technique-path " + plugins + "/constant");
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.out, "constant"));
+  CHECK(contains(result.err, "wrong_abi.so: is built for ABI"));
+  CHECK(contains(result.err, "text_file.so: cannot be loaded: "));
+}

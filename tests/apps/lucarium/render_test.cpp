@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// What lucarium render writes and prints when all goes well, and what it keeps when it is interrupted.
+#include "cli_support.h"
+#include "lucarium/film/image_io.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+using nlohmann::json;
+
+TEST_CASE("an EXR with layers and metadata, a picture, and a summary that parses") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string(), png = (folder.path() / "a.png").string();
+  const ProgramResult result = run_lucarium("render builtin:cornell " + constant_technique("red=0.75") +
+                                            "-p blue=2 --spp 3 --seed 9 --json --quiet -o " + exr + " -o " + png);
+  CHECK(result.exit_code == 0);
+  CHECK(result.err.empty());
+  const json summary = json::parse(result.out);
+  CHECK(summary["schema"] == "lucarium-render-1");
+  for (const char* key : {"max_bounces", "pixel_sampling", "scene_time_seconds"}) CHECK(summary[key].is_number());
+  CHECK(summary["technique"] == "constant");
+  CHECK(summary["samples"] == 3);
+  CHECK(summary["seed"] == 9);
+  CHECK(summary["partial"] == false);
+  CHECK(summary["width"] == 16);
+  CHECK(summary["clocks"]["iterate_seconds"].get<double>() > 0);
+  CHECK(summary["seconds"].get<double>() > summary["clocks"]["iterate_seconds"].get<double>());
+  CHECK(summary["peak_device_memory_bytes"].get<uint64_t>() >= 16 * 8 * 16);
+  CHECK(summary["limitations"][0] == "it does not look at the scene");
+  CHECK(summary["counters"]["samples"] == 3);
+  CHECK(summary["files"] == json({exr, png}));
+  const Film film = read_image(exr);
+  CHECK(film.width() == 16);
+  CHECK(film.image()[0] == 0.75f);
+  CHECK(film.image()[2] == 2);
+  CHECK(film.find("direct"));
+  CHECK(film.find("count")->pixels[5] == 3);
+  CHECK(film.metadata.at("technique") == "constant");
+  CHECK(contains(film.metadata.at("parameters"), "red=0.75,green=0.5,blue=2"));
+  CHECK(film.metadata.count("partial") == 0);
+  CHECK(count_files(folder.path()) == 2);
+}
+
+TEST_CASE("what ended a rendering is told: the technique in its own words, or an option") {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.png").string();
+  const std::string common = "render builtin:cornell " + constant_technique("converge_at=3") + "--overwrite -o " + file;
+  const ProgramResult told = run_lucarium(common + " --spp 8");
+  CHECK(contains(told.out, "3 samples per pixel"));
+  CHECK(contains(told.out, "ended by constant: converge_at is reached"));
+  CHECK(json::parse(run_lucarium(common + " --spp 8 --json --quiet").out)["ended_by"] == "converge_at is reached");
+  const json half = json::parse(run_lucarium(common + " --spp 2 --json --quiet").out);
+  CHECK(half["ended_by"] == "--spp");
+  CHECK(half["progress"].get<double>() == test::relative(2. / 3));
+  CHECK(half["seconds_left"].get<double>() > 0);
+}
+
+TEST_CASE("a time that is over before the first iteration gives a picture and a line that says so") {
+  const TemporaryFolder folder;
+  const ProgramResult late = run_lucarium("render builtin:cornell " + constant_technique("red=1") + "--time 0.001 -o " +
+                                          (folder.path() / "a.png").string());
+  CHECK(late.exit_code == 0);
+  CHECK(contains(late.err, "--time 0.001 was over before the first iteration"));
+  const ProgramResult unlit = run_lucarium(
+      "render builtin:cornell -t bundle_exchange:texels=2048 --size 16x16 --max-bounces 1 --iterations 1 --json "
+      "--overwrite -o " +
+      (folder.path() / "a.png").string());
+  CHECK(contains(unlit.err, "ended in the stage 'light'"));
+  CHECK(json::parse(unlit.out)["partial"] == true);
+  CHECK(count_files(folder.path()) == 1);
+}
+
+TEST_CASE("exposure brightens the picture and leaves the EXR alone") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string(), png = (folder.path() / "a.png").string();
+  CHECK(run_lucarium("render builtin:cornell " + constant_technique("red=0.107,green=0.107,blue=0.107") +
+                     "--iterations 1 --exposure 1 -o " + exr + " -o " + png)
+            .exit_code == 0);
+  CHECK(read_image(exr).image()[0] == 0.107f);
+  CHECK(read_image(png).image()[0] == test::relative(2 * 0.107, .01));  // an 8-bit step is 0.8 % there
+}
+
+TEST_CASE("--half stores 16-bit floats and tells what does not fit") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string();
+  const ProgramResult result =
+      run_lucarium("render builtin:cornell " + constant_technique("red=0.1") + "--iterations 1 --half -o " + exr);
+  CHECK(result.exit_code == 0);
+  CHECK(read_image(exr).image()[0] == test::relative(0.1, 1e-3));
+  CHECK(read_image(exr).image()[0] != 0.1f);
+}
+
+TEST_CASE("an option given twice counts as given last") {
+  const json summary = json::parse(
+      run_lucarium("render builtin:cornell " + constant_technique() + "--size 5x4 --iterations 3 --iterations 2 --json")
+          .out);
+  CHECK(summary["width"] == 5);
+  CHECK(summary["iterations"] == 2);
+}
+
+TEST_CASE("a sequence writes one file per frame, each standing for itself") {
+  const TemporaryFolder folder;
+  const ProgramResult result =
+      run_lucarium("render builtin:cornell " + constant_technique() +
+                   "--iterations 2 --frames 3:5 --fps 10 --json -o " + (folder.path() / "out.exr").string());
+  CHECK(result.exit_code == 0);
+  const json summary = json::parse(result.out);
+  CHECK(summary.size() == 3);
+  CHECK(count_files(folder.path()) == 3);
+  const Film last = read_image(folder.path() / "out.0005.exr");
+  CHECK(last.metadata.at("scene_time_seconds") == "0.5");
+  CHECK(last.metadata.at("samples") == "2");
+}
+
+TEST_CASE("--profile prints a table, or writes JSON or a trace") {
+  const TemporaryFolder folder;
+  const std::string render = "render builtin:cornell " + constant_technique() + "--iterations 3 --json ";
+  const ProgramResult table = run_lucarium(render + "--profile");
+  CHECK(table.exit_code == 0);
+  CHECK(contains(table.err, "fill"));
+  const std::string profile = (folder.path() / "p.json").string(), trace = (folder.path() / "p.trace.json").string();
+  CHECK(run_lucarium(render + "--profile=" + profile).exit_code == 0);
+  CHECK(run_lucarium(render + "--profile=" + trace).exit_code == 0);
+  CHECK(json::accept(run_program("cat " + profile).out));
+  CHECK(json::accept(run_program("cat " + trace).out));
+  check_refused(render + "--profile=" + profile, 2, "exists");
+}
+
+TEST_CASE("Ctrl-C keeps the partial result, marked as such, and ends with 6") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string(), log = (folder.path() / "log").string();
+  // A first progress line shows that iterating has begun.
+  const ProgramResult result =
+      run_program(lucarium_program() + " render builtin:cornell " + constant_technique("sleep=50") +
+                  "--iterations 100000 --json -o " + exr + " 2>" + log + " & pid=$!; until grep -q rendering " + log +
+                  "; do kill -0 $pid || exit 99; sleep 0.1; done; " + "kill -INT $pid; wait $pid");
+  CHECK(result.exit_code == 6);
+  const json summary = json::parse(result.out);
+  CHECK(summary["partial"] == true);
+  const Film film = read_image(exr);
+  CHECK(film.metadata.at("partial") == "yes");
+  CHECK(film.image()[0] == 0.25f);
+  CHECK(film.metadata.at("samples") == std::to_string(summary["samples"].get<uint64_t>()));
+  CHECK(summary["samples"].get<uint64_t>() >= 1);
+  CHECK(contains(run_program("cat " + log).out, "the partial result is kept"));
+  CHECK(count_files(folder.path()) == 2);
+}

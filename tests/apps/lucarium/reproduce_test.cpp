@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium reproduce with a paper of one experiment about the technique `constant`, whose images are known.
+#include <fstream>
+
+#include "cli_support.h"
+#include "tolerance.h"
+
+using namespace lucarium::test;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// 2 shows 0.5 too much everywhere, 1 shows 0.25 too much; the mean square errors are 0.25 and 0.0625.
+json known_experiment() {
+  return json::parse(R"json({
+    "schema": "lucarium-experiment-1",
+    "title": "Errors of constants", "place": "Table 3", "claim": "They are known.",
+    "comparison": {
+      "scenes": ["builtin:furnace"],
+      "techniques": [
+        {"technique": "constant", "parameters": {"red": 1.25, "green": 1.25, "blue": 1.25}, "name": "near"},
+        {"technique": "constant", "parameters": {"red": 1.5, "green": 1.5, "blue": 1.5}, "name": "far"}],
+      "budgets": [{"iterations": 1}], "seeds": 1, "size": [16, 8], "max_bounces": 1, "reference": {"file": "reference.exr"}
+    },
+    "quick": {"techniques": [{"technique": "constant", "parameters": {"red": 1.25, "green": 1.25, "blue": 1.25}, "name": "near"}]},
+    "values": [
+      {"name": "near", "label": "near one", "technique": "near", "value": "sqrt(MSE)", "unit": "cd/m2", "paper": 0.3},
+      {"name": "far", "technique": "far", "value": "sqrt(MSE)"},
+      {"name": "ratio", "value": "far/near", "paper": 2}],
+    "trends": [
+      {"claim": "near is nearer", "holds": "near < far"},
+      {"claim": "far is far", "holds": "ratio > 3"},
+      {"claim": "near is near", "holds": "near > 0.2 && near < 0.3"}]
+  })json");
+}
+
+/// A folder with the paper; `experiment` is its only one.
+class PaperFolder {
+ public:
+  explicit PaperFolder(const json& experiment) {
+    const fs::path paper = folder_.path() / "experiments" / "author2026";
+    fs::create_directories(paper);
+    write(paper / "paper.json", {{"schema", "lucarium-paper-1"},
+                                 {"citation", "Author 2026"},
+                                 {"technique", "constant"},
+                                 {"experiments", {"errors"}}});
+    write(paper / "errors.json", experiment);
+    const ProgramResult made = run_lucarium("render builtin:furnace " + constant_technique("red=1,green=1,blue=1") +
+                                            "--iterations 1 -o " + (paper / "reference.exr").string());
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+  }
+
+  fs::path output() const { return folder_.path() / "out"; }
+  std::string arguments(const std::string& more) const {
+    return "reproduce " + more + " --technique-path " + environment("LUCARIUM_TEST_PLUGINS") +
+           "/constant --technique-path " + folder_.path().string();
+  }
+
+ private:
+  static void write(const fs::path& file, const json& content) { std::ofstream(file) << content.dump(2); }
+  TemporaryFolder folder_;
+};
+
+json results_of(const fs::path& folder) { return json::parse(std::ifstream(folder / "errors" / "results.json")); }
+
+}  // namespace
+
+TEST_CASE("papers and experiments are listed") {
+  const PaperFolder paper(known_experiment());
+  const ProgramResult result = run_lucarium(paper.arguments("--list"));
+  CHECK(result.exit_code == 0);
+  CHECK(contains(result.out, "author2026/errors  Errors of constants (Table 3)"));
+}
+
+TEST_CASE("every experiment that comes with the program can be read") {
+  const ProgramResult result = run_lucarium("reproduce --list");
+  CHECK_MESSAGE(result.exit_code == 0, result.err);
+}
+
+TEST_CASE("values and trends are read off the results") {
+  const PaperFolder paper(known_experiment());
+  const ProgramResult result = run_lucarium(paper.arguments("author2026 --full -o " + paper.output().string()));
+  REQUIRE_MESSAGE(result.exit_code == 0, result.err);
+  const json reproduction = results_of(paper.output()).at("reproduction");
+  CHECK(reproduction.at("quick") == false);
+  const json& values = reproduction.at("values");
+  CHECK(values[0].at("ours").get<double>() == lucarium::test::relative(0.25));
+  CHECK(values[0].at("paper").get<double>() == lucarium::test::relative(0.3));
+  CHECK(values[1].at("ours").get<double>() == lucarium::test::relative(0.5));
+  CHECK(!values[1].contains("paper"));
+  CHECK(values[2].at("ours").get<double>() == lucarium::test::relative(2));
+  const json& trends = reproduction.at("trends");
+  CHECK(trends[0].at("verdict") == "holds");
+  CHECK(trends[1].at("verdict") == "fails");
+  CHECK(trends[2].at("verdict") == "holds");
+  CHECK(contains(result.out, "holds: near is nearer"));
+  CHECK(contains(result.out, "fails: far is far"));
+}
+
+TEST_CASE("the quick setting leaves things unknown, and a finished run is only read again") {
+  const PaperFolder paper(known_experiment());
+  const std::string arguments = paper.arguments("author2026/errors -o " + paper.output().string());
+  REQUIRE(run_lucarium(arguments).exit_code == 0);
+  const ProgramResult again = run_lucarium(arguments + " --resume");
+  CHECK(again.exit_code == 0);
+  CHECK(contains(again.err, "1 pieces were finished before"));
+  const json reproduction = results_of(paper.output()).at("reproduction");
+  CHECK(reproduction.at("quick") == true);
+  CHECK(!reproduction.at("values")[1].contains("ours"));
+  CHECK(reproduction.at("trends")[0].at("verdict") == "unknown");
+  CHECK(reproduction.at("trends")[2].at("verdict") == "holds");
+  check_refused(arguments, 2, "already holds results");
+}
+
+TEST_CASE("mistakes in experiments name file, line and key") {
+  const auto refuse = [](const char* pointer, const json& value, const std::string& part) {
+    json experiment = known_experiment();
+    experiment[json::json_pointer(pointer)] = value;
+    const PaperFolder paper(experiment);
+    check_refused(paper.arguments("author2026 --full -o " + paper.output().string()), 3, part);
+    CHECK(!fs::exists(paper.output()));
+  };
+  refuse("/schema", "x", "errors.json:");
+  refuse("/values/0/technique", "nearr", "no technique has the label 'nearr'; did you mean 'near'?");
+  refuse("/values/0/value", "sqrt(MSE", "values/0/value");
+  refuse("/values/2/name", "far", "'far' is there already");
+  refuse("/values/1/name", "a b", "must be letters");
+  refuse("/values/1/scene", 1, "there are 1, counted from 0");
+  refuse("/trends/0/holds", "near < fa", "no value is called 'fa'; did you mean 'far'?");
+  refuse("/comparison/seeds", 0, "comparison/seeds");
+  refuse("/quick", {{"seds", 1}}, "quick");
+}
+
+TEST_CASE("papers and experiments that are not there") {
+  const PaperFolder paper(known_experiment());
+  check_refused(paper.arguments("author2025 -o x"), 2, "no paper is called 'author2025'; did you mean 'author2026'?");
+  check_refused(paper.arguments("author2026/error -o x"), 2, "did you mean 'errors'?");
+  check_refused(paper.arguments("author2026"), 2, "add --output FOLDER");
+  check_refused(paper.arguments("-o x"), 2, "which paper?");
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium render --watch: the picture follows scene, kernels and plug-in; what does not compile keeps the last one.
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <thread>
+
+#include "cli_support.h"
+
+using namespace lucarium::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double patience_seconds = 60;
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+bool wait_until(const std::function<bool()>& holds) {
+  const auto start = std::chrono::steady_clock::now();
+  while (!holds()) {
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > patience_seconds)
+      return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return true;
+}
+
+size_t occurrences(const std::string& text, const std::string& part) {
+  size_t count = 0;
+  for (size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++count;
+  return count;
+}
+
+/// `lucarium render … --watch` in the background; interrupted at the end.
+class Watcher {
+ public:
+  Watcher(const fs::path& folder, const std::string& environment, const std::string& arguments) : folder_(folder) {
+    const std::string line = "cd " + folder.string() + " && { " + environment + " exec " + lucarium_program() +
+                             " render " + arguments + " --watch >out.txt 2>log.txt </dev/null & echo $! >pid; }";
+    REQUIRE(std::system(("sh -c '" + replace_quotes(line) + "'").c_str()) == 0);
+  }
+  ~Watcher() { end(); }
+
+  std::string log() const { return text_of(folder_ / "log.txt"); }
+  /// Waits for the n-th end of a render, good or bad.
+  bool rendered(size_t n) const {
+    return wait_until([&] { return occurrences(log(), "rendered in") + occurrences(log(), "not rendered") >= n; });
+  }
+  /// Ctrl-C; true when the process is gone soon.
+  bool end() {
+    if (ended_) return true;
+    ended_ = true;
+    const std::string pid = text_of(folder_ / "pid");
+    static_cast<void>(std::system(("kill -INT " + pid).c_str()));
+    return wait_until([&] { return !fs::exists("/proc/" + pid.substr(0, pid.find('\n'))); });
+  }
+
+ private:
+  static std::string replace_quotes(const std::string& text) {
+    std::string quoted;
+    for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted;
+  }
+  fs::path folder_;
+  bool ended_ = false;
+};
+
+const char* const brighter_kernel =
+    "kernel void fill_constant(global float4* sum, const float4 colour, const uint pixels) {\n"
+    "  const uint i = (uint)get_global_id(0);\n"
+    "  if (i < pixels) sum[i] += 2.0f * colour;\n"
+    "}\n";
+
+}  // namespace
+
+TEST_CASE("the picture follows the scene, the kernel and the plug-in; a kernel that does not compile keeps it") {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  fs::create_directories(folder / "plugins");
+  fs::create_directories(folder / "kernels" / "constant");
+  fs::copy_file(environment("LUCARIUM_TEST_PLUGINS") + "/constant/constant.so", folder / "plugins" / "constant.so");
+  REQUIRE(run_lucarium("scene builtin:cornell --export " + (folder / "box.glb").string()).exit_code == 0);
+
+  Watcher watcher(
+      folder, "LUCARIUM_KERNEL_PATH=" + (folder / "kernels").string(),
+      "box.glb --technique-path plugins -t constant:blue=0.25 --max-bounces 1 --size 16x8 --iterations 1 -o a.png");
+  REQUIRE(watcher.rendered(1));
+  const std::string first = text_of(folder / "a.png");
+  CHECK_FALSE(first.empty());
+
+  // The scene's sidecar changes the exposure.
+  std::ofstream(folder / "box.glb.lucarium.json") << "{\"exposure\": -1}";
+  REQUIRE(watcher.rendered(2));
+  const std::string darker = text_of(folder / "a.png");
+  CHECK(darker != first);
+
+  // A kernel twice as bright: as before the exposure.
+  std::ofstream(folder / "kernels/constant/fill_constant.cl") << brighter_kernel;
+  REQUIRE(watcher.rendered(3));
+  CHECK(text_of(folder / "a.png") == first);
+
+  // One that does not compile.
+  std::ofstream(folder / "kernels/constant/fill_constant.cl")
+      << "kernel void fill_constant(global float4* sum) { sum[0] = nonsense; }\n";
+  REQUIRE(watcher.rendered(4));
+  CHECK(text_of(folder / "a.png") == first);
+  const std::string log = watcher.log();
+  CAPTURE(log);
+  CHECK(contains(log, "nonsense"));
+  CHECK(contains(log, "fill_constant.cl:1"));
+  CHECK(contains(log, "the last image is kept"));
+
+  // Without the override the embedded kernel counts again, and a plug-in put in place anew is loaded anew.
+  fs::remove(folder / "kernels/constant/fill_constant.cl");
+  REQUIRE(watcher.rendered(5));
+  CHECK(text_of(folder / "a.png") == darker);
+  fs::copy_file(environment("LUCARIUM_TEST_PLUGINS") + "/wrong_abi/wrong_abi.so", folder / "plugins" / "new.so");
+  fs::rename(folder / "plugins" / "new.so", folder / "plugins" / "constant.so");
+  REQUIRE(watcher.rendered(6));
+  CHECK(contains(watcher.log(), "is built for ABI"));
+  CHECK(text_of(folder / "a.png") == darker);
+  CHECK(watcher.end());
+  CHECK(contains(watcher.log(), "constant.so changed"));
+}
+
+TEST_CASE("--watch does not replace what was there before it began") {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.png").string();
+  std::ofstream(file) << "something else";
+  check_refused("render builtin:cornell " + constant_technique() + "--watch -o " + file, 2, "--overwrite");
+}

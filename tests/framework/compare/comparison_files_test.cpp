@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// Comparison files, and what is made of results that are already there.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/file_lock.h"
+#include "lucarium/compare/comparison.h"
+#include "lucarium/metrics/error_map.h"
+#include "test_support.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+
+namespace {
+
+ComparisonSpec example_spec() {
+  ComparisonSpec spec;
+  spec.scenes.resize(2);
+  spec.scenes[0].source = "builtin:cornell";
+  spec.scenes[1].source = "/scenes/a \"b\".glb";
+  spec.scenes[1].name = "mine";
+  spec.scenes[1].overrides.camera = "0,1,2:0,0,0:45";
+  spec.scenes[1].overrides.environment = "1,1,1*2";
+  spec.scenes[1].overrides.lights = {"none", "point:0,1,0:5,5,5"};
+  spec.scenes[1].overrides.exposure = -1.5f;
+  spec.scenes[1].overrides.materials = {"wall*:roughness=0.5"};
+  spec.scenes[1].overrides.use_sidecar = false;
+  spec.scenes[1].import.max_texture_size = 512;
+  spec.variants = {{"path_tracing", {{"estimator", "mis"}, {"replicates", "4"}}, ""}, {"path_tracing", {}, "plain"}};
+  spec.budgets = {{2.5, 0, 0, 0}, {0, 64, 0, 0}, {0, 0, 0.001, 60}};
+  spec.width = 8;
+  spec.height = 4;
+  spec.max_bounces = 3;
+  spec.reference = {std::nullopt, 512, 1e-4};
+  return spec;
+}
+
+/// What reading the text as a comparison file complains about.
+std::string complaint(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "my.json";
+  write_file_atomically(file, text);
+  try {
+    check_comparison(read_comparison(file));
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    const size_t at = what.find("my.json");
+    return at == std::string::npos ? what : what.substr(at);
+  }
+  return "accepted";
+}
+
+std::string with(const std::string& members) {
+  return "{\"schema\": \"lucarium-comparison-1\",\n\"scenes\": [\"builtin:cornell\"],\n\"techniques\": "
+         "[\"path_tracing\"],\n" +
+         members + "}";
+}
+
+}  // namespace
+
+TEST_CASE("a comparison survives its file") {
+  const test::TemporaryFolder folder;
+  const ComparisonSpec spec = example_spec();
+  write_file_atomically(folder.path() / "comparison.json", spec.to_json());
+  const ComparisonSpec again = read_comparison(folder.path() / "comparison.json");
+  CHECK(again.to_json() == spec.to_json());
+  CHECK(again.variants[0].label() == "path_tracing:estimator=mis,replicates=4");
+  CHECK(again.variants[1].label() == "plain");
+  CHECK(again.scenes[1].overrides.lights == spec.scenes[1].overrides.lights);
+  CHECK(again.scenes[1].overrides.materials == spec.scenes[1].overrides.materials);
+  CHECK(again.budgets[2].limit_seconds == 60);
+}
+
+TEST_CASE("file names in a comparison file are meant from its folder") {
+  const test::TemporaryFolder folder;
+  write_file_atomically(
+      folder.path() / "c.json",
+      R"({"schema": "lucarium-comparison-1", "scenes": [{"scene": "a/b.glb", "environment": "sky.hdr*2"}],
+                            "techniques": ["path_tracing"], "budgets": [{"seconds": 1}], "reference": {"file": "r.exr"}})");
+  const ComparisonSpec spec = read_comparison(folder.path() / "c.json");
+  CHECK(spec.scenes[0].source == (folder.path() / "a/b.glb").string());
+  CHECK(*spec.scenes[0].overrides.environment == (folder.path() / "sky.hdr*2").string());
+  CHECK(*spec.reference.file == folder.path() / "r.exr");
+}
+
+TEST_CASE("mistakes in a comparison file are named with line and key") {
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}]")) == "accepted");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}],\n\"sedes\": 3")) ==
+        "my.json:5: sedes: unknown key; did you mean 'seeds'?");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1,\n\"iterations\": 2}]")) ==
+        "my.json:4: budgets/0: must have exactly one of \"seconds\", \"iterations\" and \"relmse\"");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 0}]")) == "my.json:4: budgets/0/seconds: must be above 0");
+  CHECK(complaint(with("\"budgets\": [{\"relmse\": 0.1}]")) ==
+        "my.json:4: budgets/0: \"relmse\" and \"limit_seconds\" go together");
+  CHECK(complaint(with("\"budgets\": []")) == "my.json:4: budgets: must be an array with at least one element");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}],\n\n\"size\": [640]")) ==
+        "my.json:6: size: must be [width, height]");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"seeds\": 0")) ==
+        "my.json:4: seeds: must be a whole number from 1 to 1000");
+  CHECK(complaint("{\"scenes\": []}") == "my.json:1: schema: must be \"lucarium-comparison-1\"");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}, {\"seconds\": 1.0}]")) == "the budget 1 s is given twice");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"reference\": {\"file\": \"a.exr\", \"samples\": 64}")) ==
+        "my.json:4: reference: a file is used as it is; leave out the other keys");
+  CHECK(complaint("{").starts_with("my.json:1: this is not valid JSON"));
+}
+
+TEST_CASE("two comparisons cannot use one folder") {
+  const test::TemporaryFolder folder;
+  const FolderLock first(folder.path());
+  CHECK_THROWS_AS(FolderLock second(folder.path()), Error);
+}
+
+TEST_CASE("the error map is blue where too dark, red where too bright, white where right") {
+  const std::vector<float> reference = {1, 1, 1, 1, 1, 1, 1, 1, 1}, test = {0, 0, 0, 1, 1, 1, 3, 3, 3};
+  const std::vector<float> map = signed_error_map(test, reference);
+  CHECK(map[2] > map[0]);  // dark: blue above red
+  CHECK(map[3] == test::relative(map[5]));
+  CHECK(map[6] > map[8]);  // bright: red above blue
+}

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// What seeds say together: summaries, pairs, gates, the change against a baseline; on results made by hand.
+#include "lucarium/compare/results/summary.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/error.h"
+#include "lucarium/compare/results/baseline.h"
+#include "lucarium/film/image_io.h"
+#include "test_support.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+
+namespace {
+
+/// A run whose relMSE is scale / t at t = 1, 2, 4 s.
+PieceResult make_piece(size_t variant, uint32_t seed, double scale) {
+  PieceResult piece;
+  piece.variant = variant;
+  piece.seed = seed;
+  piece.image = "x.exr";
+  piece.render_summary = R"({"passes": [], "counters": {}, "warnings": []})";
+  piece.prepare_seconds = 0.5;
+  piece.iterate_seconds = 3.5;
+  for (const double t : {1.0, 2.0, 4.0}) {
+    piece.snapshots.push_back(
+        {t, static_cast<uint64_t>(t), static_cast<uint64_t>(t), {{"relMSE", scale / t}, {"MSE", scale / t}}});
+  }
+  piece.metrics = {{"relMSE", scale / 4}, {"MSE", scale / 4}, {"PSNR", 30 + static_cast<double>(seed)}};
+  return piece;
+}
+
+/// One scene, two variants of which the second has four times the error, three seeds.
+ComparisonResult example() {
+  ComparisonResult result;
+  result.spec.scenes.resize(1);
+  result.spec.scenes[0].source = "builtin:cornell";
+  result.spec.variants = {{"a", {}, ""}, {"b", {}, ""}};
+  result.spec.budgets = {{4, 0, 0, 0}};
+  result.variants.resize(2);
+  result.scenes.resize(1);
+  result.scenes[0].name = "builtin:cornell";
+  result.scenes[0].references.resize(1);
+  result.scenes[0].references[0].relmse = 0.001;
+  result.scenes[0].references[0].mse = 0.002;
+  result.scenes[0].variants.resize(2);
+  for (uint32_t seed = 1; seed <= 3; ++seed) {
+    const double factor = std::exp2(static_cast<double>(seed) - 2);
+    result.pieces.push_back(make_piece(0, seed, 0.36 * factor));
+    result.pieces.push_back(make_piece(1, seed, 1.44 * factor));
+  }
+  for (size_t variant = 0; variant < 2; ++variant) {
+    result.summaries[{0, variant, 0}] =
+        summarize(pieces_of(result, {0, variant, 0}), result.scenes[0].references[0], result.spec.budgets[0]);
+  }
+  add_times_to_error(result, 0, 0, result.summaries);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a summary has geometric means, debiased error, the curve and its slope") {
+  ComparisonResult result = example();
+  const Summary& summary = result.summaries.at({0, 0, 0});
+  CHECK(summary.seeds == 3);
+  CHECK(summary.metrics.at("relMSE").mean == test::relative(0.09));
+  // Logarithms are −1, 0, 1 times ln 2 about the mean: s = ln 2, t(2 degrees of freedom, 95 %) = 4.3027.
+  const double high = 0.09 * std::exp(4.3027 * std::log(2.0) / std::sqrt(3.0));
+  CHECK(summary.metrics.at("relMSE").high == test::relative(high, 1e-4));
+  CHECK(summary.metrics.at("PSNR").mean == test::relative(32));
+  CHECK(summary.debiased_mse == test::relative((0.045 + 0.09 + 0.18) / 3 - 0.002));
+  CHECK(summary.resolved);
+  REQUIRE(summary.curve.size() == 3);
+  CHECK(summary.curve[1].relmse.mean == test::relative(0.18));
+  CHECK(summary.slope.mean == test::relative(-1));
+  CHECK(summary.iterate_seconds == test::relative(3.5));
+
+  ReferenceResult poor = result.scenes[0].references[0];
+  poor.relmse = 0.02;
+  CHECK_FALSE(summarize(pieces_of(result, {0, 0, 0}), poor, result.spec.budgets[0]).resolved);
+}
+
+TEST_CASE("times to errors are on the curves, and what was not reached says so") {
+  ComparisonResult result = example();
+  const std::vector<SummaryTime>& first = result.summaries.at({0, 0, 0}).times;
+  REQUIRE_FALSE(first.empty());
+  CHECK(first.front().relmse == test::relative(0.1));
+  CHECK_FALSE(first.front().seconds);  // seed 3 ends at 0.18
+  for (const SummaryTime& time : first) {
+    if (time.relmse != test::relative(0.3)) continue;
+    REQUIRE(time.seconds);
+    CHECK(time.at_most);  // seed 1 begins at 0.18
+  }
+  const std::vector<SummaryTime>& second = result.summaries.at({0, 1, 0}).times;
+  REQUIRE(second.size() == first.size());
+  for (const SummaryTime& time : second) {
+    if (time.relmse != test::relative(1.0)) continue;
+    // 1.44 · {½, 1, 2} / t = 1: 1 (at most, the first snapshot), 1.44 and 2.88 s.
+    REQUIRE(time.seconds);
+    CHECK(time.seconds->mean == test::relative(std::cbrt(1.0 * 1.44 * 2.88)));
+  }
+}
+
+TEST_CASE("pairs go by seeds: what the seeds have in common cancels") {
+  ComparisonResult result = example();
+  const std::vector<SummaryPair> pairs = make_pairs(result);
+  REQUIRE(pairs.size() == 1);
+  CHECK(pairs[0].metric == "relMSE");
+  CHECK(pairs[0].ratio.mean == test::relative(0.25));
+  CHECK(pairs[0].ratio.high == test::relative(0.25));
+  CHECK(pairs[0].different());
+}
+
+TEST_CASE("gates") {
+  ComparisonResult result = example();
+  const auto passed = [&](const std::string& text) {
+    std::vector<bool> list;
+    for (const GateResult& gate : apply_gates({parse_gate(text)}, result)) list.push_back(gate.passed);
+    return list;
+  };
+  CHECK(passed("relmse<0.2") == std::vector<bool>{true, false});
+  CHECK(passed("b:relMSE<0.41") == std::vector<bool>{true});
+  CHECK(passed("psnr>31") == std::vector<bool>{true, true});
+  CHECK(passed("seconds<3.9") == std::vector<bool>{false, false});
+  CHECK(passed("HDR_FLIP<1") == std::vector<bool>{false, false});  // no result clears no bar
+  CHECK_THROWS_AS(passed("c:relmse<1"), Error);
+  for (const char* text : {"relmse", "relmse<", "<1", "relmse<1x", "relms<1", ""})
+    CHECK_THROWS_AS(parse_gate(text), Error);
+}
+
+TEST_CASE("results survive as JSON, and another run is compared with them") {
+  const test::TemporaryFolder folder;
+  ComparisonResult result = example();
+  write_file_atomically(folder.path() / "results.json", result.to_json());
+  const nlohmann::json json = nlohmann::json::parse(result.to_json());
+  CHECK(json["summaries"].size() == 2);
+  CHECK(json["summaries"][0]["metrics"]["relMSE"]["mean"].get<double>() == test::relative(0.09));
+  CHECK(json["pieces"].size() == 6);
+
+  for (PieceResult& piece : result.pieces) piece.metrics["relMSE"] *= piece.variant == 0 ? 1e-3 : 1;
+  result.spec.variants[1].name = "new";
+  const BaselineComparison comparison = compare_with_baseline(result, folder.path());
+  REQUIRE(comparison.changes.size() == 2);  // relMSE and seconds of variant a
+  CHECK(comparison.changes[0].metric == "relMSE");
+  CHECK(comparison.changes[0].ratio.mean == test::relative(1e-3));
+  CHECK(comparison.changes[0].verdict == "better");
+  CHECK(comparison.changes[1].verdict == "same");
+  REQUIRE(comparison.missing.size() == 1);
+  CHECK(comparison.missing[0].find("new") != std::string::npos);
+  CHECK_THROWS_AS(compare_with_baseline(result, folder.path() / "nowhere"), Error);
+}
+
+TEST_CASE("Welch's ratio holds the truth as often as it says") {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  int held = 0;
+  const int runs = 4000;
+  for (int run = 0; run < runs; ++run) {
+    std::vector<double> now, then;
+    for (int i = 0; i < 4; ++i) now.push_back(2 * std::exp(0.3 * normal(random)));
+    for (int i = 0; i < 6; ++i) then.push_back(std::exp(0.1 * normal(random)));
+    const SeedMean ratio = welch_ratio(now, then);
+    held += ratio.low <= 2 && 2 <= ratio.high;
+  }
+  // Welch's approximation is good to about 1 % here; the count's own deviation is 0.0034.
+  CHECK(held / static_cast<double>(runs) == test::relative(0.95, 0.02));
+}
+
+TEST_CASE("the mean over seeds is written, and its bias told from its variance") {
+  const test::TemporaryFolder folder;
+  std::mt19937 random(5);
+  std::normal_distribution<float> noise(0, 0.1f);
+  const auto write = [&](const char* name, float value, bool noisy) {
+    Film film(64, 64);
+    for (float& pixel : film.layer("direct", {"R", "G", "B"}, true).pixels) pixel = value + (noisy ? noise(random) : 0);
+    write_exr(folder.path() / name, film);
+  };
+  std::filesystem::create_directories(folder.path() / "means");
+  write("reference.exr", 1, false);
+  ComparisonResult result = example();
+  result.pieces.resize(0);
+  for (uint32_t seed = 1; seed <= 3; ++seed) {
+    result.pieces.push_back(make_piece(0, seed, 1));
+    result.pieces.back().image = "seed" + std::to_string(seed) + ".exr";
+    write(result.pieces.back().image.c_str(), 1.05f, true);
+  }
+  ReferenceResult reference;
+  reference.image = "reference.exr";
+  const BiasAndVariance bias = measure_bias(pieces_of(result, {0, 0, 0}), reference, folder.path());
+  // 12288 values: variance 0.01 to √(2/24576), bias² 0.0025 to a few per cent.
+  CHECK(bias.variance == test::relative(0.01, 0.05));
+  CHECK(bias.bias2 == test::relative(0.0025, 0.1));
+  CHECK(bias.standard_errors > 1.2);
+  const Film mean = read_image(folder.path() / "means/scene1-variant1-budget1.exr");
+  double sum = 0;
+  for (const float value : mean.image()) sum += value;
+  CHECK(sum / (64 * 64 * 3) == test::relative(1.05, 0.003));
+}

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// The conformance kit passes a technique that is right, and each of its checks fails one that breaks what it looks at.
+#include "lucarium/conformance/conformance.h"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <set>
+
+#include "device_fixture.h"
+#include "lucarium/base/error.h"
+#include "test_support.h"
+
+using namespace lucarium;
+namespace fs = std::filesystem;
+
+namespace {
+
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
+fs::path plugin_folder(const std::string& name) { return fs::path(std::getenv("LUCARIUM_TEST_PLUGINS")) / name; }
+
+std::vector<CheckResult> check_plugin(const std::string& name, const Parameters& parameters,
+                                      const std::vector<std::string>& only) {
+  const TechniqueRegistry registry({plugin_folder(name)});
+  ConformanceOptions options;
+  options.parameters = parameters;
+  options.only = only;
+  options.program = std::getenv("LUCARIUM_TEST_PROGRAM");
+  options.arguments = {"--technique-path", plugin_folder(name).string()};
+  return check_technique(test::test_device(), registry, registry.find(name), options);
+}
+
+/// The verdict of the checks whose names begin with `only`; all must agree.
+Verdict verdict(const std::string& name, const Parameters& parameters, const std::string& only,
+                std::string* measured = nullptr) {
+  const std::vector<CheckResult> results = check_plugin(name, parameters, {only});
+  for (const CheckResult& result : results) {
+    CAPTURE(result.name);
+    CAPTURE(result.measured);
+    CHECK(result.verdict == results.front().verdict);
+    CHECK_FALSE(result.required.empty());
+  }
+  if (measured) *measured = results.front().measured;
+  return results.front().verdict;
+}
+
+const std::vector<std::string> quick_groups = {
+    "declaration", "parameters", "layers",       "finite",  "repeat",      "camera_move", "change",
+    "memory",      "budget",     "cancellation", "furnace", "shining_box", "light",       "reference/light/emissive",
+    "oclgrind"};
+
+}  // namespace
+
+TEST_CASE("a technique that is right passes every check") {
+  std::set<std::string> names;
+  for (const CheckResult& result :
+       check_plugin("faulty", {}, test::full_run() ? std::vector<std::string>{} : quick_groups)) {
+    CAPTURE(result.name);
+    CAPTURE(result.measured);
+    CHECK(names.insert(result.name).second);
+    CHECK((result.verdict == Verdict::passed || result.verdict == Verdict::skipped));
+    // The only check that may have to be left out, and says why.
+    if (result.verdict == Verdict::skipped) CHECK(result.name == "oclgrind");
+  }
+  CHECK(names.size() >= 28);
+}
+
+TEST_CASE("every check of behaviour fails where its promise is broken") {
+  const std::pair<const char*, const char*> broken[] = {
+      {"undocumented", "parameters"},     {"extra_layer", "layers"},        {"nan", "finite"},
+      {"unseeded", "repeat/seed"},        {"sticky_seed", "repeat/reset"},  {"resolve_counts", "repeat/observing"},
+      {"thread_count", "repeat/threads"}, {"rebuild", "camera_move"},       {"deaf", "change/camera"},
+      {"deaf", "change/transforms"},      {"deaf", "change/deformation"},   {"deaf", "change/materials"},
+      {"deaf", "change/alpha"},           {"deaf", "change/lights"},        {"deaf", "change/topology"},
+      {"leak", "memory/returned"},        {"understated", "memory/stated"}, {"uncounted", "budget/iterations"},
+      {"slow", "budget/seconds"},         {"traces", "cancellation"},       {"deaf_to_cancel", "cancellation"}};
+  for (const auto& [fault, check] : broken) {
+    CAPTURE(fault);
+    CAPTURE(check);
+    std::string measured;
+    CHECK(verdict("faulty", {{"fault", fault}}, check, &measured) == Verdict::failed);
+    CAPTURE(measured);
+    CHECK_FALSE(measured.empty());
+  }
+  CHECK(verdict("faulty_declaration", {}, "declaration") == Verdict::failed);
+}
+
+TEST_CASE(
+    "two percent too much light fails every radiometric check; who admits to five percent passes, and fails with ten") {
+  const std::vector<std::string> groups =
+      test::full_run() ? std::vector<std::string>{"furnace", "shining_box", "light", "reference"}
+                       : std::vector<std::string>{"furnace", "shining_box", "light", "reference/light/emissive"};
+  for (const std::string& group : groups) {
+    CAPTURE(group);
+    CHECK(verdict("faulty", {{"gain", "1.02"}}, group) == Verdict::failed);
+  }
+  for (const char* group : {"furnace", "light/point", "reference/light/directional"}) {
+    CAPTURE(group);
+    CHECK(verdict("biased", {{"gain", "1.02"}}, group) == Verdict::passed);
+    CHECK(verdict("biased", {{"gain", "1.1"}}, group) == Verdict::failed);
+  }
+}
+
+TEST_CASE("Oclgrind finds a kernel that writes outside its buffer") {
+  if (verdict("faulty", {}, "oclgrind") == Verdict::skipped) return test::skip("oclgrind");
+  std::string measured;
+  CHECK(verdict("faulty", {{"fault", "outside"}}, "oclgrind", &measured) == Verdict::failed);
+  CHECK(measured.find("Invalid write") != std::string::npos);
+}
+
+TEST_CASE("a technique that computes no light claims nothing about light, and unknown checks are refused") {
+  for (const CheckResult& result :
+       check_plugin("constant", {}, {"light/spot", "reference/light/spot", "reference/material/glossy"})) {
+    CHECK(result.verdict == Verdict::not_claimed);
+  }
+  CHECK_THROWS_AS(check_plugin("constant", {}, {"nonsense"}), Error);
+}

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which runs of rays become packets, and that packets find what single rays find.
+#include <doctest/doctest.h>
+
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "lucarium/scene/animation.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "tracer.h"
+
+const lucarium::EmbeddedSources& test_services_kernels();
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+/// How many runs of 16 of these rays are traced as packets in a scene of this size [m] around the origin.
+uint32_t count_packets(const std::vector<Ray>& rays, float size) {
+  const std::shared_ptr<Device> device = Device::open();
+  KernelScheduler scheduler(device);
+  SourceLibrary library;
+  library.add(test_services_kernels());
+  const Program program(
+      *device, library,
+      {.name = "test/bvh_runs", .files = {"test_services/bvh/runs.cl"}, .defines = {}, .mad_enable = false});
+  const size_t runs = rays.size() / 16;
+  const TypedBuffer<Ray> ray_buffer(*device, "test", "rays", rays);
+  const TypedBuffer<uint32_t> packets(*device, "test", "packets", runs);
+  ScheduleRecorder recorder = scheduler.record("find packets", "test");
+  recorder.pass("find", program, "find_packets")
+      .global(runs)
+      .local(1)
+      .arg("rays", ray_buffer)
+      .arg("count", static_cast<uint32_t>(rays.size()))
+      .arg("size", size)
+      .arg("extent", size / 2)
+      .arg("packets", packets);
+  Schedule schedule = recorder.compile();
+  scheduler.run(schedule);
+  scheduler.finish();
+  uint32_t sum = 0;
+  for (const uint32_t packet : packets.download()) sum += packet;
+  return sum;
+}
+
+/// The image of a camera at (0, 0, distance), row by row.
+std::vector<Ray> camera_rays(uint32_t width, uint32_t height, float distance) {
+  std::vector<Ray> rays;
+  for (uint32_t i = 0; i < width * height; ++i) {
+    const float x = (static_cast<float>(i % width) + 0.5f) / static_cast<float>(width) - 0.5f;
+    const float y =
+        (static_cast<float>(i / width) + 0.5f - 0.5f * static_cast<float>(height)) / static_cast<float>(width);
+    rays.push_back(make_ray({0, 0, distance}, glm::normalize(glm::vec3(x, y, -1))));
+  }
+  return rays;
+}
+
+/// Runs of 16 parallel rays whose origins lie in a cube of the given half width around a random point of the scene's.
+std::vector<Ray> parallel_runs(uint32_t runs, float half_scene, float half_run, uint32_t seed) {
+  std::vector<Ray> rays;
+  Random random(seed);
+  for (uint32_t run = 0; run < runs; ++run) {
+    const glm::vec3 direction = random.direction(), middle = random.in_cube(half_scene);
+    for (int i = 0; i < 16; ++i) rays.push_back(make_ray(middle + random.in_cube(half_run), direction));
+  }
+  return rays;
+}
+
+size_t count_hits(const Results& results) {
+  size_t hit = 0;
+  for (const Hit& found : results.hits) hit += found.triangle != LUCARIUM_NO_HIT;
+  return hit;
+}
+
+/// Packets find the same bits as rays alone. `single` must trace them one by one.
+void check_packets(Tracer& tracer, const Bvh& single, const std::vector<const Bvh*>& others,
+                   const std::vector<Ray>& rays) {
+  const Results expected = tracer.trace(single, rays);
+  CHECK(count_hits(expected) > rays.size() / 20);
+  for (const Bvh* bvh : others) {
+    const Results found = tracer.trace(*bvh, rays);
+    CHECK(std::memcmp(found.hits.data(), expected.hits.data(), rays.size() * sizeof(Hit)) == 0);
+    CHECK(found.occluded == expected.occluded);
+  }
+}
+
+/// 40 rough bodies, every other one animated.
+Scene moving_bodies() {
+  const Soup soup = rough_sphere(12, 16, 5);
+  Mesh mesh;
+  for (const Vertex& vertex : soup.vertices) mesh.positions.push_back(vertex.position.xyz());
+  mesh.normals.assign(mesh.positions.size(), {0, 0, 1});
+  for (const Triangle& t : soup.triangles) mesh.triangles.push_back({t.v0, t.v1, t.v2});
+  Scene scene;
+  scene.source = "test:bodies";
+  scene.meshes = {mesh};
+  scene.materials.resize(1);
+  Random random(3);
+  Animation animation;
+  for (int i = 0; i < 40; ++i) {
+    Node node;
+    node.matrix = glm::scale(
+        glm::rotate(glm::translate(glm::mat4(1), random.in_cube(10)), random.uniform(0, 6), random.direction()),
+        glm::vec3(random.uniform(0.5f, 2), random.uniform(0.5f, 2), random.uniform(0.5f, 2)));
+    scene.nodes.push_back(node);
+    SceneInstance instance;
+    instance.node = i;
+    instance.mesh = instance.material = 0;
+    scene.instances.push_back(instance);
+    AnimationChannel channel;
+    channel.node = i;
+    channel.times = {0};
+    channel.values = {0, 0, 0};
+    if (i % 2) animation.channels.push_back(channel);
+  }
+  scene.animations = {animation};
+  evaluate(scene, 0, none);
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("packets are made of rays that begin close together, not of all that go the same way") {
+  CHECK(count_packets(camera_rays(320, 200, 20), 20) == 320 * 200 / 16);
+  CHECK(count_packets(parallel_runs(500, 10, 0.002f * 20, 1), 20) > 400);  // some have no one largest component
+  CHECK(count_packets(parallel_runs(500, 10, 10, 2), 20) == 0);
+  // Any single ray from elsewhere is enough.
+  for (const size_t odd : {0u, 5u, 7u, 15u}) {
+    std::vector<Ray> rays = camera_rays(320, 200, 20);
+    for (size_t run = 0; run < rays.size(); run += 16) rays[run + odd].origin.x += 5;
+    CHECK(count_packets(rays, 20) == 0);
+  }
+}
+
+TEST_CASE("packets of different origins give the same bits as single rays") {
+  Tracer tracer;
+  const Soup soup = random_soup(5000, 61);
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide),
+            portable = tracer.make(soup, BvhTraversal::wide_portable);
+  check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 0.04f, 62));
+  check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 10, 63));
+}
+
+TEST_CASE("a ray that begins far to the side of its run changes nothing for the others") {
+  Tracer tracer;
+  Soup soup;  // of triangles smaller than the grid of coordinates that far away
+  Random random(64);
+  for (int i = 0; i < 30000; ++i) {
+    const glm::vec3 middle = random.in_cube(10);
+    soup.add_triangle(middle + random.in_cube(0.3f), middle + random.in_cube(0.3f), middle + random.in_cube(0.3f));
+  }
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide),
+            portable = tracer.make(soup, BvhTraversal::wide_portable);
+  for (const float aside : {1e3f, 1e5f, 1e7f}) {
+    // Of one direction each and nearly across the offset, where nothing but the margin makes up for coarse coordinates.
+    std::vector<Ray> rays = parallel_runs(4000, 10, 0.04f, 65);
+    for (Ray& ray : rays)
+      ray.direction = float4(glm::normalize(glm::vec3(0.01f, 1, 1) * ray.direction.xyz()), INFINITY);
+    for (size_t run = 0; run < rays.size(); run += 16) {
+      rays[run].origin.x = run % 32 ? aside : -aside;
+      if (run % 3 == 0) rays[run + 7].origin.x = rays[run + 15].origin.x = rays[run].origin.x;
+    }
+    check_packets(tracer, single, {&wide, &portable}, rays);
+  }
+}
+
+TEST_CASE("packets find their way through the top of several hierarchies") {
+  Tracer tracer;
+  const Scene scene = moving_bodies();
+  const SceneBuffers buffers(tracer.device(), scene);
+  const Bvh single(tracer.device(), buffers.scene_vertices.download(), buffers.scene_triangles.download(),
+                   BvhTraversal::scalar);
+  const Bvh wide(tracer.device(), scene, buffers, BvhTraversal::wide),
+      portable(tracer.device(), scene, buffers, BvhTraversal::wide_portable),
+      scalar(tracer.device(), scene, buffers, BvhTraversal::scalar);
+  CHECK(single.statistics().parts == 1);
+  CHECK(wide.statistics().parts == 21);
+  check_packets(tracer, single, {&wide, &portable, &scalar}, camera_rays(320, 200, 25));
+}

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene, its atlas and the exchange along bundles, without the technique around them.
+#pragma once
+#include <functional>
+#include <memory>
+
+#include "bundle_exchange/directions/direction_sequence.h"
+#include "bundle_exchange/exchange/bundle_transfer.h"
+#include "bundle_exchange/senders/slot_means.h"
+#include "bundle_exchange/senders/slot_preview.h"
+#include "bundle_exchange/specular/slot_specular.h"
+#include "bundle_exchange/texels/slot_openness.h"
+#include "bundle_exchange/texels/texel_extent.h"
+#include "lucarium/scene/builtin/builder.h"
+#include "lucarium/services/bvh/bvh.h"
+
+const lucarium::EmbeddedSources& bundle_exchange_kernels();
+
+namespace lucarium::test {
+
+/// A box whose walls face inwards, one material for each: -x, +x, -y, +y, -z, +z.
+inline Scene box_scene(const std::array<int, 6>& materials, Scene scene = {}) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (int side = 0; side < 2; ++side)
+      add_instance(scene, add_mesh(scene, MeshBuilder("wall").box_face({0, 0, 0}, {1, 1, 1}, axis, side, true).take()),
+                   materials[2 * axis + side]);
+  return scene;
+}
+
+class BundleRig {
+ public:
+  BundleRig(Scene scene, uint64_t texels, float pixel_size, bundle::Channels channels = {},
+            bundle::Parameters parameters = {}, std::map<std::string, std::string> defines = {})
+      : channels_(channels),
+        parameters_(endless(parameters)),
+        scene_(std::move(scene)),
+        device_(Device::open()),
+        scheduler_(device_),
+        buffers_(*device_, scene_),
+        bvh_(*device_, scene_, buffers_),
+        atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
+        program_(make_program(*device_, channels, std::move(defines))),
+        exposure_(*device_, scheduler_, program_, buffers_, bvh_, atlas_),
+        openness_(*device_, buffers_, atlas_, {pixel_size, parameters.open_gap}),
+        light_(*device_, "test", "light samples", atlas_.info().texel_count),
+        means_(*device_, scheduler_, program_, atlas_, openness_.shares(), light_, channels, parameters_),
+        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), exposure_, openness_, channels,
+                  {pixel_size, parameters.transfer, nullptr}) {
+    while (!exposure_.complete()) exposure_.advance();
+    openness_.begin(*device_, scheduler_, program_, scene_, buffers_, atlas_, exposure_, transfer_.raster());
+    while (!openness_.complete()) openness_.advance();
+    means_.take_materials();
+    if (!channels.hops) return;
+    specular_ = std::make_unique<bundle::SlotSpecular>(
+        *device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, parameters_, !scene_.lights.empty(),
+        channels.self_fed ? -1 : static_cast<int>(channels.reflected()), parameters.transfer == bundle::Transfer::ray);
+  }
+
+  // ---- by hand: what slots send in channel 0, and what arrives
+
+  void send(const std::function<glm::vec3(uint32_t slot)>& radiance) {
+    std::vector<float4> values(means_.records().count());
+    for (uint32_t slot = 0; slot < slots(); ++slot)
+      values[size_t{slot} * 2 * channels_.count] = float4(radiance(slot), 0.f);
+    TypedBuffer<float4> records = means_.records();
+    records.upload(values);
+  }
+  void run(const bundle::DirectionSequence& sequence, uint64_t count) {
+    sums_.resize(slots());
+    for (uint64_t i = 0; i < count; ++i) {
+      transfer_.exchange(sequence.at(i), static_cast<uint32_t>(i + 1));
+      if ((i + 1) % kLongestBatch == 0 || i + 1 == count) take_sums();
+    }
+  }
+  /// xyz: sum of w L of channel 0, w: sum of w, over all that was run.
+  const std::vector<glm::dvec4>& sums() const { return sums_; }
+
+  // ---- as the technique does it
+
+  /// The direct irradiance of every slot.
+  void set_direct(float irradiance) {
+    light_.upload(std::vector<float4>(slots(), float4(irradiance, irradiance, irradiance, 1)));
+  }
+  void set_direct(const std::function<float(uint32_t slot)>& irradiance) {
+    std::vector<float4> values;
+    for (uint32_t slot = 0; slot < slots(); ++slot) {
+      const float e = irradiance(slot);
+      values.emplace_back(e, e, e, 1.f);
+    }
+    light_.upload(values);
+  }
+  /// `count` directions in batches of Parameters::batch.
+  void solve(const bundle::DirectionSequence& sequence, uint64_t count) {
+    const uint64_t batch = static_cast<uint64_t>(parameters_.batch);
+    for (uint64_t first = 0; first < count; first += batch) {
+      means_.make_senders();
+      const bool direct_only = means_.direct_only(first);
+      bundle::SlotSpecular* specular = direct_only ? nullptr : specular_.get();
+      if (specular) specular->begin_batch(sequence, first, static_cast<uint32_t>(batch));
+      for (uint64_t i = first; i < first + batch; ++i) {
+        const uint32_t seed = static_cast<uint32_t>(i + 1) * 0x9e3779b9u;
+        if (specular) specular->send(sequence.at(i), static_cast<uint32_t>(i - first), seed, means_.sends_direct());
+        direct_only ? transfer_.exchange_emission(sequence.at(i), seed) : transfer_.exchange(sequence.at(i), seed);
+        if (specular) specular->receive(static_cast<uint32_t>(i - first));
+      }
+      if (specular) specular->commit();
+      means_.commit(first, static_cast<uint32_t>(batch));
+    }
+    scheduler_.finish();
+  }
+  /// Red of indirect and of exchanged direct irradiance over π, per slot.
+  std::vector<double> indirect() const { return red(means_.shown()); }
+  std::vector<double> direct() const { return red(means_.shown_direct()); }
+  /// What SlotPreview makes of values that have the given variance each (after solve()).
+  std::vector<double> smooth(const std::vector<float>& values, float variance) {
+    std::vector<float4> shown, statistics(slots(), float4(variance, 0, 0, 1));
+    for (const float v : values) shown.emplace_back(v, v, v, 1.f);
+    TypedBuffer<float4> shown_buffer = means_.shown(), statistics_buffer = means_.statistics();
+    shown_buffer.upload(shown);
+    statistics_buffer.upload(statistics);
+    bundle::SlotPreview preview(*device_, scheduler_, program_, atlas_, means_);
+    preview.smooth();
+    scheduler_.finish();
+    return red(preview.shown());
+  }
+  double relative_error() const { return means_.relative_error(); }
+  float4 balance() const { return means_.balance(); }
+  /// Area-weighted mean over slots that `counts`.
+  double mean(const std::vector<double>& values, const std::function<bool(uint32_t)>& counts = {}) const {
+    const std::vector<AtlasTexel> all = texels();
+    double sum = 0, area = 0;
+    for (uint32_t slot = 0; slot < slots(); ++slot) {
+      if (counts && !counts(slot)) continue;
+      sum += all[slot].area * values[slot];
+      area += all[slot].area;
+    }
+    return sum / area;
+  }
+
+  double film_pixel() const { return transfer_.pixel(); }  ///< edge [m]
+  /// What the film's pixels would be when the texels have followed a change, as they do in a warm start [m].
+  double film_pixel_after(const std::function<SceneChange(Scene&)>& change_scene) {
+    const SceneChange change = change_scene(scene_);
+    buffers_.update(scene_, change);
+    atlas_.refit(scene_, change);
+    return bundle::SlotOpenness(*device_, buffers_, atlas_, {0.5f, parameters_.open_gap}).safe_pixel();
+  }
+  double texel_edge() const { return static_cast<double>(atlas_.info().texel_edge); }
+  double texel_extent(double limit) const { return bundle::largest_texel_extent(atlas_, buffers_, limit); }
+  /// Largest distance of two sample points of a slot, SLOT_POINTS each.
+  double sampled_extent() const {
+    const std::vector<AtlasSample> samples = atlas_.samples().download();
+    const auto triangles = buffers_.scene_triangles.download();
+    const auto vertices = buffers_.scene_vertices.download();
+    const auto point = [&](const AtlasSample& s) {
+      const auto corner = [&](uint32_t v) {
+        return glm::vec3(vertices[v].position.x, vertices[v].position.y, vertices[v].position.z);
+      };
+      const glm::vec3 p = corner(triangles[s.triangle].v0);
+      return p + s.b1 * (corner(triangles[s.triangle].v1) - p) + s.b2 * (corner(triangles[s.triangle].v2) - p);
+    };
+    float result = 0;
+    for (size_t slot = 0; slot < slots(); ++slot)
+      for (uint32_t i = 0; i < SLOT_POINTS; ++i)
+        for (uint32_t j = 0; j < i; ++j)
+          result = std::max(
+              result, glm::length(point(samples[slot * SLOT_POINTS + i]) - point(samples[slot * SLOT_POINTS + j])));
+    return static_cast<double>(result);
+  }
+  uint32_t slots() const { return atlas_.info().texel_count; }
+  std::vector<AtlasTexel> texels() const { return atlas_.texels().download(); }
+  std::vector<float2> exposure() const { return exposure_.shares().download(); }
+  std::vector<float> openness() const { return openness_.shares().download(); }
+  std::vector<SurfacePoint> points() const { return atlas_.surface_points().download(); }
+  std::vector<AtlasMaterial> materials() const { return atlas_.materials().download(); }
+  /// Instance that a world triangle belongs to.
+  uint32_t instance_of(uint32_t triangle) const {
+    return buffers_.scene_triangles.download(triangle, 1).front().instance;
+  }
+
+ private:
+  /// Records are for a batch. Over 8192 directions single precision would round every addition of a like w to the same
+  /// side, by up to 1e-3 of it.
+  static constexpr uint64_t kLongestBatch = 64;
+  void take_sums() {
+    scheduler_.finish();
+    TypedBuffer<float4> records = means_.records();
+    std::vector<float4> values = records.download();
+    for (uint32_t slot = 0; slot < slots(); ++slot) {
+      float4& batch = values[size_t{slot} * 2 * channels_.count + 1];
+      sums_[slot] += glm::dvec4(batch.x, batch.y, batch.z, batch.w);
+      batch = float4{};
+    }
+    records.upload(values);
+  }
+  static SurfaceAtlasOptions options(uint64_t texels) {
+    SurfaceAtlasOptions result;
+    result.texel_count = texels;
+    result.samples = SLOT_POINTS;
+    return result;
+  }
+  /// solve() says how many directions there are.
+  static bundle::Parameters endless(bundle::Parameters parameters) {
+    parameters.stop_error = 0;
+    return parameters;
+  }
+  static Program make_program(Device& device, const bundle::Channels& channels,
+                              std::map<std::string, std::string> defines) {
+    SourceLibrary library;
+    library.add(bundle_exchange_kernels());
+    for (const auto& [name, value] : channels.defines()) defines[name] = value;
+    return Program(
+        device, library,
+        {"bundle_exchange/test",
+         {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl", "bundle_exchange/specular/hops.cl",
+          "bundle_exchange/senders/ring.cl", "bundle_exchange/texels/slot_exposure.cl",
+          "bundle_exchange/texels/slot_openness.cl", "bundle_exchange/senders/preview.cl"},
+         defines});
+  }
+  static std::vector<double> red(const TypedBuffer<float4>& values) {
+    std::vector<double> result;
+    for (const float4& v : values.download()) result.push_back(v.w > 0 ? v.x / v.w : 0.f);
+    return result;
+  }
+  bundle::Channels channels_;
+  bundle::Parameters parameters_;
+  Scene scene_;
+  std::shared_ptr<Device> device_;
+  KernelScheduler scheduler_;
+  SceneBuffers buffers_;
+  Bvh bvh_;
+  SurfaceAtlas atlas_;
+  Program program_;
+  bundle::SlotExposure exposure_;
+  bundle::SlotOpenness openness_;
+  TypedBuffer<float4> light_;
+  bundle::SlotMeans means_;
+  bundle::BundleTransfer transfer_;
+  std::unique_ptr<bundle::SlotSpecular> specular_;
+  std::vector<glm::dvec4> sums_;
+};
+
+}  // namespace lucarium::test

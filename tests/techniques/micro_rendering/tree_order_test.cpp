@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Order of the leaves: what nodes must not mix.
+#include "micro_rendering/tree/tree_order.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <random>
+
+using namespace lucarium::micro;
+
+namespace {
+
+SampledPoint point(float x, float y, float z, float facing) {
+  SampledPoint p;
+  p.position = {x, y, z};
+  p.normal = {0, 0, facing};
+  return p;
+}
+
+/// Share of the nodes of 2^level leaves that hold points of both kinds.
+double mixed(const std::vector<uint32_t>& order, size_t leaves, const std::vector<int>& kind) {
+  size_t count = 0;
+  for (size_t i = 0; i < order.size(); i += leaves) {
+    size_t ones = 0;
+    for (size_t k = i; k < i + leaves; ++k) ones += static_cast<size_t>(kind[order[k]]);
+    count += ones > 0 && ones < leaves;
+  }
+  return static_cast<double>(count * leaves) / static_cast<double>(order.size());
+}
+
+/// Largest extent of the nodes of 2^level leaves in the plane.
+float widest(const std::vector<uint32_t>& order, size_t leaves, const std::vector<SampledPoint>& points) {
+  float most = 0;
+  for (size_t i = 0; i < order.size(); i += leaves) {
+    glm::vec2 low(INFINITY), high(-INFINITY);
+    for (size_t k = i; k < i + leaves; ++k) {
+      low = glm::min(low, glm::vec2(points[order[k]].position));
+      high = glm::max(high, glm::vec2(points[order[k]].position));
+    }
+    most = std::max({most, high.x - low.x, high.y - low.y});
+  }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("nodes do not mix parallel layers nor the sides of a sheet, however many points each has") {
+  for (const float facing : {1.f, -1.f}) {
+    for (const size_t front : {2048u, 1024u, 3700u}) {
+      CAPTURE(facing);
+      CAPTURE(front);
+      std::mt19937 random(3);
+      std::uniform_real_distribution<float> u(0, 1);
+      std::vector<SampledPoint> points;
+      std::vector<int> kind;
+      for (size_t i = 0; i < 4096; ++i) {
+        kind.push_back(i < front);
+        points.push_back(i < front ? point(u(random), u(random), 0, 1) : point(u(random), u(random), 0.02f, facing));
+      }
+      const std::vector<uint32_t> order = tree_order(points, 1);
+      // At most one mixed node per size; without parting all of them are.
+      CHECK(mixed(order, 64, kind) <= 64. / 4096);
+      CHECK(mixed(order, 16, kind) <= 16. / 4096);
+      // As compact as 64 of the rarer layer's points can be, within 3.
+      const double density = static_cast<double>(std::min(front, 4096 - front));
+      CHECK(widest(order, 64, points) < 3 * std::sqrt(64 / density));
+    }
+  }
+}
+
+TEST_CASE("one layer is halved along its longest axis, though points of a curved or tilted one differ in height") {
+  std::vector<SampledPoint> points;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> u(0, 1);
+  for (size_t i = 0; i < 1024; ++i) {
+    const float x = u(random);
+    points.push_back(point(x, 0.5f * u(random), x < 0.3f ? 0.f : 0.05f, 1));  // a step, not a layer over another
+  }
+  const std::vector<uint32_t> order = tree_order(points, 1);
+  float left = -INFINITY, right = INFINITY;
+  for (size_t i = 0; i < 512; ++i) left = std::max(left, points[order[i]].position.x);
+  for (size_t i = 512; i < 1024; ++i) right = std::min(right, points[order[i]].position.x);
+  CHECK(left <= right);
+}
