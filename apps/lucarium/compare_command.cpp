@@ -6,9 +6,10 @@
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
-#include "lucarium/compare/comparison.h"
-#include "lucarium/compare/plan/dry_run.h"
-#include "lucarium/compute/program/program_cache.h"
+#include "lucarium/compare/run/comparison.h"
+#include "lucarium/compare/run/dry_run.h"
+#include "lucarium/compute/device/cache_folder.h"
+#include "lucarium/compute/device/program_cache.h"
 #include "options.h"
 
 namespace lucarium::app {

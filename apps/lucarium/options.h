@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lucarium/compute/device/device.h"
+#include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/technique/plugin.h"
 

@@ -13,7 +13,7 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
-#include "lucarium/compute/program/kernel_path.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/session/session.h"
 #include "lucarium/technique/technique_folders.h"

@@ -7,9 +7,10 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
-#include "lucarium/compare/comparison.h"
-#include "lucarium/compare/plan/dry_run.h"
-#include "lucarium/compute/program/program_cache.h"
+#include "lucarium/compare/run/comparison.h"
+#include "lucarium/compare/run/dry_run.h"
+#include "lucarium/compute/device/cache_folder.h"
+#include "lucarium/compute/device/program_cache.h"
 #include "lucarium/technique/technique_folders.h"
 #include "options.h"
 

@@ -2,6 +2,7 @@
 #include "bundle_exchange/bundle_parts.h"
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();

@@ -2,7 +2,7 @@
 // Every way of estimating the same light has the same mean: Welch's t on replicate means, Sidak over all pairs.
 #include <map>
 
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "test_render.h"
 
 using namespace lucarium;

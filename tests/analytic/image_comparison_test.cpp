@@ -2,7 +2,7 @@
 // The image test on renders: two seeds of one scene agree, and a hundredth of the energy does not pass.
 #include "lucarium/statistics/image_comparison.h"
 
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "test_render.h"
 
 using namespace lucarium;

@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "lucarium/base/error.h"
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "test_render.h"
 #include "tolerance.h"
 

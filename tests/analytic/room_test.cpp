@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The golden room: a single-sided Lambertian room with a box and a point light, whose floor irradiances were computed
 // by an independent brute-force path tracer (each ±1e-4) and confirmed by Cycles for the first two bounces.
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "test_render.h"
 
 using namespace lucarium;

@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "lucarium/compute/device/cl_handle.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/compute/schedule/scheduler.h"
 
 const lucarium::EmbeddedSources& lucarium_bench_kernels();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // libFuzzer target: any bytes are imported and evaluated, or refused with Error{input}; anything else is a bug.
 #include "lucarium/base/error.h"
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/gltf/import.h"
+#include "lucarium/scene/import_options.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   lucarium::ImportOptions options;

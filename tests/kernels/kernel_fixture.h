@@ -5,6 +5,7 @@
 #include <string>
 
 #include "device_fixture.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/device/scene_buffers.h"
 
 const lucarium::EmbeddedSources& test_kernels_kernels();

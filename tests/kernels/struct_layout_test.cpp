@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "kernel_fixture.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/camera.h"
 #include "lucarium/shared/gbuffer.h"
 

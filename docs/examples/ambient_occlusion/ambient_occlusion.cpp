@@ -18,6 +18,7 @@
 // Error. Unbiased for the given distance; the sum of up to 2^24 samples is exact.
 #include <algorithm>
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/gbuffer/gbuffer.h"
 #include "lucarium/shared/ray.h"

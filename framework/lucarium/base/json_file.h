@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "lucarium/base/json_lines.h"
-#include "lucarium/scene/load/load_scene.h"
 
 namespace lucarium {
 
@@ -33,11 +32,5 @@ class JsonFile {
 
 /// The file says that it is of that form: its member "schema".
 void check_schema(const JsonFile& file, const std::string& schema);
-
-/// Keys of the object that read_overrides() reads (docs/scenes.md).
-const std::vector<std::string>& override_keys();
-/// What the members of an object at `pointer` say about a scene; relative file names are resolved against the file's
-/// folder.
-SceneOverrides read_overrides(const JsonFile& file, const nlohmann::json& object, const std::string& pointer);
 
 }  // namespace lucarium

@@ -11,7 +11,9 @@
 #if defined(__OPENCL_C_VERSION__) || defined(__OPENCL_VERSION__)
 
 #define LUCARIUM_STRUCT_BEGIN(Name) typedef struct Name {
-#define LUCARIUM_STRUCT_END(Name, bytes) } Name;
+#define LUCARIUM_STRUCT_END(Name, bytes) \
+  }                                      \
+  Name;
 
 #else
 
@@ -21,7 +23,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "lucarium/compute/program/kernel_arguments.h"
+#include "lucarium/shared/opencl_type.h"
 
 namespace lucarium {
 
@@ -54,9 +56,9 @@ struct alignas(16) int4 {
   int x = 0, y = 0, z = 0, w = 0;
 };
 
-#define LUCARIUM_VECTOR_TYPE(T) \
-  template <>                   \
-  struct OpenClType<T> {        \
+#define LUCARIUM_VECTOR_TYPE(T)                  \
+  template <>                                    \
+  struct OpenClType<T> {                         \
     static constexpr std::string_view name = #T; \
   }
 LUCARIUM_VECTOR_TYPE(float2);
@@ -69,14 +71,17 @@ LUCARIUM_VECTOR_TYPE(int4);
 
 }  // namespace lucarium
 
-#define LUCARIUM_STRUCT_BEGIN(Name) namespace lucarium { struct Name {
-#define LUCARIUM_STRUCT_END(Name, bytes)                                       \
-  };                                                                           \
+#define LUCARIUM_STRUCT_BEGIN(Name) \
+  namespace lucarium {              \
+  struct Name {
+#define LUCARIUM_STRUCT_END(Name, bytes)                                                        \
+  }                                                                                             \
+  ;                                                                                             \
   static_assert(sizeof(Name) == (bytes), #Name " must have the same size in C++ and OpenCL C"); \
-  template <>                                                                  \
-  struct OpenClType<Name> {                                                    \
-    static constexpr std::string_view name = #Name;                           \
-  };                                                                           \
+  template <>                                                                                   \
+  struct OpenClType<Name> {                                                                     \
+    static constexpr std::string_view name = #Name;                                             \
+  };                                                                                            \
   }
 
 #endif

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/embedded_files.h"
+#include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "micro_rendering/pixels/eye_light.h"
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/film/film.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include "lucarium/base/embedded_files.h"
+#include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 

@@ -10,6 +10,7 @@
 #include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/compute/program/source_library.h"
 #include "micro_rendering/points/point_exposure.h"
 #include "micro_rendering/points/point_sampling.h"
 #include "micro_rendering/points/surface_patches.h"

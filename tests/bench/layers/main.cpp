@@ -11,6 +11,7 @@
 #include <cstring>
 #include <random>
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/services/bvh/bvh.h"

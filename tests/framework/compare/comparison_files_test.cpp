@@ -8,7 +8,7 @@
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/file_lock.h"
-#include "lucarium/compare/comparison.h"
+#include "lucarium/compare/run/comparison.h"
 #include "lucarium/metrics/error_map.h"
 #include "test_support.h"
 #include "tolerance.h"

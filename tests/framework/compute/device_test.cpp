@@ -11,6 +11,7 @@
 
 #include "compute_fixture.h"
 #include "lucarium/compute/device/pocl_folder.h"
+#include "lucarium/compute/program/source_library.h"
 
 using namespace lucarium;
 using namespace lucarium::test;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/compute/program/program_cache.h"
+#include "lucarium/compute/device/program_cache.h"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +9,7 @@
 #include "compute_fixture.h"
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/compute/device/pocl_folder.h"
+#include "lucarium/compute/program/source_library.h"
 
 using namespace lucarium;
 using namespace lucarium::test;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "compute_fixture.h"
+#include "lucarium/compute/program/source_library.h"
 
 using namespace lucarium;
 using namespace lucarium::test;

@@ -9,6 +9,7 @@
 
 #include "device_fixture.h"
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& test_compute_kernels();
 

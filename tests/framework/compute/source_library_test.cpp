@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "lucarium/compute/program/source_library.h"
+
 #include <doctest/doctest.h>
 
 #include <fstream>

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "scene_support.h"
 #include "tolerance.h"

@@ -5,6 +5,7 @@
 #include "gltf_builder.h"
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/scene/gltf/export.h"
+#include "lucarium/scene/load/frame_camera.h"
 #include "scene_support.h"
 #include "test_support.h"
 

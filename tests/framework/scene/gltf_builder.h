@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/gltf/import.h"
+#include "lucarium/scene/import_options.h"
 
 namespace lucarium::test {
 

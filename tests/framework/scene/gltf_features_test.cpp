@@ -4,6 +4,8 @@
 
 #include "gltf_builder.h"
 #include "lucarium/base/error.h"
+#include "lucarium/scene/gltf/import.h"
+#include "lucarium/scene/import_options.h"
 #include "scene_support.h"
 #include "tolerance.h"
 

@@ -8,6 +8,9 @@
 
 #include "gltf_builder.h"
 #include "lucarium/base/error.h"
+#include "lucarium/scene/gltf/import.h"
+#include "lucarium/scene/image/environment_file.h"
+#include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "test_support.h"
 

@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/gltf/import.h"
+#include "lucarium/scene/image/environment_file.h"
 #include "test_support.h"
 
 using namespace lucarium;

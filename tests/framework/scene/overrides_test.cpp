@@ -4,6 +4,8 @@
 #include <fstream>
 
 #include "lucarium/base/error.h"
+#include "lucarium/scene/builtin/scenes.h"
+#include "lucarium/scene/load/frame_camera.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/scene/load/scene_overrides.h"
 #include "scene_support.h"

@@ -10,8 +10,8 @@
 
 #include "device_fixture.h"
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/deform.h"
-#include "lucarium/scene/load/load_scene.h"
 #include "scene_support.h"
 #include "tolerance.h"
 

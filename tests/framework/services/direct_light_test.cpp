@@ -2,7 +2,7 @@
 // G-buffer and DirectLight together are the path tracer's emission and direct layers.
 #include "lucarium/services/direct_light/direct_light.h"
 
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "test_render.h"
 #include "tolerance.h"
 

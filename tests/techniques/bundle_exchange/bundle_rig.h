@@ -11,6 +11,7 @@
 #include "bundle_exchange/specular/slot_specular.h"
 #include "bundle_exchange/texels/slot_openness.h"
 #include "bundle_exchange/texels/texel_extent.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bvh/bvh.h"
 

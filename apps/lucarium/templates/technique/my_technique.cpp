@@ -13,6 +13,7 @@
 // Error. Unbiased: the mean over the samples converges to the reference.
 #include <algorithm>
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/direct_light/direct_light.h"
 #include "lucarium/services/gbuffer/gbuffer.h"

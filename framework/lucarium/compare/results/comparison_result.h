@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "lucarium/compare/plan/comparison_spec.h"
+#include "lucarium/compare/request/comparison_spec.h"
 #include "lucarium/compare/results/bias.h"
 #include "lucarium/compare/results/gate.h"
 #include "lucarium/compare/results/reproduction.h"

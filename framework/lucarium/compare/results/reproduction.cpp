@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
-#include "lucarium/compare/plan/expression.h"
+#include "lucarium/compare/request/expression.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/compare/results/error_curve.h"
 #include "lucarium/compare/results/summary.h"

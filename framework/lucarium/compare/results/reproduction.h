@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compare/plan/experiment.h"
+#include "lucarium/compare/request/experiment.h"
 
 namespace lucarium {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lucarium/base/child_process.h"
-#include "lucarium/compare/comparison.h"
-#include "lucarium/compare/plan/comparison_plan.h"
+#include "lucarium/compare/run/comparison.h"
+#include "lucarium/compare/run/comparison_plan.h"
 
 namespace lucarium {
 

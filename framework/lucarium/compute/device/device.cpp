@@ -13,7 +13,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/compute/device/host_memory.h"
-#include "lucarium/compute/program/program_cache.h"
+#include "lucarium/compute/device/program_cache.h"
 
 namespace lucarium {
 namespace {

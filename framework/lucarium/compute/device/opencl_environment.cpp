@@ -6,9 +6,9 @@
 #include <mutex>
 
 #include "lucarium/base/log.h"
+#include "lucarium/compute/device/cache_folder.h"
 #include "lucarium/compute/device/device.h"
 #include "lucarium/compute/device/pocl_folder.h"
-#include "lucarium/compute/program/program_cache.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;

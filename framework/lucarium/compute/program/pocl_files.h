@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compute/program/program_cache.h"
+#include "lucarium/compute/device/program_cache.h"
 
 namespace lucarium {
 

@@ -13,9 +13,10 @@
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/compute/device/cl_handle.h"
 #include "lucarium/compute/device/pocl_folder.h"
+#include "lucarium/compute/device/program_cache.h"
 #include "lucarium/compute/program/kernel_reflection.h"
 #include "lucarium/compute/program/pocl_files.h"
-#include "lucarium/compute/program/program_cache.h"
+#include "lucarium/compute/program/source_library.h"
 
 namespace lucarium {
 namespace {

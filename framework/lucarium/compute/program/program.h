@@ -10,35 +10,10 @@
 
 #include "lucarium/base/embedded_files.h"
 #include "lucarium/compute/device/device.h"
+#include "lucarium/compute/device/kernel_signature.h"
+#include "lucarium/compute/program/source_library.h"
 
 namespace lucarium {
-
-/// Where kernel sources come from: embedded tables, over which the roots of LUCARIUM_KERNEL_PATH (colon-separated
-/// folders that hold files by virtual name) win. The framework's own table is always included.
-class SourceLibrary {
- public:
-  SourceLibrary();  ///< the framework's sources and LUCARIUM_KERNEL_PATH
-  void add(const EmbeddedSources& sources);
-
-  /// Text of one file and the name compilers shall show for it (the path on disk, or the virtual name).
-  struct File {
-    std::string text;
-    std::string shown_name;
-    std::string virtual_name;
-  };
-  /// Throws Error{device} naming the file, who includes it and the places searched.
-  File find(std::string_view virtual_name, std::string_view included_from = "") const;
-  bool contains(std::string_view virtual_name) const;
-
-  /// Resolves `#include "…"` recursively (each file once) and emits `#line` so that messages name real files and
-  /// lines. Knows #if only as "maybe": an include inside #if is resolved where it can be and else left to the compiler
-  /// (headers shared with C++ name C++ headers there); outside #if, what cannot be resolved throws Error{device}.
-  std::string preprocess(const std::vector<std::string>& entry_files) const;
-
- private:
-  std::vector<const EmbeddedSources*> tables_;
-  std::vector<std::filesystem::path> roots_;
-};
 
 /// What to compile. One program per stage: several related kernels, not one each and not all in one.
 struct ProgramSpec {
@@ -46,25 +21,6 @@ struct ProgramSpec {
   std::vector<std::string> files;              ///< virtual names of the .cl entry files
   std::map<std::string, std::string> defines;  ///< -D name=value (empty value: -D name)
   bool mad_enable = true;                      ///< -cl-mad-enable; off where bitwise agreement with host code matters
-};
-
-enum class ArgumentAccess { value, read, read_write, local };
-
-/// One kernel argument as the compiler reports it (-cl-kernel-arg-info).
-struct KernelArgument {
-  std::string name;
-  std::string type;  ///< OpenCL type name without qualifiers: "float4*", "uint", "Camera"
-  ArgumentAccess access = ArgumentAccess::value;
-};
-
-class Program;
-
-/// Signature of one kernel; obtained from Program::kernel(). Every pass creates its own cl_kernel from it, because
-/// argument values live in the kernel object.
-struct KernelSignature {
-  std::string name;
-  std::vector<KernelArgument> arguments;
-  size_t required_work_group_size[3] = {0, 0, 0};  ///< 0: none
 };
 
 /// A built program. Copies share it.

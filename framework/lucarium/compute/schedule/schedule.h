@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "lucarium/compute/device/buffer.h"
-#include "lucarium/compute/program/kernel_arguments.h"
 #include "lucarium/compute/program/program.h"
+#include "lucarium/shared/opencl_type.h"
 
 namespace lucarium {
 

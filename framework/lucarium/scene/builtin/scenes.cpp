@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "lucarium/scene/builtin/scenes.h"
+
 #include <functional>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/scene/builtin/builder.h"
-#include "lucarium/scene/load/load_scene.h"
 
 namespace lucarium {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/scene/device/scene_transform.h"
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/compute/schedule/scheduler.h"
 
 namespace lucarium {

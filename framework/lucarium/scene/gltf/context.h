@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lucarium/base/error.h"
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/import_options.h"
 
 namespace lucarium::gltf {
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "lucarium/scene/gltf/import.h"
+
 #include <new>
 
 #include "lucarium/scene/gltf/animation.h"
 #include "lucarium/scene/gltf/material.h"
 #include "lucarium/scene/gltf/nodes.h"
+#include "lucarium/scene/import_options.h"
 
 namespace lucarium {
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Environment maps: .hdr and .exr through OpenImageIO.
+#include "lucarium/scene/image/environment_file.h"
+
 #include <OpenImageIO/imageio.h>
 
 #include <cmath>
@@ -7,7 +9,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/import_options.h"
 
 namespace lucarium {
 

@@ -8,6 +8,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/scene/image/encoded_image.h"
+#include "lucarium/scene/import_options.h"
 
 namespace lucarium {
 

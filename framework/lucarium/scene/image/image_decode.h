@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/scene/import_options.h"
 
 namespace lucarium {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "lucarium/scene/load/frame_camera.h"
+
 #include <algorithm>
 #include <cmath>
 

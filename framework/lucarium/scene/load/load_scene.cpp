@@ -9,6 +9,11 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
+#include "lucarium/scene/builtin/scenes.h"
+#include "lucarium/scene/gltf/import.h"
+#include "lucarium/scene/image/environment_file.h"
+#include "lucarium/scene/import_options.h"
+#include "lucarium/scene/load/frame_camera.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
 namespace lucarium {

@@ -5,29 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/scene/scene.h"
+#include "lucarium/scene/import_options.h"
 
 namespace lucarium {
-
-struct ImportOptions {
-  int gltf_scene = none;                 ///< none: the file's default, else the first
-  uint32_t max_texture_size = 8192;      ///< larger images are halved until they fit, with a warning
-  uint64_t max_image_pixels = 1u << 28;  ///< larger ones are refused before decoding
-  uint64_t max_triangles = 200'000'000;
-};
-
-/// Reads .gltf or .glb. Loads completely or throws Error{input} with one line: file, what, where.
-Scene import_gltf(const std::filesystem::path& file, const ImportOptions& options = {});
-/// The same from memory (fuzzing, embedded files); external URIs are resolved against `folder`.
-Scene import_gltf_bytes(std::string_view bytes, const std::filesystem::path& folder, const std::string& shown_name,
-                        const ImportOptions& options = {});
-
-/// Equirectangular .hdr or .exr.
-Environment load_environment(const std::filesystem::path& file, const ImportOptions& options = {});
-
-/// "cornell", "atrium", … without the "builtin:" prefix.
-std::vector<std::string> builtin_scene_names();
-Scene make_builtin_scene(const std::string& name);
 
 /// What a user says about a scene on the command line or in the JSON file beside it (docs/scenes.md has the schema).
 struct SceneOverrides {
@@ -49,8 +29,5 @@ Scene load_scene(const std::string& source, const SceneOverrides& overrides = {}
 
 /// Throws Error{input} that names --environment and --light unless something emits.
 void require_light(const Scene& scene);
-
-/// A camera that sees all of `bounds` from an elevated three-quarter view.
-SceneCamera frame_camera(const Bounds& bounds, float aspect);
 
 }  // namespace lucarium

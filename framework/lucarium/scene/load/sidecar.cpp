@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // FILE.lucarium.json: turned into the same strings that the command line takes, so that each form is defined once.
+#include "lucarium/scene/load/sidecar.h"
+
 #include <fmt/ranges.h>
 
 #include "lucarium/base/error.h"

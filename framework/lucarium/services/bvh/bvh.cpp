@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/forest.h"
 #include "lucarium/services/bvh/parts.h"
 

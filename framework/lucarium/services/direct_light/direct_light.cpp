@@ -4,6 +4,7 @@
 #include <map>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/shared/ray.h"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/direct_light/light_mixture.h"
 #include "lucarium/services/path_integrator/path_integrator_state.h"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 
 namespace lucarium {
 

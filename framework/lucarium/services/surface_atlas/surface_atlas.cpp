@@ -8,6 +8,7 @@
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/device/emission.h"
 #include "lucarium/services/surface_atlas/geometry.h"
 

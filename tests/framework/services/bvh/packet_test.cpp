@@ -5,6 +5,7 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/animation.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "tracer.h"

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 #include "support.h"
 

@@ -4,6 +4,7 @@
 
 #include "context.h"
 #include "lucarium/base/error.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/direct_light/direct_light.h"
 #include "lucarium/services/gbuffer/gbuffer.h"

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "support.h"
 #include "tolerance.h"
 #include "touch.h"

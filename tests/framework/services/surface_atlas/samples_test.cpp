@@ -2,6 +2,7 @@
 // Random points of texels: each lies in its texel, and they fill it evenly.
 #include <map>
 
+#include "lucarium/scene/builtin/scenes.h"
 #include "support.h"
 
 using namespace lucarium;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Atlases laid out by TEXCOORD_1: taken where it is usable, refused by name where it is not.
 #include "lucarium/base/error.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "support.h"
 #include "tolerance.h"
 #include "touch.h"

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/technique/plugin.h"
 
 const lucarium::EmbeddedSources& constant_kernels();

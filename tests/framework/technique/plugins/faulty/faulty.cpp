@@ -9,6 +9,7 @@
 #include <limits>
 #include <thread>
 
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/path_integrator/path_integrator.h"
 #include "lucarium/technique/plugin.h"

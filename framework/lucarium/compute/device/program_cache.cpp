@@ -18,7 +18,7 @@
 // driver_files.h for how that is avoided: 2.5 instead of 570 ms). And PoCL's own folder cannot be trusted from one
 // process to the next: a damaged program.bc or .so there ends the process. Hence a folder per process (DriverFolder),
 // filled from verified entries.
-#include "lucarium/compute/program/program_cache.h"
+#include "lucarium/compute/device/program_cache.h"
 
 #include <algorithm>
 #include <cstring>
@@ -28,6 +28,7 @@
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/compute/device/cache_folder.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/version.h"
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading a comparison file; every complaint names file, line and key.
-#include "lucarium/compare/plan/comparison_file.h"
+#include "lucarium/compare/request/comparison_file.h"
 
 #include "lucarium/base/error.h"
-#include "lucarium/compare/plan/comparison_spec.h"
+#include "lucarium/compare/request/comparison_spec.h"
+#include "lucarium/scene/load/sidecar.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;

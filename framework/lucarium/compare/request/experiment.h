@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compare/plan/comparison_spec.h"
+#include "lucarium/compare/request/comparison_spec.h"
 
 namespace lucarium {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compare/plan/experiment.h"
 #include "lucarium/compare/report/report_page.h"
+#include "lucarium/compare/request/experiment.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/technique/plugin.h"
 

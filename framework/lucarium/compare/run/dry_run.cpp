@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/compare/plan/dry_run.h"
+#include "lucarium/compare/run/dry_run.h"
 
 #include <fmt/ranges.h>
 
@@ -11,9 +11,9 @@
 #include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/progress.h"
-#include "lucarium/compare/plan/comparison_plan.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/reference/reference_render.h"
+#include "lucarium/compare/run/comparison_plan.h"
 #include "lucarium/film/image_io.h"
 
 namespace lucarium {

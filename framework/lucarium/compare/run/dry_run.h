@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "lucarium/compare/comparison.h"
+#include "lucarium/compare/run/comparison.h"
 
 namespace lucarium {
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/compare/plan/comparison_plan.h"
+#include "lucarium/compare/run/comparison_plan.h"
 
 #include <algorithm>
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/reference/reference_identity.h"
+#include "lucarium/scene/import_options.h"
 #include "lucarium/session/session.h"
 
 namespace lucarium {

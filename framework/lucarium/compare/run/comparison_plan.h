@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compare/comparison.h"
+#include "lucarium/compare/run/comparison.h"
 
 namespace lucarium {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reading experiments; every complaint names file, line and key.
-#include "lucarium/compare/plan/experiment.h"
+#include "lucarium/compare/request/experiment.h"
 
 #include <algorithm>
 #include <set>
@@ -8,8 +8,8 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
-#include "lucarium/compare/plan/comparison_file.h"
-#include "lucarium/compare/plan/expression.h"
+#include "lucarium/compare/request/comparison_file.h"
+#include "lucarium/compare/request/expression.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Labels, rules and JSON form of what is asked for.
-#include "lucarium/compare/plan/comparison_spec.h"
+#include "lucarium/compare/request/comparison_spec.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "lucarium/base/error.h"
-#include "lucarium/compare/plan/comparison_file.h"
+#include "lucarium/compare/request/comparison_file.h"
+#include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
 namespace lucarium {

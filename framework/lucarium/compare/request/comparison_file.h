@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "lucarium/base/json_file.h"
-#include "lucarium/compare/plan/comparison_spec.h"
+#include "lucarium/compare/request/comparison_spec.h"
 
 namespace lucarium {
 

@@ -6,13 +6,10 @@
 #include <vector>
 
 #include "lucarium/base/hash.h"
-#include "lucarium/compute/program/program.h"
+#include "lucarium/compute/device/device.h"
+#include "lucarium/compute/device/kernel_signature.h"
 
 namespace lucarium {
-
-/// The cache folder: options.cache_dir, LUCARIUM_CACHE_DIR, XDG_CACHE_HOME/lucarium or ~/.cache/lucarium, whichever is
-/// set first. Does not create it.
-std::filesystem::path resolve_cache_dir(const DeviceOptions& options);
 
 /// One file that the driver made for a program, below the driver's folder.
 struct DriverFile {

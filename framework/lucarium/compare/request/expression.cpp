@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/compare/plan/expression.h"
+#include "lucarium/compare/request/expression.h"
 
 #include <muParser.h>
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/load_scene.h"
 
 namespace lucarium {

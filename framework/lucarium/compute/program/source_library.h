@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "lucarium/base/embedded_files.h"
+
+namespace lucarium {
+
+/// The folders of LUCARIUM_KERNEL_PATH. Files in them win over embedded ones of the same name. Warns about what is not
+/// a folder.
+std::vector<std::filesystem::path> kernel_path_roots();
+
+/// Where kernel sources come from: embedded tables, over which the roots of LUCARIUM_KERNEL_PATH (colon-separated
+/// folders that hold files by virtual name) win. The framework's own table is always included.
+class SourceLibrary {
+ public:
+  SourceLibrary();  ///< the framework's sources and LUCARIUM_KERNEL_PATH
+  void add(const EmbeddedSources& sources);
+
+  /// Text of one file and the name compilers shall show for it (the path on disk, or the virtual name).
+  struct File {
+    std::string text;
+    std::string shown_name;
+    std::string virtual_name;
+  };
+  /// Throws Error{device} naming the file, who includes it and the places searched.
+  File find(std::string_view virtual_name, std::string_view included_from = "") const;
+  bool contains(std::string_view virtual_name) const;
+
+  /// Resolves `#include "…"` recursively (each file once) and emits `#line` so that messages name real files and
+  /// lines. Knows #if only as "maybe": an include inside #if is resolved where it can be and else left to the compiler
+  /// (headers shared with C++ name C++ headers there); outside #if, what cannot be resolved throws Error{device}.
+  std::string preprocess(const std::vector<std::string>& entry_files) const;
+
+ private:
+  std::vector<const EmbeddedSources*> tables_;
+  std::vector<std::filesystem::path> roots_;
+};
+
+}  // namespace lucarium
