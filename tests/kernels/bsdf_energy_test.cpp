@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/bsdf.clh: albedos against tabulated quadratures, reciprocity, conservation of energy, ideal lobes, sides.
+// kernels/lucarium/bsdf.clh: albedos against tabulated quadratures, reciprocity, conservation of energy, ideal lobes,
+// sides.
 #include <doctest/doctest.h>
 
 #include <cmath>

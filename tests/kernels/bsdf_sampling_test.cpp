@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/bsdf.clh: sampled directions follow pdf_bsdf, whose integral is the share of samples that leave the surface.
+// kernels/lucarium/bsdf.clh: sampled directions follow pdf_bsdf, whose integral is the share of samples that leave the
+// surface.
 #include <doctest/doctest.h>
 
 #include <cmath>

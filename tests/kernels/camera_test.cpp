@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/camera.clh and mis.clh: camera rays against geometry, weights against their definition.
+// kernels/lucarium/camera.clh and mis.clh: camera rays against geometry, weights against their definition.
 #include <doctest/doctest.h>
 
 #include <cmath>

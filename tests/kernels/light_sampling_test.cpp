@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/lights.clh: samples follow their densities, densities agree with those of met light, lights are chosen as the
-// table says.
+// kernels/lucarium/lights.clh: samples follow their densities, densities agree with those of met light, lights are
+// chosen as the table says.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/lights.clh, environment.clh: the environment's look-up, closed forms of illuminance, what surfaces emit.
+// kernels/lucarium/lights.clh, environment.clh: the environment's look-up, closed forms of illuminance, what surfaces
+// emit.
 #include <doctest/doctest.h>
 
 #include <cmath>

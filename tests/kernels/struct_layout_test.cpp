@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Host and device read the same structs (kernels/shared/*.h): sizes and offsets of every field must agree. The test
-// reads the headers themselves, so that no list of structs or fields has to be kept: the host's layout follows from
-// the field types' size and alignment in C++ (the dialect allows only types for which that is the whole rule) and from
-// the sizes that the headers assert; the device's is asked from the device.
+// Host and device read the same structs (kernels/lucarium/shared/*.h): sizes and offsets of every field must agree. The
+// test reads the headers themselves, so that no list of structs or fields has to be kept: the host's layout follows
+// from the field types' size and alignment in C++ (the dialect allows only types for which that is the whole rule) and
+// from the sizes that the headers assert; the device's is asked from the device.
 #include <doctest/doctest.h>
 
 #include <algorithm>

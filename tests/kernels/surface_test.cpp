@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/texture.clh and surface.clh against the host's scene functions and against geometry.
+// kernels/lucarium/texture.clh and surface.clh against the host's scene functions and against geometry.
 #include <doctest/doctest.h>
 
 #include <cmath>

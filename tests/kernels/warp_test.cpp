@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kernels/warp.clh: points follow their densities, inverses undo the maps. kernels/math.clh: sine and cosine.
+// kernels/lucarium/warp.clh: points follow their densities, inverses undo the maps. kernels/lucarium/math.clh: sine and
+// cosine.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory layout of the wide bounding-volume hierarchy (framework/services/bvh.h), in 32-bit words, for a node width W
-// and L triangles per leaf block. Everything is structure-of-arrays, so that a node or a block is a few vector loads.
+// Memory layout of the wide bounding-volume hierarchy (framework/lucarium/services/bvh/bvh.h), in 32-bit words, for a
+// node width W and L triangles per leaf block. Everything is structure-of-arrays, so that a node or a block is a few
+// vector loads.
 #ifndef LUCARIUM_SHARED_BVH_LAYOUT_H
 #define LUCARIUM_SHARED_BVH_LAYOUT_H
 
@@ -17,12 +18,13 @@
 #define LUCARIUM_BVH_NODE_ORDER(W) (7u * (W))
 #define LUCARIUM_BVH_UPPER(W) (3u * (W))  // from a lower plane to the upper one of the same axis
 
-// Slots are arranged so that (0, 1, …, W − 1) XOR m visits the children roughly from far to near, where m depends on the
-// ray's octant (bit 0, 1, 2: the direction's x, y, z is negative) and stands in bits 4 · octant … of the order word.
+// Slots are arranged so that (0, 1, …, W − 1) XOR m visits the children roughly from far to near, where m depends on
+// the ray's octant (bit 0, 1, 2: the direction's x, y, z is negative) and stands in bits 4 · octant … of the order
+// word.
 #define LUCARIUM_BVH_ORDER_MASK(word, octant) (((word) >> (4u * (octant))) & 15u)
 
-// A reference is the word where a node starts in the node buffer, or this flag and the word where a leaf block starts in
-// the block buffer, so that traversal need not multiply. (WideBvh, which is not placed yet, holds indices instead.)
+// A reference is the word where a node starts in the node buffer, or this flag and the word where a leaf block starts
+// in the block buffer, so that traversal need not multiply. (WideBvh, which is not placed yet, holds indices instead.)
 #define LUCARIUM_BVH_LEAF 0x80000000u
 #define LUCARIUM_BVH_ROOT LUCARIUM_BVH_HEADER_WORDS
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shim that lets C++ and OpenCL C read the same struct definitions (kernels/shared/*.h).
+// The shim that lets C++ and OpenCL C read the same struct definitions (kernels/lucarium/shared/*.h).
 //
 // Shared structs may hold float, int, uint, float2/4, int2/4, uint2/4, and other shared structs. Forbidden, because
 // their size or alignment differs between the two languages: float3 and friends, bool, size_t, pointers, enums.

@@ -6,7 +6,7 @@
 namespace lucarium {
 
 /// The OpenCL name of a C++ type that is passed by value, so that a mistyped argument is found when the pass is
-/// recorded. Shared structs specialise it through LUCARIUM_STRUCT_END (kernels/shared/dialect.h).
+/// recorded. Shared structs specialise it through LUCARIUM_STRUCT_END (kernels/lucarium/shared/dialect.h).
 template <class T>
 struct OpenClType;
 

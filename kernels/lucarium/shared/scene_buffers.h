@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one list of scene buffers. It generates their allocation (SceneBuffers), the kernel parameters
-// (LUCARIUM_SCENE_PARAMETERS), the struct that carries them inside a kernel (Scene, kernels/scene.clh) and their
-// binding by name (SceneBuffers::bind).
+// (LUCARIUM_SCENE_PARAMETERS), the struct that carries them inside a kernel (Scene, kernels/lucarium/scene.clh) and
+// their binding by name (SceneBuffers::bind).
 #ifndef LUCARIUM_SHARED_SCENE_BUFFERS_H
 #define LUCARIUM_SHARED_SCENE_BUFFERS_H
 
 // X(element type, name, meaning)
-#define LUCARIUM_SCENE_BUFFERS(X)                                                                                 \
-  X(SceneInfo, scene_info, "one element: bounds, counts, environment")                                            \
-  X(Vertex, scene_vertices, "world-space vertices")                                                               \
-  X(Triangle, scene_triangles, "world-space triangles")                                                           \
-  X(Instance, scene_instances, "transforms, ranges, material")                                                    \
-  X(Material, scene_materials, "")                                                                                \
-  X(Texture, scene_textures, "")                                                                                  \
-  X(uint, scene_texels, "RGBA8 of all textures")                                                                  \
-  X(float, scene_srgb_table, "256 entries: sRGB byte → linear")                                                   \
-  X(float, scene_albedo_table, "directional albedo of the specular lobe, see kernels/specular_albedo.clh")        \
-  X(Light, scene_lights, "the light mixture")                                                                     \
-  X(AliasEntry, scene_light_table, "alias table over scene_lights")                                               \
-  X(uint, scene_triangle_lights, "per triangle: its entry in scene_lights or LUCARIUM_NONE")                      \
-  X(float4, scene_environment, "equirectangular radiance, rows from the top; w: sampling density, below")          \
+#define LUCARIUM_SCENE_BUFFERS(X)                                                                                   \
+  X(SceneInfo, scene_info, "one element: bounds, counts, environment")                                              \
+  X(Vertex, scene_vertices, "world-space vertices")                                                                 \
+  X(Triangle, scene_triangles, "world-space triangles")                                                             \
+  X(Instance, scene_instances, "transforms, ranges, material")                                                      \
+  X(Material, scene_materials, "")                                                                                  \
+  X(Texture, scene_textures, "")                                                                                    \
+  X(uint, scene_texels, "RGBA8 of all textures")                                                                    \
+  X(float, scene_srgb_table, "256 entries: sRGB byte → linear")                                                     \
+  X(float, scene_albedo_table, "directional albedo of the specular lobe, see kernels/lucarium/specular_albedo.clh") \
+  X(Light, scene_lights, "the light mixture")                                                                       \
+  X(AliasEntry, scene_light_table, "alias table over scene_lights")                                                 \
+  X(uint, scene_triangle_lights, "per triangle: its entry in scene_lights or LUCARIUM_NONE")                        \
+  X(float4, scene_environment, "equirectangular radiance, rows from the top; w: sampling density, below")           \
   X(float, scene_environment_cdf, "height+1 marginal values, then height rows of width+1 conditional values")
 
 // Sampling the environment (width > 0): row j with marginal[j] <= x < marginal[j+1], texel i of that row likewise; the

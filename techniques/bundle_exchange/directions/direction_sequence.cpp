@@ -14,7 +14,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 constexpr uint32_t kFirstRun = 32, kRun = 128;  // directions that come in random order
 
-/// PCG RXS-M-XS as in kernels/random.clh.
+/// PCG RXS-M-XS as in kernels/lucarium/random.clh.
 uint32_t hash(uint32_t x) {
   x = x * 747796405u + 2891336453u;
   const uint32_t word = ((x >> ((x >> 28) + 4u)) ^ x) * 277803737u;
@@ -31,7 +31,7 @@ uint32_t reverse_bits(uint32_t x) {
   return y;
 }
 
-/// Owen scrambling by Laine and Karras's hash with Vegdahl's constants (kernels/sobol.clh).
+/// Owen scrambling by Laine and Karras's hash with Vegdahl's constants (kernels/lucarium/sobol.clh).
 uint32_t owen_scramble(uint32_t x, uint32_t seed) {
   x = reverse_bits(x);
   x ^= x * 0x3d20adeau;

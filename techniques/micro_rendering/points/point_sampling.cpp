@@ -22,7 +22,7 @@ constexpr float kApart =
     8;  // how much farther a point counts that lies before or behind another: parallel layers leave each other alone
 constexpr uint32_t kNone = 0xffffffffu;
 
-/// PCG4D (Jarzynski and Olano 2020), as kernels/random.clh.
+/// PCG4D (Jarzynski and Olano 2020), as kernels/lucarium/random.clh.
 std::array<uint32_t, 4> hash(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
   std::array<uint32_t, 4> v = {a, b, c, d};
   for (uint32_t& x : v) x = x * 1664525u + 1013904223u;
@@ -39,7 +39,7 @@ std::array<uint32_t, 4> hash(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
 
 float unit(uint32_t bits) { return static_cast<float>(bits >> 8) * 5.9604644775390625e-8f; }
 
-/// Heitz 2019, "A Low-Distortion Map Between Triangle and Square", as kernels/warp.clh.
+/// Heitz 2019, "A Low-Distortion Map Between Triangle and Square", as kernels/lucarium/warp.clh.
 glm::vec2 triangle_weights(float u, float v) {
   if (v > u) return {0.5f * u, v - 0.5f * u};
   return {u - 0.5f * v, 0.5f * v};

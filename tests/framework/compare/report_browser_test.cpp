@@ -15,8 +15,8 @@ namespace {
 /// What the page says of itself, line by line.
 std::string selftest(const std::filesystem::path& folder) {
   std::string page = read_file(folder / "report.html");
-  const std::string script =
-      read_file(std::filesystem::path(std::getenv("LUCARIUM_TEST_SOURCE")) / "tests/compare/report_selftest.js");
+  const std::string script = read_file(std::filesystem::path(std::getenv("LUCARIUM_TEST_SOURCE")) /
+                                       "tests/framework/compare/report_selftest.js");
   page.insert(page.rfind("</body>"), "<script>" + script + "</script>");
   write_file_atomically(folder / "selftest.html", page);
   const test::ProgramResult run = test::run_program(

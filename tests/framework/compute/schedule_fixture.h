@@ -17,7 +17,7 @@ namespace lucarium::test {
 
 using Uints = std::vector<uint32_t>;
 
-/// tests/compute/schedule_kernels.cl.
+/// tests/framework/compute/schedule_kernels.cl.
 inline const Program& schedule_program() {
   static const Program program = [] {
     SourceLibrary library;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page is framework/compare/report/*, embedded at build time together with the plotting library; page.html names
-// the files to include. Here the results and images are filled in.
+// The page is framework/lucarium/compare/report/page/*, embedded at build time together with the plotting library;
+// page.html names the files to include. Here the results and images are filled in.
 #include "lucarium/compare/report/report_page.h"
 
 #include <OpenImageIO/strutil.h>

@@ -8,7 +8,8 @@
 
 namespace lucarium {
 
-/// scene_environment and scene_environment_cdf of kernels/shared/scene_buffers.h. Empty for a constant environment.
+/// scene_environment and scene_environment_cdf of kernels/lucarium/shared/scene_buffers.h. Empty for a constant
+/// environment.
 struct EnvironmentTables {
   std::vector<float4> texels;
   std::vector<float> cdf;

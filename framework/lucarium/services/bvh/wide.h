@@ -9,8 +9,9 @@
 
 namespace lucarium {
 
-/// Wide hierarchy in the memory layout of kernels/shared/bvh_layout.h. The topology (references and triangle indices)
-/// is made once on construction; fit() fills in boxes and vertices and may be repeated when vertices have moved.
+/// Wide hierarchy in the memory layout of kernels/lucarium/shared/bvh_layout.h. The topology (references and triangle
+/// indices) is made once on construction; fit() fills in boxes and vertices and may be repeated when vertices have
+/// moved.
 class WideBvh {
  public:
   static constexpr uint32_t no_child = 0xffffffffu;  ///< reference of an empty slot

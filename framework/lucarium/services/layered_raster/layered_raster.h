@@ -41,7 +41,7 @@ struct LayeredStoreOptions {
 /// threads.
 ///
 /// Consumers either walk over sorted fragments while they are in registers (record_tiles(),
-/// framework/services/layered_raster_tiles.clh), or read a stored A-buffer (record_stored()).
+/// framework/lucarium/services/layered_raster/tiles.clh), or read a stored A-buffer (record_stored()).
 class LayeredRaster {
  public:
   /// `scene` must outlive this. `owner` pays for the memory.

@@ -40,7 +40,7 @@ struct AtlasChart {
   uint32_t width, height;  ///< [cells], a ring of one cell around the chart included; 1 × 1 for charts of one texel
 };
 
-/// An atlas as plain data. Slots and cells as in kernels/shared/surface_atlas.h.
+/// An atlas as plain data. Slots and cells as in kernels/lucarium/shared/surface_atlas.h.
 struct AtlasLayout {
   AtlasInfo info{};
   std::vector<AtlasTriangle> triangles;  ///< per world triangle
@@ -58,7 +58,7 @@ struct AtlasLayout {
 /// options out of range, Error{interrupted} when cancelled.
 AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOptions& options);
 
-/// The cell of a point of a triangle, by the operations of kernels/surface_atlas.clh.
+/// The cell of a point of a triangle, by the operations of kernels/lucarium/surface_atlas.clh.
 uint32_t atlas_cell(const AtlasTriangle& triangle, float b1, float b2);
 
 }  // namespace lucarium

@@ -33,7 +33,7 @@ struct SurfaceAtlasReport {
 
 /// Every point of every surface of a scene has a texel, of uniform density in world space. Both sides of double-sided
 /// and transmissive surfaces have slots of their own; texels never join surfaces that do not touch. Construction and
-/// measurements: docs/surface_atlas.md. Look-ups in kernels: kernels/surface_atlas.clh.
+/// measurements: docs/surface_atlas.md. Look-ups in kernels: kernels/lucarium/surface_atlas.clh.
 class SurfaceAtlas {
  public:
   /// Builds and fills the atlas. Refuses with Error{device} and the numbers when it does not fit the device's memory.

@@ -44,7 +44,7 @@ inline Points random_points(size_t triangle_count, size_t count) {
   return result;
 }
 
-/// tests/services/surface_atlas.cl.
+/// tests/framework/services/surface_atlas/surface_atlas.cl.
 inline Program lookup_program() {
   SourceLibrary library;
   library.add(test_services_kernels());
