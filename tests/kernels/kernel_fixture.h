@@ -12,7 +12,7 @@ const lucarium::EmbeddedSources& test_kernels_kernels();
 
 namespace lucarium::test {
 
-/// tests/kernels/NAME.cl, compiled with extra definitions.
+/// NAME.cl beside this file, compiled with extra definitions.
 inline Program kernel_program(const std::string& name, const std::map<std::string, std::string>& defines = {}) {
   SourceLibrary library;
   library.add(test_kernels_kernels());

@@ -27,10 +27,21 @@
     }
     return last;
   };
-  const press = (key, more = {}) => canvas().dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true, cancelable: true, ...more }));
-  const select = label => [...document.querySelectorAll('#scene .control')].find(c => c.firstChild.textContent === label)?.querySelector('select');
-  const choose = (label, value) => { const s = select(label); s.value = value; s.dispatchEvent(new Event('change')); };
-  const changes = async (name, act) => { const before = await drawn(); await act(); check(name, await drawn() !== before); };
+  const press = (key, more = {}) =>
+      canvas().dispatchEvent(new KeyboardEvent('keydown', {key, bubbles: true, cancelable: true, ...more}));
+  const select = label => [...document.querySelectorAll('#scene .control')]
+                              .find(c => c.firstChild.textContent === label)
+                              ?.querySelector('select');
+  const choose = (label, value) => {
+    const s = select(label);
+    s.value = value;
+    s.dispatchEvent(new Event('change'));
+  };
+  const changes = async (name, act) => {
+    const before = await drawn();
+    await act();
+    check(name, await drawn() !== before);
+  };
 
   async function pictures() {
     await drawn();
@@ -63,12 +74,18 @@
     await changes('the split moves', async () => {
       const box = canvas().getBoundingClientRect(), y = box.top + box.height / 2;
       canvas().setPointerCapture = () => {};
-      const send = (type, x) => canvas().dispatchEvent(new PointerEvent(type, { clientX: box.left + x * box.width, clientY: y, pointerId: 1, bubbles: true }));
-      send('pointerdown', 0.5); send('pointermove', 0.3); send('pointermove', 0.25); send('pointerup', 0.25);
+      const send = (type, x) => canvas().dispatchEvent(
+          new PointerEvent(type, {clientX: box.left + x * box.width, clientY: y, pointerId: 1, bubbles: true}));
+      send('pointerdown', 0.5);
+      send('pointermove', 0.3);
+      send('pointermove', 0.25);
+      send('pointerup', 0.25);
     });
-    press('ArrowLeft', { shiftKey: true });
+    press('ArrowLeft', {shiftKey: true});
     await pause(200);
-    check('the inspector has a row per picture', document.querySelectorAll('.inspector tbody tr').length === select('Left').options.length);
+    check(
+        'the inspector has a row per picture',
+        document.querySelectorAll('.inspector tbody tr').length === select('Left').options.length);
     check('and numbers', !/NaN|undefined/.test(document.querySelector('.inspector').textContent));
     press('Escape');
     check('windows are chosen', document.querySelectorAll('.crops .crop').length >= 3);
@@ -77,16 +94,25 @@
   }
 
   async function page() {
-    check('nothing broke out of its text', !document.querySelector('img') && !/undefined|\[object/.test(document.getElementById('main').innerText));
+    check(
+        'nothing broke out of its text',
+        !document.querySelector('img') && !/undefined|\[object/.test(document.getElementById('main').innerText));
     check('plots have been drawn', [...document.querySelectorAll('.chart canvas')].every(c => c.width > 0));
-    check('refused and failed are named', /refused/.test(document.getElementById('overview').innerText) && /killed by signal/.test(document.getElementById('overview').innerText));
+    check(
+        'refused and failed are named',
+        /refused/.test(document.getElementById('overview').innerText) &&
+            /killed by signal/.test(document.getElementById('overview').innerText));
     check('a refused technique has a row', Boolean(document.querySelector('#scene td.obstacle')));
     document.querySelector('#scene thead button').click();
     check('tables sort', Boolean(document.querySelector('#scene th[aria-sort]')));
     document.querySelector('.toggle').click();
     check('techniques can be hidden', document.querySelector('.toggle').getAttribute('aria-pressed') === 'false');
     document.querySelector('.toggle').click();
-    await changes('the theme changes', async () => { press('e'); await drawn(); document.getElementById('theme').click(); });
+    await changes('the theme changes', async () => {
+      press('e');
+      await drawn();
+      document.getElementById('theme').click();
+    });
     check('the address says so', /theme=/.test(location.hash));
     const tabs = [...document.querySelectorAll('nav button')];
     tabs[1].click();
@@ -106,6 +132,7 @@
       problems.push(`exception: ${error.stack}`);
     }
     check(`no errors ${problems.join('; ')}`, problems.length === 0);
-    document.body.append(Object.assign(document.createElement('pre'), { id: 'selftest', textContent: `${lines.join('\n')}\nend` }));
+    document.body.append(
+        Object.assign(document.createElement('pre'), {id: 'selftest', textContent: `${lines.join('\n')}\nend`}));
   })();
 })();

@@ -4,8 +4,8 @@
 const charts = new Set();
 
 function addChart(label, height, makeConfig) {
-  const canvas = h('canvas', { role: 'img', 'aria-label': label });
-  const holder = h('div', { class: 'chart', style: `height:${height}px` }, canvas);
+  const canvas = h('canvas', {role: 'img', 'aria-label': label});
+  const holder = h('div', {class: 'chart', style: `height:${height}px`}, canvas);
   const entry = {
     canvas,
     // Charts measure their holder, so they are made once it is in the page, and again for another theme.
@@ -25,8 +25,12 @@ function addChart(label, height, makeConfig) {
 
 function drawCharts() {
   for (const entry of charts) {
-    if (entry.canvas.isConnected) entry.draw();
-    else { if (entry.chart) entry.chart.destroy(); charts.delete(entry); }
+    if (entry.canvas.isConnected)
+      entry.draw();
+    else {
+      if (entry.chart) entry.chart.destroy();
+      charts.delete(entry);
+    }
   }
 }
 
@@ -43,8 +47,8 @@ function logAxis(title, range) {
     type: 'logarithmic',
     min: range && range[0],
     max: range && range[1],
-    title: { display: true, text: title },
-    ticks: { callback: value => (isStep(value, few ? [1, 2, 5] : [1]) ? number(value) : '') },
+    title: {display: true, text: title},
+    ticks: {callback: value => (isStep(value, few ? [1, 2, 5] : [1]) ? number(value) : '')},
   };
 }
 
@@ -58,12 +62,19 @@ function logRange(values) {
 // Buttons that show and hide techniques in all plots of a scene.
 const hiddenVariants = new Set();
 function variantToggles(changed) {
-  return h('div', { class: 'toggles', role: 'group', 'aria-label': 'techniques in the plots' }, variants.map((entry, v) => h('button', {
-    type: 'button', class: 'toggle', 'aria-pressed': String(!hiddenVariants.has(v)),
-    onclick: event => {
-      if (!hiddenVariants.delete(v)) hiddenVariants.add(v);
-      event.currentTarget.setAttribute('aria-pressed', String(!hiddenVariants.has(v)));
-      changed();
-    },
-  }, marker(v), entry.label)));
+  return h(
+      'div', {class: 'toggles', role: 'group', 'aria-label': 'techniques in the plots'},
+      variants.map(
+          (entry, v) =>
+              h('button', {
+                type: 'button',
+                class: 'toggle',
+                'aria-pressed': String(!hiddenVariants.has(v)),
+                onclick: event => {
+                  if (!hiddenVariants.delete(v)) hiddenVariants.add(v);
+                  event.currentTarget.setAttribute('aria-pressed', String(!hiddenVariants.has(v)));
+                  changed();
+                },
+              },
+                marker(v), entry.label)));
 }

@@ -24,10 +24,11 @@ function chooseCrops(errors, width, height, count = 3) {
     for (let x = 0; x + across <= columns; ++x) {
       const totals = sums.map(sum => {
         let total = 0;
-        for (let j = 0; j < down; ++j) for (let i = 0; i < across; ++i) total += sum[(y + j) * columns + x + i];
+        for (let j = 0; j < down; ++j)
+          for (let i = 0; i < across; ++i) total += sum[(y + j) * columns + x + i];
         return total;
       });
-      candidates.push({ x, y, spread: totals.length > 1 ? Math.max(...totals) - Math.min(...totals) : totals[0] });
+      candidates.push({x, y, spread: totals.length > 1 ? Math.max(...totals) - Math.min(...totals) : totals[0]});
     }
   }
   candidates.sort((a, b) => b.spread - a.spread);
@@ -36,7 +37,12 @@ function chooseCrops(errors, width, height, count = 3) {
     if (chosen.length === count) break;
     if (chosen.every(o => Math.abs(o.x - c.x) >= across || Math.abs(o.y - c.y) >= down)) chosen.push(c);
   }
-  return chosen.map(c => ({ x: c.x * tile, y: c.y * tile, width: Math.min(across * tile, width), height: Math.min(down * tile, height) }));
+  return chosen.map(c => ({
+                      x: c.x * tile,
+                      y: c.y * tile,
+                      width: Math.min(across * tile, width),
+                      height: Math.min(down * tile, height)
+                    }));
 }
 
 // A row of magnified windows, reference first; a click shows the place in the viewer.
@@ -51,11 +57,18 @@ async function cropStrips(viewer) {
       if (!images[i]) return null;
       const canvas = canvasOf(crop.width, crop.height);
       const painted = viewer.paintedImage(images[i]);
-      canvas.getContext('2d').drawImage(painted, crop.x, crop.y, crop.width, crop.height, 0, 0, crop.width, crop.height);
+      canvas.getContext('2d').drawImage(
+          painted, crop.x, crop.y, crop.width, crop.height, 0, 0, crop.width, crop.height);
       const label = `${source.label}, window ${n + 1}`;
-      return h('button', { class: 'crop', title: 'show this place in the viewer', 'aria-label': label,
-        onclick: () => viewer.showWindow(crop, full.divisor) }, canvas, h('span', {}, source.label));
+      return h(
+          'button', {
+            class: 'crop',
+            title: 'show this place in the viewer',
+            'aria-label': label,
+            onclick: () => viewer.showWindow(crop, full.divisor)
+          },
+          canvas, h('span', {}, source.label));
     });
-    return h('div', { class: 'crops' }, cells);
+    return h('div', {class: 'crops'}, cells);
   });
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// relMSE over time, both logarithmic: the mean over seeds, its 95 % interval as a band, the fitted slope as a thin line.
+// relMSE over time, both logarithmic: the mean over seeds, its 95 % interval as a band, the fitted slope as a thin
+// line.
 
 function curvePoints(summary) {
   return listOf(summary, 'curve').filter(p => p.seconds > 0 && p.relmse && p.relmse.mean > 0);
@@ -10,23 +11,42 @@ function slopeLine(summary, points) {
   if (!summary.slope || !Number.isFinite(summary.slope.value) || points.length < 2) return [];
   const mean = f => points.reduce((sum, p) => sum + Math.log(f(p)), 0) / points.length;
   const x = mean(p => p.seconds), y = mean(p => p.relmse.mean);
-  return [points[0], points[points.length - 1]].map(p => ({ x: p.seconds, y: Math.exp(y + summary.slope.value * (Math.log(p.seconds) - x)) }));
+  return [points[0], points[points.length - 1]].map(
+      p => ({x: p.seconds, y: Math.exp(y + summary.slope.value * (Math.log(p.seconds) - x))}));
 }
 
 function curveSets(scene, budget, variant) {
   const summary = summaryOf(scene, variant, budget), style = variantStyle(variant);
   if (!summary || hiddenVariants.has(variant)) return [];
   const points = curvePoints(summary), final = relmse(summary);
-  const line = points.length ? points.map(p => ({ x: p.seconds, y: p.relmse.mean, low: p.relmse.low, high: p.relmse.high, samples: p.samples }))
-    : final ? [{ x: summary.iterate_seconds + (summary.prepare_seconds || 0), y: final.mean, low: final.low, high: final.high, samples: summary.samples }] : [];
+  const line = points.length ?
+      points.map(p => ({x: p.seconds, y: p.relmse.mean, low: p.relmse.low, high: p.relmse.high, samples: p.samples})) :
+      final ? [{
+        x: summary.iterate_seconds + (summary.prepare_seconds || 0),
+        y: final.mean,
+        low: final.low,
+        high: final.high,
+        samples: summary.samples
+      }] :
+              [];
   const banded = line.filter(p => p.low > 0);
-  const bare = { pointRadius: 0, borderWidth: 0, tooltipOff: true };
+  const bare = {pointRadius: 0, borderWidth: 0, tooltipOff: true};
   return [
-    { data: banded.map(p => ({ x: p.x, y: p.low })), ...bare, fill: '+1', backgroundColor: `${style.color}33` },
-    { data: banded.map(p => ({ x: p.x, y: p.high })), ...bare },
-    { data: slopeLine(summary, points), ...bare, borderWidth: 1, borderColor: style.color, borderDash: [2, 2] },
-    { label: variantLabel(variant), data: line, borderColor: style.color, backgroundColor: style.color, borderDash: style.dash,
-      borderWidth: 2, pointStyle: style.point, pointRadius: 4, pointHoverRadius: 6, showLine: true },
+    {data: banded.map(p => ({x: p.x, y: p.low})), ...bare, fill: '+1', backgroundColor: `${style.color}33`},
+    {data: banded.map(p => ({x: p.x, y: p.high})), ...bare},
+    {data: slopeLine(summary, points), ...bare, borderWidth: 1, borderColor: style.color, borderDash: [2, 2]},
+    {
+      label: variantLabel(variant),
+      data: line,
+      borderColor: style.color,
+      backgroundColor: style.color,
+      borderDash: style.dash,
+      borderWidth: 2,
+      pointStyle: style.point,
+      pointRadius: 4,
+      pointHoverRadius: 6,
+      showLine: true
+    },
   ];
 }
 
@@ -35,23 +55,33 @@ function curveConfig(scene, budget) {
   const points = sets.flatMap(s => s.data);
   const own = listOf(scenes[scene], 'references').map(r => r.own_relmse).filter(v => v > 0);
   const xs = logRange(points.map(p => p.x)), ys = logRange([...points.map(p => p.y), ...own]);
-  if (xs) own.forEach((level, i) => sets.push({ label: own.length > 1 ? `reference ${i + 1}'s own error` : "reference's own error",
-    data: [{ x: xs[0], y: level }, { x: xs[1], y: level }], borderColor: cssColor('--text'), borderWidth: 1, borderDash: [6, 6], pointRadius: 0 }));
+  if (xs)
+    own.forEach((level, i) => sets.push({
+      label: own.length > 1 ? `reference ${i + 1}'s own error` : 'reference\'s own error',
+      data: [{x: xs[0], y: level}, {x: xs[1], y: level}],
+      borderColor: cssColor('--text'),
+      borderWidth: 1,
+      borderDash: [6, 6],
+      pointRadius: 0
+    }));
   return {
     type: 'line',
-    data: { datasets: sets },
+    data: {datasets: sets},
     options: {
-      maintainAspectRatio: false, parsing: false, interaction: { mode: 'nearest', intersect: false },
-      scales: { x: { ...logAxis('seconds', xs) }, y: logAxis('relMSE', ys) },
+      maintainAspectRatio: false,
+      parsing: false,
+      interaction: {mode: 'nearest', intersect: false},
+      scales: {x: {...logAxis('seconds', xs)}, y: logAxis('relMSE', ys)},
       plugins: {
-        legend: { display: false },
+        legend: {display: false},
         tooltip: {
           filter: item => !item.dataset.tooltipOff,
           callbacks: {
             title: () => '',
             label: item => {
               const p = item.raw, range = p.low ? ` (${number(p.low, 2)} … ${number(p.high, 2)})` : '';
-              return `${item.dataset.label}: ${number(p.y)}${range}${p.samples ? ` at ${seconds(p.x)}, ${number(p.samples)} samples` : ''}`;
+              return `${item.dataset.label}: ${number(p.y)}${range}${
+                  p.samples ? ` at ${seconds(p.x)}, ${number(p.samples)} samples` : ''}`;
             },
           },
         },
@@ -62,6 +92,8 @@ function curveConfig(scene, budget) {
 
 function curveChart(scene, budget) {
   const chart = addChart(`relMSE over time on ${sceneName(scene)}`, 380, () => curveConfig(scene, budget));
-  return h('figure', {}, chart, h('figcaption', {}, 'Error over time: mean over seeds with its 95 % interval, fitted slope dotted. ',
-    '−1 is what Monte Carlo does. The horizontal line is the reference’s own error: what comes near it cannot be told apart.'));
+  return h(
+      'figure', {}, chart,
+      h('figcaption', {}, 'Error over time: mean over seeds with its 95 % interval, fitted slope dotted. ',
+        '−1 is what Monte Carlo does. The horizontal line is the reference’s own error: what comes near it cannot be told apart.'));
 }

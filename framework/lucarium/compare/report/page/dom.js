@@ -5,9 +5,12 @@ function h(tag, properties, ...children) {
   const node = document.createElement(tag);
   for (const [key, value] of Object.entries(properties || {})) {
     if (value === undefined || value === null || value === false) continue;
-    if (key.startsWith('on')) node.addEventListener(key.slice(2), value);
-    else if (key in node && typeof value !== 'string') node[key] = value;
-    else node.setAttribute(key, value);
+    if (key.startsWith('on'))
+      node.addEventListener(key.slice(2), value);
+    else if (key in node && typeof value !== 'string')
+      node[key] = value;
+    else
+      node.setAttribute(key, value);
   }
   node.append(...children.flat(Infinity).filter(child => child !== null && child !== undefined && child !== false));
   return node;
@@ -15,15 +18,17 @@ function h(tag, properties, ...children) {
 
 // A labelled <select>; options are [value, text].
 function selectBox(label, options, value, change) {
-  const box = h('select', { onchange: event => change(event.target.value) },
-    options.map(([key, text]) => h('option', { value: String(key), selected: String(key) === String(value) }, text)));
-  return h('label', { class: 'control' }, h('span', {}, label), box);
+  const box =
+      h('select', {onchange: event => change(event.target.value)},
+        options.map(([key, text]) => h('option', {value: String(key), selected: String(key) === String(value)}, text)));
+  return h('label', {class: 'control'}, h('span', {}, label), box);
 }
 
 // A labelled slider with a readout; `show` turns its value into text. A double click sets it back.
 function slider(label, range, value, show, change, title) {
   const readout = h('output', {}, show(value));
-  const input = h('input', { type: 'range', min: String(range[0]), max: String(range[1]), step: String(range[2]), title });
+  const input =
+      h('input', {type: 'range', min: String(range[0]), max: String(range[1]), step: String(range[2]), title});
   const initial = value;
   const set = next => {
     const clamped = Math.min(range[1], Math.max(range[0], next));
@@ -34,11 +39,11 @@ function slider(label, range, value, show, change, title) {
   input.value = String(value);
   input.addEventListener('input', () => set(Number(input.value)));
   input.addEventListener('dblclick', () => set(initial));
-  const node = h('label', { class: 'control' }, h('span', {}, label), input, readout);
+  const node = h('label', {class: 'control'}, h('span', {}, label), input, readout);
   node.setValue = set;
   return node;
 }
 
 function section(id, title, ...children) {
-  return h('section', { id, 'aria-label': title }, h('h2', {}, title), ...children);
+  return h('section', {id, 'aria-label': title}, h('h2', {}, title), ...children);
 }

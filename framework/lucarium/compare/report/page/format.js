@@ -6,7 +6,9 @@ function number(value, digits = 3) {
   if (!Number.isFinite(value)) return value > 0 ? '∞' : '−∞';
   if (value === 0) return '0';
   const magnitude = Math.abs(value);
-  const text = magnitude >= 1e5 || magnitude < 1e-3 ? Number(value.toPrecision(digits)).toExponential().replace('e+', 'e') : String(Number(value.toPrecision(digits)));
+  const text = magnitude >= 1e5 || magnitude < 1e-3 ?
+      Number(value.toPrecision(digits)).toExponential().replace('e+', 'e') :
+      String(Number(value.toPrecision(digits)));
   return text.replace(/-/g, '−');
 }
 
@@ -14,7 +16,9 @@ function number(value, digits = 3) {
 function interval(mean, digits = 3) {
   if (!mean || typeof mean !== 'object') return number(mean, digits);
   if (mean.low === undefined || mean.low === null) return number(mean.mean, digits);
-  return [number(mean.mean, digits), ' ', h('span', { class: 'range' }, `${number(mean.low, 2)} … ${number(mean.high, 2)}`)];
+  return [
+    number(mean.mean, digits), ' ', h('span', {class: 'range'}, `${number(mean.low, 2)} … ${number(mean.high, 2)}`)
+  ];
 }
 
 function seconds(value) {
@@ -25,7 +29,11 @@ function seconds(value) {
 
 function bytes(value) {
   if (!value) return '–';
-  return value >= 1e9 ? `${number(value / 1e9)} GB` : value >= 1e6 ? `${number(value / 1e6)} MB` : `${number(value / 1e3)} kB`;
+  return value >= 1e9 ? `${number(value / 1e9)} GB` :
+      value >= 1e6 ? `${number(value / 1e6)} MB` :
+                     `${number(value / 1e3)} kB`;
 }
 
-function percent(value) { return `${number(100 * value, 2)} %`; }
+function percent(value) {
+  return `${number(100 * value, 2)} %`;
+}

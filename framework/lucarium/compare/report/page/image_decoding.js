@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reader of PackedImage (framework/compare/packed_image.h).
+// The reader of PackedImage (framework/lucarium/compare/report/packed_image.h).
 
 // Half floats as numbers, by their bits.
 const halfValues = (() => {
   const table = new Float32Array(65536);
   for (let bits = 0; bits < 65536; ++bits) {
     const exponent = (bits >> 10) & 31, mantissa = bits & 1023, sign = bits & 0x8000 ? -1 : 1;
-    table[bits] = sign * (exponent === 31 ? (mantissa ? NaN : Infinity)
-      : exponent ? (1 + mantissa / 1024) * 2 ** (exponent - 15) : mantissa * 2 ** -24);
+    table[bits] = sign *
+        (exponent === 31 ? (mantissa ? NaN : Infinity) :
+             exponent    ? (1 + mantissa / 1024) * 2 ** (exponent - 15) :
+                           mantissa * 2 ** -24);
   }
   return table;
 })();
@@ -26,8 +28,10 @@ function decodeRow(plane, width, y, kind, bytes, low, high) {
     const above = y > 0 ? plane[row + x - width] : x > 0 ? plane[row + x - 1] : 0;
     const left = x > 0 ? plane[row + x - 1] : above;
     let prediction = left;
-    if (kind === 1) prediction = above;
-    else if (kind === 2) prediction = (left + above) >> 1;
+    if (kind === 1)
+      prediction = above;
+    else if (kind === 2)
+      prediction = (left + above) >> 1;
     else if (kind === 3) {
       const corner = x > 0 && y > 0 ? plane[row + x - width - 1] : above;
       const gradient = left + above - corner, least = Math.min(left, above), most = Math.max(left, above);
@@ -41,7 +45,7 @@ function decodeRow(plane, width, y, kind, bytes, low, high) {
 // { width, height, channels, scale, bits }: `bits` are half floats, interleaved; a value is halfValues[bits] · scale.
 // 8-bit images have the codes 0 … 255 in `bits`, and `unit` set.
 async function decodeImage(entry, base64) {
-  const { width, height, channels } = entry, pixels = width * height, rows = height * channels;
+  const {width, height, channels} = entry, pixels = width * height, rows = height * channels;
   const bytes = await inflate(base64);
   const planes = [];
   for (let c = 0; c < channels; ++c) {
@@ -52,7 +56,8 @@ async function decodeImage(entry, base64) {
     }
     planes.push(plane);
   }
-  const image = { width, height, channels, divisor: entry.divisor, scale: 2 ** entry.exponent, unit: entry.mantissa_bits === 0 };
+  const image =
+      {width, height, channels, divisor: entry.divisor, scale: 2 ** entry.exponent, unit: entry.mantissa_bits === 0};
   image.bits = new Uint16Array(pixels * channels);
   const shift = image.unit ? 0 : 10 - entry.mantissa_bits;
   const toBits = code => (code < 0 ? 0x8000 | (-code << shift) : code << shift);

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arithmetic on decoded images.
 
-const channelValue = (image, pixel, c) => halfValues[image.bits[image.channels === 3 ? 3 * pixel + c : pixel]] * image.scale;
+const channelValue = (image, pixel, c) =>
+    halfValues[image.bits[image.channels === 3 ? 3 * pixel + c : pixel]] * image.scale;
 
 // Luminance of every pixel, Rec. 709; kept with the image.
 function luminance(image) {
   if (image.luminance) return image.luminance;
   const y = new Float32Array(image.width * image.height), bits = image.bits, scale = image.scale;
   for (let i = 0; i < y.length; ++i) {
-    y[i] = scale * (image.channels === 1 ? halfValues[bits[i]]
-      : 0.2126 * halfValues[bits[3 * i]] + 0.7152 * halfValues[bits[3 * i + 1]] + 0.0722 * halfValues[bits[3 * i + 2]]);
+    y[i] = scale *
+        (image.channels === 1 ? halfValues[bits[i]] :
+                                0.2126 * halfValues[bits[3 * i]] + 0.7152 * halfValues[bits[3 * i + 1]] +
+                 0.0722 * halfValues[bits[3 * i + 2]]);
   }
   return (image.luminance = y);
 }
@@ -17,7 +20,11 @@ function luminance(image) {
 function meanLuminance(image) {
   if (image.mean !== undefined) return image.mean;
   let sum = 0, count = 0;
-  for (const y of luminance(image)) if (Number.isFinite(y)) { sum += y; ++count; }
+  for (const y of luminance(image))
+    if (Number.isFinite(y)) {
+      sum += y;
+      ++count;
+    }
   return (image.mean = count ? sum / count : 0);
 }
 
@@ -30,7 +37,7 @@ function relativeError(test, reference) {
   return error;
 }
 
-const canvasOf = (width, height) => Object.assign(document.createElement('canvas'), { width, height });
+const canvasOf = (width, height) => Object.assign(document.createElement('canvas'), {width, height});
 
 function paint(width, height, colorAt) {
   const canvas = canvasOf(width, height), context = canvas.getContext('2d');
@@ -45,7 +52,9 @@ const isBad = bits => (bits & 0x7c00) === 0x7c00;
 function paintImage(image, stops) {
   const table = exposureTable(image.scale * 2 ** stops), bits = image.bits;
   if (image.channels === 1) {
-    return paint(image.width, image.height, i => (isBad(bits[i]) ? nonFiniteColor : packColor(table[bits[i]], table[bits[i]], table[bits[i]])));
+    return paint(
+        image.width, image.height,
+        i => (isBad(bits[i]) ? nonFiniteColor : packColor(table[bits[i]], table[bits[i]], table[bits[i]])));
   }
   return paint(image.width, image.height, i => {
     const r = bits[3 * i], g = bits[3 * i + 1], b = bits[3 * i + 2];
@@ -63,4 +72,6 @@ function paintError(error, width, height, range) {
   });
 }
 
-function paintFlip(image) { return paint(image.width, image.height, i => magmaTable[Math.min(255, image.bits[i])]); }
+function paintFlip(image) {
+  return paint(image.width, image.height, i => magmaTable[Math.min(255, image.bits[i])]);
+}

@@ -10,7 +10,8 @@ const budgets = listOf(results, 'budgets');
 const metrics = listOf(results, 'metrics');
 
 const variantLabel = index => (variants[index] ? variants[index].label : `technique ${index + 1}`);
-const sceneName = index => (typeof index === 'number' ? (scenes[index] ? scenes[index].name : `scene ${index + 1}`) : String(index));
+const sceneName = index =>
+    (typeof index === 'number' ? (scenes[index] ? scenes[index].name : `scene ${index + 1}`) : String(index));
 
 function budgetLabel(index) {
   const budget = budgets[index];
@@ -22,14 +23,15 @@ function budgetLabel(index) {
 }
 
 const summaryOf = (scene, variant, budget) =>
-  listOf(results, 'summaries').find(s => s.scene === scene && s.variant === variant && s.budget === budget);
+    listOf(results, 'summaries').find(s => s.scene === scene && s.variant === variant && s.budget === budget);
 const piecesOf = (scene, variant, budget) =>
-  listOf(results, 'pieces').filter(p => p.scene === scene && p.variant === variant && p.budget === budget);
+    listOf(results, 'pieces').filter(p => p.scene === scene && p.variant === variant && p.budget === budget);
 const sceneVariant = (scene, variant) => listOf(scenes[scene], 'variants')[variant] || {};
 
 // The metric that decides: relMSE where it is there. Names are looked up whatever their case.
 function metricValue(summary, name) {
-  const entry = Object.entries((summary && summary.metrics) || {}).find(([key]) => key.toLowerCase() === name.toLowerCase());
+  const entry =
+      Object.entries((summary && summary.metrics) || {}).find(([key]) => key.toLowerCase() === name.toLowerCase());
   return entry && entry[1] && typeof entry[1].mean === 'number' ? entry[1] : undefined;
 }
 const relmse = summary => metricValue(summary, 'relmse');
@@ -61,7 +63,8 @@ function allFailures() {
     });
   });
   for (const piece of listOf(results, 'pieces')) {
-    if (piece.failure) lines.push(`${sceneName(piece.scene)}, ${variantLabel(piece.variant)}, seed ${piece.seed}: ${piece.failure}`);
+    if (piece.failure)
+      lines.push(`${sceneName(piece.scene)}, ${variantLabel(piece.variant)}, seed ${piece.seed}: ${piece.failure}`);
   }
   return lines;
 }
@@ -71,7 +74,8 @@ function meanPasses(scene, variant, budget) {
   const done = piecesOf(scene, variant, budget).filter(piece => !piece.failure);
   const sums = new Map();
   for (const piece of done) {
-    for (const pass of listOf(piece, 'passes')) sums.set(pass.name, (sums.get(pass.name) || 0) + pass.device_seconds / done.length);
+    for (const pass of listOf(piece, 'passes'))
+      sums.set(pass.name, (sums.get(pass.name) || 0) + pass.device_seconds / done.length);
   }
-  return [...sums].map(([name, time]) => ({ name, time })).sort((a, b) => b.time - a.time);
+  return [...sums].map(([name, time]) => ({name, time})).sort((a, b) => b.time - a.time);
 }

@@ -4,7 +4,9 @@
 
 const nonFiniteColor = 0xffff00ff;  // magenta
 
-function packColor(r, g, b) { return (0xff000000 | (b << 16) | (g << 8) | r) >>> 0; }
+function packColor(r, g, b) {
+  return (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
+}
 
 function srgb(linear) {
   const v = Math.min(1, Math.max(0, linear));
@@ -31,14 +33,22 @@ function mixTable(stops, steps) {
 // Too dark is blue, too bright orange; what is right is the colour of the page.
 const scaleSteps = 511;
 function divergingTable() {
-  return isDark()
-    ? mixTable([[150, 205, 255], [40, 130, 210], [16, 60, 105], [18, 21, 26], [110, 58, 8], [222, 125, 10], [255, 214, 140]], scaleSteps)
-    : mixTable([[3, 48, 97], [33, 113, 181], [146, 197, 222], [248, 248, 248], [253, 190, 110], [224, 110, 5], [110, 45, 0]], scaleSteps);
+  return isDark() ?
+      mixTable(
+          [[150, 205, 255], [40, 130, 210], [16, 60, 105], [18, 21, 26], [110, 58, 8], [222, 125, 10], [255, 214, 140]],
+          scaleSteps) :
+      mixTable(
+          [[3, 48, 97], [33, 113, 181], [146, 197, 222], [248, 248, 248], [253, 190, 110], [224, 110, 5], [110, 45, 0]],
+          scaleSteps);
 }
 
 // Black over purple to pale yellow, after the stops of matplotlib's "magma".
-const magmaTable = mixTable([[0, 0, 4], [28, 16, 68], [79, 18, 123], [129, 37, 129], [181, 54, 122], [229, 80, 100],
-  [251, 135, 97], [254, 194, 135], [252, 253, 191]], 256);
+const magmaTable = mixTable(
+    [
+      [0, 0, 4], [28, 16, 68], [79, 18, 123], [129, 37, 129], [181, 54, 122], [229, 80, 100], [251, 135, 97],
+      [254, 194, 135], [252, 253, 191]
+    ],
+    256);
 
 function cssGradient(table) {
   const stops = [];

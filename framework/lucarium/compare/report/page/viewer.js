@@ -20,9 +20,9 @@ class Viewer {
     this.errors = new Map();
     this.listeners = [];
     const all = this.sources();
-    this.left = { source: 0, as: 'image' };
-    this.right = { source: Math.min(1, all.length - 1), as: 'image' };
-    this.canvas = h('canvas', { class: 'viewer-canvas', tabindex: '0', role: 'img' });
+    this.left = {source: 0, as: 'image'};
+    this.right = {source: Math.min(1, all.length - 1), as: 'image'};
+    this.canvas = h('canvas', {class: 'viewer-canvas', tabindex: '0', role: 'img'});
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
 
@@ -32,33 +32,35 @@ class Viewer {
     const references = listOf(scenes[this.scene], 'references');
     const list = [];
     references.forEach((entry, reference) => {
-      if (findImage({ kind: 'reference', scene: this.scene, reference }) < 0) return;
-      list.push({ label: references.length > 1 ? `reference ${reference + 1}` : 'reference', reference });
+      if (findImage({kind: 'reference', scene: this.scene, reference}) < 0) return;
+      list.push({label: references.length > 1 ? `reference ${reference + 1}` : 'reference', reference});
     });
     variants.forEach((entry, variant) => {
-      if (findImage({ kind: 'image', scene: this.scene, variant, budget: this.budget }) < 0) return;
-      list.push({ label: entry.label, variant, reference: sceneVariant(this.scene, variant).reference || 0 });
+      if (findImage({kind: 'image', scene: this.scene, variant, budget: this.budget}) < 0) return;
+      list.push({label: entry.label, variant, reference: sceneVariant(this.scene, variant).reference || 0});
     });
     return (this.sourceList = list);
   }
 
   entryId(source, kind) {
-    const { scene, budget, layer } = this, { variant, reference } = source;
-    if (variant === undefined) return findImage(layer ? { kind: 'layer', of: 'reference', scene, reference, layer } : { kind: 'reference', scene, reference });
-    if (kind === 'flip') return findImage({ kind: 'flip', scene, variant, budget });
-    if (layer) return findImage({ kind: 'layer', of: 'image', scene, variant, budget, layer });
-    const mean = this.useMean ? findImage({ kind: 'mean', scene, variant, budget }) : -1;
-    return mean >= 0 ? mean : findImage({ kind: 'image', scene, variant, budget });
+    const {scene, budget, layer} = this, {variant, reference} = source;
+    if (variant === undefined)
+      return findImage(
+          layer ? {kind: 'layer', of: 'reference', scene, reference, layer} : {kind: 'reference', scene, reference});
+    if (kind === 'flip') return findImage({kind: 'flip', scene, variant, budget});
+    if (layer) return findImage({kind: 'layer', of: 'image', scene, variant, budget, layer});
+    const mean = this.useMean ? findImage({kind: 'mean', scene, variant, budget}) : -1;
+    return mean >= 0 ? mean : findImage({kind: 'image', scene, variant, budget});
   }
 
   async image(source, kind) {
     const id = this.entryId(source, kind);
-    return id < 0 ? undefined : Object.assign(await loadImage(id), { id });
+    return id < 0 ? undefined : Object.assign(await loadImage(id), {id});
   }
 
   // Signed relative luminance error against the technique's reference, in the layer that is shown.
   async error(source) {
-    const id = this.entryId(source), truthId = this.entryId({ reference: source.reference });
+    const id = this.entryId(source), truthId = this.entryId({reference: source.reference});
     const key = `${id}:${truthId}`;
     if (id < 0 || truthId < 0) return undefined;
     if (!this.errors.has(key)) {
@@ -77,7 +79,7 @@ class Viewer {
     const old = this.painted.get(prefix);
     if (old && old.key === key) return old.canvas;
     const canvas = make();
-    this.painted.set(prefix, { key, canvas });
+    this.painted.set(prefix, {key, canvas});
     return canvas;
   }
 
@@ -85,31 +87,40 @@ class Viewer {
   async picture(source, as) {
     if (as === 'error' && source.variant !== undefined) {
       const image = await this.image(source), error = await this.error(source);
-      if (!error) return { note: this.layer ? 'not in this layer' : 'sizes differ' };
+      if (!error) return {note: this.layer ? 'not in this layer' : 'sizes differ'};
       const prefix = `error ${image.id} `;
-      return { divisor: image.divisor, canvas: this.cached(`${prefix}${this.range} ${isDark()}`, prefix,
-        () => paintError(error, image.width, image.height, this.range)) };
+      return {
+        divisor: image.divisor,
+        canvas: this.cached(
+            `${prefix}${this.range} ${isDark()}`, prefix,
+            () => paintError(error, image.width, image.height, this.range))
+      };
     }
     if (as === 'flip' && source.variant !== undefined) {
       const image = await this.image(source, 'flip');
-      if (!image) return { note: 'no FLIP map' };
-      return { divisor: image.divisor, canvas: this.cached(`flip ${image.id}`, `flip ${image.id}`, () => paintFlip(image)) };
+      if (!image) return {note: 'no FLIP map'};
+      return {
+        divisor: image.divisor,
+        canvas: this.cached(`flip ${image.id}`, `flip ${image.id}`, () => paintFlip(image))
+      };
     }
     const image = await this.image(source);
-    return image ? { divisor: image.divisor, canvas: this.paintedImage(image) } : { note: `no layer "${this.layer}"` };
+    return image ? {divisor: image.divisor, canvas: this.paintedImage(image)} : {note: `no layer "${this.layer}"`};
   }
 
   size() {
     const entry = imageList.images.find(e => e.scene === this.scene && (e.kind === 'reference' || e.kind === 'image'));
-    return entry ? { width: entry.width * entry.divisor, height: entry.height * entry.divisor } : { width: 16, height: 9 };
+    return entry ? {width: entry.width * entry.divisor, height: entry.height * entry.divisor} : {width: 16, height: 9};
   }
 
   // Rectangles of the panes, in pixels of the canvas, and what they show.
   panes() {
     const all = this.sources(), width = this.canvas.width, height = this.canvas.height;
     if (this.mode === 'split') {
-      return [{ ...this.left, x: 0, y: 0, width, height, clip: [0, this.split * width] },
-        { ...this.right, x: 0, y: 0, width, height, clip: [this.split * width, width] }];
+      return [
+        {...this.left, x: 0, y: 0, width, height, clip: [0, this.split * width]},
+        {...this.right, x: 0, y: 0, width, height, clip: [this.split * width, width]}
+      ];
     }
     const columns = gridColumns(all.length), rows = Math.ceil(all.length / columns);
     const w = width / columns, hgt = height / rows;
@@ -117,17 +128,23 @@ class Viewer {
       width: w, height: hgt, clip: [(i % columns) * w, (i % columns + 1) * w] }));
   }
 
-  fitScale(pane) { const { width, height } = this.size(); return Math.min(pane.width / width, pane.height / height); }
+  fitScale(pane) {
+    const {width, height} = this.size();
+    return Math.min(pane.width / width, pane.height / height);
+  }
 
   // Position of the image in a pane: canvas = origin + scale · image.
   placement(pane) {
-    const { width, height } = this.size(), fit = this.fitScale(pane);
-    const view = this.view || { zoom: 1, x: width / 2, y: height / 2 };
+    const {width, height} = this.size(), fit = this.fitScale(pane);
+    const view = this.view || {zoom: 1, x: width / 2, y: height / 2};
     const scale = fit * view.zoom;
-    return { scale, x: pane.x + pane.width / 2 - scale * view.x, y: pane.y + pane.height / 2 - scale * view.y };
+    return {scale, x: pane.x + pane.width / 2 - scale * view.x, y: pane.y + pane.height / 2 - scale * view.y};
   }
 
-  changed() { this.draw(); this.listeners.forEach(listener => listener()); }
+  changed() {
+    this.draw();
+    this.listeners.forEach(listener => listener());
+  }
 
   // Paints when the pictures are there; of several calls only the last one paints.
   async draw() {
@@ -136,7 +153,8 @@ class Viewer {
     if (turn !== this.turn || !this.canvas.isConnected) return;
     this.resize();
     const panes = this.panes(), all = this.sources();
-    const pictures = await Promise.all(panes.map(p => this.picture(all[p.source], p.as).catch(error => ({ note: error.message }))));
+    const pictures =
+        await Promise.all(panes.map(p => this.picture(all[p.source], p.as).catch(error => ({note: error.message}))));
     if (turn !== this.turn) return;
     const context = this.canvas.getContext('2d');
     context.fillStyle = cssColor('--well');
@@ -148,17 +166,22 @@ class Viewer {
 
   resize() {
     const box = this.canvas.getBoundingClientRect(), ratio = window.devicePixelRatio || 1;
-    const { width, height } = this.size(), panes = this.mode === 'grid' ? this.sources().length : 1;
+    const {width, height} = this.size(), panes = this.mode === 'grid' ? this.sources().length : 1;
     const columns = this.mode === 'grid' ? gridColumns(panes) : 1;
-    const wanted = Math.min(box.width / columns * height / width * Math.ceil(panes / columns), Math.max(240, innerHeight * 0.8));
+    const wanted =
+        Math.min(box.width / columns * height / width * Math.ceil(panes / columns), Math.max(240, innerHeight * 0.8));
     this.canvas.style.height = `${Math.round(wanted)}px`;
     const w = Math.max(1, Math.round(box.width * ratio)), hgt = Math.max(1, Math.round(wanted * ratio));
-    if (this.canvas.width !== w || this.canvas.height !== hgt) Object.assign(this.canvas, { width: w, height: hgt });
+    if (this.canvas.width !== w || this.canvas.height !== hgt) Object.assign(this.canvas, {width: w, height: hgt});
   }
 
   showWindow(crop, divisor) {
-    const { width } = this.size();
-    this.view = { zoom: Math.max(1, width / (crop.width * divisor) * 0.6), x: (crop.x + crop.width / 2) * divisor, y: (crop.y + crop.height / 2) * divisor };
+    const {width} = this.size();
+    this.view = {
+      zoom: Math.max(1, width / (crop.width * divisor) * 0.6),
+      x: (crop.x + crop.width / 2) * divisor,
+      y: (crop.y + crop.height / 2) * divisor
+    };
     this.changed();
     this.canvas.focus();
   }
@@ -183,7 +206,9 @@ function drawPane(context, viewer, pane, picture, source) {
     }
   }
   const right = viewer.mode === 'split' && pane.clip[0] > 0;
-  const kind = source.variant === undefined || pane.as === 'image' ? '' : pane.as === 'error' ? ': relative error' : ': FLIP';
+  const kind = source.variant === undefined || pane.as === 'image' ? '' :
+      pane.as === 'error'                                          ? ': relative error' :
+                                                                     ': FLIP';
   const text = `${source.label}${kind}${picture.note ? ` (${picture.note})` : ''}`;
   context.font = `${13 * ratio}px system-ui, sans-serif`;
   const width = context.measureText(text).width + 14 * ratio;

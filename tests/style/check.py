@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Rules of the sources that a compiler does not check: check.py RULE [ROOT], where RULE is one of
+  format    clang-format would change nothing
+  width     no line is wider than 120 columns (tables and code blocks of pages excepted)
+  folders   folders include each other in one direction, and in the order of ORDER
+  links     every relative link of a page and every path that a page or comment names exists
+Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
+import collections
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+WIDTH = 120
+SOURCES = ('.cpp', '.h', '.cl', '.clh')
+TEXTS = SOURCES + ('.md', '.txt', '.cmake', '.py', '.js', '.css', '.html')
+ROOTS = ('framework', 'kernels', 'techniques')  # of include names
+
+# Each folder may include those before it.
+ORDER = ['kernels/lucarium'] + ['framework/lucarium/' + folder for folder in (
+    'base', 'compute', 'film', 'scene', 'services', 'technique', 'session', 'metrics', 'statistics', 'compare',
+    'conformance')] + ['techniques', 'apps']
+
+
+def tracked(endings):
+    """Files under version control, or, where this is no checkout, all of them outside build folders."""
+    listing = subprocess.run(['git', 'ls-files', '-z'], capture_output=True, text=True)
+    if listing.returncode == 0:
+        files = listing.stdout.split('\0')[:-1]
+    else:
+        files = [os.path.relpath(os.path.join(folder, name), '.') for folder, _, names in os.walk('.')
+                 if not re.match(r'\./(build|results|\.git)', folder) for name in names]
+    return [f for f in files if f.endswith(endings) and os.path.exists(f)]
+
+
+def read(path):
+    with open(path, encoding='utf8') as file:
+        return file.read()
+
+
+def check_format():
+    tool = shutil.which('clang-format-14') or shutil.which('clang-format')
+    if not tool:
+        print('skipped: clang-format is not installed')
+        sys.exit(77)
+    run = subprocess.run([tool, '--dry-run', '--Werror', *tracked(SOURCES)], capture_output=True, text=True)
+    for file in sorted(set(re.findall(r'^(.+?):\d+:\d+: error:', run.stderr, re.M))):
+        yield f'{file}: clang-format would change it ({os.path.basename(tool)} -i {file})'
+
+
+def check_width():
+    for file in tracked(TEXTS):
+        code = False
+        for number, line in enumerate(read(file).split('\n'), 1):
+            if file.endswith('.md'):
+                code ^= line.lstrip().startswith('```')
+                if code or line.lstrip().startswith('|') or line.startswith('    '):
+                    continue
+            if len(line) > WIDTH:
+                yield f'{file}:{number}: {len(line)} columns'
+
+
+def included(file, name):
+    """The file that an include means: beside the including one, or below a root."""
+    for path in [os.path.join(os.path.dirname(file), name)] + [os.path.join(root, name) for root in ROOTS]:
+        if os.path.exists(path):
+            return os.path.normpath(path)
+    return None
+
+
+def place(folder):
+    """Where a folder stands in ORDER."""
+    ranks = [i for i, known in enumerate(ORDER) if folder == known or folder.startswith(known + '/')]
+    return ranks[0] if ranks else None
+
+
+def circles(edges):
+    """Strongly connected components of more than one folder (Tarjan 1972)."""
+    index, low, stack, found = {}, {}, [], []
+
+    def visit(v):
+        index[v] = low[v] = len(index)
+        stack.append(v)
+        for w in edges.get(v, ()):
+            if w not in index:
+                visit(w)
+                low[v] = min(low[v], low[w])
+            elif w in stack:
+                low[v] = min(low[v], index[w])
+        if low[v] == index[v]:
+            at = stack.index(v)
+            component = stack[at:]
+            del stack[at:]
+            if len(component) > 1:
+                found.append(sorted(component))
+
+    for v in list(edges):
+        if v not in index:
+            visit(v)
+    return found
+
+
+def check_folders():
+    edges = collections.defaultdict(dict)
+    for file in tracked(SOURCES):
+        folder = os.path.dirname(file)
+        if place(folder) is None:
+            continue
+        for name in re.findall(r'^\s*#include\s+"([^"]+)"', read(file), re.M):
+            target = included(file, name)
+            if not target:
+                if name != 'lucarium/version.h':
+                    yield f'{file}: "{name}" lies in no root ({", ".join(ROOTS)})'
+                continue
+            other = os.path.dirname(target)
+            if other == folder:
+                continue
+            edges[folder].setdefault(other, f'{file} includes {target}')
+            if place(other) is None or place(other) > place(folder):
+                yield f'{file}: includes upwards: {target}'
+            mine, theirs = folder.split('/'), other.split('/')
+            if mine[0] == theirs[0] == 'techniques' and mine[1] != theirs[1]:
+                yield f'{file}: a technique includes another: {target}'
+    for circle in circles(edges):
+        arrows = '; '.join(text for a in circle for b, text in edges[a].items() if b in circle)
+        yield f'folders include each other in a circle: {", ".join(circle)} ({arrows})'
+
+
+def check_links():
+    folders = 'framework|kernels|techniques|tests|apps|tools|cmake|docs'
+    path_rule = re.compile(rf'(?<![\w./$}}-])((?:{folders})/[\w./*-]+\.\w+)')
+    for file in tracked(TEXTS):
+        text = read(file)
+        if file.endswith('.md'):
+            for target in re.findall(r'\]\(([^)#\s]+)(?:#[^)]*)?\)', text):
+                if '://' not in target and not os.path.exists(os.path.join(os.path.dirname(file), target)):
+                    yield f'{file}: link to {target}, which does not exist'
+        if file.startswith('tests/apps') or '/plugins/' in file:
+            continue  # these write files of their own by such names
+        for target in path_rule.findall(text):
+            target = target.rstrip('.')
+            found = os.path.exists(target) or ('*' in target and glob_exists(target))
+            if not found and not any(os.path.exists(os.path.join(base, target)) for base in (
+                    os.path.dirname(file), 'framework/lucarium', 'kernels/lucarium', 'docs')):
+                yield f'{file}: names {target}, which does not exist'
+
+
+def glob_exists(pattern):
+    import glob
+    return bool(glob.glob(pattern))
+
+
+RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'links': check_links}
+
+
+def main():
+    if len(sys.argv) not in (2, 3) or sys.argv[1] not in RULES:
+        sys.exit(__doc__)
+    os.chdir(sys.argv[2] if len(sys.argv) == 3 else os.path.join(os.path.dirname(__file__), '../..'))
+    breaches = list(RULES[sys.argv[1]]())
+    print('\n'.join(breaches))
+    sys.exit(1 if breaches else 0)
+
+
+main()
