@@ -7,8 +7,8 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/Lucarium)
 install(TARGETS lucarium EXPORT LucariumTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT LucariumTargets NAMESPACE Lucarium:: DESTINATION ${package_folder})
 
-# Headers that need a library which the framework keeps to itself, directly or through another header, are no part of the
-# interface.
+# Headers that need a library which the framework keeps to itself, directly or through another header, are no part of
+# the interface.
 file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} lucarium/*.h)
 set(private_include "<(nlohmann|OpenImageIO|tiny_gltf|spdlog|xxhash)")
 set(left_out -1)

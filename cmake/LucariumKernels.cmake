@@ -26,8 +26,8 @@ endfunction()
 # lucarium_embed_kernels(TARGET target FUNCTION name ROOTS prefix=dir... [INSTALL])
 #
 # Generates `const lucarium::EmbeddedSources& FUNCTION()` from every .cl and .clh file and every shared/*.h below dir,
-# under the names prefix/…, and adds it to TARGET. The list is derived from the folders, never kept by hand. With INSTALL
-# the files are installed too.
+# under the names prefix/…, and adds it to TARGET. The list is derived from the folders, never kept by hand. With
+# INSTALL the files are installed too.
 function(lucarium_embed_kernels)
   cmake_parse_arguments(A "INSTALL" "TARGET;FUNCTION" "ROOTS" ${ARGN})
   set(manifest "")

@@ -6,8 +6,8 @@
     tools/merge_gltf.py room.glb Fox.glb room_with_fox.glb --scale 0.009 --translate=-0.2,0,0.35 --turn 60
     lucarium render room_with_fox.glb -t micro_rendering --animation Run --frames 0:23 -o fox.png
 
-The added file's scene hangs on one new node, which is turned about +Y, scaled and moved. Everything is written into one .glb.
-The sidecar of the first file (exposure, environment) is not read: name environments again.
+The added file's scene hangs on one new node, which is turned about +Y, scaled and moved. Everything is written into one
+.glb. The sidecar of the first file (exposure, environment) is not read: name environments again.
 """
 import argparse
 import base64
@@ -16,7 +16,18 @@ import math
 import pathlib
 import struct
 
-LISTS = ["accessors", "animations", "bufferViews", "cameras", "images", "materials", "meshes", "nodes", "samplers", "skins", "textures"]
+LISTS = [
+    "accessors",
+    "animations",
+    "bufferViews",
+    "cameras",
+    "images",
+    "materials",
+    "meshes",
+    "nodes",
+    "samplers",
+    "skins",
+     "textures"]
 LIGHTS = "KHR_lights_punctual"
 
 
@@ -44,7 +55,8 @@ def load(path):
     for image in gltf.get("images", []):
         if "uri" in image:  # becomes part of the one buffer
             uri = image.pop("uri")
-            image.setdefault("mimeType", "image/png" if ".png" in uri.lower() or "image/png" in uri[:20] else "image/jpeg")
+            image.setdefault("mimeType", "image/png" if ".png" in uri.lower()
+                             or "image/png" in uri[:20] else "image/jpeg")
             buffers.append(fetch(uri))
             gltf.setdefault("bufferViews", []).append({"buffer": len(buffers) - 1, "byteLength": len(buffers[-1])})
             image["bufferView"] = len(gltf["bufferViews"]) - 1
@@ -169,7 +181,8 @@ def main():
     parser.add_argument("output", type=pathlib.Path, help=".glb")
     parser.add_argument("--translate", default="0,0,0", metavar="X,Y,Z")
     parser.add_argument("--scale", type=float, default=1)
-    parser.add_argument("--turn", type=float, default=0, metavar="DEGREES", help="about +Y, counter-clockwise seen from above")
+    parser.add_argument("--turn", type=float, default=0, metavar="DEGREES",
+                        help="about +Y, counter-clockwise seen from above")
     arguments = parser.parse_args()
     (base, base_buffers), (added, added_buffers) = load(arguments.base), load(arguments.added)
     binary = bytearray()

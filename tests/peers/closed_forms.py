@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Lucarium and Cycles against exact values, for scenes in which they differ: which of the two is right?
 
-Prints, for both, the deviation from a closed form: a rough metal in a furnace, a rectangular lamp on a wall, faceted glass
-in a furnace. Exit code: 0, or 77 when a program is missing.
+Prints, for both, the deviation from a closed form: a rough metal in a furnace, a rectangular lamp on a wall, faceted
+glass in a furnace. Exit code: 0, or 77 when a program is missing.
 """
 
 import sys

@@ -91,7 +91,8 @@ def color(nodes, scene, use, factor, folder):
     if use is None:
         return rgba
     picture = image_node(nodes, scene, use, folder).outputs["Color"]
-    return nodes.node("ShaderNodeMixRGB", {"Fac": 1.0, "Color1": picture, "Color2": rgba}, blend_type="MULTIPLY").outputs[0]
+    return nodes.node("ShaderNodeMixRGB", {"Fac": 1.0, "Color1": picture,
+                      "Color2": rgba}, blend_type="MULTIPLY").outputs[0]
 
 
 def schlick_glass(nodes, ior):
@@ -120,7 +121,9 @@ def surface(nodes, scene, material, folder):
         return schlick_glass(nodes, material.ior), False
     base = color(nodes, scene, material.base_texture, material.base_color, folder)
     if material.metallic == 1:
-        shader = nodes.node("ShaderNodeBsdfGlossy", {"Color": base, "Roughness": material.roughness}, distribution="GGX")
+        shader = nodes.node(
+    "ShaderNodeBsdfGlossy", {
+        "Color": base, "Roughness": material.roughness}, distribution="GGX")
     elif material.metallic == 0 and material.ior == 1:
         shader = nodes.node("ShaderNodeBsdfDiffuse", {"Color": base, "Roughness": 0.0})
     else:
@@ -185,7 +188,8 @@ def make_rectangle_light(name, corner, u, v, radiance):
     largest = float(radiance.max())
     light.color = [float(x) / largest for x in radiance]
     light.energy = 4 * largest * light.size * light.size_y
-    axes = TO_BLENDER.to_3x3() @ mathutils.Matrix([(x / np.linalg.norm(x)).tolist() for x in (u, -v, -np.cross(u, v))]).transposed()
+    axes = TO_BLENDER.to_3x3() @ mathutils.Matrix([(x / np.linalg.norm(x)).tolist()
+                             for x in (u, -v, -np.cross(u, v))]).transposed()
     holder = bpy.data.objects.new(name, light)
     holder.matrix_world = mathutils.Matrix.Translation(
         TO_BLENDER.to_3x3() @ mathutils.Vector(corner + 0.5 * (u + v))) @ axes.to_4x4()
@@ -200,7 +204,8 @@ def show_to_camera_only(holder):
 
 
 def is_plain_lamp(material):
-    return JOB["area_lights"] and material.emission.max() > 0 and material.emission_texture is None and max(material.base_color[:3]) == 0
+    return JOB["area_lights"] and material.emission.max(
+    ) > 0 and material.emission_texture is None and max(material.base_color[:3]) == 0
 
 
 def spot_ramp(light):
@@ -234,7 +239,8 @@ def make_light(index, source):
     holder = bpy.data.objects.new(name, light)
     direction = TO_BLENDER.to_3x3() @ mathutils.Vector(source.direction)
     rotation = direction.to_track_quat("-Z", "Y").to_matrix().to_4x4()
-    holder.matrix_world = mathutils.Matrix.Translation(TO_BLENDER.to_3x3() @ mathutils.Vector(source.position)) @ rotation
+    holder.matrix_world = mathutils.Matrix.Translation(
+        TO_BLENDER.to_3x3() @ mathutils.Vector(source.position)) @ rotation
     bpy.context.scene.collection.objects.link(holder)
 
 
@@ -253,7 +259,9 @@ def make_world(environment):
         turned = nodes.node("ShaderNodeVectorRotate", {"Vector": direction, "Angle": -environment.rotation},
                             rotation_type="Z_AXIS").outputs[0]
         image = bpy.data.images.load(str(environment.file))
-        picture = nodes.node("ShaderNodeTexEnvironment", {"Vector": turned}, image=image, interpolation="Linear").outputs[0]
+        picture = nodes.node(
+    "ShaderNodeTexEnvironment", {
+        "Vector": turned}, image=image, interpolation="Linear").outputs[0]
     background = nodes.node("ShaderNodeBackground", {"Color": picture, "Strength": 1.0})
     nodes.node("ShaderNodeOutputWorld", {"Surface": background.outputs[0]})
     world.cycles.sampling_method = "MANUAL"

@@ -58,7 +58,8 @@ class Render:
     def of_replicates(replicates):
         """From images (R, h, w, 3); pixels may be correlated."""
         blocks = np.stack([block_sum(r, BLOCK) for r in replicates]) / BLOCK**2
-        return Render(from_replicates(replicates), from_replicates(blocks), from_replicates(replicates.mean(axis=(1, 2))))
+        return Render(from_replicates(replicates), from_replicates(
+            blocks), from_replicates(replicates.mean(axis=(1, 2))))
 
     @staticmethod
     def of_pixels(mean, variance, replicates):

@@ -45,7 +45,8 @@ def sphere(centre, radius, rows=48, columns=96, flat=False):
     if flat:
         normals = np.repeat(normal / np.linalg.norm(normal, axis=1, keepdims=True), 3, axis=0)
         positions = unit[triangles].reshape(-1, 3)
-        return centre + radius * positions, normals, np.zeros((len(positions), 2)), np.arange(len(positions)).reshape(-1, 3)
+        return centre + radius * \
+            positions, normals, np.zeros((len(positions), 2)), np.arange(len(positions)).reshape(-1, 3)
     return centre + radius * unit, unit, np.zeros((len(unit), 2)), triangles
 
 
@@ -54,7 +55,8 @@ class Writer:
 
     def __init__(self):
         self.buffer = b""
-        self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "bufferViews": [], "accessors": [],
+        self.json = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "bufferViews": [],
+                     "accessors": [],
                      "meshes": [], "materials": [], "nodes": [], "images": [], "textures": []}
 
     def view(self, data):
@@ -82,13 +84,15 @@ class Writer:
         extensions = {"KHR_materials_ior": {"ior": ior}} | more.pop("extensions", {})
         self.json["materials"].append({
             "name": name, "extensions": extensions,
-            "pbrMetallicRoughness": {"baseColorFactor": [*base, 1], "metallicFactor": metallic, "roughnessFactor": roughness}
+            "pbrMetallicRoughness": {"baseColorFactor": [*base, 1], "metallicFactor": metallic,
+                                     "roughnessFactor": roughness}
             | more.pop("pbr", {})} | more)
         return len(self.json["materials"]) - 1
 
     def add(self, name, geometry, material):
         positions, normals, uv, triangles = geometry
-        primitive = {"attributes": {"POSITION": self.accessor(positions, "VEC3"), "NORMAL": self.accessor(normals, "VEC3"),
+        primitive = {"attributes": {"POSITION": self.accessor(positions, "VEC3"),
+                                    "NORMAL": self.accessor(normals, "VEC3"),
                                     "TEXCOORD_0": self.accessor(uv, "VEC2")},
                      "indices": self.accessor(np.ravel(triangles), "SCALAR"), "material": material}
         self.json["meshes"].append({"name": name, "primitives": [primitive]})
@@ -189,7 +193,15 @@ def corner():
     return writer
 
 
-MAKERS = {f.__name__: f for f in (textured_light, rough_metals, white_metals, rough_dielectrics, glass, glass_corner, corner)}
+MAKERS = {
+    f.__name__: f for f in (
+        textured_light,
+        rough_metals,
+        white_metals,
+        rough_dielectrics,
+        glass,
+        glass_corner,
+         corner)}
 
 
 def make(name, folder):

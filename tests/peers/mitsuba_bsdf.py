@@ -72,7 +72,7 @@ class LucariumBsdf(mi.BSDF):
         return (1 - self.metallic) * base * (1 - average), f0, f90
 
     def frame(self, si):
-        """The view in the frame of the viewer's side, the sign that turns a direction into it, and whether it is seen."""
+        """The view in the frame of the viewer's side, the sign that turns a direction into it, whether it is seen."""
         front = dr.dot(si.n, si.to_world(si.wi)) > 0
         side = dr.select(front, mi.Float(1), mi.Float(-1))
         wi = mi.Vector3f(si.wi.x, si.wi.y, si.wi.z * side)

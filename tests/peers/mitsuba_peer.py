@@ -84,7 +84,11 @@ class Exporter:
         """A constant, or a picture; a factor other than white is applied to the linear pixels."""
         if use is None:
             return {"type": "rgb", "value": [float(f) for f in factor]}
-        bitmap = self.image(use.image).convert(self.mi.Bitmap.PixelFormat.RGB, self.mi.Struct.Type.Float32, srgb_gamma=False)
+        bitmap = self.image(
+    use.image).convert(
+        self.mi.Bitmap.PixelFormat.RGB,
+        self.mi.Struct.Type.Float32,
+         srgb_gamma=False)
         pixels = np.array(bitmap) * np.asarray(factor, np.float32)
         return {"type": "bitmap", "bitmap": self.mi.Bitmap(pixels.astype(np.float32)), "raw": True,
                 "format": "variant", "filter_type": "bilinear", "wrap_mode": "clamp" if use.clamp else "repeat"}
@@ -130,7 +134,11 @@ class Exporter:
             if material.emission.max() > 0:
                 if material.two_sided:
                     raise ValueError(f"{material.name}: two-sided emitters are not exported")
-                shape["emitter"] = {"type": "area", "radiance": self.texture(material.emission_texture, material.emission)}
+                shape["emitter"] = {
+    "type": "area",
+    "radiance": self.texture(
+        material.emission_texture,
+         material.emission)}
             result[f"shape{index}"] = shape
         return result
 
@@ -141,7 +149,8 @@ class Exporter:
         if light.kind == "directional":
             return {"type": "directional", "direction": light.direction.tolist(), "irradiance": rgb}
         return {"type": "gltf_spot", "position": self.mi.ScalarVector3f(light.position),
-                "direction": self.mi.ScalarVector3f(light.direction), "intensity": self.mi.ScalarVector3f(light.intensity),
+                "direction": self.mi.ScalarVector3f(light.direction),
+                "intensity": self.mi.ScalarVector3f(light.intensity),
                 "inner": light.inner, "outer": light.outer}
 
     def environment(self):
@@ -167,7 +176,13 @@ class Exporter:
     def load(self, size, bounces):
         """The Mitsuba scene; bounces -1: unlimited, with its own roulette."""
         depth = {"max_depth": bounces + 2, "rr_depth": 10000} if bounces >= 0 else {"max_depth": -1, "rr_depth": 5}
-        result = {"type": "scene", "integrator": {"type": "path", **depth}, "sensor": self.sensor(size), **self.shapes()}
+        result = {
+    "type": "scene",
+    "integrator": {
+        "type": "path",
+        **depth},
+        "sensor": self.sensor(size),
+         **self.shapes()}
         for index, light in enumerate(self.scene.lights):
             result[f"light{index}"] = self.light(light)
         if self.scene.environment is not None:

@@ -48,8 +48,8 @@ def compare(peer, name, case, arguments):
     start = time.time()
     theirs = render_peer(peer, case, scene, folder, arguments.replicates, arguments.variant)
     between = time.time()
-    ours, _ = lucarium.render(scene_file, case.size, case.bounces, case.samples, arguments.replicates, folder / "ours.exr",
-                              kernels, ["geometric_normals=on"] if case.flat else [])
+    ours, _ = lucarium.render(scene_file, case.size, case.bounces, case.samples, arguments.replicates,
+                              folder / "ours.exr", kernels, ["geometric_normals=on"] if case.flat else [])
     result = image_test.compare(ours, theirs)
     result["seconds"] = {"ours": time.time() - between, "theirs": between - start}
     result["samples_per_pixel"] = case.samples * arguments.replicates
@@ -94,8 +94,8 @@ def main():
                 skipped.add(str(missing))
                 continue
             if not header:
-                print(f"{'peer':8} {'scene':18} test  mean ratio             t      worst pixel t   worst block t    KS p"
-                      "         spp")
+                print(f"{'peer':8} {'scene':18} test  mean ratio             t      worst pixel t   "
+                      "worst block t    KS p         spp")
                 header = True
             results[f"{peer}/{name}"] = result
             print(line(peer, name, result), flush=True)

@@ -24,7 +24,7 @@ class Case:
     bounces: int = 4  # -1: unlimited
     samples: int = 16  # per pixel and replicate
     size: tuple = (128, 96)
-    environment: str | None = None  # a picture under the shared scenes, averaged to 64 x 32 texels, turned by 40 degrees
+    environment: str | None = None  # a picture of the shared scenes, at 64 x 32 texels, turned by 40 degrees
     separable: bool = False
     flat: bool = False
     move_emitters: tuple | None = None  # by a vector [m]
@@ -40,12 +40,16 @@ CASES = {
     "cornell-direct": Case("builtin:cornell", bounces=0, samples=32, peers=("mitsuba",)),
     "cornell-inside": Case("builtin:cornell", ("--camera", "0,0.22,0.3:0,0.18,-0.3:36"), samples=48),
     "room": Case("builtin:room", bounces=3, samples=32),
-    "classroom": Case("scenes/classroom_luxcore.glb", ("--material", f"*:{LAMBERT}", "--material", "portal:base_color=0"),
+    "classroom": Case("scenes/classroom_luxcore.glb", 
+                      ("--material", f"*:{LAMBERT}", "--material", "portal:base_color=0"),
                       samples=64, flat=True,
-                      move_emitters=(0, 0, -0.03)),  # away from window frames at 0.4 mm: Mitsuba's shadow rays end 5 mm early
+                      # away from window frames at 0.4 mm: Mitsuba's shadow rays end 5 mm early
+                      move_emitters=(0, 0, -0.03)),
     "textured-light": Case("made:textured_light", VIEW, bounces=2, samples=32, peers=("mitsuba",)),
-    "textured-light-down": Case("made:textured_light", ("--camera", "0.2,1.5,1.5:-0.2,0,0.2:40"), bounces=2, samples=32),
-    "bunny-smooth": Case(**BUNNY, options=(*BUNNY_MATERIAL, "--camera", "0.05,0.16,0.42:-0.017,0.105,0:26"), peers=("mitsuba",)),
+    "textured-light-down": Case("made:textured_light", ("--camera", "0.2,1.5,1.5:-0.2,0,0.2:40"), bounces=2,
+                                samples=32),
+    "bunny-smooth": Case(**BUNNY, options=(*BUNNY_MATERIAL, "--camera", "0.05,0.16,0.42:-0.017,0.105,0:26"),
+                         peers=("mitsuba",)),
     "bunny": Case(**BUNNY, options=(*BUNNY_MATERIAL, "--camera", "0.05,0.16,0.42:-0.02,0.085,0:9"), flat=True),
     "spot": Case("made:corner", (*VIEW, "--light", "spot:1,2.6,1.5:-0.3,-1,-0.6:30,20,10:32:18"), bounces=2),
     "sun": Case("made:corner", (*VIEW, "--light", "directional:-0.4,-1,-0.7:10,9,8"), bounces=2),

@@ -54,7 +54,8 @@ class Ours:
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         output = self.folder / "ours.exr"
         summary = json.loads(lucarium.run(
-            "render", self.file, "-t", "path_tracing", "--size", f"{self.size[0]}x{self.size[1]}", "--max-bounces", BOUNCES, "--spp", samples,
+            "render", self.file, "-t", "path_tracing", "--size", f"{self.size[0]}x{self.size[1]}",
+            "--max-bounces", BOUNCES, "--spp", samples,
             "--seed", seed, "-p", f"samples_per_iteration={samples}", "-o", output, "--overwrite", "--quiet", "--json"))
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
@@ -157,11 +158,20 @@ def main():
         for name, renderer in sides.items():
             image, wall, cpu = renderer.render(round_number)
             images[name].append(image), walls[name].append(wall), cpus[name].append(cpu)
-    results = {name: summary(r, images[name], walls[name], cpus[name], size, arguments.target) for name, r in sides.items()}
+    results = {
+    name: summary(
+        r,
+        images[name],
+        walls[name],
+        cpus[name],
+        size,
+        arguments.target) for name,
+         r in sides.items()}
     (folder / "speed.json").write_text(json.dumps(results, indent=1) + "\n")
     print(f"{'':20} Msamples/s wall, CPU   relMSE   seconds to relMSE {arguments.target} wall, CPU   mean")
     for name, r in results.items():
-        print(f"{name:20} {r['msamples_per_wall_second']:8.3f} {r['msamples_per_cpu_second']:8.3f}   {r['relmse']:8.4f}   "
+        print(f"{name:20} {r['msamples_per_wall_second']:8.3f} {r['msamples_per_cpu_second']:8.3f}   "
+              f"{r['relmse']:8.4f}   "
               f"{r['wall_seconds_to_target']:10.2f} {r['cpu_seconds_to_target']:10.2f}   {r['mean']:12.5f}")
     return 0
 

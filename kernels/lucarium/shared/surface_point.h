@@ -5,11 +5,11 @@
 
 // A receiver on a surface, independent of any view.
 LUCARIUM_STRUCT_BEGIN(SurfacePoint)
-  float4 position;  // xyz [m]; w unused
-  float4 normal;    // xyz unit normal of the receiving side (geometric); w unused
-  float u, v;       // barycentrics
-  uint triangle;    // world triangle it lies on
-  uint flags;       // 0
+float4 position;  // xyz [m]; w unused
+float4 normal;    // xyz unit normal of the receiving side (geometric); w unused
+float u, v;       // barycentrics
+uint triangle;    // world triangle it lies on
+uint flags;       // 0
 LUCARIUM_STRUCT_END(SurfacePoint, 48)
 
 #endif

@@ -19,11 +19,15 @@ json known_experiment() {
     "comparison": {
       "scenes": ["builtin:furnace"],
       "techniques": [
-        {"technique": "constant", "parameters": {"red": 1.25, "green": 1.25, "blue": 1.25}, "name": "near"},
-        {"technique": "constant", "parameters": {"red": 1.5, "green": 1.5, "blue": 1.5}, "name": "far"}],
-      "budgets": [{"iterations": 1}], "seeds": 1, "size": [16, 8], "max_bounces": 1, "reference": {"file": "reference.exr"}
+        {"technique": "constant", 
+      "parameters": {"red": 1.25, "green": 1.25, "blue": 1.25}, "name": "near"},
+        {"technique": "constant", 
+      "parameters": {"red": 1.5, "green": 1.5, "blue": 1.5}, "name": "far"}],
+      "budgets": [{"iterations": 1}], "seeds": 1, "size": [16, 8], "max_bounces": 1,
+       "reference": {"file": "reference.exr"}
     },
-    "quick": {"techniques": [{"technique": "constant", "parameters": {"red": 1.25, "green": 1.25, "blue": 1.25}, "name": "near"}]},
+    "quick": {"techniques": [{"technique": "constant", 
+      "parameters": {"red": 1.25, "green": 1.25, "blue": 1.25}, "name": "near"}]},
     "values": [
       {"name": "near", "label": "near one", "technique": "near", "value": "sqrt(MSE)", "unit": "cd/m2", "paper": 0.3},
       {"name": "far", "technique": "far", "value": "sqrt(MSE)"},

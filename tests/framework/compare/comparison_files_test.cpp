@@ -80,7 +80,8 @@ TEST_CASE("file names in a comparison file are meant from its folder") {
   write_file_atomically(
       folder.path() / "c.json",
       R"({"schema": "lucarium-comparison-1", "scenes": [{"scene": "a/b.glb", "environment": "sky.hdr*2"}],
-                            "techniques": ["path_tracing"], "budgets": [{"seconds": 1}], "reference": {"file": "r.exr"}})");
+                            "techniques": ["path_tracing"], "budgets": [{"seconds": 1}],
+                             "reference": {"file": "r.exr"}})");
   const ComparisonSpec spec = read_comparison(folder.path() / "c.json");
   CHECK(spec.scenes[0].source == (folder.path() / "a/b.glb").string());
   CHECK(*spec.scenes[0].overrides.environment == (folder.path() / "sky.hdr*2").string());

@@ -182,7 +182,8 @@ TEST_CASE("the sidecar says the same as the command line") {
     // comments are allowed
     "camera": {"eye": [0, 1, 2], "target": [0, 0.5, 0], "vfov_degrees": 35},
     "environment": {"file": "sky.hdr", "factor": 2, "rotation_degrees": -30},
-    "lights": ["none", {"type": "spot", "position": [0, 2, 0], "direction": [0, -1, 0], "intensity": [9, 8, 7], "inner_degrees": 10}],
+    "lights": ["none", {"type": "spot", "position": [0, 2, 0], "direction": [0, -1, 0], 
+                         "intensity": [9, 8, 7], "inner_degrees": 10}],
     "exposure": -1.5, "at_seconds": 0.25, "animation": 1,
     "materials": {"glass*": {"ior": 1.33, "double_sided": true, "base_color": [0.5, 0.5, 0.25]}}
   })";

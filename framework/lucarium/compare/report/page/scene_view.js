@@ -35,7 +35,10 @@ function pictureSection(scene, budget) {
   return [
     controls.bar, viewer.canvas, controls.legend,
     h('p', {class: 'hint'},
-      'Drag to pan, wheel to zoom (after a click, or with Ctrl). Keys: 1–9 picture on the left, r reference, x swap, e display, g all, m mean, l layer, [ ] exposure, + − 0 zoom, arrows pan, Shift+arrows pixel. Magenta: not a number.'),
+      'Drag to pan, wheel to zoom (after a click, or with Ctrl). ' +
+          'Keys: 1–9 picture on the left, r reference, x swap, ' +
+          'e display, g all, m mean, l layer, [ ] exposure, + − 0 zoom, ' +
+          'arrows pan, Shift+arrows pixel. Magenta: not a number.'),
     inspector(viewer), h('h3', {}, 'Where they differ most'), controls.crops
   ];
 }
