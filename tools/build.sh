@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # tools/build.sh [PRESET [TARGET ...]]: installs missing packages, configures and builds build/PRESET (default: release),
-# all of it or the given targets.
+# all of it or the given targets (then without the packages that only running the tests needs).
 set -euo pipefail
 root=$(cd "$(dirname "$0")/.." && pwd)
 preset=${1:-release}
 shift $(($# > 0))
-"$root/tools/install_packages.sh"
+"$root/tools/install_packages.sh" ${1:+build}
 cd "$root"
 mkdir -p build
 log=build/$preset-configure.log

@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs what tools/packages.txt lists and is not there yet. Asks nothing, works as root or with sudo, and says what
-# is missing where there is no apt. Does nothing when everything is installed.
+# tools/install_packages.sh [build]: installs what tools/packages.txt lists and is not there yet; with "build" without
+# what only running the tests needs. Asks nothing, works as root or with sudo, and says what is missing where there is no
+# apt. Does nothing when everything is installed.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-mapfile -t packages < <(sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$here/packages.txt")
+list=$(cat "$here/packages.txt")
+[ "${1:-}" = build ] && list=${list%%# running the tests only*}
+mapfile -t packages < <(sed 's/#.*//; s/[[:space:]]//g; /^$/d' <<<"$list")
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   [ "${LUCARIUM_SKIP_PACKAGES:-}" = 1 ] && exit 0
