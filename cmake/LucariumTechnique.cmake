@@ -18,6 +18,7 @@ function(lucarium_add_technique NAME)
   target_link_libraries(lucarium_${NAME} PRIVATE Lucarium::framework)
   if(TARGET lucarium_build_flags)
     target_link_libraries(lucarium_${NAME} PRIVATE $<BUILD_INTERFACE:lucarium_build_flags>)
+    target_precompile_headers(lucarium_${NAME} REUSE_FROM lucarium_technique_headers)
   endif()
   set_target_properties(lucarium_${NAME} PROPERTIES
     PREFIX "" OUTPUT_NAME ${NAME} CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "atlas_pictures.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "lucarium/base/byte_size.h"
@@ -40,7 +39,7 @@ Film draw_view(const SurfaceAtlas& atlas, Device& device, KernelScheduler& sched
 
 }  // namespace
 
-void AtlasArguments::add_to(CLI::App& command) {
+void AtlasArguments::add_to(Command command) {
   command.add_option("--atlas", charts, "write the charts of the surface atlas to FILE.exr or FILE.png");
   command.add_option("--atlas-view", view, "write what the camera sees, every texel of the atlas in its colour");
   command.add_option("--atlas-texels", options.texel_count, "wanted slots of the atlas")->check(positive_number());

@@ -15,7 +15,7 @@ struct AtlasArguments {
   std::filesystem::path charts, view;
   SurfaceAtlasOptions options;
   std::string size = "640x360";
-  void add_to(CLI::App& command);
+  void add_to(Command command);
   void check(bool overwrite) const;  ///< of the files' names; throws Error{usage} or Error{input}
 };
 

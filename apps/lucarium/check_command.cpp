@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium check TECHNIQUE: the conformance kit as a table or JSON; exit code 1 when a check failed.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -108,10 +107,10 @@ int check(const CheckArguments& arguments) {
 
 }  // namespace
 
-void add_check_command(CLI::App& program, Action& action) {
+void add_check_command(Command program, Action& action) {
   auto arguments = std::make_shared<CheckArguments>();
-  CLI::App& command =
-      *program.add_subcommand("check", "test whether a technique keeps its promises (docs/conformance.md)");
+  Command command =
+      program.add_subcommand("check", "test whether a technique keeps its promises (docs/conformance.md)");
   command.add_option("technique", arguments->technique, "NAME[:key=value,…]")->required();
   command.add_option("-p,--parameter", arguments->parameters, "key=value, set in every check")
       ->take_all()

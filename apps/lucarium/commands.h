@@ -2,9 +2,7 @@
 #pragma once
 #include <functional>
 
-namespace CLI {
-class App;
-}
+#include "command_line.h"
 
 namespace lucarium::app {
 
@@ -12,16 +10,16 @@ namespace lucarium::app {
 using Action = std::function<int()>;
 
 // Each adds its subcommand; the commands are listed in main.cpp.
-void add_render_command(CLI::App& program, Action& action);
-void add_reference_command(CLI::App& program, Action& action);
-void add_compare_command(CLI::App& program, Action& action);
-void add_reproduce_command(CLI::App& program, Action& action);
-void add_report_command(CLI::App& program, Action& action);
-void add_diff_command(CLI::App& program, Action& action);
-void add_scene_command(CLI::App& program, Action& action);
-void add_techniques_command(CLI::App& program, Action& action);
-void add_devices_command(CLI::App& program, Action& action);
-void add_check_command(CLI::App& program, Action& action);
-void add_new_technique_command(CLI::App& program, Action& action);
+void add_render_command(Command program, Action& action);
+void add_reference_command(Command program, Action& action);
+void add_compare_command(Command program, Action& action);
+void add_reproduce_command(Command program, Action& action);
+void add_report_command(Command program, Action& action);
+void add_diff_command(Command program, Action& action);
+void add_scene_command(Command program, Action& action);
+void add_techniques_command(Command program, Action& action);
+void add_devices_command(Command program, Action& action);
+void add_check_command(Command program, Action& action);
+void add_new_technique_command(Command program, Action& action);
 
 }  // namespace lucarium::app

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium compare and lucarium report.
-#include <CLI/CLI.hpp>
 #include <cmath>
 
 #include "commands.h"
@@ -135,9 +134,9 @@ int report(const fs::path& folder, const ReportOptions& options) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& program, Action& action) {
+void add_compare_command(Command program, Action& action) {
   auto arguments = std::make_shared<CompareArguments>();
-  CLI::App& command = *program.add_subcommand("compare", "compare technique variants on scenes against a reference");
+  Command command = program.add_subcommand("compare", "compare technique variants on scenes against a reference");
   command.add_option("scenes", arguments->scenes, ".gltf, .glb or builtin:NAME, one or more");
   command.add_option("--comparison", arguments->comparison,
                      "JSON file that defines scenes, techniques, budgets (docs/comparisons.md)");
@@ -154,13 +153,13 @@ void add_compare_command(CLI::App& program, Action& action) {
       ->check(positive_number())
       ->capture_default_str();
   command.add_option("--seeds", arguments->spec.seeds, "independent runs of each variant")
-      ->check(CLI::Range(1, 1000))
+      ->check(in_range(1, 1000))
       ->capture_default_str();
   command.add_option("--reference", arguments->reference, "image to compare with, instead of a rendered reference");
   command
       .add_option("--reference-spp", arguments->spec.reference.samples,
                   "samples per pixel of rendered references, at most")
-      ->check(CLI::Range(32, 1 << 24))
+      ->check(in_range(32, 1 << 24))
       ->capture_default_str();
   command
       .add_option("--reference-error", arguments->spec.reference.relmse,
@@ -188,13 +187,13 @@ void add_compare_command(CLI::App& program, Action& action) {
   command.callback([arguments, &action] { action = [arguments] { return compare(*arguments); }; });
 }
 
-void add_report_command(CLI::App& program, Action& action) {
+void add_report_command(Command program, Action& action) {
   struct ReportArguments {
     fs::path folder;
     ReportOptions options;
   };
   auto arguments = std::make_shared<ReportArguments>();
-  CLI::App& command = *program.add_subcommand("report", "write report.html anew from the results in a folder");
+  Command command = program.add_subcommand("report", "write report.html anew from the results in a folder");
   command.add_option("folder", arguments->folder, "folder of the results")->required();
   command.add_flag("--link-images", arguments->options.link_images, "images beside the page, in full precision");
   command.callback(

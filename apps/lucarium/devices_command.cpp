@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium devices: the OpenCL devices there are.
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -49,9 +48,9 @@ int devices(const DeviceArguments& arguments, bool json) {
 
 }  // namespace
 
-void add_devices_command(CLI::App& program, Action& action) {
+void add_devices_command(Command program, Action& action) {
   auto arguments = std::make_shared<std::pair<DeviceArguments, bool>>();
-  CLI::App& command = *program.add_subcommand("devices", "list OpenCL devices");
+  Command command = program.add_subcommand("devices", "list OpenCL devices");
   arguments->first.add_to(command);
   command.add_flag("--json", arguments->second, "print JSON");
   command.callback(

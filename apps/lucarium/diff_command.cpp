@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium diff: how different two images are, layer by layer.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -207,16 +206,16 @@ int diff(const DiffArguments& arguments) {
 
 }  // namespace
 
-void add_diff_command(CLI::App& program, Action& action) {
+void add_diff_command(Command program, Action& action) {
   auto arguments = std::make_shared<DiffArguments>();
-  CLI::App& command = *program.add_subcommand("diff", "metrics of a test image against a reference image");
+  Command command = program.add_subcommand("diff", "metrics of a test image against a reference image");
   command.add_option("test", arguments->test, "image under test")->required();
   command.add_option("reference", arguments->reference, "reference image")->required();
   command.add_option("--map", arguments->map, "write the error of every pixel: values as .exr, colours as .png");
   command.add_option("--map-of", arguments->map_kind, "signed (relative luminance error), ldr_flip or hdr_flip")
-      ->check(CLI::IsMember({"signed", "ldr_flip", "hdr_flip"}))
+      ->check(one_of({"signed", "ldr_flip", "hdr_flip"}))
       ->capture_default_str();
-  command.add_option("--max-relmse", arguments->max_relmse, "exit code 1 above this")->check(CLI::NonNegativeNumber);
+  command.add_option("--max-relmse", arguments->max_relmse, "exit code 1 above this")->check(not_negative_number());
   command.add_option("--exposure", arguments->exposure, "of PSNR, SSIM and LDR_FLIP [stops]");
   command
       .add_flag(

@@ -2,7 +2,6 @@
 // lucarium: the command-line program. All work is in the library; this only reads arguments and prints.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <new>
 
@@ -11,7 +10,6 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
-#include "lucarium/base/nearest_name.h"
 #include "lucarium/version.h"
 
 namespace {
@@ -25,46 +23,10 @@ void print_error(std::string message, const std::string& details) {
   if (!details.empty() && log_level() >= LogLevel::info) fmt::print(stderr, "{}\n", details);
 }
 
-/// The subcommand that was named, else the program itself.
-const CLI::App& chosen_command(const CLI::App& program) {
-  const auto commands = program.get_subcommands();
-  return commands.empty() ? program : *commands.front();
-}
-
-/// Complaint about a first argument that names no command, which --help behind it would hide; else empty.
-std::string unknown_command(const CLI::App& program, const std::vector<std::string>& arguments) {
-  if (&chosen_command(program) != &program || arguments.empty() || arguments.front().starts_with("-")) return "";
-  std::vector<std::string> commands;
-  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; }))
-    commands.push_back(sub->get_name());
-  return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
-}
-
-/// What is wrong with the arguments: a command or option that does not exist, with the nearest that does, before
-/// anything that CLI11 finds missing.
-std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake,
-                             const std::vector<std::string>& arguments) {
-  const CLI::App& command = chosen_command(program);
-  std::vector<std::string> options;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
-  }
-  if (const std::string unknown = unknown_command(program, arguments); !unknown.empty()) return unknown;
-  for (const std::string& argument : arguments) {
-    const std::string name = argument.substr(0, argument.find('='));
-    if (name.starts_with("--") && name != "--" && std::find(options.begin(), options.end(), name) == options.end()) {
-      return fmt::format("unknown option {}{}", name, suggest_name(name, options));
-    }
-  }
-  return fmt::format("{} (see lucarium{} --help)", mistake.what(),
-                     &command == &program ? "" : " " + command.get_name());
-}
-
 int run(int argc, char** argv) {
-  CLI::App program("Compares global-illumination techniques on glTF scenes, on any OpenCL device.", "lucarium");
-  program.set_version_flag("--version", std::string("lucarium ") + LUCARIUM_VERSION);
-  program.require_subcommand(1);
-  program.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // the last one wins
+  app::CommandLine line("lucarium", "Compares global-illumination techniques on glTF scenes, on any OpenCL device.",
+                        LUCARIUM_VERSION);
+  const app::Command program = line.program();
   app::Action action;
   app::add_render_command(program, action);
   app::add_reference_command(program, action);
@@ -77,18 +39,7 @@ int run(int argc, char** argv) {
   app::add_devices_command(program, action);
   app::add_check_command(program, action);
   app::add_new_technique_command(program, action);
-  try {
-    program.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    if (const std::string unknown = unknown_command(program, {argv + 1, argv + argc}); !unknown.empty()) {
-      print_error(unknown, "");
-      return static_cast<int>(ErrorClass::usage);
-    }
-    return program.exit(help);
-  } catch (const CLI::ParseError& mistake) {
-    print_error(describe_mistake(program, mistake, {argv + 1, argv + argc}), "");
-    return static_cast<int>(ErrorClass::usage);
-  }
+  if (const std::optional<int> done = line.parse(argc, argv)) return *done;
   install_interrupt_handler();
   end_with_parent();
   return action();

@@ -3,7 +3,6 @@
 // templates/technique, with every my_technique replaced by the name.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "commands.h"
@@ -95,10 +94,10 @@ int new_technique(const NewTechniqueArguments& arguments) {
 
 }  // namespace
 
-void add_new_technique_command(CLI::App& program, Action& action) {
+void add_new_technique_command(Command program, Action& action) {
   auto arguments = std::make_shared<NewTechniqueArguments>();
-  CLI::App& command =
-      *program.add_subcommand("new-technique", "write a folder with a new technique, to be changed into your own");
+  Command command =
+      program.add_subcommand("new-technique", "write a folder with a new technique, to be changed into your own");
   command.add_option("name", arguments->name, "of the technique: a-z, 0-9 and _")->required();
   command.add_option("-o,--output", arguments->output, "folder to write (default: NAME here)");
   command.callback([arguments, &action] { action = [arguments] { return new_technique(*arguments); }; });

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
-#include <cmath>
 
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
@@ -29,21 +27,10 @@ std::pair<std::string, std::string> parse_assignment(const std::string& text) {
 
 }  // namespace
 
-CLI::Validator positive_number() {
-  return CLI::Validator(
-      [](std::string& text) {
-        double value = 0;
-        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
-        return good ? std::string() : fmt::format("'{}' is not a number above 0", text);
-      },
-      "above 0");
-}
-
-void DeviceArguments::add_to(CLI::App& command) {
+void DeviceArguments::add_to(Command command) {
   command.add_option("--device", options.selector,
                      "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
-  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")
-      ->check(CLI::Range(0, 4096));
+  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")->check(in_range(0, 4096));
   command.add_option("--cache-dir", options.cache_dir, "folder of compiled kernels and references");
   command.add_flag("--no-cache", no_cache, "compile every kernel anew");
   command.add_option("--memory-limit", memory_limit, "most device memory to use, as 500M or 2G");
@@ -69,7 +56,7 @@ std::vector<std::string> DeviceArguments::words() const {
   return list;
 }
 
-void SceneArguments::add_to(CLI::App& command) {
+void SceneArguments::add_to(Command command) {
   command.add_option("--camera", overrides.camera, "NAME, INDEX, or EYE:TARGET[:VFOV] as x,y,z:x,y,z:degrees");
   command.add_option("--environment", overrides.environment,
                      "equirectangular .hdr/.exr, or r,g,b; *FACTOR and @DEGREES may follow");
@@ -88,7 +75,7 @@ void SceneArguments::add_to(CLI::App& command) {
   command.add_option("--animation", overrides.animation, "name or index");
   command.add_flag("--no-sidecar", no_sidecar, "ignore FILE.lucarium.json beside the scene");
   command.add_option("--texture-size", import.max_texture_size, "larger textures are halved until they fit [pixels]")
-      ->check(CLI::Range(1u, 65536u));
+      ->check(in_range(1u, 65536u));
 }
 
 SceneOverrides SceneArguments::resolved() const {
@@ -99,10 +86,10 @@ SceneOverrides SceneArguments::resolved() const {
 
 Scene SceneArguments::load(const std::string& source) const { return load_scene(source, resolved(), import); }
 
-void ImageArguments::add_to(CLI::App& command, bool with_seed) {
+void ImageArguments::add_to(Command command, bool with_seed) {
   command.add_option("--size", size, "WIDTHxHEIGHT in pixels")->capture_default_str();
   command.add_option("--max-bounces", max_bounces, "indirect bounces; 0: direct light only, -1: unlimited")
-      ->check(CLI::Range(-1, PathSet::kMaxBounces))
+      ->check(in_range(-1, PathSet::kMaxBounces))
       ->capture_default_str();
   command.add_option("--pixel-sampling", pixel_sampling, "jitter, centre, or n for a grid of n×n")
       ->capture_default_str();
@@ -140,15 +127,15 @@ TechniqueArguments::Spec TechniqueArguments::parse(const std::string& text) {
   return spec;
 }
 
-void TechniqueArguments::add_to(CLI::App& command) {
+void TechniqueArguments::add_to(Command command) {
   command
-      .add_option_function<std::string>(
+      .add_option_function(
           "-t,--technique", [this](const std::string& text) { specs.push_back(parse(text)); },
           "NAME[:key=value,…] (see lucarium techniques)")
       ->trigger_on_parse()
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+      ->take_last();
   command
-      .add_option_function<std::string>(
+      .add_option_function(
           "-p,--parameter",
           [this](const std::string& text) {
             if (specs.empty())
@@ -158,7 +145,7 @@ void TechniqueArguments::add_to(CLI::App& command) {
           },
           "key=value for the -t before it")
       ->trigger_on_parse()
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+      ->take_last();
   command.add_option("--technique-path", folders, "folder of plug-ins, searched first")
       ->take_all()
       ->expected(1)
@@ -174,7 +161,7 @@ void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec&
   }
 }
 
-void OutputArguments::add_to(CLI::App& command, bool with_json) {
+void OutputArguments::add_to(Command command, bool with_json) {
   if (with_json) command.add_flag("--json", json, "print the result as JSON on standard output");
   command.add_flag("--quiet", quiet, "no progress, no warnings");
   command.add_flag("-v,--verbose", verbose, "details of errors, and what is being done");

@@ -6,15 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "command_line.h"
 #include "lucarium/compute/device/device.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/technique/plugin.h"
-
-namespace CLI {
-class App;
-class Validator;
-}  // namespace CLI
 
 namespace lucarium::app {
 
@@ -23,7 +19,7 @@ struct DeviceArguments {
   DeviceOptions options;
   bool no_cache = false;
   std::string memory_limit, allocation_limit;
-  void add_to(CLI::App& command);
+  void add_to(Command command);
   /// With the texts parsed; throws Error{usage}.
   DeviceOptions resolved() const;
   /// As words that give another lucarium process the same device.
@@ -35,7 +31,7 @@ struct SceneArguments {
   SceneOverrides overrides;
   ImportOptions import;
   bool no_sidecar = false;
-  void add_to(CLI::App& command);
+  void add_to(Command command);
   Scene load(const std::string& source) const;
   SceneOverrides resolved() const;
 };
@@ -46,7 +42,7 @@ struct ImageArguments {
   std::string pixel_sampling = "jitter";
   int max_bounces = -1;
   uint64_t seed = 1;
-  void add_to(CLI::App& command, bool with_seed);
+  void add_to(Command command, bool with_seed);
   /// Settings without a camera; throws Error{usage}.
   RenderSettings settings() const;
 };
@@ -59,7 +55,7 @@ struct TechniqueArguments {
   };
   std::vector<Spec> specs;
   std::vector<std::filesystem::path> folders;  ///< --technique-path
-  void add_to(CLI::App& command);
+  void add_to(Command command);
   static Spec parse(const std::string& text);
 };
 
@@ -69,12 +65,9 @@ void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec&
 /// --json, --quiet, -v
 struct OutputArguments {
   bool json = false, quiet = false, verbose = false;
-  void add_to(CLI::App& command, bool with_json = true);
+  void add_to(Command command, bool with_json = true);
   void apply() const;  ///< sets the log level
 };
-
-/// A finite number above 0; says so in one line.
-CLI::Validator positive_number();
 
 /// "1920x1080" → {1920, 1080}.
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text);

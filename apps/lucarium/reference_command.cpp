@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium reference: a reference image rendered to a wanted error, and extended later.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -179,10 +178,10 @@ int reference(ReferenceArguments arguments) {
 
 }  // namespace
 
-void add_reference_command(CLI::App& program, Action& action) {
+void add_reference_command(Command program, Action& action) {
   auto arguments = std::make_shared<ReferenceArguments>();
   arguments->image.seed = 0x5eed;  // not one of the small numbers that the runs it is compared with use
-  CLI::App& command = *program.add_subcommand("reference", "render a reference image to a wanted error, or extend one");
+  Command command = program.add_subcommand("reference", "render a reference image to a wanted error, or extend one");
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   command.add_option("-o,--output", arguments->file, ".exr")->required();
   command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium render: one technique, one scene, one or several pictures.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -310,9 +309,9 @@ int render(RenderArguments arguments) {
 
 }  // namespace
 
-void add_render_command(CLI::App& program, Action& action) {
+void add_render_command(Command program, Action& action) {
   auto arguments = std::make_shared<RenderArguments>();
-  CLI::App& command = *program.add_subcommand("render", "render a scene with one technique");
+  Command command = program.add_subcommand("render", "render a scene with one technique");
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   arguments->technique.add_to(command);
   command.add_option("-o,--output", arguments->files, ".exr (layers, metadata) or .png (picture); may be given twice")

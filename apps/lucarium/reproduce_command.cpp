@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium reproduce: experiments of papers, each a comparison with what is to be read off it.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "commands.h"
@@ -123,9 +122,9 @@ int reproduce_wanted(ReproduceArguments arguments) {
 
 }  // namespace
 
-void add_reproduce_command(CLI::App& program, Action& action) {
+void add_reproduce_command(Command program, Action& action) {
   auto arguments = std::make_shared<ReproduceArguments>();
-  CLI::App& command = *program.add_subcommand("reproduce", "repeat a paper's tables and figures as comparisons");
+  Command command = program.add_subcommand("reproduce", "repeat a paper's tables and figures as comparisons");
   command.add_option("experiment", arguments->wanted, "PAPER for all of its experiments, or PAPER/EXPERIMENT");
   command.add_flag("--list", arguments->list, "print the papers and experiments that there are");
   command.add_flag("--full", arguments->full, "the full setting, not the quick one that ends within minutes");

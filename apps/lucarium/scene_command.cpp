@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium scene: what is in a scene, and what looks wrong with it; what its surface atlas looks like.
-#include <CLI/CLI.hpp>
 
 #include "atlas_pictures.h"
 #include "commands.h"
@@ -49,9 +48,9 @@ int scene(const SceneCommandArguments& arguments) {
 
 }  // namespace
 
-void add_scene_command(CLI::App& program, Action& action) {
+void add_scene_command(Command program, Action& action) {
   auto arguments = std::make_shared<SceneCommandArguments>();
-  CLI::App& command = *program.add_subcommand("scene", "report what is in a scene");
+  Command command = program.add_subcommand("scene", "report what is in a scene");
   command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
   arguments->overrides.add_to(command);
   command.add_option("--export", arguments->export_file, "write the scene as it is understood to FILE.glb");

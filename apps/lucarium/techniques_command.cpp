@@ -2,7 +2,6 @@
 // lucarium techniques [NAME]: everything a technique declares, as text, JSON, or the page docs/techniques.md.
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -142,9 +141,9 @@ int techniques(const TechniquesArguments& arguments) {
 
 }  // namespace
 
-void add_techniques_command(CLI::App& program, Action& action) {
+void add_techniques_command(Command program, Action& action) {
   auto arguments = std::make_shared<TechniquesArguments>();
-  CLI::App& command = *program.add_subcommand("techniques", "list techniques, or print everything one declares");
+  Command command = program.add_subcommand("techniques", "list techniques, or print everything one declares");
   command.add_option("name", arguments->name, "technique");
   command.add_option("--technique-path", arguments->folders, "folder of plug-ins, searched first")
       ->take_all()

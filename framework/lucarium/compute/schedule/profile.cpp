@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -26,22 +25,21 @@ std::string Profile::table() const {
   for (const PassProfile& pass : passes) width = std::max(width, pass.schedule.size() + 1 + pass.name.size());
 
   std::string text;
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{:<{}}  {:>8}  {:>11}  {:>6}  {:>11}  {:>11}  {:>8}  {}\n", "pass", width, "count", "device s",
-                 "share", "ms each", "launch us", "GB/s", "kernel");
+  text += fmt::format("{:<{}}  {:>8}  {:>11}  {:>6}  {:>11}  {:>11}  {:>8}  {}\n", "pass", width, "count", "device s",
+                      "share", "ms each", "launch us", "GB/s", "kernel");
   for (const size_t index : order) {
     const PassProfile& pass = passes[index];
     const std::string rate = pass.bytes > 0 && pass.device_seconds > 0
                                  ? fmt::format("{:.2f}", pass.bytes / pass.device_seconds * 1e-9)
                                  : "-";
-    fmt::format_to(out, "{:<{}}  {:>8}  {:>11.6f}  {:>4.1f} %  {:>11.4f}  {:>11.2f}  {:>8}  {}\n",
-                   pass.schedule + "/" + pass.name, width, pass.count, pass.device_seconds,
-                   total > 0 ? 100 * pass.device_seconds / total : 0.0,
-                   1e3 * per_count(pass.device_seconds, pass.count), 1e6 * per_count(pass.launch_seconds, pass.count),
-                   rate, pass.kernel);
+    text += fmt::format("{:<{}}  {:>8}  {:>11.6f}  {:>4.1f} %  {:>11.4f}  {:>11.2f}  {:>8}  {}\n",
+                        pass.schedule + "/" + pass.name, width, pass.count, pass.device_seconds,
+                        total > 0 ? 100 * pass.device_seconds / total : 0.0,
+                        1e3 * per_count(pass.device_seconds, pass.count),
+                        1e6 * per_count(pass.launch_seconds, pass.count), rate, pass.kernel);
   }
-  fmt::format_to(out, "{} runs, {:.6f} s wall time (passes may overlap: their times do not add up to it)\n", runs,
-                 wall_seconds);
+  text += fmt::format("{} runs, {:.6f} s wall time (passes may overlap: their times do not add up to it)\n", runs,
+                      wall_seconds);
   return text;
 }
 

@@ -2,7 +2,6 @@
 #include "lucarium/compute/schedule/schedule.h"
 
 #include <cstring>
-#include <iterator>
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/schedule/schedule_state.h"
@@ -76,16 +75,15 @@ std::vector<std::pair<int, int>> Schedule::edges() const {
 
 std::string Schedule::dot() const {
   std::string text = fmt::format("digraph {} {{\n  node [fontname=\"sans-serif\"];\n", dot_quoted(state_->name));
-  const auto out = std::back_inserter(text);
   for (size_t i = 0; i < state_->steps.size(); ++i) {
     const CompiledStep& step = state_->steps[i];
     std::string label = step.name;
     if (step.kind == StepKind::kernel && step.kernel_name != step.name) label += " (" + step.kernel_name + ")";
-    fmt::format_to(out, "  p{} [shape={}, label={}];\n", i, shape(step.kind), dot_quoted(label));
+    text += fmt::format("  p{} [shape={}, label={}];\n", i, shape(step.kind), dot_quoted(label));
   }
   for (const Dependency& edge : state_->graph.dependencies()) {
-    fmt::format_to(out, "  p{} -> p{} [style={}, label={}];\n", edge.from, edge.to, style(edge.hazard),
-                   dot_quoted(state_->memory_names[static_cast<size_t>(edge.memory)]));
+    text += fmt::format("  p{} -> p{} [style={}, label={}];\n", edge.from, edge.to, style(edge.hazard),
+                        dot_quoted(state_->memory_names[static_cast<size_t>(edge.memory)]));
   }
   return text + "}\n";
 }
