@@ -16,7 +16,6 @@ struct Hash128 {
 };
 
 Hash128 hash_bytes(const void* data, size_t bytes);
-inline Hash128 hash_text(std::string_view text) { return hash_bytes(text.data(), text.size()); }
 
 /// Streaming form. Strings and vectors are prefixed by their length, so that {"ab","c"} and {"a","bc"} differ.
 class Hasher {

@@ -61,8 +61,4 @@ std::vector<float> color_error(const std::vector<float>& error) {
                       {0x000004, 0x1c1044, 0x4f127b, 0x812581, 0xb5367a, 0xe55964, 0xfb8761, 0xfec287, 0xfcfdbf});
 }
 
-std::vector<float> signed_error_map(const std::vector<float>& test, const std::vector<float>& reference) {
-  return color_signed_error(signed_relative_error(test, reference));
-}
-
 }  // namespace lucarium

@@ -15,7 +15,4 @@ std::vector<float> color_signed_error(const std::vector<float>& error);
 /// Values clamped to [0,1] as a picture, from black over purple and orange to pale yellow, ever lighter; linear RGB.
 std::vector<float> color_error(const std::vector<float>& error);
 
-/// color_signed_error of signed_relative_error.
-std::vector<float> signed_error_map(const std::vector<float>& test, const std::vector<float>& reference);
-
 }  // namespace lucarium

@@ -117,7 +117,7 @@ TEST_CASE("two comparisons cannot use one folder") {
 
 TEST_CASE("the error map is blue where too dark, red where too bright, white where right") {
   const std::vector<float> reference = {1, 1, 1, 1, 1, 1, 1, 1, 1}, test = {0, 0, 0, 1, 1, 1, 3, 3, 3};
-  const std::vector<float> map = signed_error_map(test, reference);
+  const std::vector<float> map = color_signed_error(signed_relative_error(test, reference));
   CHECK(map[2] > map[0]);  // dark: blue above red
   CHECK(map[3] == test::relative(map[5]));
   CHECK(map[6] > map[8]);  // bright: red above blue

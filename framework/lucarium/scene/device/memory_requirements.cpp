@@ -1,7 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/scene/device/memory_requirements.h"
 
+#include <algorithm>
+
+#include "lucarium/scene/device/specular_albedo.h"
+
 namespace lucarium {
+namespace {
+
+/// "scene_light_table" → "light table".
+std::string readable(std::string name) {
+  name.erase(0, std::string_view("scene_").size());
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
+}  // namespace
 
 size_t light_capacity(const Scene& scene) {
   size_t count = scene.lights.size() + (scene.environment ? 1 : 0);
@@ -22,26 +36,36 @@ size_t texel_count(const Scene& scene) {
   return count;
 }
 
-std::vector<BufferNeed> scene_need(const Scene& scene, const SceneLayout& layout) {
-  size_t environment = 0, cdf = 0;
+SceneBufferCounts count_elements(const Scene& scene, const SceneLayout& layout) {
+  SceneBufferCounts counts;
   if (scene.environment && scene.environment->width > 0) {
     const size_t w = scene.environment->width, h = scene.environment->height;
-    environment = w * h, cdf = (h + 1) + h * (w + 1);
+    counts.scene_environment = w * h;
+    counts.scene_environment_cdf = (h + 1) + h * (w + 1);
   }
-  const size_t lights = light_capacity(scene);
-  return {{"mesh vertices", layout.mesh_vertices * sizeof(Vertex)},
-          {"mesh triangles", layout.mesh_triangles * sizeof(uint4)},
-          {"vertices", layout.world_vertices * sizeof(Vertex)},
-          {"triangles", layout.world_triangles * sizeof(Triangle)},
-          {"triangle lights", layout.world_triangles * sizeof(uint)},
-          {"instances", scene.instances.size() * sizeof(Instance)},
-          {"materials", scene.materials.size() * sizeof(Material)},
-          {"textures", scene.textures.size() * sizeof(Texture)},
-          {"texels", texel_count(scene) * sizeof(uint)},
-          {"lights", lights * sizeof(Light)},
-          {"light table", lights * sizeof(AliasEntry)},
-          {"environment", environment * sizeof(float4)},
-          {"environment distribution", cdf * sizeof(float)}};
+  counts.scene_mesh_vertices = layout.mesh_vertices;
+  counts.scene_mesh_triangles = layout.mesh_triangles;
+  counts.scene_info = 1;
+  counts.scene_vertices = layout.world_vertices;
+  counts.scene_triangles = counts.scene_triangle_lights = layout.world_triangles;
+  counts.scene_instances = scene.instances.size();
+  counts.scene_materials = scene.materials.size();
+  counts.scene_textures = scene.textures.size();
+  counts.scene_texels = texel_count(scene);
+  counts.scene_srgb_table = 256;
+  counts.scene_albedo_table = specular_albedo_table().size();
+  counts.scene_lights = counts.scene_light_table = light_capacity(scene);
+  return counts;
+}
+
+std::vector<MemoryRequirement> memory_requirements(const Scene& scene, const SceneLayout& layout) {
+  const SceneBufferCounts counts = count_elements(scene, layout);
+  std::vector<MemoryRequirement> list = {{"mesh vertices", counts.scene_mesh_vertices * sizeof(Vertex)},
+                                         {"mesh triangles", counts.scene_mesh_triangles * sizeof(uint4)}};
+#define LUCARIUM_ADD_REQUIREMENT(type, name, meaning) list.push_back({readable(#name), counts.name * sizeof(type)});
+  LUCARIUM_SCENE_BUFFERS(LUCARIUM_ADD_REQUIREMENT)
+#undef LUCARIUM_ADD_REQUIREMENT
+  return list;
 }
 
 }  // namespace lucarium

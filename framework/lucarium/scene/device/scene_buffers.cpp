@@ -62,7 +62,7 @@ void SceneBuffers::refuse_if_too_large(const Scene& scene) const {
   size_t total = 0;
   std::string largest;
   size_t largest_bytes = 0;
-  for (const BufferNeed& need : scene_need(scene, layout_)) {
+  for (const MemoryRequirement& need : memory_requirements(scene, layout_)) {
     total += need.bytes;
     if (need.bytes > largest_bytes) largest = need.name, largest_bytes = need.bytes;
     if (need.bytes <= account.single_bytes()) continue;
@@ -300,7 +300,7 @@ size_t SceneBuffers::replaceable_bytes() const {
 
 size_t SceneBuffers::estimate_bytes(const Scene& scene) {
   size_t sum = 0;
-  for (const BufferNeed& need : scene_need(scene, SceneLayout(scene))) sum += need.bytes;
+  for (const MemoryRequirement& need : memory_requirements(scene, SceneLayout(scene))) sum += need.bytes;
   return sum;
 }
 
