@@ -2,7 +2,6 @@
 // A report in a real browser: report_browser.py presses keys, looks at it in light, dark and on paper, and reads the
 // console; report_selftest.js is put into the page, presses its controls and writes what it found.
 #include <doctest/doctest.h>
-
 #include <fmt/format.h>
 
 #include <cstdlib>
