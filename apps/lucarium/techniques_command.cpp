@@ -35,8 +35,8 @@ void print_text(const TechniqueType& type) {
   fmt::print("{} {}: {}\n", info.name, info.version, info.summary);
   if (!info.citation.empty()) fmt::print("  paper       {}\n", info.citation);
   fmt::print("  file        {}\n  lights      {}\n  materials   {}\n  changes     {}\n  bounces     {}\n",
-             type.file().string(), fmt::join(can.lights, ", "), fmt::join(can.materials, ", "),
-             fmt::join(can.changes, ", "), bounces_text(can));
+             type.file().string(), fmt::join(names_of(can.lights), ", "), fmt::join(names_of(can.materials), ", "),
+             fmt::join(names_of(can.changes), ", "), bounces_text(can));
   fmt::print("  {}, {}, {}, {}\n  layers      {}\n  parameters\n", can.progressive ? "progressive" : "one-shot",
              can.view_independent ? "view-independent data" : "view-dependent",
              can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", bias_text(can),
@@ -59,9 +59,9 @@ ordered_json to_json(const TechniqueType& type) {
                        {"file", type.file().string()},
                        {"layers", info.layers},
                        {"capabilities",
-                        {{"lights", can.lights},
-                         {"materials", can.materials},
-                         {"changes", can.changes},
+                        {{"lights", names_of(can.lights)},
+                         {"materials", names_of(can.materials)},
+                         {"changes", names_of(can.changes)},
                          {"max_bounces", can.max_bounces},
                          {"progressive", can.progressive},
                          {"view_independent", can.view_independent},
@@ -92,12 +92,12 @@ std::string markdown(const TechniqueType& type) {
   const Capabilities& can = info.capabilities;
   std::string page = fmt::format("\n## {}\n\n{}.\n\n", info.name, info.summary);
   if (!info.citation.empty()) page += fmt::format("{}.\n\n", info.citation);
-  page +=
-      fmt::format("- lights: {}\n- materials: {}\n- scene changes: {}\n- bounces: {}\n- {}; {}; {}\n- layers: {}\n\n",
-                  fmt::join(can.lights, ", "), fmt::join(can.materials, ", "), fmt::join(can.changes, ", "),
-                  bounces_text(can), can.progressive ? "progressive" : "one-shot",
-                  can.view_independent ? "data do not depend on the view" : "data depend on the view", bias_text(can),
-                  fmt::join(info.layers, ", "));
+  page += fmt::format(
+      "- lights: {}\n- materials: {}\n- scene changes: {}\n- bounces: {}\n- {}; {}; {}\n- layers: {}\n\n",
+      fmt::join(names_of(can.lights), ", "), fmt::join(names_of(can.materials), ", "),
+      fmt::join(names_of(can.changes), ", "), bounces_text(can), can.progressive ? "progressive" : "one-shot",
+      can.view_independent ? "data do not depend on the view" : "data depend on the view", bias_text(can),
+      fmt::join(info.layers, ", "));
   page += "| parameter | type | default | range | unit | meaning |\n|---|---|---|---|---|---|\n";
   const std::unique_ptr<Technique> technique = type.create();
   for (const ParameterTable::Entry& entry : technique->parameters().entries()) {

@@ -53,10 +53,9 @@ TechniqueInfo bundle_exchange_info() {
   info.citation =
       "J. Hermes, N. Henrich, T. Grosch, S. Mueller, Global Illumination using Parallel Global Ray-Bundles, Vision, "
       "Modeling, and Visualization 2010";
-  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
-                                 "transmission", "mask",   "blend",  "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.max_bounces = -1;
   info.capabilities.view_independent = true;
   info.capabilities.bias = 0.02;  // radiance is constant over a texel; geometric cosines of indirect light
@@ -326,7 +325,7 @@ class BundleExchange : public Technique {
   }
 
   uint32_t direction_seed(uint64_t index) const {
-    return (kernel_seed(seed_) ^ static_cast<uint32_t>(index + 1) * 0x9e3779b9u) * 0x85ebca6bu;
+    return mixed_seed(kernel_seed(seed_), static_cast<uint32_t>(index + 1));
   }
 
   /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces

@@ -20,10 +20,9 @@ TechniqueInfo technique_info() {
   info.citation =
       "T. Ritschel, T. Engelhardt, T. Grosch, H.-P. Seidel, J. Kautz and C. Dachsbacher, Micro-Rendering for Scalable, "
       "Parallel Final Gathering, SIGGRAPH Asia 2009";
-  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
-                                 "transmission", "mask",   "blend",  "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.bias = 0.02;
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);

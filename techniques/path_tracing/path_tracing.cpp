@@ -93,10 +93,9 @@ TechniqueInfo path_tracing_info() {
   info.citation =
       "J. T. Kajiya, The Rendering Equation, SIGGRAPH 1986; E. Veach and L. J. Guibas, Optimally Combining Sampling "
       "Techniques for Monte Carlo Rendering, SIGGRAPH 1995";
-  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
-                                 "transmission", "mask",   "blend",  "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.sample_streams = true;
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);

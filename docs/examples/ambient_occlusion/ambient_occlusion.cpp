@@ -48,9 +48,8 @@ TechniqueInfo ambient_occlusion_info() {
   info.version = "1.0";
   info.summary = "openness of every visible point within a distance; no light";
   info.citation = "S. Zhukov, A. Iones and G. Kronin, An Ambient Light Illumination Model, Rendering Techniques 1998";
-  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
-                                 "transmission", "mask",   "blend",  "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
   info.layers = {"ambient_occlusion"};
   return info;
 }

@@ -11,13 +11,13 @@
 
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/stopwatch.h"
 
 extern char** environ;
 
@@ -106,7 +106,7 @@ pid_t spawn(std::vector<std::string> arguments, const Pipe& out, const Pipe& err
 
 ChildResult run_child(const std::vector<std::string>& arguments,
                       const std::function<void(std::string_view)>& on_error_line) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Pipe out, err;
   const pid_t child = spawn(arguments, out, err);
   Pipe::close_end(out.write_end);
@@ -154,7 +154,7 @@ ChildResult run_child(const std::vector<std::string>& arguments,
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   result.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   result.peak_memory_bytes = static_cast<size_t>(usage.ru_maxrss) * 1024;
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = watch.seconds();
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "lucarium/base/error.h"
 #include "lucarium/conformance/block_comparison.h"
 #include "lucarium/conformance/check_scenes.h"
 #include "lucarium/conformance/checks.h"
@@ -76,22 +77,24 @@ SceneChange add_box(Scene& scene) {
   return change;
 }
 
-SceneChange apply(const std::string& kind, Scene& scene) {
-  if (kind == "camera") return move_camera(scene);
-  if (kind == "transforms") return move_box(scene);
-  if (kind == "deformation") return bend_box(scene);
-  if (kind == "materials") return paint_box(scene);
-  if (kind == "lights") return dim_lights(scene);
-  return add_box(scene);
+SceneChange apply(ChangeKind kind, Scene& scene) {
+  switch (kind) {
+    case ChangeKind::camera: return move_camera(scene);
+    case ChangeKind::transforms: return move_box(scene);
+    case ChangeKind::deformation: return bend_box(scene);
+    case ChangeKind::materials: return paint_box(scene);
+    case ChangeKind::lights: return dim_lights(scene);
+    case ChangeKind::topology: return add_box(scene);
+  }
+  throw Error(ErrorClass::internal, "no change of this kind");
 }
 
 /// The light that a change of `kind` can be seen by: one that is no surface where lights change.
-std::string light_for(const CheckContext& context, const std::string& kind) {
-  if (kind != "lights") return context.any_light().empty() ? "environment" : context.any_light();
-  for (const char* light : {"point", "spot", "directional", "environment"}) {
-    if (context.claims_light(light)) return light;
-  }
-  return "environment";
+LightKind light_for(const CheckContext& context, ChangeKind kind) {
+  if (kind != ChangeKind::lights) return context.any_light();
+  for (const LightKind light : {LightKind::point, LightKind::spot, LightKind::directional})
+    if (context.claims(light)) return light;
+  return LightKind::environment;
 }
 
 /// A view-independent technique keeps what it has gathered, so its picture is another sample of the same.
@@ -115,7 +118,7 @@ Outcome compare_samples(CheckContext& context, const Scene& before, const Scene&
 }  // namespace
 
 Outcome check_camera_cost(CheckContext& context) {
-  if (!context.claims_change("camera")) return {Verdict::not_claimed, "does not follow the camera"};
+  if (!context.claims(ChangeKind::camera)) return {Verdict::not_claimed, "does not follow the camera"};
   Scene scene = context.plain_scene();
   RenderSession session = context.session(scene);
   context.run_long(session);
@@ -135,13 +138,13 @@ Outcome check_camera_cost(CheckContext& context) {
   return verdict_of(good, measured);
 }
 
-Outcome check_change(CheckContext& context, const std::string& kind) {
-  if (!context.claims_change(kind)) return {Verdict::not_claimed, "does not follow it"};
-  const std::string light = light_for(context, kind);
+Outcome check_change(CheckContext& context, ChangeKind kind) {
+  if (!context.claims(kind)) return {Verdict::not_claimed, "does not follow it"};
+  const LightKind light = light_for(context, kind);
   const Scene before = make_changing_scene(light);
   Scene after = before;
   apply(kind, after);
-  if (kind == "camera" && context.can().view_independent)
+  if (kind == ChangeKind::camera && context.can().view_independent)
     return compare_samples(context, before, after, after.cameras.front());
 
   RenderSession changed = context.session(before), fresh = context.session(after);
@@ -155,8 +158,8 @@ Outcome check_change(CheckContext& context, const std::string& kind) {
 }
 
 Outcome check_alpha_change(CheckContext& context) {
-  if (!context.claims_change("materials")) return {Verdict::not_claimed, "does not follow materials"};
-  if (!context.claims_material("mask")) return {Verdict::not_claimed, "has no mask"};
+  if (!context.claims(ChangeKind::materials)) return {Verdict::not_claimed, "does not follow materials"};
+  if (!context.claims(MaterialKind::mask)) return {Verdict::not_claimed, "has no mask"};
   const Scene opaque = context.plain_scene();
   Scene masked = opaque;
   set_mask(masked, true);

@@ -10,8 +10,9 @@
 namespace lucarium::check {
 namespace {
 
-bool holds(const std::vector<std::string>& list, const std::string& word) {
-  return std::find(list.begin(), list.end(), word) != list.end();
+template <class Kind>
+bool holds(const std::vector<Kind>& list, Kind kind) {
+  return std::find(list.begin(), list.end(), kind) != list.end();
 }
 
 }  // namespace
@@ -43,15 +44,15 @@ std::string difference(const Picture& a, const Picture& b) {
   return "";
 }
 
-bool CheckContext::claims_light(const std::string& kind) const { return holds(can().lights, kind); }
-bool CheckContext::claims_material(const std::string& kind) const { return holds(can().materials, kind); }
-bool CheckContext::claims_change(const std::string& kind) const { return holds(can().changes, kind); }
+bool CheckContext::claims(LightKind kind) const { return holds(can().lights, kind); }
+bool CheckContext::claims(MaterialKind kind) const { return holds(can().materials, kind); }
+bool CheckContext::claims(ChangeKind kind) const { return holds(can().changes, kind); }
 
-std::string CheckContext::any_light() const {
-  for (const char* kind : {"emissive", "environment", "point", "spot", "directional"}) {
-    if (claims_light(kind)) return kind;
-  }
-  return "";
+LightKind CheckContext::any_light() const {
+  using enum LightKind;
+  for (const LightKind kind : {emissive, environment, point, spot, directional})
+    if (claims(kind)) return kind;
+  return environment;
 }
 
 RenderSettings CheckContext::settings(const Scene& scene) const {
@@ -73,10 +74,7 @@ RenderSession CheckContext::session(const Scene& scene, const RenderSettings& se
 
 RenderSession CheckContext::session(const Scene& scene) const { return session(scene, settings(scene)); }
 
-Scene CheckContext::plain_scene() const {
-  const std::string light = any_light();
-  return make_changing_scene(light.empty() ? "environment" : light);
-}
+Scene CheckContext::plain_scene() const { return make_changing_scene(any_light()); }
 
 void CheckContext::run_long(RenderSession& session) const {
   session.run({.seconds = 10, .iterations = 64, .samples = 64});

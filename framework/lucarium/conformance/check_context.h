@@ -40,12 +40,12 @@ struct CheckContext {
   PathSet path_set;  ///< of the technique on the furnace, with these parameters
 
   const Capabilities& can() const { return type.info().capabilities; }
-  bool claims_light(const std::string& kind) const;
-  bool claims_material(const std::string& kind) const;
-  bool claims_change(const std::string& kind) const;
+  bool claims(LightKind kind) const;
+  bool claims(MaterialKind kind) const;
+  bool claims(ChangeKind kind) const;
   bool holds_sampling(uint32_t mode) const;
-  /// A kind of light of the technique's, or empty: emissive before environment before punctual ones.
-  std::string any_light() const;
+  /// A kind of light of the technique's: emissive before environment before punctual ones; environment if it has none.
+  LightKind any_light() const;
 
   /// 32×32, three bounces where the technique can, its first pixel sampling, seed 1, the scene's first camera.
   RenderSettings settings(const Scene& scene) const;

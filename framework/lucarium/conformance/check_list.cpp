@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The list of checks, in the order of the table, and the loop over them.
 #include <algorithm>
-#include <chrono>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/conformance/checks.h"
 #include "lucarium/scene/load/load_scene.h"
 
@@ -27,20 +27,15 @@ void add_radiometric_checks(std::vector<Check>& list, const CheckContext& contex
                                  : fmt::format("no block and not the whole different at the level {}", level);
   list.push_back({"furnace", exact, check_furnace});
   list.push_back({"shining_box", exact, check_shining_box});
-  const std::vector<std::string> lights = {"point", "spot", "directional", "emissive", "environment"};
-  for (const std::string& light : lights) {
-    list.push_back({"light/" + light, exact, [light](CheckContext& c) { return check_light(c, light); }});
-  }
-  for (const std::string& light : lights) {
-    list.push_back({"reference/light/" + light, agrees,
-                    [light](CheckContext& c) { return check_reference(c, "diffuse", light); }});
-  }
-  for (const char* material :
-       {"diffuse", "glossy", "mirror", "refraction", "transmission", "mask", "blend", "normal_map"}) {
-    const std::string light = context.any_light();
-    list.push_back({fmt::format("reference/material/{}", material), agrees,
+  for (const LightKind light : all_kinds<LightKind>())
+    list.push_back({"light/" + name_of(light), exact, [light](CheckContext& c) { return check_light(c, light); }});
+  for (const LightKind light : all_kinds<LightKind>())
+    list.push_back({"reference/light/" + name_of(light), agrees,
+                    [light](CheckContext& c) { return check_reference(c, MaterialKind::diffuse, light); }});
+  const LightKind light = context.any_light();
+  for (const MaterialKind material : all_kinds<MaterialKind>())
+    list.push_back({"reference/material/" + name_of(material), agrees,
                     [material, light](CheckContext& c) { return check_reference(c, material, light); }});
-  }
 }
 
 std::vector<Check> make_list(const CheckContext& context) {
@@ -55,10 +50,9 @@ std::vector<Check> make_list(const CheckContext& context) {
       {"repeat/threads", "same bits", check_threads},
       {"camera_move", "no program, no hierarchy, at most 100 ms", check_camera_cost},
   };
-  for (const char* kind : {"camera", "transforms", "deformation", "materials", "lights", "topology"}) {
-    list.push_back({fmt::format("change/{}", kind), "the image of a fresh start",
+  for (const ChangeKind kind : all_kinds<ChangeKind>())
+    list.push_back({"change/" + name_of(kind), "the image of a fresh start",
                     [kind](CheckContext& c) { return check_change(c, kind); }});
-  }
   list.push_back({"change/alpha", "the image of a fresh start", check_alpha_change});
   list.push_back({"memory/returned", "as before", check_memory});
   list.push_back({"memory/stated", "at most 1.1 times what is stated", check_estimate});
@@ -76,7 +70,7 @@ bool is_chosen(const std::string& name, const std::vector<std::string>& only) {
 }
 
 CheckResult run_check(const Check& check, CheckContext& context) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   Outcome outcome;
   try {
     outcome = check.run(context);
@@ -85,8 +79,7 @@ CheckResult run_check(const Check& check, CheckContext& context) {
   } catch (const std::exception& error) {
     outcome = verdict_of(false, error.what());
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return {check.name, outcome.verdict, outcome.measured, check.required, seconds};
+  return {check.name, outcome.verdict, outcome.measured, check.required, watch.seconds()};
 }
 
 }  // namespace

@@ -53,22 +53,19 @@ double form_factor(double half, double height) {
   return 4 / (2 * pi) * 2 * (a / root) * std::atan(a / root);
 }
 
-/// A lamp of the named kind for pictures of about unit radiance.
-void add_picture_light(Scene& scene, const std::string& kind) {
-  if (kind == "point") {
-    add_light(scene, LightType::point, {-1.2f, 2.5f, 1.5f}, {0, -1, 0}, 20);
-  } else if (kind == "spot") {
-    SceneLight& light = add_light(scene, LightType::spot, {-1.2f, 2.5f, 1.5f}, {1.2f, -2.5f, -1.5f}, 40);
-    light.inner_angle = 0.2f;
-    light.outer_angle = 0.5f;
-  } else if (kind == "directional") {
-    add_light(scene, LightType::directional, {0, 3, 0}, {0.5f, -1, -0.4f}, 4);
-  } else if (kind == "environment") {
-    add_white_sky(scene, 1);
-  } else if (kind == "emissive") {
-    add_lamp(scene, 2.5f, 0.6f, 12);
-  } else {
-    throw_error(ErrorClass::internal, "no check scene has a light of kind {}", kind);
+/// A lamp of the given kind for pictures of about unit radiance.
+void add_picture_light(Scene& scene, LightKind kind) {
+  switch (kind) {
+    case LightKind::point: add_light(scene, LightType::point, {-1.2f, 2.5f, 1.5f}, {0, -1, 0}, 20); break;
+    case LightKind::spot: {
+      SceneLight& light = add_light(scene, LightType::spot, {-1.2f, 2.5f, 1.5f}, {1.2f, -2.5f, -1.5f}, 40);
+      light.inner_angle = 0.2f;
+      light.outer_angle = 0.5f;
+      break;
+    }
+    case LightKind::directional: add_light(scene, LightType::directional, {0, 3, 0}, {0.5f, -1, -0.4f}, 4); break;
+    case LightKind::environment: add_white_sky(scene, 1); break;
+    case LightKind::emissive: add_lamp(scene, 2.5f, 0.6f, 12); break;
   }
 }
 
@@ -99,37 +96,55 @@ int add_checker(Scene& scene, const std::array<uint8_t, 4>& a, const std::array<
   return static_cast<int>(scene.textures.size()) - 1;
 }
 
-/// The object in the middle of a picture: a box, or a screen where the material needs texture coordinates or is thin.
-void add_object(Scene& scene, const std::string& kind) {
-  const Mesh box = MeshBuilder("box").box({-0.5f, 0.05f, -0.5f}, {0.5f, 1.05f, 0.5f}).take();
-  if (kind == "diffuse") {
-    add_instance(scene, add_mesh(scene, box), add_lambert(scene, kind, {0.7f, 0.4f, 0.2f}));
-  } else if (kind == "glossy") {
-    add_instance(scene, add_mesh(scene, box), add_metal(scene, kind, {0.9f, 0.7f, 0.5f}, 0.4f));
-  } else if (kind == "mirror") {
-    add_instance(scene, add_mesh(scene, box), add_metal(scene, kind, {0.9f, 0.9f, 0.9f}, 0));
-  } else if (kind == "refraction" || kind == "transmission") {
-    const int material = add_dielectric(scene, kind, glm::vec3(0.9f), kind == "refraction" ? 0.f : 0.3f);
-    scene.materials[material].transmission = 1;
-    if (kind == "refraction") scene.materials[material].thickness = 1;
-    add_instance(scene, add_mesh(scene, kind == "refraction" ? box : make_screen()), material);
-  } else if (kind == "mask" || kind == "blend" || kind == "normal_map") {
-    const int index = add_lambert(scene, kind, {0.3f, 0.5f, 0.7f});
-    SceneMaterial& material = scene.materials[index];
-    material.double_sided = true;
-    if (kind == "mask") {
-      material.alpha_mode = AlphaMode::mask;
-      material.base_color_texture.texture = add_checker(scene, {255, 255, 255, 255}, {255, 255, 255, 0});
-    } else if (kind == "blend") {
-      material.alpha_mode = AlphaMode::blend;
-      material.base_color.a = 0.5f;
-    } else {
-      material.normal_texture.texture = add_checker(scene, {168, 128, 246, 255}, {88, 128, 246, 255});
-    }
-    add_instance(scene, add_mesh(scene, make_screen()), index);
+/// Two-sided, with what the kind of alpha or normal map asks for.
+int add_textured(Scene& scene, MaterialKind kind) {
+  const int index = add_lambert(scene, name_of(kind), {0.3f, 0.5f, 0.7f});
+  SceneMaterial& material = scene.materials[index];
+  material.double_sided = true;
+  if (kind == MaterialKind::mask) {
+    material.alpha_mode = AlphaMode::mask;
+    material.base_color_texture.texture = add_checker(scene, {255, 255, 255, 255}, {255, 255, 255, 0});
+  } else if (kind == MaterialKind::blend) {
+    material.alpha_mode = AlphaMode::blend;
+    material.base_color.a = 0.5f;
   } else {
-    throw_error(ErrorClass::internal, "no check scene has a material of kind {}", kind);
+    material.normal_texture.texture = add_checker(scene, {168, 128, 246, 255}, {88, 128, 246, 255});
   }
+  return index;
+}
+
+int add_transparent(Scene& scene, MaterialKind kind) {
+  const bool refracts = kind == MaterialKind::refraction;
+  const int material = add_dielectric(scene, name_of(kind), glm::vec3(0.9f), refracts ? 0.f : 0.3f);
+  scene.materials[material].transmission = 1;
+  if (refracts) scene.materials[material].thickness = 1;
+  return material;
+}
+
+int add_material(Scene& scene, MaterialKind kind) {
+  const std::string name = name_of(kind);
+  switch (kind) {
+    case MaterialKind::diffuse: return add_lambert(scene, name, {0.7f, 0.4f, 0.2f});
+    case MaterialKind::glossy: return add_metal(scene, name, {0.9f, 0.7f, 0.5f}, 0.4f);
+    case MaterialKind::mirror: return add_metal(scene, name, {0.9f, 0.9f, 0.9f}, 0);
+    case MaterialKind::refraction:
+    case MaterialKind::transmission: return add_transparent(scene, kind);
+    case MaterialKind::mask:
+    case MaterialKind::blend:
+    case MaterialKind::normal_map: return add_textured(scene, kind);
+  }
+  throw Error(ErrorClass::internal, "no check scene has a material of this kind");
+}
+
+/// The object in the middle of a picture: a box, or a screen where the material needs texture coordinates or is thin.
+void add_object(Scene& scene, MaterialKind kind) {
+  using enum MaterialKind;
+  const bool solid = kind == diffuse || kind == glossy || kind == mirror || kind == refraction;
+  const int material = add_material(scene, kind);
+  add_instance(scene,
+               add_mesh(scene, solid ? MeshBuilder("box").box({-0.5f, 0.05f, -0.5f}, {0.5f, 1.05f, 0.5f}).take()
+                                     : make_screen()),
+               material);
 }
 
 void look_at_middle(Scene& scene) {
@@ -138,30 +153,35 @@ void look_at_middle(Scene& scene) {
 
 }  // namespace
 
-LitFloor make_lit_floor(const std::string& light) {
+LitFloor make_lit_floor(LightKind light) {
   LitFloor floor;
   Scene& scene = floor.scene;
-  scene.source = "check:floor-" + light;
+  scene.source = "check:floor-" + name_of(light);
   add_floor(scene, 10, add_lambert(scene, "floor", glm::vec3(albedo)));
-  if (light == "point") {  // E = I cos θ / d²
-    add_light(scene, LightType::point, {1, 2, 0}, {0, -1, 0}, 10);
-    floor.irradiance = 10 * (2 / std::sqrt(5.0)) / 5;
-  } else if (light == "spot") {  // the same inside the inner cone
-    SceneLight& lamp = add_light(scene, LightType::spot, {1, 2, 0}, {-1, -2, 0}, 10);
-    lamp.inner_angle = 0.3f;
-    lamp.outer_angle = 0.6f;
-    floor.irradiance = 10 * (2 / std::sqrt(5.0)) / 5;
-  } else if (light == "directional") {  // E = E⊥ cos θ
-    add_light(scene, LightType::directional, {0, 3, 0}, {0.6f, -0.8f, 0}, 3);
-    floor.irradiance = 3 * 0.8;
-  } else if (light == "emissive") {  // E = π L F
-    add_lamp(scene, 2, 0.5f, 5);
-    floor.irradiance = pi * 5 * form_factor(0.5, 2);
-  } else if (light == "environment") {  // E = π L
-    add_white_sky(scene, 1);
-    floor.irradiance = pi;
-  } else {
-    throw_error(ErrorClass::internal, "no closed form for a light of kind {}", light);
+  switch (light) {
+    case LightKind::point:  // E = I cos θ / d²
+      add_light(scene, LightType::point, {1, 2, 0}, {0, -1, 0}, 10);
+      floor.irradiance = 10 * (2 / std::sqrt(5.0)) / 5;
+      break;
+    case LightKind::spot: {  // the same inside the inner cone
+      SceneLight& lamp = add_light(scene, LightType::spot, {1, 2, 0}, {-1, -2, 0}, 10);
+      lamp.inner_angle = 0.3f;
+      lamp.outer_angle = 0.6f;
+      floor.irradiance = 10 * (2 / std::sqrt(5.0)) / 5;
+      break;
+    }
+    case LightKind::directional:  // E = E⊥ cos θ
+      add_light(scene, LightType::directional, {0, 3, 0}, {0.6f, -0.8f, 0}, 3);
+      floor.irradiance = 3 * 0.8;
+      break;
+    case LightKind::emissive:  // E = π L F
+      add_lamp(scene, 2, 0.5f, 5);
+      floor.irradiance = pi * 5 * form_factor(0.5, 2);
+      break;
+    case LightKind::environment:  // E = π L
+      add_white_sky(scene, 1);
+      floor.irradiance = pi;
+      break;
   }
   SceneCamera camera;
   camera.name = "point";
@@ -192,9 +212,9 @@ Scene make_shining_box() {
   return scene;
 }
 
-Scene make_material_scene(const std::string& material, const std::string& light) {
+Scene make_material_scene(MaterialKind material, LightKind light) {
   Scene scene;
-  scene.source = "check:" + material + "-" + light;
+  scene.source = "check:" + name_of(material) + "-" + name_of(light);
   add_floor(scene, 3, add_lambert(scene, "floor", glm::vec3(0.6f)));
   add_object(scene, material);
   const Mesh low = MeshBuilder("low box").box({-1.3f, 0, -0.6f}, {-0.8f, 0.4f, 0.2f}).take();
@@ -204,9 +224,9 @@ Scene make_material_scene(const std::string& material, const std::string& light)
   return scene;
 }
 
-Scene make_changing_scene(const std::string& light) {
+Scene make_changing_scene(LightKind light) {
   Scene scene;
-  scene.source = "check:changing-" + light;
+  scene.source = "check:changing-" + name_of(light);
   add_floor(scene, 3, add_lambert(scene, "floor", glm::vec3(0.6f)));
   const int moving = add_lambert(scene, "moving", {0.7f, 0.3f, 0.2f}),
             soft = add_lambert(scene, "soft", {0.2f, 0.4f, 0.7f});

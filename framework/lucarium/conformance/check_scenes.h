@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lucarium/scene/scene.h"
+#include "lucarium/technique/capabilities.h"
 
 namespace lucarium::check {
 
@@ -16,18 +17,17 @@ struct LitFloor {
   Scene scene;
   double irradiance = 0;  ///< E at that point [lx]
 };
-/// `light`: point, spot, directional, emissive or environment.
-LitFloor make_lit_floor(const std::string& light);
+LitFloor make_lit_floor(LightKind light);
 
 /// The inside of a closed box whose walls all shine with radiance 1 and reflect `albedo`: n scatterings add albedo^n.
 Scene make_shining_box();
 
 /// A mirror floor under a white sky, or two boxes of the named material on a diffuse floor under lamps of the named
-/// kinds; for comparisons with the reference. `material` is one of Capabilities::materials.
-Scene make_material_scene(const std::string& material, const std::string& light);
+/// kinds; for comparisons with the reference.
+Scene make_material_scene(MaterialKind material, LightKind light);
 
 /// Boxes on a floor for scene changes: instance 0 the floor, 1 a box that may move, 2 one that may deform. Lit by the
 /// named kind of light.
-Scene make_changing_scene(const std::string& light);
+Scene make_changing_scene(LightKind light);
 
 }  // namespace lucarium::check

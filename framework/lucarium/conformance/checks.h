@@ -20,7 +20,7 @@ Outcome check_oclgrind(CheckContext& context);
 
 // ---- what it follows (change_checks.cpp)
 Outcome check_camera_cost(CheckContext& context);
-Outcome check_change(CheckContext& context, const std::string& kind);
+Outcome check_change(CheckContext& context, ChangeKind kind);
 Outcome check_alpha_change(CheckContext& context);
 
 // ---- what it keeps to (limit_checks.cpp)
@@ -31,9 +31,9 @@ Outcome check_seconds(CheckContext& context);
 Outcome check_cancellation(CheckContext& context);
 
 // ---- what it computes (light_checks.cpp, reference_checks.cpp)
-Outcome check_light(CheckContext& context, const std::string& light);
+Outcome check_light(CheckContext& context, LightKind light);
 Outcome check_furnace(CheckContext& context);
 Outcome check_shining_box(CheckContext& context);
-Outcome check_reference(CheckContext& context, const std::string& material, const std::string& light);
+Outcome check_reference(CheckContext& context, MaterialKind material, LightKind light);
 
 }  // namespace lucarium::check

@@ -13,20 +13,12 @@
 namespace lucarium::check {
 namespace {
 
-/// The words that capabilities may hold, as technique.h lists them.
-const std::vector<std::string> known_lights = {"point", "spot", "directional", "emissive", "environment"};
-const std::vector<std::string> known_materials = {"diffuse",      "glossy", "mirror", "refraction",
-                                                  "transmission", "mask",   "blend",  "normal_map"};
-const std::vector<std::string> known_changes = {"camera",    "transforms", "deformation",
-                                                "materials", "lights",     "topology"};
-
-std::string unknown_word(const char* what, const std::vector<std::string>& words,
-                         const std::vector<std::string>& known) {
-  std::set<std::string> seen;
-  for (const std::string& word : words) {
-    if (std::find(known.begin(), known.end(), word) == known.end()) return fmt::format("{} has '{}'", what, word);
-    if (!seen.insert(word).second) return fmt::format("{} has '{}' twice", what, word);
-  }
+/// A kind that is claimed twice; empty: none.
+template <class Kind>
+std::string repeated_kind(const char* what, const std::vector<Kind>& kinds) {
+  std::set<Kind> seen;
+  for (const Kind kind : kinds)
+    if (!seen.insert(kind).second) return fmt::format("{} has '{}' twice", what, name_of(kind));
   return "";
 }
 
@@ -93,9 +85,8 @@ Outcome check_declaration(CheckContext& context) {
   require(!can.pixel_sampling.empty(), "no pixel sampling");
   require(can.max_bounces >= -1, "max_bounces below -1");
   require(can.bias >= 0 && can.bias < 1, fmt::format("bias {} is not in 0 … 1", can.bias));
-  for (const std::string& mistake :
-       {unknown_word("lights", can.lights, known_lights), unknown_word("materials", can.materials, known_materials),
-        unknown_word("changes", can.changes, known_changes)}) {
+  for (const std::string& mistake : {repeated_kind("lights", can.lights), repeated_kind("materials", can.materials),
+                                     repeated_kind("changes", can.changes)}) {
     require(mistake.empty(), mistake);
   }
   require(!context.path_set.light_transport() || !can.lights.empty(), "computes light and claims no kind of light");
@@ -153,8 +144,8 @@ Outcome check_layers(CheckContext& context) {
 
 Outcome check_finite(CheckContext& context) {
   uint64_t values = 0, negative = 0;
-  for (const std::string& light :
-       context.can().lights.empty() ? std::vector<std::string>{"environment"} : context.can().lights) {
+  for (const LightKind light :
+       context.can().lights.empty() ? std::vector<LightKind>{LightKind::environment} : context.can().lights) {
     RenderSession session = context.session(make_changing_scene(light));
     for (int i = 0; i < 8; ++i) {
       session.iterate();

@@ -49,22 +49,22 @@ Outcome compare_middle(CheckContext& context, const Scene& scene, double expecte
 
 }  // namespace
 
-Outcome check_light(CheckContext& context, const std::string& light) {
+Outcome check_light(CheckContext& context, LightKind light) {
   if (!context.path_set.direct) return {Verdict::not_claimed, "computes no direct light"};
-  if (!context.claims_light(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
+  if (!context.claims(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
   const LitFloor floor = make_lit_floor(light);
   return compare_middle(context, floor.scene, albedo * floor.irradiance / pi);
 }
 
 Outcome check_furnace(CheckContext& context) {
-  if (!context.path_set.direct || !context.claims_light("environment")) {
+  if (!context.path_set.direct || !context.claims(LightKind::environment)) {
     return {Verdict::not_claimed, "does not claim direct light of the environment"};
   }
   return compare_middle(context, load_scene("builtin:furnace"), 0.8);
 }
 
 Outcome check_shining_box(CheckContext& context) {
-  if (!context.path_set.light_transport() || !context.claims_light("emissive")) {
+  if (!context.path_set.light_transport() || !context.claims(LightKind::emissive)) {
     return {Verdict::not_claimed, "does not claim emissive surfaces"};
   }
   const Scene scene = make_shining_box();

@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/conformance/checks.h"
 
 namespace lucarium::check {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr double time_budget = 0.2;       // asked for [s]
 constexpr double allowed_overrun = 1;     // of a budget, and after a cancellation [s]
 constexpr double allowed_estimate = 1.1;  // memory taken / memory stated
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Bytes held now by others than scene and hierarchy.
 size_t own_bytes(const MemoryAccount& memory) {
@@ -65,14 +61,14 @@ Outcome check_iterations(CheckContext& context) {
   constexpr uint64_t asked = 6;
   double longest = 0;
   uint64_t samples = 0;
-  Clock::time_point start = Clock::now();
+  Stopwatch watch;
   bool counts = true;
   session.run({.iterations = asked}, [&](const IterationResult& now) {
     session.scheduler().finish();
-    longest = std::max(longest, seconds_since(start));
+    longest = std::max(longest, watch.seconds());
     counts = counts && (now.samples >= samples || now.progress >= 0);
     samples = now.samples;
-    start = Clock::now();
+    watch.restart();
     return true;
   });
   const bool done = session.last().converged || session.iterations() == asked;
@@ -83,10 +79,10 @@ Outcome check_iterations(CheckContext& context) {
 
 Outcome check_seconds(CheckContext& context) {
   RenderSession session = context.session(context.plain_scene());
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   session.run({.seconds = time_budget});
   session.scheduler().finish();
-  const double seconds = seconds_since(start);
+  const double seconds = watch.seconds();
   return verdict_of(
       seconds <= time_budget + allowed_overrun,
       fmt::format("{:.2f} s asked for, {:.2f} s taken, {} iterations", time_budget, seconds, session.iterations()));
@@ -104,14 +100,14 @@ Outcome check_cancellation(CheckContext& context) {
   bool through = session.last().converged;
   for (; cancelled < most_requests && !through; ++cancelled) {
     int requests = 0;
-    Clock::time_point asked = Clock::now();
+    Stopwatch asked;
     session.scheduler().set_cancel([&] {
-      if (requests == cancelled) asked = Clock::now();
+      if (requests == cancelled) asked.restart();
       return requests++ >= cancelled;
     });
     session.iterate();
     session.scheduler().finish();
-    if (requests > cancelled) longest = std::max(longest, seconds_since(asked));
+    if (requests > cancelled) longest = std::max(longest, asked.seconds());
     session.scheduler().set_cancel(interrupt_requested);
     through = requests <= cancelled || session.last().samples != samples;
     if (through) break;

@@ -42,10 +42,10 @@ std::vector<std::vector<float>> reference_images(CheckContext& context, const Sc
 
 }  // namespace
 
-Outcome check_reference(CheckContext& context, const std::string& material, const std::string& light) {
+Outcome check_reference(CheckContext& context, MaterialKind material, LightKind light) {
   if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
-  if (!context.claims_light(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
-  if (!context.claims_material(material)) return {Verdict::not_claimed, "does not claim this kind of material"};
+  if (!context.claims(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
+  if (!context.claims(material)) return {Verdict::not_claimed, "does not claim this kind of material"};
   const auto& types = context.registry.types();
   const auto reference =
       std::find_if(types.begin(), types.end(), [](const TechniqueType& t) { return t.info().name == reference_name; });

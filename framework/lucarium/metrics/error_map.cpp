@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "lucarium/base/luminance.h"
 #include "lucarium/base/srgb.h"
 #include "lucarium/metrics/metrics.h"
 
@@ -19,7 +20,7 @@ glm::vec3 linear_color(unsigned hex) {
 }
 
 float luminance_at(const std::vector<float>& rgb, size_t pixel) {
-  return 0.2126f * rgb[3 * pixel] + 0.7152f * rgb[3 * pixel + 1] + 0.0722f * rgb[3 * pixel + 2];
+  return luminance(rgb[3 * pixel], rgb[3 * pixel + 1], rgb[3 * pixel + 2]);
 }
 
 /// Every value, from `low` to `high`, as a colour between evenly spaced ones.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/luminance.h"
 #include "lucarium/metrics/flip_vision.h"
 
 namespace lucarium {
@@ -54,17 +55,16 @@ float median(std::vector<float>& values) {
 }  // namespace
 
 HdrFlipExposures hdr_flip_exposures(const std::vector<float>& reference) {
-  std::vector<float> luminance(reference.size() / 3);
-  for (size_t p = 0; p < luminance.size(); ++p) {
-    luminance[p] = 0.2126f * reference[3 * p] + 0.7152f * reference[3 * p + 1] + 0.0722f * reference[3 * p + 2];
-  }
-  const float brightest = luminance.empty() ? 0 : *std::max_element(luminance.begin(), luminance.end());
+  std::vector<float> luminances(reference.size() / 3);
+  for (size_t p = 0; p < luminances.size(); ++p)
+    luminances[p] = luminance(reference[3 * p], reference[3 * p + 1], reference[3 * p + 2]);
+  const float brightest = luminances.empty() ? 0 : *std::max_element(luminances.begin(), luminances.end());
   if (!(brightest > 0)) return {};
-  float middle = median(luminance);
+  float middle = median(luminances);
   if (!(middle > 0)) {
-    luminance.erase(std::remove_if(luminance.begin(), luminance.end(), [](float y) { return !(y > 0); }),
-                    luminance.end());
-    middle = median(luminance);
+    luminances.erase(std::remove_if(luminances.begin(), luminances.end(), [](float y) { return !(y > 0); }),
+                     luminances.end());
+    middle = median(luminances);
   }
   const double range = std::min(greatest_range_stops, std::log2(double{brightest} / middle));
   HdrFlipExposures exposures;

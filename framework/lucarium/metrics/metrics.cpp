@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/luminance.h"
 #include "lucarium/base/srgb.h"
 #include "lucarium/metrics/ssim.h"
 
@@ -30,7 +31,7 @@ Encoded encode(const std::vector<float>& rgb, float exposure_stops) {
   encoded.luminance.resize(rgb.size() / 3);
   for (size_t p = 0; p < encoded.luminance.size(); ++p) {
     const double* c = encoded.srgb.data() + 3 * p;
-    encoded.luminance[p] = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+    encoded.luminance[p] = luminance(c[0], c[1], c[2]);
   }
   return encoded;
 }
@@ -186,7 +187,7 @@ ImageMetrics compute_metrics(uint32_t width, uint32_t height, const std::vector<
 
 double mean_luminance(const std::vector<float>& rgb) {
   double sum = 0;
-  for (size_t i = 0; i + 2 < rgb.size(); i += 3) sum += 0.2126 * rgb[i] + 0.7152 * rgb[i + 1] + 0.0722 * rgb[i + 2];
+  for (size_t i = 0; i + 2 < rgb.size(); i += 3) sum += luminance<double>(rgb[i], rgb[i + 1], rgb[i + 2]);
   return rgb.empty() ? 0 : sum / static_cast<double>(rgb.size() / 3);
 }
 

@@ -4,25 +4,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <new>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/version.h"
 
 namespace lucarium {
 namespace {
-
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Calls into a technique: whatever it throws leaves as lucarium::Error with its name before the message.
 template <class Call>
@@ -171,18 +163,18 @@ struct RenderSession::State {
 
   /// Refuses a change that the technique does not declare, before anything is touched.
   void require_change(const SceneChange& change) const {
-    const std::vector<std::string>& can = type.info().capabilities.changes;
-    const auto require = [&](bool happens, const char* kind) {
+    const std::vector<ChangeKind>& can = type.info().capabilities.changes;
+    const auto require = [&](bool happens, ChangeKind kind) {
       if (!happens || std::find(can.begin(), can.end(), kind) != can.end()) return;
       throw_error(ErrorClass::technique, "cannot follow a change of {}; it knows {}; render the time alone with --at",
-                  kind, fmt::join(can, ", "));
+                  name_of(kind), fmt::join(names_of(can), ", "));
     };
-    require(change.camera, "camera");
-    require(!change.moved_instances.empty(), "transforms");
-    require(!change.deformed_instances.empty(), "deformation");
-    require(!change.materials.empty(), "materials");
-    require(change.lights || change.environment, "lights");
-    require(change.topology, "topology");
+    require(change.camera, ChangeKind::camera);
+    require(!change.moved_instances.empty(), ChangeKind::transforms);
+    require(!change.deformed_instances.empty(), ChangeKind::deformation);
+    require(!change.materials.empty(), ChangeKind::materials);
+    require(change.lights || change.environment, ChangeKind::lights);
+    require(change.topology, ChangeKind::topology);
   }
 
   /// Brings everything up to date and starts anew; clocks and counts then are those of the new state.

@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 4u
+#define LUCARIUM_ABI_VERSION 5u
 
 namespace lucarium {
 

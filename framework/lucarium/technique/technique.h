@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "lucarium/base/seed.h"
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/film/film.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/scene/scene.h"
 #include "lucarium/services/path_set.h"
+#include "lucarium/technique/capabilities.h"
 #include "lucarium/technique/parameters.h"
 
 namespace lucarium {
@@ -26,9 +28,6 @@ struct RenderSettings {
   uint64_t seed = 1;
   SceneCamera camera;
 };
-
-/// The 32 bits of a seed that kernels get.
-inline uint32_t kernel_seed(uint64_t seed) { return static_cast<uint32_t>(seed ^ (seed >> 32)); }
 
 /// The settings as kernels see them: camera for the image's aspect, size, pixel sampling, seed, bounces.
 Frame make_frame(const RenderSettings& settings);
@@ -45,22 +44,6 @@ struct TechniqueContext {
   /// Tells how far a prepare() or update() is that takes seconds: `fraction` of the work (negative: unknown), and what
   /// is being done. May be called at any rate, from the calling thread; never empty.
   std::function<void(double fraction, const std::string& stage)> progress;
-};
-
-/// Can this be done, and if not, what is lost: checked before a run, printed and kept in the report.
-struct Capabilities {
-  std::vector<std::string> lights;  ///< of point, spot, directional, emissive, environment
-  std::vector<std::string>
-      materials;                     ///< of diffuse, glossy, mirror, refraction, transmission, mask, blend, normal_map
-  std::vector<std::string> changes;  ///< of camera, transforms, deformation, materials, lights, topology
-  int max_bounces = -1;              ///< most it can do; -1: unlimited
-  bool progressive = true;           ///< iterations converge; false: one iteration is the result
-  bool view_independent = false;     ///< a camera change keeps its data
-  bool uses_bvh = true;              ///< may call context.bvh(); if not, none is counted in the memory that is needed
-  bool sample_streams = false;       ///< independent replicates may be merged by sample count
-  double bias = 0;  ///< systematic error it admits to, root mean square over 8×8 pixel blocks relative to
-                    ///< the image's; 0: none. `lucarium check` holds it to that.
-  std::vector<uint32_t> pixel_sampling = {0, 1};  ///< modes supported
 };
 
 struct TechniqueInfo {

@@ -8,6 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "lucarium/base/luminance.h"
+
 namespace lucarium::bundle {
 namespace {
 
@@ -89,7 +91,7 @@ EnvironmentGuide::EnvironmentGuide(const Environment& environment)
     double* row = &columns_[size_t{j} * (width_ + 1)];
     for (uint32_t i = 0; i < width_; ++i) {
       const glm::vec3 c = environment.radiance[size_t{j} * width_ + i] * environment.factor;
-      row[i + 1] = row[i] + std::max(0.0, 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z);
+      row[i + 1] = row[i] + std::max(0.0, luminance<double>(c.x, c.y, c.z));
     }
     const double solid_angle = std::cos(kPi * j / height_) - std::cos(kPi * (j + 1) / height_);
     rows_[j + 1] = rows_[j] + row[width_] * solid_angle;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bundle_exchange/bundle_program.h"
+#include "lucarium/base/luminance.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -23,7 +24,7 @@ HopTracer::Options tracer_options(uint32_t count, const Channels& channels, cons
 
 SlotHops::Lists SlotHops::specular_slots(const SurfaceAtlas& atlas, float alpha_ring) {
   Lists lists;
-  const auto luminance = [](const float4& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; };
+  const auto luminance = [](const float4& c) { return lucarium::luminance(c.x, c.y, c.z); };
   const std::vector<AtlasMaterial> materials = atlas.materials().download();
   for (uint32_t slot = 0; slot < materials.size(); ++slot) {
     // Schlick's Fresnel averaged over the cosine is f0 + (f90 - f0) / 21.

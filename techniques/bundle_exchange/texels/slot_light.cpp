@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bundle_exchange/bundle_program.h"
+#include "lucarium/base/seed.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -72,7 +73,7 @@ bool SlotLight::sample() {
   pending_ = 0;
   if (scheduler_->run(gather_) == RunResult::cancelled) return false;
   // Points of different runs share their numbers in the buffer, so that each run has a seed of its own.
-  const uint32_t seed = (seed_ ^ (first * 0x9e3779b9u)) * 0x85ebca6bu;
+  const uint32_t seed = mixed_seed(seed_, first);
   if (!direct_light_.accumulate_irradiance(points_, samples_, round, seed)) return false;
   pending_ = count;
   return true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/embedded_files.h"
+#include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/ray.h"
 
@@ -273,7 +274,7 @@ bool LeafLight::pull() {
   if (dynamic()) {
     if (!lobes_known_) scheduler_.run_to_end(lobes_schedule_);
     lobes_known_ = true;
-    pull_schedule_.set(choice_seed_, seed_ ^ (frame_ * 0x9e3779b9u));
+    pull_schedule_.set(choice_seed_, indexed_seed(seed_, frame_));
   }
   if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
   if (nodes_) nodes_->list();
@@ -286,7 +287,7 @@ bool LeafLight::pull() {
 /// A batch of nodes; after the last one of a bounce all leaves and nodes shine with it.
 bool LeafLight::gather() {
   const uint32_t number = frame_ * static_cast<uint32_t>(bounces_) + static_cast<uint32_t>(bounce_);
-  if (!nodes_->gather(part_, seed_ ^ kNodeSeed ^ (number * 0x9e3779b9u))) return false;
+  if (!nodes_->gather(part_, indexed_seed(seed_ ^ kNodeSeed, number))) return false;
   const uint32_t made = std::min(NodeGather::kBatch, nodes_->count() - part_);
   gathers_ += made;
   last_work_ = made;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lucarium/base/embedded_files.h"
+#include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/ray.h"
 
@@ -220,7 +221,7 @@ bool LightPaths::trace(uint32_t frame, uint32_t seed) {
   if (!paths_schedule_) return true;
   paths_schedule_.set(frame_, frame);
   paths_schedule_.set(seed_, seed);
-  frame_seed_ = seed ^ (frame * 0x9e3779b9u);
+  frame_seed_ = indexed_seed(seed, frame);
   return scheduler_.run(paths_schedule_) == RunResult::done;
 }
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lucarium/base/parallel.h"
 #include "lucarium/scene/device/texture_sampling.h"
-#include "micro_rendering/points/parallel.h"
 #include "micro_rendering/points/scene_sides.h"
 
 namespace lucarium::micro {

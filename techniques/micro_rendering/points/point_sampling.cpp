@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 #include <numeric>
 
-#include "micro_rendering/points/parallel.h"
+#include "lucarium/base/parallel.h"
 #include "micro_rendering/tree/morton.h"
 
 namespace lucarium::micro {

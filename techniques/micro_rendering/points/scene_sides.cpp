@@ -3,12 +3,11 @@
 
 #include <algorithm>
 
-#include "lucarium/base/interrupt.h"
+#include "lucarium/base/parallel.h"
 #include "lucarium/scene/animation.h"
 #include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/scene/device/texture_sampling.h"
 #include "micro_rendering/points/coverage.h"
-#include "micro_rendering/points/parallel.h"
 #include "micro_rendering/shared/micro_types.h"
 
 namespace lucarium::micro {

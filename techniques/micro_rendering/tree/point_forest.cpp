@@ -2,7 +2,6 @@
 #include "micro_rendering/tree/point_forest.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numeric>
@@ -10,6 +9,7 @@
 #include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
 #include "micro_rendering/points/point_exposure.h"
 #include "micro_rendering/points/point_sampling.h"
@@ -32,10 +32,6 @@ constexpr uint32_t kPlacingSeed = 1;  // every run of a scene has the same point
 constexpr size_t kLocalSize = 64;
 const char* const kRemedy = "lower points_log2";
 const char* const kDerivation = "points and hierarchy";
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 Program forest_program(Device& device) {
   SourceLibrary library;
@@ -149,7 +145,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
       find_patches(sources, buffers_.scene_triangles.download(0, buffers_.info().triangle_count)));
   throw_if_interrupted("edges of triangles");
   const double expected = std::exp2(options_.points_log2);  // points, but for rounding
-  auto start = std::chrono::steady_clock::now();
+  Stopwatch watch;
   const ScenePoints points(scene_, buffers_);
   // Of what rests nothing may depend on where things move.
   std::unique_ptr<PointExposure> exposure;
@@ -169,7 +165,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
   }
   const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
   hidden_ = all > 0 ? 1 - total / all : 0;
-  sampling_seconds_ += seconds_since(start);
+  sampling_seconds_ += watch.seconds();
   std::vector<MicroLeaf> all_leaves;
   for (size_t t = 0; t < sources.size(); ++t) {
     const double share = total > 0 ? areas[t] / total : 1;
@@ -180,12 +176,12 @@ void PointForest::place(std::vector<TreeSource> sources) {
     tree.record.depth = static_cast<uint32_t>(std::clamp(static_cast<int>(depth), kLeastDepth, options_.points_log2));
     tree.record.first_node = static_cast<uint32_t>(2 * all_leaves.size());
 
-    start = std::chrono::steady_clock::now();
+    watch.restart();
     SampledSurface sampled = sampler.sample(sources[t], exposed[t], tree.leaves(), [&](double fraction) {
       tell(std::min(1.0, (static_cast<double>(all_leaves.size()) + fraction * tree.leaves()) / expected), "points");
     });
-    sampling_seconds_ += seconds_since(start);
-    start = std::chrono::steady_clock::now();
+    sampling_seconds_ += watch.seconds();
+    watch.restart();
     if (options_.posed && tree.kind == TreeKind::deforming) pose_points(buffers_, sampled.points);
     const std::vector<uint32_t> order = tree_order(sampled.points, options_.threads);
     tree.placed_area = sampled.area;
@@ -195,7 +191,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
     tree.built_radius_sum = ordered_radius_sum(sampled.points, order, tree.record.depth,
                                                (posed ? areas[t] : sampled.area) / tree.leaves(), options_.disc_scale);
     for (const uint32_t i : order) all_leaves.push_back(leaf_of(sampled.points[i]));
-    ordering_seconds_ += seconds_since(start);
+    ordering_seconds_ += watch.seconds();
     set_grid(tree, &sources[t]);
     trees_.push_back(tree);
     sources[t].sides = {};

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numeric>
-#include <thread>
 
-#include "lucarium/base/interrupt.h"
+#include "lucarium/base/parallel.h"
 
 namespace lucarium::micro {
 namespace {
@@ -83,7 +82,7 @@ void partition_at_median(std::span<Item> items, Key key) {
   });
 }
 
-void split(std::span<Item> items, int threads) {
+void split(std::span<Item> items, ForkJoin& fork_join) {
   if (items.size() < 2 || interrupt_requested()) return;
   glm::vec3 low = items[0].position, high = low;
   for (const Item& item : items) low = glm::min(low, item.position), high = glm::max(high, item.position);
@@ -102,13 +101,8 @@ void split(std::span<Item> items, int threads) {
   }
   const size_t half = items.size() / 2;
   const auto left = items.first(half), right = items.subspan(half);
-  if (threads > 1 && items.size() > 4096) {
-    std::jthread other([&] { split(left, threads / 2); });
-    split(right, threads - threads / 2);
-  } else {
-    split(left, 1);
-    split(right, 1);
-  }
+  fork_join.run(
+      items.size() > 4096, [&] { split(left, fork_join); }, [&] { split(right, fork_join); });
 }
 
 }  // namespace
@@ -116,7 +110,8 @@ void split(std::span<Item> items, int threads) {
 std::vector<uint32_t> tree_order(std::span<const SampledPoint> points, int threads) {
   std::vector<Item> items(points.size());
   for (uint32_t i = 0; i < items.size(); ++i) items[i] = {points[i].position, points[i].normal, i};
-  split(items, threads);
+  ForkJoin fork_join(static_cast<unsigned>(threads));
+  split(items, fork_join);
   throw_if_interrupted("order of points");
   std::vector<uint32_t> order(items.size());
   for (size_t i = 0; i < items.size(); ++i) order[i] = items[i].index;

@@ -206,3 +206,23 @@ TEST_CASE("transients and variables of another schedule are refused, and so is r
   Schedule third = second.compile();
   CHECK(contains(error_message([&] { third.set(foreign_value, 2u); }), "a variable of another schedule"));
 }
+
+TEST_CASE("arg_if_present binds what the kernel has and leaves out the rest") {
+  KernelScheduler scheduler(test_device());
+  const TypedBuffer<uint32_t> target = make_buffer("target", Uints(4, 0)), other = make_buffer("other", Uints(4, 9));
+  ScheduleRecorder recorder = scheduler.record("pattern", "test");
+  PassBuilder pass = recorder.pass("pattern", schedule_program(), "write_pattern");
+  CHECK(pass.has_argument("salt"));
+  CHECK_FALSE(pass.has_argument("source"));
+  pass.global(4)
+      .arg_if_present("target", target)
+      .arg_if_present("source", other)
+      .arg_if_present("source", TypedBuffer<uint32_t>())  // never made
+      .arg_if_present("salt", 5u)
+      .arg_if_present("factor", 6u)
+      .arg_if_present("count", 4u);
+  Schedule schedule = recorder.compile();
+  scheduler.run(schedule);
+  scheduler.finish();
+  CHECK(target.download() == Uints{5, 12, 19, 26});
+}

@@ -45,9 +45,10 @@ TechniqueInfo describe_technique() {
   info.name = "my_technique";
   info.version = "0.1";
   info.summary = "direct light, one light sample and one BSDF sample per iteration and pixel";
-  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "mask", "blend", "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = {MaterialKind::diffuse, MaterialKind::glossy, MaterialKind::mirror,
+                                 MaterialKind::mask,    MaterialKind::blend,  MaterialKind::normal_map};
+  info.capabilities.changes = all_kinds<ChangeKind>();
   info.layers = {"emission", "direct"};
   return info;
 }

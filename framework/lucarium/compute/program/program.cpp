@@ -2,7 +2,6 @@
 #include "lucarium/compute/program/program.h"
 
 #include <algorithm>
-#include <chrono>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -11,6 +10,7 @@
 #include "lucarium/base/hash.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/device/cl_handle.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"
@@ -222,7 +222,7 @@ struct Program::State {
 
 Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec)
     : state_(std::make_shared<State>()) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   state_->device = device.shared_from_this();
   state_->name = spec.name;
   const std::string source = preamble(spec) + library.preprocess(spec.files);
@@ -233,7 +233,7 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
     const std::lock_guard lock(State::registry().mutex);
     State::registry().states.insert(state_.get());
   }
-  state_->build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  state_->build_seconds = watch.seconds();
   device.add_program_seconds(state_->build_seconds);
 }
 

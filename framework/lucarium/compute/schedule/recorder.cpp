@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 
@@ -88,6 +89,15 @@ PassBuilder& PassBuilder::arg(std::string_view name, const BufferRef& buffer) {
   argument.kind = RecordedArgument::Kind::buffer;
   argument.index = resource;
   return *this;
+}
+
+bool PassBuilder::has_argument(std::string_view name) const {
+  const std::vector<KernelArgument>& arguments = recorded_->steps[step_].signature->arguments;
+  return std::any_of(arguments.begin(), arguments.end(), [&](const KernelArgument& a) { return a.name == name; });
+}
+
+PassBuilder& PassBuilder::arg_if_present(std::string_view name, const BufferRef& buffer) {
+  return has_argument(name) ? arg(name, buffer) : *this;
 }
 
 PassBuilder& PassBuilder::value_argument(std::string_view name, std::string_view type, const void* value,

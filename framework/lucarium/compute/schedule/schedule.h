@@ -74,6 +74,16 @@ class PassBuilder {
   PassBuilder& arg(std::string_view name, const Variable<T>& variable) {
     return variable_argument(name, OpenClType<T>::name, variable.index_, variable.recording_);
   }
+  /// Binds a buffer if the kernel has an argument of that name, else does nothing: for lists of buffers of which a
+  /// kernel names what it needs.
+  PassBuilder& arg_if_present(std::string_view name, const BufferRef& buffer);
+  template <class T>
+  requires(!std::is_base_of_v<Buffer, T> &&
+           !std::is_same_v<T, BufferRef>) PassBuilder& arg_if_present(std::string_view name, const T& value) {
+    return has_argument(name) ? arg(name, value) : *this;
+  }
+  /// Whether the kernel has an argument of this name.
+  bool has_argument(std::string_view name) const;
   /// Size of a `__local` pointer argument.
   PassBuilder& local_memory(std::string_view name, size_t bytes);
 

@@ -2,10 +2,10 @@
 #include "lucarium/compute/schedule/schedule_run.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/stopwatch.h"
 
 namespace lucarium {
 namespace {
@@ -275,10 +275,9 @@ void ScheduleRun::run_host_step(size_t index) {
   } else {
     wait(waits_, state_.where(step(index)));
   }
-  const auto before = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   if (step(index).work) step(index).work();
-  record_.host_times.push_back(
-      {index, std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count()});
+  record_.host_times.push_back({index, watch.seconds()});
 }
 
 void ScheduleRun::check_guards(const CompiledStep& of) {

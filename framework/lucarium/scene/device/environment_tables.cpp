@@ -5,11 +5,13 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "lucarium/base/luminance.h"
+
 namespace lucarium {
 
 namespace {
 
-double luminance(const glm::vec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+double luminance(const glm::vec3& c) { return lucarium::luminance<double>(c.r, c.g, c.b); }
 
 /// Mean over a cell of the linear interpolation between cell centres: (left + 6 centre + right) / 8.
 double cell_mean(double before, double centre, double after) { return (before + 6 * centre + after) / 8; }

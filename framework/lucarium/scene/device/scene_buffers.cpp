@@ -304,18 +304,12 @@ size_t SceneBuffers::estimate_bytes(const Scene& scene) {
   return sum;
 }
 
-void SceneBuffers::bind(PassBuilder& pass, const Program& program, std::string_view kernel) const {
-  const KernelSignature& signature = program.signature(kernel);
-  const auto bind_if_named = [&](std::string_view name, const Buffer& buffer) {
-    for (const KernelArgument& argument : signature.arguments) {
-      if (argument.name == name) pass.arg(name, buffer);
-    }
-  };
-#define LUCARIUM_BIND_BUFFER(type, name, meaning) bind_if_named(#name, name);
+void SceneBuffers::bind(PassBuilder& pass) const {
+#define LUCARIUM_BIND_BUFFER(type, name, meaning) pass.arg_if_present(#name, name);
   LUCARIUM_SCENE_BUFFERS(LUCARIUM_BIND_BUFFER)
 #undef LUCARIUM_BIND_BUFFER
-  bind_if_named("scene_mesh_vertices", scene_mesh_vertices);
-  bind_if_named("scene_mesh_triangles", scene_mesh_triangles);
+  pass.arg_if_present("scene_mesh_vertices", scene_mesh_vertices);
+  pass.arg_if_present("scene_mesh_triangles", scene_mesh_triangles);
 }
 
 }  // namespace lucarium

@@ -2,13 +2,12 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <future>
 #include <span>
 #include <vector>
 
+#include "lucarium/base/parallel.h"
 #include "lucarium/shared/scene_types.h"
 
 namespace lucarium {
@@ -71,30 +70,5 @@ struct BinaryBvh {
 /// Top-down build by the surface area heuristic with 16 bins on each of 3 axes (Wald, "On fast Construction of
 /// SAH-based Bounding Volume Hierarchies", 2007). Deterministic for any number of threads; depth at most 48 + log2(n).
 BinaryBvh build_binary_bvh(std::vector<BoundedTriangle> triangles, unsigned threads);
-
-/// Runs two halves of a divide-and-conquer step, in parallel while threads are free.
-class ForkJoin {
- public:
-  explicit ForkJoin(unsigned threads) : free_(static_cast<int>(threads) - 1) {}
-
-  template <class First, class Second>
-  void run(bool worthwhile, First&& first, Second&& second) {
-    if (worthwhile && free_.fetch_sub(1) > 0) {
-      auto other = std::async(std::launch::async, [&] {
-        first();
-        free_.fetch_add(1);
-      });
-      second();
-      other.get();
-      return;
-    }
-    if (worthwhile) free_.fetch_add(1);
-    first();
-    second();
-  }
-
- private:
-  std::atomic<int> free_;
-};
 
 }  // namespace lucarium

@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cstdlib>
 #include <thread>
 #include <utility>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/forest.h"
 #include "lucarium/services/bvh/parts.h"
@@ -95,11 +95,11 @@ struct Bvh::State {
 
 void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
                        std::vector<BvhForest::Part> ranges) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   vertex_count = vertices.size();
   triangle_count = triangles.size();
   forest.build(vertices, triangles, std::move(ranges));
-  statistics.build_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  statistics.build_seconds = watch.seconds();
 }
 
 /// Builds the hierarchies of the scene's parts.

@@ -11,7 +11,6 @@
 namespace lucarium {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kLowerSize = "lower --size";
 
 }  // namespace
@@ -66,7 +65,6 @@ void GBuffer::State::record_start() {
   start_sample = recorder.variable("sample", 0u);
   recorder.pass("generate G-buffer rays", program, "generate_gbuffer_rays")
       .global(pixels)
-      .local(kLocalSize)
       .arg("frame", start_frame)
       .arg("sample_index", start_sample)
       .arg("points", points)
@@ -90,7 +88,6 @@ void GBuffer::State::record_follow() {
   PassBuilder fill = recorder.pass("fill G-buffer", program, "fill_gbuffer");
   scene.bind(fill, program, "fill_gbuffer");
   fill.global_by(active)
-      .local(kLocalSize)
       .arg("frame", follow_frame)
       .arg("sample_index", follow_sample)
       .arg("rays", rays)
@@ -104,7 +101,6 @@ void GBuffer::State::record_follow() {
   primitives.record_compact(recorder, "compact rays", alive, survivors, next_active, 0, active, 0, pixels);
   recorder.pass("advance rays", program, "advance_paths")
       .global_by(active)
-      .local(kLocalSize)
       .arg("survivors", survivors)
       .arg("next_active", next_active)
       .arg("next_rays", next_rays)

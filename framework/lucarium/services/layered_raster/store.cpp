@@ -79,7 +79,6 @@ class LayeredRaster::ListStore {
     const BufferRef places = recorder_.transient<uint32_t>(name_ + ".places", pixels_, smaller_film);
     recorder_.pass(name_ + ".copy_starts", lists_, "layered_copy_starts")
         .global(pixels_)
-        .local(64)
         .arg("pixel_start", stored_.pixel_start)
         .arg("places", places)
         .arg("pixels", pixels_);
@@ -111,7 +110,6 @@ class LayeredRaster::ListStore {
     emit("link_again", LAYERED_MODE_LINK, needed, more_heads, more_count, more_nodes, more_next);
     recorder_.pass(name_ + ".lengths", lists_, "layered_list_lengths")
         .global(pixels_ + 1)
-        .local(64)
         .arg("heads", heads)
         .arg("next", next)
         .arg("needed", needed)
@@ -123,7 +121,6 @@ class LayeredRaster::ListStore {
     scan();
     recorder_.pass(name_ + ".collect", lists_, "layered_list_collect")
         .global(pixels_)
-        .local(64)
         .arg("heads", heads)
         .arg("next", next)
         .arg("nodes", nodes)
@@ -175,7 +172,6 @@ class LayeredRaster::ListStore {
   Stored sorted() {
     recorder_.pass(name_ + ".sort", lists_, "layered_sort_pixels")
         .global(pixels_)
-        .local(64)
         .arg("layered_views", view_.views)
         .arg("layered_view", view_.index)
         .arg("pixels", pixels_)
@@ -202,7 +198,6 @@ void LayeredRaster::State::record_nearest(ScheduleRecorder& recorder, const std:
   const uint32_t pixels = options.max_width * options.max_height;
   recorder.pass(name + ".clear", nearest, "layered_clear_nearest")
       .global(pixels)
-      .local(64)
       .arg("depth", depth)
       .arg("triangle", triangle)
       .arg("pixels", pixels);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/direct_light/light_mixture.h"
 #include "lucarium/services/path_integrator/path_integrator_state.h"
@@ -217,7 +218,7 @@ bool PathIntegrator::iterate() {
 }
 
 void PathIntegrator::reset(uint64_t seed) {
-  state_->frame.seed = static_cast<uint32_t>(seed ^ (seed >> 32));
+  state_->frame.seed = kernel_seed(seed);
   state_->clear();
 }
 

@@ -49,7 +49,7 @@ struct PathIntegrator::State {
   void record_generate();
   void record_bounce();
   void record_finish();
-  void bind_scene(PassBuilder& pass, std::string_view kernel) const;
+  void bind_scene(PassBuilder& pass) const;
 
   bool run_batch(const PathBatch& batch);
   /// False when cancelled.

@@ -7,19 +7,16 @@
 namespace lucarium {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kLowerBatch = "lower the technique's batch_paths";
 
 }  // namespace
 
-void PathIntegrator::State::bind_scene(PassBuilder& pass, std::string_view kernel) const {
+void PathIntegrator::State::bind_scene(PassBuilder& pass) const {
   // SceneBuffers::bind(), but with the light table of the path set.
-  const auto bind = [&](std::string_view name, const Buffer& buffer) {
-    for (const KernelArgument& argument : program.signature(kernel).arguments)
-      if (argument.name == name) pass.arg(name, BufferRef(buffer));
+  const auto bind = [&](std::string_view name, const Buffer& own) {
+    pass.arg_if_present(name, light_table && name == "scene_light_table" ? Buffer(light_table) : own);
   };
-#define LUCARIUM_BIND_SCENE_BUFFER(type, name, meaning) \
-  bind(#name, light_table&& std::string_view(#name) == "scene_light_table" ? Buffer(light_table) : Buffer(scene.name));
+#define LUCARIUM_BIND_SCENE_BUFFER(type, name, meaning) bind(#name, scene.name);
   LUCARIUM_SCENE_BUFFERS(LUCARIUM_BIND_SCENE_BUFFER)
 #undef LUCARIUM_BIND_SCENE_BUFFER
 }
@@ -30,7 +27,6 @@ void PathIntegrator::State::record_generate() {
   generate_batch = recorder.variable("batch", PathBatch());
   recorder.pass("generate camera paths", program, "generate_camera_paths")
       .global(plan.paths())
-      .local(kLocalSize)
       .arg("frame", generate_frame)
       .arg("settings", settings)
       .arg("batch", generate_batch)
@@ -59,9 +55,8 @@ void PathIntegrator::State::record_bounce() {
 
   intersector.record_closest(recorder, "closest hit", paths.rays, hits, paths.active, 0, capacity);
   PassBuilder shade = recorder.pass("shade surface", program, "shade_surface");
-  bind_scene(shade, "shade_surface");
+  bind_scene(shade);
   shade.global_by(paths.active)
-      .local(kLocalSize)
       .arg("settings", settings)
       .arg("batch", bounce_batch)
       .arg("rays", paths.rays)
@@ -80,7 +75,6 @@ void PathIntegrator::State::record_bounce() {
     intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, paths.active, 0, capacity);
     recorder.pass("add unoccluded light", program, "add_unoccluded_light")
         .global_by(paths.active)
-        .local(kLocalSize)
         .arg("batch", bounce_batch)
         .arg("queue", paths.queue)
         .arg("active", paths.active)
@@ -92,7 +86,6 @@ void PathIntegrator::State::record_bounce() {
   primitives.record_compact(recorder, "compact paths", alive, survivors, next_active, 0, paths.active, 0, capacity);
   recorder.pass("advance paths", program, "advance_paths")
       .global_by(paths.active)
-      .local(kLocalSize)
       .arg("survivors", survivors)
       .arg("next_active", next_active)
       .arg("next_rays", next_rays)
@@ -110,7 +103,6 @@ void PathIntegrator::State::record_finish() {
   finish_batch = recorder.variable("batch", PathBatch());
   recorder.pass("accumulate layers", program, "accumulate_layers")
       .global(plan.pixels_per_batch)
-      .local(kLocalSize)
       .arg("settings", settings)
       .arg("batch", finish_batch)
       .arg("pixels", plan.pixels)
@@ -122,7 +114,6 @@ void PathIntegrator::State::record_finish() {
   for (uint32_t replicate = 0; replicate < sums.replicates.size(); ++replicate)
     recorder.pass("accumulate replicate", program, "accumulate_replicate")
         .global(plan.pixels_per_batch)
-        .local(kLocalSize)
         .arg("settings", settings)
         .arg("batch", finish_batch)
         .arg("replicate", replicate)

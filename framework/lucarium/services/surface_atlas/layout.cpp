@@ -2,13 +2,11 @@
 #include "lucarium/services/surface_atlas/layout.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <thread>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/parallel.h"
 #include "lucarium/services/surface_atlas/chart.h"
 #include "lucarium/services/surface_atlas/grow.h"
 #include "lucarium/services/surface_atlas/table.h"
@@ -55,34 +53,6 @@ class Watch {
   const AtlasLayoutOptions& options_;
 };
 
-/// Runs job(0 … count-1) on some threads, each with a worker of its own. This thread takes part and alone calls `tick`,
-/// which may throw; the first exception ends the work and is thrown again.
-template <class MakeWorker>
-void run_jobs(size_t count, unsigned threads, const MakeWorker& make_worker, const std::function<void(size_t)>& tick) {
-  std::atomic<size_t> next{0};
-  std::atomic<bool> stop{false};
-  std::exception_ptr failure;
-  std::mutex failure_lock;
-  const auto work = [&](bool reports) {
-    try {
-      auto job = make_worker();
-      for (size_t i = next++; i < count && !stop; i = next++) {
-        if (reports) tick(i);
-        job(i);
-      }
-    } catch (...) {
-      const std::lock_guard lock(failure_lock);
-      if (!failure) failure = std::current_exception();
-      stop = true;
-    }
-  };
-  std::vector<std::thread> others;
-  for (unsigned i = 1; i < threads; ++i) others.emplace_back(work, false);
-  work(true);
-  for (std::thread& thread : others) thread.join();
-  if (failure) std::rethrow_exception(failure);
-}
-
 std::vector<AtlasPart> place_charts(const AtlasMesh& mesh, const ChartSets& sets, const ChartSettings& settings,
                                     unsigned threads, const std::function<void(double)>& tick) {
   // Runs of sets with about as many triangles each.
@@ -101,7 +71,7 @@ std::vector<AtlasPart> place_charts(const AtlasMesh& mesh, const ChartSets& sets
       }
     };
   };
-  run_jobs(result.size(), threads, make_worker, [&](size_t job) { tick(double(job) / double(result.size())); });
+  parallel_jobs(result.size(), threads, make_worker, [&](size_t job) { tick(double(job) / double(result.size())); });
   return result;
 }
 

@@ -2,20 +2,18 @@
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/device/emission.h"
 #include "lucarium/services/surface_atlas/geometry.h"
 
 namespace lucarium {
 namespace {
-
-constexpr size_t kLocalSize = 64;
 
 /// Area of all reflecting sides [m²].
 double scene_side_area(const Scene& scene) {
@@ -77,7 +75,7 @@ struct SurfaceAtlas::State {
   void upload(const AtlasLayout& layout);
   void record();
   void run(Schedule& schedule) { scheduler.run_to_end(schedule); }
-  void bind(PassBuilder& pass, const Program& kernels, std::string_view kernel) const;
+  void bind(PassBuilder& pass) const;
 
   Device& device;
   KernelScheduler& scheduler;
@@ -113,7 +111,7 @@ void SurfaceAtlas::State::refuse_if_too_large(const Scene& scene) const {
 }
 
 void SurfaceAtlas::State::build(const Scene& scene) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   place = {}, shade = {};
   triangles = {}, table = {}, links = {}, texels = {}, points = {}, materials = {}, ranges = {}, pieces = {},
   samples = {};
@@ -132,7 +130,7 @@ void SurfaceAtlas::State::build(const Scene& scene) {
   scheduler.finish();
   report.bytes = triangles.bytes() + table.bytes() + links.bytes() + texels.bytes() + points.bytes() +
                  materials.bytes() + ranges.bytes() + pieces.bytes() + (options.samples > 0 ? samples.bytes() : 0);
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds = watch.seconds();
   if (options.progress) options.progress(1, "done");
 }
 
@@ -155,35 +153,30 @@ void SurfaceAtlas::State::record() {
   const size_t slots = std::max<size_t>(1, info.texel_count);
   ScheduleRecorder placing = scheduler.record("place atlas slots", owner);
   PassBuilder place_pass = placing.pass("place atlas slots", program, "place_atlas_slots");
-  buffers.bind(place_pass, program, "place_atlas_slots");
-  bind(place_pass, program, "place_atlas_slots");
-  place_pass.global(slots).local(kLocalSize);
+  buffers.bind(place_pass);
+  bind(place_pass);
+  place_pass.global(slots);
   place = placing.compile();
   ScheduleRecorder shading = scheduler.record("shade atlas slots", owner);
   PassBuilder shade_pass = shading.pass("shade atlas slots", program, "shade_atlas_slots");
-  buffers.bind(shade_pass, program, "shade_atlas_slots");
-  bind(shade_pass, program, "shade_atlas_slots");
-  shade_pass.global(slots).local(kLocalSize);
+  buffers.bind(shade_pass);
+  bind(shade_pass);
+  shade_pass.global(slots);
   shade = shading.compile();
   scene_generation = buffers.generation();
 }
 
-void SurfaceAtlas::State::bind(PassBuilder& pass, const Program& kernels, std::string_view kernel) const {
-  for (const KernelArgument& argument : kernels.signature(kernel).arguments) {
-    if (argument.name == "atlas_info") pass.arg(argument.name, info);
-    const auto bind_if_named = [&](std::string_view name, const Buffer& buffer) {
-      if (argument.name == name) pass.arg(name, buffer);
-    };
-    bind_if_named("atlas_triangles", triangles);
-    bind_if_named("atlas_table", table);
-    bind_if_named("atlas_links", links);
-    bind_if_named("atlas_texels", texels);
-    bind_if_named("atlas_points", points);
-    bind_if_named("atlas_materials", materials);
-    bind_if_named("atlas_ranges", ranges);
-    bind_if_named("atlas_pieces", pieces);
-    bind_if_named("atlas_samples", samples);
-  }
+void SurfaceAtlas::State::bind(PassBuilder& pass) const {
+  pass.arg_if_present("atlas_info", info)
+      .arg_if_present("atlas_triangles", triangles)
+      .arg_if_present("atlas_table", table)
+      .arg_if_present("atlas_links", links)
+      .arg_if_present("atlas_texels", texels)
+      .arg_if_present("atlas_points", points)
+      .arg_if_present("atlas_materials", materials)
+      .arg_if_present("atlas_ranges", ranges)
+      .arg_if_present("atlas_pieces", pieces)
+      .arg_if_present("atlas_samples", samples);
 }
 
 SurfaceAtlas::SurfaceAtlas(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
@@ -210,8 +203,8 @@ void SurfaceAtlas::resolve(const TypedBuffer<GBufferPoint>& points, Film& film) 
   const TypedBuffer<float4> colors(s.device, s.owner, "atlas layer", count);
   ScheduleRecorder recorder = s.scheduler.record("draw atlas layer", s.owner);
   PassBuilder pass = recorder.pass("draw atlas layer", s.program, "draw_atlas_layer");
-  s.bind(pass, s.program, "draw_atlas_layer");
-  pass.global(count).local(kLocalSize).arg("points", points).arg("count", count).arg("colors", colors);
+  s.bind(pass);
+  pass.global(count).arg("points", points).arg("count", count).arg("colors", colors);
   Schedule schedule = recorder.compile();
   s.run(schedule);
   s.scheduler.finish();
@@ -227,7 +220,6 @@ std::vector<float4> SurfaceAtlas::slot_colors() const {
   ScheduleRecorder recorder = s.scheduler.record("color atlas slots", s.owner);
   recorder.pass("color atlas slots", s.program, "color_atlas_slots")
       .global(s.info.texel_count)
-      .local(kLocalSize)
       .arg("count", s.info.texel_count)
       .arg("colors", colors);
   Schedule schedule = recorder.compile();
@@ -258,9 +250,7 @@ void SurfaceAtlas::warm_up() {
   state_->scheduler.warm_up(state_->shade);
 }
 
-void SurfaceAtlas::bind(PassBuilder& pass, const Program& program, std::string_view kernel) const {
-  state_->bind(pass, program, kernel);
-}
+void SurfaceAtlas::bind(PassBuilder& pass) const { state_->bind(pass); }
 
 uint64_t SurfaceAtlas::generation() const { return state_->generation; }
 const AtlasInfo& SurfaceAtlas::info() const { return state_->info; }

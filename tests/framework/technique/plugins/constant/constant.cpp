@@ -50,8 +50,8 @@ TechniqueInfo constant_info() {
   info.name = "constant";
   info.version = "1.0";
   info.summary = "one colour everywhere, for tests";
-  info.capabilities.lights = {"point"};
-  info.capabilities.changes = {"camera"};
+  info.capabilities.lights = {LightKind::point};
+  info.capabilities.changes = {ChangeKind::camera};
   info.capabilities.max_bounces = 3;
   info.capabilities.uses_bvh = false;
   info.layers = {"direct", "count"};

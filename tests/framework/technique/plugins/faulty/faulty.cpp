@@ -75,15 +75,14 @@ TechniqueInfo faulty_info() {
   info.name = "faulty";
   info.version = "1.0";
   info.summary = "breaks one promise at a time, for tests";
-  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse",      "glossy", "mirror", "refraction",
-                                 "transmission", "mask",   "blend",  "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
   info.layers = {"emission", "direct", "indirect"};
 #if defined(FAULTY_DECLARATION)
   info.name = "faulty_declaration";
   info.version = "";
-  info.capabilities.lights.push_back("lava");
+  info.capabilities.lights.push_back(LightKind::point);  // twice
 #elif defined(BIASED)
   info.name = "biased";
   info.capabilities.bias = 0.05;
