@@ -34,49 +34,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "bundle_exchange/bundle_parts.h"
+#include "bundle_exchange/declaration.h"
 #include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
 
 namespace lucarium {
 namespace {
 
 using namespace bundle;
 
-const char* const kOwner = "bundle_exchange";
+/// What directions are for at present.
+enum class Phase {
+  light,          ///< texels do not know yet the direct light that they are to send
+  exchange,       ///< directions carry all light
+  emission_only,  ///< reflected light is known well enough: they carry the emitted light alone
+  done,           ///< used up, as accurate as wanted, or of no use
+};
 
-TechniqueInfo bundle_exchange_info() {
-  TechniqueInfo info;
-  info.name = kOwner;
-  info.version = "1.0";
-  info.summary = "radiance exchange along global parallel ray-bundles into a surface atlas";
-  info.citation =
-      "J. Hermes, N. Henrich, T. Grosch, S. Mueller, Global Illumination using Parallel Global Ray-Bundles, Vision, "
-      "Modeling, and Visualization 2010";
-  info.capabilities.lights = all_kinds<LightKind>();
-  info.capabilities.materials = all_kinds<MaterialKind>();
-  info.capabilities.changes = all_kinds<ChangeKind>();
-  info.capabilities.max_bounces = -1;
-  info.capabilities.view_independent = true;
-  info.capabilities.bias = 0.02;  // radiance is constant over a texel; geometric cosines of indirect light
-  info.layers = {"emission", "direct", "indirect"};
-  return info;
-}
-
-class BundleExchange : public Technique {
+class BundleExchange : public TechniqueBase<Parameters> {
  public:
-  ParameterTable& parameters() override { return table_; }
-
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
-    PathSet set;
-    set.max_bounces = settings.max_bounces;
-    if (parameters_.interleave == Interleave::pingpong && set.max_bounces < 0) {  // a bounce for each block
-      const int head = parameters_.direct_mode == DirectMode::exchange ? parameters_.direct_first : 0;
-      set.max_bounces = (std::max(0, parameters_.directions - head) + parameters_.block - 1) / parameters_.block;
-    }
-    set.light_delta = parameters_.glossy_bounces == GlossyBounces::multiple;
-    set.secondary_lambert_only = !set.light_delta;
-    return set;
+    return bundle::path_set(parameters_, settings);
   }
 
   std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
@@ -87,120 +69,110 @@ class BundleExchange : public Technique {
     return bundle::estimate_bytes(make_plan(parameters_, scene, settings), parameters_, scene, settings);
   }
 
-  void prepare(const TechniqueContext& context) override {
-    context_ = std::make_unique<TechniqueContext>(context);
-    seed_ = context.settings.seed;
-    guide_ = make_guide(parameters_, environment());
-    build();
+  std::map<std::string, double> counters() const override {
+    std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
+    if (!parts_) return result;
+    result["indirect_directions"] = static_cast<double>(parts_->means.reflecting(directions_));
+    result["slots"] = parts_->atlas->info().texel_count;
+    result["film_pixels"] = parts_->transfer.mean_film();
+    result["hop_rays"] = static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
+    if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
+    return result;
   }
 
-  void update(const SceneChange& change) override {
-    if (!change.any()) return;
-    if (change.environment || change.topology) guide_ = make_guide(parameters_, environment());
-    if (change.only_camera() && parts_) {
-      step_ = {};
-      parts_->camera.set_frame(make_frame(context_->settings));
-      return;
-    }
-    if (parameters_.warm_start && parts_ && forgets(parameters_)) {
-      build_from(change);
-    } else if (parts_ && !touches_surfaces(change)) {
-      build(keep_surfaces());
-    } else {
-      build();
-    }
+ protected:
+  // ---- the loop over directions
+
+  /// An iteration: light samples for some texels, directions of about kPixels film pixels, a camera sample, which alone
+  /// changes the image. What a cancelled one has completed is kept; the next goes on from there.
+  bool step() override {
+    BundleParts& parts = *parts_;
+    if (!step_.begun)
+      step_ = {true, false, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
+    if (!step_.seen && !parts.camera.begin_sample()) return false;
+    step_.seen = true;
+    if (!sample_texels() || !exchange_directions() || !parts.camera.sample()) return false;
+    if (shows_preview() && !parts.preview->smooth()) return false;
+    parts.camera.commit(shows_all());
+    step_ = {};
+    return true;
   }
 
-  IterationResult iterate() override {
-    if (!parts_) build();  // the last attempt failed
-    run_steps();
-    return state();
+  IterationResult state() const override {
+    const Phase now = phase();
+    IterationResult result;
+    result.samples = parts_->camera.samples();
+    // Of the exchange alone: what it has found is kept when the camera moves.
+    result.progress = now == Phase::light  ? 0
+                      : now == Phase::done ? 1
+                                           : static_cast<double>(directions_) / parameters_.directions;
+    const bool seen = parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
+    result.converged = now == Phase::done && !wants_light() && seen;
+    result.phase = result.converged ? why_converged() : describe(now);
+    return result;
   }
 
-  void resolve(Film& film) override {
-    if (!parts_)
-      throw Error(ErrorClass::input, "bundle_exchange: the scene's last change could not be followed; nothing to show");
-    parts_->camera.resolve(film, parts_->preview && !exchange_done());
-  }
+  void write(Film& film) override { parts_->camera.resolve(film, shows_preview()); }
 
-  void reset(uint64_t seed) override {
-    seed_ = seed;
-    if (!parts_) return build();
+  void restart() override {
     directions_ = gathers_ = 0;
     step_ = {};
     batch_ = {};
-    sequence_ = DirectionSequence(sequence_parameters(), seed_, guide_, has_ring());
+    sequence_ = DirectionSequence(sequence_parameters(), full_seed(), guide_, has_ring());
     if (parts_->specular) parts_->specular->reset();
-    parts_->slot_light.reset(kernel_seed(seed_));
+    parts_->slot_light.reset(seed());
     parts_->means.reset();
-    parts_->camera.reset(kernel_seed(seed_));
+    parts_->camera.reset(seed());
+    if (known_) parts_->means.start_from(std::move(*known_));
+    known_.reset();
   }
 
-  void warm_up() override {
-    if (!parts_) build();
-    parts_->warm_up();
-  }
+  // ---- what is made for a scene
 
-  std::map<std::string, double> counters() const override {
-    std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
-    if (parts_) {
-      result["indirect_directions"] = static_cast<double>(parts_->means.reflecting(directions_));
-      result["slots"] = parts_->atlas->info().texel_count;
-      result["film_pixels"] = parts_->transfer.mean_film();
-      result["hop_rays"] =
-          static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
-      if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
+  void compile() override { guide_ = make_guide(parameters_, environment()); }
+
+  bool follow(const SceneChange& change) override {
+    if (change.environment || change.topology) guide_ = make_guide(parameters_, environment());
+    if (!parts_) return false;
+    if (change.only_camera()) {
+      step_ = {};
+      parts_->camera.set_frame(make_frame(settings()));
+      return true;
     }
-    return result;
+    if (parameters_.warm_start && forgets(parameters_)) {
+      keep_senders(change);
+    } else if (!touches_surfaces(change)) {
+      kept_ = keep_surfaces();
+    }
+    return false;
   }
+
+  void build() override {
+    parts_.reset();  // its memory first
+    // Of this change alone: what follows a failure begins with nothing.
+    BundleParts::Kept kept = std::exchange(kept_, {});
+    std::optional<SlotMeans::Kept> known = std::exchange(known_, {});
+    const BundlePlan plan = make_plan(parameters_, scene(), settings());
+    auto parts = std::make_unique<BundleParts>(context(), parameters_, plan, std::move(kept));
+    if (exchanges()) parts->measure_openness(context().progress);
+    parts_ = std::move(parts);
+    known_ = std::move(known);
+  }
+
+  void warm_up_kernels() override { parts_->warm_up(); }
 
  private:
-  bool has_ring() const { return parts_ && parts_->specular && parts_->specular->has_ring(); }
+  // ---- progress
 
-  /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at
-  /// least.
-  Parameters sequence_parameters() const {
-    Parameters result = parameters_;
-    if (has_ring()) result.block = std::max(result.block, 64 * result.glossy_window);
-    return result;
+  Phase phase() const {
+    if (!(parts_->slot_light.complete() || settings().max_bounces == 0)) return Phase::light;
+    if (!exchanges() || directions_ >= static_cast<uint64_t>(parameters_.directions) || is_accurate())
+      return Phase::done;
+    return parts_->means.reflected_light_done() ? Phase::emission_only : Phase::exchange;
   }
 
-  const Environment* environment() const {
-    return context_->scene.environment ? &*context_->scene.environment : nullptr;
-  }
-
-  void build(BundleParts::Kept kept = {}) {
-    parts_.reset();  // its memory first
-    const BundlePlan plan = make_plan(parameters_, context_->scene, context_->settings);
-    auto parts = std::make_unique<BundleParts>(*context_, parameters_, plan, std::move(kept));
-    if (exchanges()) parts->measure_openness(context_->progress);
-    parts_ = std::move(parts);
-    reset(seed_);
-  }
-
-  static bool touches_surfaces(const SceneChange& change) { return change.geometry() || !change.materials.empty(); }
-
-  /// The atlas, which knows surfaces and their emission only, and what of its texels counts.
-  BundleParts::Kept keep_surfaces() {
-    return {std::move(parts_->atlas), std::move(parts_->exposure), std::move(parts_->openness)};
-  }
-
-  /// Texels stay what they are, and senders know what they knew, where the atlas can follow the change.
-  void build_from(const SceneChange& change) {
-    SlotMeans::Kept known = parts_->means.keep();
-    BundleParts::Kept kept = keep_surfaces();
-    parts_.reset();
-    const uint64_t generation = kept.atlas->generation();
-    kept.atlas->refit(context_->scene, change);
-    const bool same = kept.atlas->generation() == generation;
-    if (touches_surfaces(change)) kept.exposure = nullptr, kept.openness = nullptr;
-    build(std::move(kept));
-    if (same) parts_->means.start_from(std::move(known));
-  }
-
-  bool exchange_done() const {
-    return directions_ >= static_cast<uint64_t>(parameters_.directions) || !exchanges() || is_accurate();
-  }
+  /// Whether bundles carry anything.
+  bool exchanges() const { return settings().max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange; }
 
   /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before
   /// the end: both use up their directions.
@@ -209,14 +181,75 @@ class BundleExchange : public Technique {
            parts_->means.relative_error() < parameters_.stop_error;
   }
 
-  /// Whether bundles carry anything.
-  bool exchanges() const {
-    return context_->settings.max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange;
+  bool shows_preview() const { return parts_->preview && phase() != Phase::done; }
+
+  /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces
+  /// are missing until the end, it shows the atlas as it is, and no mean over what it was.
+  bool shows_all() const {
+    return phase() == Phase::done ||
+           (forgets(parameters_) && directions_ > 0 && parts_->means.carries_all(directions_ - 1));
+  }
+
+  /// Whether more light samples at texels are of use: to those that send reflected light, or to pixels that gather it.
+  bool wants_light() const {
+    if (settings().max_bounces == 0 || parts_->slot_light.exhausted()) return false;
+    return phase() == Phase::light || !(phase() == Phase::done || parts_->means.reflected_light_done()) ||
+           parts_->camera.pixel_gather();
+  }
+
+  std::string describe(Phase now) const {
+    if (now == Phase::light) return "light";
+    return parts_->means.reflected_light_done() ? "direct light" : "exchange";
+  }
+
+  std::string why_converged() const {
+    if (!exchanges()) return fmt::format("all {} camera_samples are done", parameters_.camera_samples);
+    if (is_accurate())
+      return fmt::format("the relative error is {:.2g}, below stop_error", parts_->means.relative_error());
+    const bool by_samples =
+        parts_->camera.atlas_samples() == static_cast<uint64_t>(parameters_.camera_samples);  // which it waited for
+    if (by_samples)
+      return fmt::format("all {} directions and {} camera_samples are done", parameters_.directions,
+                         parameters_.camera_samples);
+    return fmt::format("all {} directions are done", parameters_.directions);
+  }
+
+  // ---- an iteration
+
+  /// Directions so far, those of pixels only included.
+  uint64_t position() const { return directions_ + batch_.done + gathers_; }
+
+  uint32_t directions_per_iteration() const {
+    // Fragments that are stored cost about three times as much as those that are exchanged at once.
+    const double films = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
+    const double count = kPixels / films / parts_->transfer.largest_film();
+    return static_cast<uint32_t>(std::clamp(count, 1.0, 64 / films));
+  }
+
+  /// Light samples at the runs of texels of this iteration. False when cancelled.
+  bool sample_texels() {
+    for (; step_.light_runs > 0 && wants_light(); --step_.light_runs) {
+      if (!parts_->slot_light.sample()) return false;
+      parts_->slot_light.commit();
+    }
+    step_.light_runs = 0;
+    return true;
+  }
+
+  /// The directions of this iteration. When texels have received enough, those that pixels gather along. False when
+  /// cancelled.
+  bool exchange_directions() {
+    while (position() < step_.end && phase() != Phase::light) {
+      const bool exchanging = next_batch() > 0;
+      if (!exchanging && !parts_->camera.pixel_gather()) break;
+      if (!(exchanging ? run_batch() : run_gather())) return false;
+    }
+    return true;
   }
 
   /// Directions of the next batch: few at first, when much is learnt from each, and none across a boundary.
   uint32_t next_batch() const {
-    if (exchange_done()) return 0;
+    if (phase() == Phase::done) return 0;
     const uint64_t first = static_cast<uint64_t>(parameters_.direct_first);
     const bool direct_only = parts_->means.direct_only(directions_);
     uint64_t count = parameters_.batch;
@@ -227,32 +260,6 @@ class BundleExchange : public Technique {
     if (parameters_.interleave == Interleave::pingpong)
       count = std::min<uint64_t>(count, parameters_.block - parts_->means.reflecting(directions_) % parameters_.block);
     return static_cast<uint32_t>(count);
-  }
-
-  /// An iteration: light samples for some slots, directions of about kPixels film pixels,
-  /// a camera sample, which alone changes the image. A step that was cancelled is done again by the next iteration,
-  /// which goes on from there.
-  bool run_steps() {
-    BundleParts& parts = *parts_;
-    if (!step_.begun)
-      step_ = {true, false, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
-    if (!step_.seen && !parts.camera.begin_sample()) return false;
-    step_.seen = true;
-    for (; step_.light_runs > 0 && wants_light(); --step_.light_runs) {
-      if (!parts.slot_light.sample()) return false;
-      parts.slot_light.commit();
-    }
-    step_.light_runs = 0;
-    while (position() < step_.end && lit()) {
-      const bool exchanging = next_batch() > 0;
-      if (!exchanging && !parts.camera.pixel_gather()) break;
-      if (!(exchanging ? run_batch() : run_gather())) return false;
-    }
-    if (!parts.camera.sample()) return false;
-    if (parts.preview && !exchange_done() && !parts.preview->smooth()) return false;
-    parts.camera.commit(shows_all());
-    step_ = {};
-    return true;
   }
 
   /// Directions of the batch, which share what senders know, up to its end or that of the iteration. Cancelled between
@@ -285,8 +292,11 @@ class BundleExchange : public Technique {
     if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
     if (gather && specular) parts_->transfer.gather(direction, seed, first);
     if (gather && !specular && !gather_along(index, first)) return false;
-    parts_->means.direct_only(directions_) ? parts_->transfer.exchange_emission(direction, seed)
-                                           : parts_->transfer.exchange(direction, seed);
+    if (parts_->means.direct_only(directions_)) {
+      parts_->transfer.exchange_emission(direction, seed);
+    } else {
+      parts_->transfer.exchange(direction, seed);
+    }
     if (specular) specular->receive(batch_.done);
     return true;
   }
@@ -300,9 +310,6 @@ class BundleExchange : public Technique {
 
   /// What slots send by specular lobes in the batch; null where bundles carry emission only.
   SlotSpecular* reflecting() const { return parts_->means.direct_only(directions_) ? nullptr : parts_->specular.get(); }
-
-  /// Directions so far, those of pixels only included.
-  uint64_t position() const { return directions_ + batch_.done + gathers_; }
 
   /// When slots have received enough: a direction for pixels only.
   bool run_gather() {
@@ -324,56 +331,38 @@ class BundleExchange : public Technique {
     return true;
   }
 
-  uint32_t direction_seed(uint64_t index) const {
-    return mixed_seed(kernel_seed(seed_), static_cast<uint32_t>(index + 1));
+  uint32_t direction_seed(uint64_t index) const { return mixed_seed(seed(), static_cast<uint32_t>(index + 1)); }
+
+  // ---- what a change of the scene leaves
+
+  static bool touches_surfaces(const SceneChange& change) { return change.geometry() || !change.materials.empty(); }
+
+  /// The atlas, which knows surfaces and their emission only, and what of its texels counts.
+  BundleParts::Kept keep_surfaces() {
+    return {std::move(parts_->atlas), std::move(parts_->exposure), std::move(parts_->openness)};
   }
 
-  /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces
-  /// are missing until the end, it shows the atlas as it is, and no mean over what it was.
-  bool shows_all() const {
-    return !exchanges() || exchange_done() ||
-           (forgets(parameters_) && directions_ > 0 && parts_->means.carries_all(directions_ - 1));
+  /// Texels stay what they are, and senders know what they knew, where the atlas can follow the change.
+  void keep_senders(const SceneChange& change) {
+    SlotMeans::Kept known = parts_->means.keep();
+    BundleParts::Kept kept = keep_surfaces();
+    parts_.reset();
+    const uint64_t generation = kept.atlas->generation();
+    kept.atlas->refit(scene(), change);
+    if (kept.atlas->generation() == generation) known_ = std::move(known);
+    if (touches_surfaces(change)) kept.exposure = nullptr, kept.openness = nullptr;
+    kept_ = std::move(kept);
   }
 
-  /// Whether more light samples at slots are of use.
-  bool wants_light() const {
-    return context_->settings.max_bounces != 0 && !parts_->slot_light.exhausted() &&
-           (!lit() || !(exchange_done() || parts_->means.reflected_light_done()) ||
-            parts_->camera.pixel_gather());  // only bundles still send what they know
-  }
+  const Environment* environment() const { return scene().environment ? &*scene().environment : nullptr; }
 
-  /// Whether slots know the direct light that they are to send.
-  bool lit() const { return parts_->slot_light.complete() || context_->settings.max_bounces == 0; }
+  bool has_ring() const { return parts_->specular && parts_->specular->has_ring(); }
 
-  uint32_t directions_per_iteration() const {
-    // Fragments that are stored cost about three times as much as those that are exchanged at once.
-    const double films = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
-    const double count = kPixels / films / parts_->transfer.largest_film();
-    return static_cast<uint32_t>(std::clamp(count, 1.0, 64 / films));
-  }
-
-  /// When converged, why.
-  std::string phase(bool converged) const {
-    if (converged && !exchanges()) return fmt::format("all {} camera_samples are done", parameters_.camera_samples);
-    if (converged && is_accurate())
-      return fmt::format("the relative error is {:.2g}, below stop_error", parts_->means.relative_error());
-    const bool by_samples =
-        parts_->camera.atlas_samples() == static_cast<uint64_t>(parameters_.camera_samples);  // which it waited for
-    if (converged && by_samples)
-      return fmt::format("all {} directions and {} camera_samples are done", parameters_.directions,
-                         parameters_.camera_samples);
-    if (converged) return fmt::format("all {} directions are done", parameters_.directions);
-    return !lit() ? "light" : parts_->means.reflected_light_done() ? "direct light" : "exchange";
-  }
-
-  IterationResult state() const {
-    IterationResult result;
-    result.samples = parts_->camera.samples();
-    // Of the exchange alone: what it has found is kept when the camera moves.
-    result.progress = !lit() ? 0 : exchange_done() ? 1 : static_cast<double>(directions_) / parameters_.directions;
-    const bool seen = parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
-    result.converged = lit() && exchange_done() && !wants_light() && seen;
-    result.phase = phase(result.converged);
+  /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at
+  /// least.
+  Parameters sequence_parameters() const {
+    Parameters result = parameters_;
+    if (has_ring()) result.block = std::max(result.block, 64 * result.glossy_window);
     return result;
   }
 
@@ -390,15 +379,14 @@ class BundleExchange : public Technique {
   };
 
   static constexpr double kPixels = 4e6;  ///< film pixels of an iteration, about 100 ms
-  Parameters parameters_;
-  ParameterTable table_ = make_parameter_table(parameters_);
-  std::unique_ptr<TechniqueContext> context_;
   std::shared_ptr<const EnvironmentGuide> guide_;
-  uint64_t seed_ = 1, directions_ = 0, gathers_ = 0;
+  uint64_t directions_ = 0, gathers_ = 0;
   Step step_;
   Batch batch_;
   DirectionSequence sequence_{parameters_, 1, nullptr};
   std::unique_ptr<BundleParts> parts_;
+  BundleParts::Kept kept_;                ///< for the next build()
+  std::optional<SlotMeans::Kept> known_;  ///< for the next restart()
 };
 
 std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<BundleExchange>(); }
@@ -406,4 +394,4 @@ std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<Bu
 }  // namespace
 }  // namespace lucarium
 
-LUCARIUM_EXPORT_TECHNIQUE(lucarium::bundle_exchange_info, lucarium::create_bundle_exchange)
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::bundle::technique_info, lucarium::create_bundle_exchange)

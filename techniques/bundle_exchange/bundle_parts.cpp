@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_exchange/bundle_parts.h"
 
+#include <fmt/format.h>
+
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
@@ -13,16 +15,12 @@ namespace {
 const char* const kOwner = "bundle_exchange";
 
 Program make_program(Device& device, const Channels& channels) {
-  SourceLibrary library;
-  library.add(bundle_exchange_kernels());
-  return Program(device, library,
-                 {"bundle_exchange/means",
-                  {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl",
-                   "bundle_exchange/texels/slot_exposure.cl", "bundle_exchange/texels/slot_openness.cl",
-                   "bundle_exchange/texels/slot_light.cl", "bundle_exchange/pixels/camera_light.cl",
-                   "bundle_exchange/specular/hops.cl", "bundle_exchange/senders/ring.cl",
-                   "bundle_exchange/pixels/pixel_gather.cl", "bundle_exchange/senders/preview.cl"},
-                  channels.defines()});
+  std::vector<std::string> files;
+  for (const char* file :
+       {"senders/senders", "senders/fold", "texels/slot_exposure", "texels/slot_openness", "texels/slot_light",
+        "pixels/camera_light", "specular/hops", "senders/ring", "pixels/pixel_gather", "senders/preview"})
+    files.push_back(fmt::format("bundle_exchange/{}", file));
+  return make_program(device, bundle_exchange_kernels(), files, channels.defines());
 }
 
 std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlasOptions options) {

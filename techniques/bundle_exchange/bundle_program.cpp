@@ -6,9 +6,7 @@ const lucarium::EmbeddedSources& bundle_exchange_kernels();
 namespace lucarium::bundle {
 
 Program make_bundle_program(Device& device, const std::string& file, std::map<std::string, std::string> defines) {
-  SourceLibrary library;
-  library.add(bundle_exchange_kernels());
-  return Program(device, library, {"bundle_exchange/" + file, {"bundle_exchange/" + file + ".cl"}, std::move(defines)});
+  return make_program(device, bundle_exchange_kernels(), {"bundle_exchange/" + file}, std::move(defines));
 }
 
 PassBuilder surface_pass(ScheduleRecorder& recorder, const std::string& name, const Program& program,

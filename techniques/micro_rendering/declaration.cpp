@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
+#include "lucarium/services/eye_light/eye_light.h"
 #include "micro_rendering/light/leaf_light.h"
-#include "micro_rendering/pixels/eye_light.h"
 #include "micro_rendering/pixels/pixel_gather.h"
 #include "micro_rendering/tree/scene_forest.h"
 

@@ -25,11 +25,12 @@
 // approximate. Both vanish with more points and smaller cut_kappa; jitter is averaged over frames.
 
 #include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/eye_light/eye_light.h"
 #include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
 #include "micro_rendering/declaration.h"
 #include "micro_rendering/gather/gather_pass.h"
 #include "micro_rendering/light/leaf_light.h"
-#include "micro_rendering/pixels/eye_light.h"
 #include "micro_rendering/pixels/pixel_gather.h"
 #include "micro_rendering/tree/scene_forest.h"
 
@@ -40,10 +41,8 @@ using namespace micro;
 
 const char* const kName = "micro_rendering";
 
-class MicroRendering : public Technique {
+class MicroRendering : public TechniqueBase<MicroParameters> {
  public:
-  ParameterTable& parameters() override { return table_; }
-
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
     return micro::path_set(parameters_, settings);
   }
@@ -57,63 +56,8 @@ class MicroRendering : public Technique {
   }
 
   void prepare(const TechniqueContext& context) override {
-    context_ = std::make_unique<TechniqueContext>(context);
-    seed_ = context.settings.seed;
-    if (bounces() > 0) {
-      gather_ = GatherPass(*context.device, parameters_, GatherAt::pixels);
-      if (bounces() > 1 && parameters_.multibounce == MultiBounce::jacobi)
-        node_gather_ = GatherPass(*context.device, parameters_, GatherAt::nodes);
-      forest_ = std::make_unique<SceneForest>(*context_, parameters_, kName);
-    }
-    make_anew();
+    TechniqueBase::prepare(context);
     if (forest_) forest_->warn_of_details();
-  }
-
-  /// Interrupted while points are placed anew it leaves that to the next iterate(): there is nothing to show.
-  void update(const SceneChange& change) override {
-    try {
-      follow(change);
-    } catch (const Error& error) {
-      if (error.error_class() != ErrorClass::interrupted) throw;
-    }
-  }
-
-  IterationResult iterate() override {
-    if (!made_) make_anew();  // the last attempt failed
-    if (light() && step()) {
-      ++batch_;
-      if (!pixels_ || batch_ == pixels_->batches()) batch_ = 0, ++frame_;
-    }
-    IterationResult result;
-    result.progress = -1;
-    result.samples = frame_;
-    result.visible = batch_ > 0;
-    result.phase =
-        leaf_light_ && !virtual_lights_ && !leaf_light_->lit(frame_, kernel_seed(seed_)) ? "light" : "gather";
-    return result;
-  }
-
-  void resolve(Film& film) override {
-    if (!made_)
-      throw Error(ErrorClass::input, "micro_rendering: the scene's last change could not be followed; nothing to show");
-    context_->scheduler.finish();
-    eye_light_->resolve(film);
-    if (pixels_) pixels_->resolve(film);
-  }
-
-  void reset(uint64_t seed) override {
-    seed_ = seed;
-    if (!made_) return make_anew();
-    eye_light_->set_frame(frame());
-    restart();
-  }
-
-  void warm_up() override {
-    if (!made_) make_anew();
-    eye_light_->warm_up();
-    if (leaf_light_) leaf_light_->warm_up();
-    if (pixels_) pixels_->warm_up();
-    if (virtual_lights_) virtual_lights_->warm_up();
   }
 
   std::map<std::string, double> counters() const override {
@@ -130,41 +74,141 @@ class MicroRendering : public Technique {
     return all;
   }
 
- private:
-  void follow(const SceneChange& change) {
-    if (!change.any()) return;
-    if (!made_) {
-      if (forest_) forest_->follow(change);
-      return make_anew();
-    }
-    if (change.only_camera()) {
-      eye_light_->set_frame(frame());
-      restart();
-      return;
-    }
-    const bool rebuilt = forest_ && !forest_->follow(change);
-    if (rebuilt) make_forest();
-    if (rebuilt || transmits(context_->scene) != transmits_ ||
-        scene_generation_ != context_->scene_buffers.generation() || bvh_generation_ != context_->bvh().generation()) {
-      make_passes();
-      return;
-    }
-    if (change.camera) eye_light_->set_frame(frame());
+ protected:
+  // ---- a frame: light at the points, a G-buffer, gathers at its pixels
+
+  /// One batch of gathers; before the first of a frame the G-buffer. True when it ends a frame.
+  bool step() override {
+    if (!light_points() || !gather_batch()) return false;
+    batch_ = (batch_ + 1) % batches();
+    return batch_ == 0;
+  }
+
+  IterationResult state() const override {
+    IterationResult result = TechniqueBase::state();
+    result.visible = batch_ > 0;
+    result.phase = points_lit() ? "gather" : "light";
+    return result;
+  }
+
+  void write(Film& film) override {
+    eye_light_->write(film);
+    if (pixels_) pixels_->resolve(film);
+  }
+
+  void restart() override {
+    batch_ = 0;
+    eye_light_->set_frame(frame());
+    if (!pixels_) return;
+    pixels_->set_camera(frame().camera);
+    pixels_->restart();
+  }
+
+  // ---- what is made for a scene
+
+  void compile() override {
+    if (bounces() == 0) return;
+    gather_ = GatherPass(device(), parameters_, GatherAt::pixels);
+    if (bounces() > 1 && parameters_.multibounce == MultiBounce::jacobi)
+      node_gather_ = GatherPass(device(), parameters_, GatherAt::nodes);
+    forest_ = std::make_unique<SceneForest>(context(), parameters_, kName);
+  }
+
+  bool follow(const SceneChange& change) override {
+    if (TechniqueBase::follow(change)) return true;  // the camera alone
+    const bool forest_follows = !forest_ || forest_->follow(change);
+    keeps_forest_ = built() && forest_follows;
+    if (!keeps_forest_ || transmits(scene()) != transmits_ || buffers_replaced()) return false;
+    keeps_forest_ = false;
     if (leaf_light_) leaf_light_->changed(change.geometry() || !change.materials.empty());
-    restart();
+    restart_samples();
+    return true;
   }
 
-  int bounces() const { return micro::bounces(parameters_, context_->settings); }
-
-  Frame frame() const {
-    Frame frame = make_frame(context_->settings);
-    frame.seed = kernel_seed(seed_);
-    return frame;
+  void build() override {
+    drop_gathers();  // what refers to memory goes before the memory
+    eye_light_.reset();
+    const bool keeps_forest = std::exchange(keeps_forest_, false);
+    if (forest_ && !keeps_forest) forest_->make();
+    transmits_ = transmits(scene());
+    make_eye_light();
+    if (forest_) make_gathers(*forest_->get());
   }
 
-  void make_anew() {
-    make_forest();
-    make_passes();
+  void warm_up_kernels() override {
+    eye_light_->warm_up();
+    if (leaf_light_) leaf_light_->warm_up();
+    if (pixels_) pixels_->warm_up();
+    if (virtual_lights_) virtual_lights_->warm_up();
+  }
+
+ private:
+  int bounces() const { return micro::bounces(parameters_, settings()); }
+  uint32_t batches() const { return pixels_ ? pixels_->batches() : 1; }
+  uint32_t frame_index() const { return static_cast<uint32_t>(samples()); }
+
+  /// Whether the points have the light of this frame. With final_gather=off they need none.
+  bool points_lit() const { return !leaf_light_ || virtual_lights_ || leaf_light_->lit(frame_index(), seed()); }
+
+  /// Light of the frame at the points, worth batch_gathers gathers at most. False when cancelled or when some is
+  /// missing.
+  bool light_points() {
+    for (double work = 0; !points_lit(); work += leaf_light_->last_work()) {
+      if (work > 0 && work >= parameters_.batch_gathers) return false;
+      if (!leaf_light_->step(frame_index(), seed())) return false;
+    }
+    return true;
+  }
+
+  /// One batch of a frame, before its first one G-buffer and direct light. False when cancelled: the sums are as
+  /// before.
+  bool gather_batch() {
+    const uint32_t index = frame_index();
+    const bool first = batch_ == 0;
+    if (first && !eye_light_->see(index)) return false;
+    if (virtual_lights_ ? !show_virtual_lights() : pixels_ && !pixels_->gather(batch_, index, seed())) return false;
+    if (first && !eye_light_->sample(index)) return false;
+    if (first) eye_light_->commit();
+    if (pixels_) pixels_->add(batch_, index);
+    return true;
+  }
+
+  /// The light of all virtual lights at the pixels, once a frame. False when cancelled.
+  bool show_virtual_lights() {
+    if (batch_ > 0) return true;
+    scheduler().finish();
+    pixels_->irradiance().fill_zero();
+    if (!virtual_lights_->trace(frame_index(), seed())) return false;
+    for (uint32_t part = 0; part < virtual_lights_->parts(); ++part)
+      if (!virtual_lights_->add(part)) return false;
+    return true;
+  }
+
+  void make_eye_light() {
+    const bool gathers_sky = forest_ && parameters_.gather_env;
+    const uint32_t kinds =
+        gathers_sky ? DirectLight::kAllLights & ~(1u << LUCARIUM_LIGHT_ENVIRONMENT) : DirectLight::kAllLights;
+    eye_light_ = std::make_unique<EyeLight>(device(), scheduler(), scene_buffers(), bvh(), frame(), kName, kinds,
+                                            static_cast<uint32_t>(parameters_.direct_samples));
+  }
+
+  void make_gathers(const PointForest& forest) {
+    leaf_light_ = std::make_unique<LeafLight>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
+                                              node_gather_, parameters_, bounces(), kName);
+    pixels_ = std::make_unique<PixelGather>(device(), scheduler(), scene_buffers(), eye_light_->points(),
+                                            settings().width, settings().height, forest, gather_,
+                                            leaf_light_->shading(), parameters_, transmits_, kName);
+    if (parameters_.shows_virtual_lights())
+      virtual_lights_ = std::make_unique<LightPaths>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
+                                                     parameters_, bounces() + 1, pixels_->irradiance(),
+                                                     leaf_light_->shading(), kName, &eye_light_->points());
+  }
+
+  void drop_gathers() {
+    counted_before_ = counted();
+    virtual_lights_.reset();
+    pixels_.reset();
+    leaf_light_.reset();
   }
 
   /// What was counted since prepare(), also by passes that are gone.
@@ -176,104 +220,9 @@ class MicroRendering : public Technique {
     return all;
   }
 
-  void drop_gathers() {
-    counted_before_ = counted();
-    virtual_lights_.reset();
-    pixels_.reset();
-    leaf_light_.reset();
-  }
-
-  void make_forest() {
-    made_ = false;
-    if (!forest_) return;
-    drop_gathers();  // what refers to memory goes before the memory
-    forest_->make();
-  }
-
-  /// Everything that is recorded over the buffers of scene and hierarchy.
-  void make_passes() {
-    Device& device = *context_->device;
-    KernelScheduler& scheduler = context_->scheduler;
-    const SceneBuffers& scene = context_->scene_buffers;
-    const RenderSettings& settings = context_->settings;
-    made_ = false;
-    transmits_ = transmits(context_->scene);
-    drop_gathers();
-    eye_light_.reset();
-    const bool gathers_sky = forest_ && parameters_.gather_env;
-    const uint32_t kinds =
-        gathers_sky ? DirectLight::kAllLights & ~(1u << LUCARIUM_LIGHT_ENVIRONMENT) : DirectLight::kAllLights;
-    eye_light_ = std::make_unique<EyeLight>(device, scheduler, scene, context_->bvh(), frame(), kinds,
-                                            static_cast<uint32_t>(parameters_.direct_samples), kName);
-    if (forest_) {
-      const PointForest& forest = *forest_->get();
-      leaf_light_ = std::make_unique<LeafLight>(device, scheduler, context_->scene, scene, context_->bvh(), forest,
-                                                node_gather_, parameters_, bounces(), kName);
-      pixels_ =
-          std::make_unique<PixelGather>(device, scheduler, scene, eye_light_->points(), settings.width, settings.height,
-                                        forest, gather_, leaf_light_->shading(), parameters_, transmits_, kName);
-      if (parameters_.shows_virtual_lights()) {
-        virtual_lights_ = std::make_unique<LightPaths>(device, scheduler, context_->scene, scene, context_->bvh(),
-                                                       forest, parameters_, bounces() + 1, pixels_->irradiance(),
-                                                       leaf_light_->shading(), kName, &eye_light_->points());
-      }
-    }
-    scene_generation_ = scene.generation();
-    bvh_generation_ = context_->bvh().generation();
-    restart();
-    made_ = true;
-  }
-
-  void restart() {
-    context_->scheduler.finish();
-    frame_ = batch_ = 0;
-    if (pixels_) pixels_->set_camera(frame().camera);
-    eye_light_->restart();
-    if (pixels_) pixels_->restart();
-  }
-
-  /// Light of the frame at the points, worth batch_gathers gathers at most. False when cancelled or when some is
-  /// missing.
-  bool light() {
-    const uint32_t seed = kernel_seed(seed_);
-    double work = 0;
-    while (leaf_light_ && !virtual_lights_ && !leaf_light_->lit(frame_, seed)) {
-      if (work > 0 && work >= parameters_.batch_gathers) return false;
-      if (!leaf_light_->step(frame_, seed)) return false;
-      work += leaf_light_->last_work();
-    }
-    return true;
-  }
-
-  /// One batch of a frame, before its first one G-buffer. False when cancelled: the sums are as before.
-  bool step() {
-    const uint32_t seed = kernel_seed(seed_);
-    if (batch_ == 0 && !eye_light_->see(frame_)) return false;
-    if (virtual_lights_ ? batch_ == 0 && !show_virtual_lights(seed) : pixels_ && !pixels_->gather(batch_, frame_, seed))
-      return false;
-    if (batch_ == 0 && !eye_light_->add(frame_)) return false;
-    if (pixels_) pixels_->add(batch_, frame_);
-    return true;
-  }
-
-  /// The light of all virtual lights at the pixels. False when cancelled.
-  bool show_virtual_lights(uint32_t seed) {
-    context_->scheduler.finish();
-    pixels_->irradiance().fill_zero();
-    if (!virtual_lights_->trace(frame_, seed)) return false;
-    for (uint32_t part = 0; part < virtual_lights_->parts(); ++part)
-      if (!virtual_lights_->add(part)) return false;
-    return true;
-  }
-
-  MicroParameters parameters_;
-  ParameterTable table_ = make_parameter_table(parameters_);
-  std::unique_ptr<TechniqueContext> context_;
-  uint64_t seed_ = 1;
-  bool made_ = false;  ///< forest and passes are whole and those of the present scene
-  uint32_t frame_ = 0, batch_ = 0;
-  bool transmits_ = false;
-  uint64_t scene_generation_ = 0, bvh_generation_ = 0;
+  uint32_t batch_ = 0;         ///< of the frame, the next one
+  bool transmits_ = false;     ///< some surface is rough and lets light through
+  bool keeps_forest_ = false;  ///< build() follows a change that the forest could follow
   std::map<std::string, double> counted_before_;
   GatherPass gather_, node_gather_;
   std::unique_ptr<SceneForest> forest_;  ///< null without indirect light

@@ -32,6 +32,7 @@
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/path_integrator/path_integrator.h"
 #include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
 
 namespace lucarium {
 namespace {
@@ -105,10 +106,8 @@ TechniqueInfo path_tracing_info() {
 
 // ---- code
 
-class PathTracing : public Technique {
+class PathTracing : public TechniqueBase<PathTracingParameters> {
  public:
-  ParameterTable& parameters() override { return table_; }
-
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
     PathSet set = parameters_.options.path_set;
     set.max_bounces = settings.max_bounces;
@@ -127,53 +126,37 @@ class PathTracing : public Technique {
     return PathIntegrator::estimate_bytes(settings.width, settings.height, parameters_.options);
   }
 
-  void prepare(const TechniqueContext& context) override {
-    context_ = std::make_unique<TechniqueContext>(context);
-    seed_ = context.settings.seed;
-    make_integrator();
+  std::map<std::string, double> counters() const override {
+    return integrator_ ? integrator_->counters() : std::map<std::string, double>();
   }
 
-  void update(const SceneChange& change) override {
-    if (change.only_camera())
-      integrator_->set_frame(make_frame(context_->settings));
-    else if (change.any())
-      make_integrator();
+ protected:
+  void build() override {
+    integrator_.reset();  // its memory first
+    PathIntegratorOptions options = parameters_.options;
+    options.path_set = path_set(scene(), settings());
+    integrator_ = std::make_unique<PathIntegrator>(device(), scheduler(), scene_buffers(), bvh(), frame(), options,
+                                                   "path_tracing");
   }
 
-  IterationResult iterate() override {
-    integrator_->iterate();
-    IterationResult result;
-    result.progress = -1;
+  void restart() override {
+    integrator_->set_frame(frame());
+    integrator_->reset(full_seed());
+  }
+
+  bool step() override { return integrator_->iterate(); }
+
+  IterationResult state() const override {
+    IterationResult result = TechniqueBase::state();
     result.samples = integrator_->samples();
     result.phase = "trace";
     return result;
   }
 
-  void resolve(Film& film) override { integrator_->resolve(film); }
-
-  void reset(uint64_t seed) override {
-    seed_ = seed;
-    integrator_->reset(seed);
-  }
-
-  void warm_up() override { integrator_->warm_up(); }
-  std::map<std::string, double> counters() const override { return integrator_->counters(); }
+  void write(Film& film) override { integrator_->resolve(film); }
+  void warm_up_kernels() override { integrator_->warm_up(); }
 
  private:
-  void make_integrator() {
-    integrator_.reset();  // its memory first
-    PathIntegratorOptions options = parameters_.options;
-    options.path_set = path_set(context_->scene, context_->settings);
-    integrator_ =
-        std::make_unique<PathIntegrator>(*context_->device, context_->scheduler, context_->scene_buffers,
-                                         context_->bvh(), make_frame(context_->settings), options, "path_tracing");
-    integrator_->reset(seed_);
-  }
-
-  PathTracingParameters parameters_;
-  ParameterTable table_ = make_parameter_table(parameters_);
-  std::unique_ptr<TechniqueContext> context_;
-  uint64_t seed_ = 1;
   std::unique_ptr<PathIntegrator> integrator_;
 };
 

@@ -16,22 +16,23 @@
 // are looked through, as by every technique that uses the G-buffer.
 //
 // Error. Unbiased for the given distance; the sum of up to 2^24 samples is exact.
-#include <algorithm>
-
-#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/gbuffer/gbuffer.h"
+#include "lucarium/services/layer_sums/layer_sums.h"
 #include "lucarium/shared/ray.h"
 #include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
 
 const lucarium::EmbeddedSources& ambient_occlusion_kernels();
 
 namespace {
 using namespace lucarium;
 
-// ---- options
+const char* const owner = "ambient_occlusion";  // pays for the memory in the account of the device
 
-struct AmbientOcclusionParameters {
+// ---- options: name, default, range, unit and meaning, each said once
+
+struct Options {
   float distance = 0.25f;
 
   template <class V>
@@ -40,9 +41,9 @@ struct AmbientOcclusionParameters {
   }
 };
 
-// ---- what it reads and writes
+// ---- what it can do: `lucarium check` tests every claim
 
-TechniqueInfo ambient_occlusion_info() {
+TechniqueInfo describe_technique() {
   TechniqueInfo info;
   info.name = "ambient_occlusion";
   info.version = "1.0";
@@ -56,10 +57,8 @@ TechniqueInfo ambient_occlusion_info() {
 
 // ---- code
 
-class AmbientOcclusion : public Technique {
+class AmbientOcclusion : public TechniqueBase<Options> {
  public:
-  ParameterTable& parameters() override { return table_; }
-
   PathSet path_set(const Scene&, const RenderSettings&) const override { return PathSet::no_light_transport(); }
 
   std::vector<std::string> limitations(const Scene&, const RenderSettings&) const override {
@@ -68,118 +67,79 @@ class AmbientOcclusion : public Technique {
 
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
     const size_t pixels = size_t{settings.width} * settings.height;
-    return GBuffer::estimate_bytes(settings.width, settings.height) +
-           pixels * (sizeof(Ray) + sizeof(uint32_t) + sizeof(float));
+    return GBuffer::estimate_bytes(settings.width, settings.height) + LayerSums::estimate_bytes(pixels, 1) +
+           pixels * (sizeof(Ray) + sizeof(uint32_t));
   }
 
-  void prepare(const TechniqueContext& context) override {
-    context_ = std::make_unique<TechniqueContext>(context);
-    SourceLibrary library;
-    library.add(ambient_occlusion_kernels());
-    program_ = Program(*context.device, library, {"ambient_occlusion", {"ambient_occlusion/occlusion.cl"}, {}});
-    build();
+ protected:
+  void compile() override {
+    program_ = make_program(device(), ambient_occlusion_kernels(), {"ambient_occlusion/occlusion"});
   }
 
-  void update(const SceneChange& change) override {
-    if (change.only_camera()) {
-      gbuffer_->set_frame(make_frame(context_->settings));
-      restart();
-    } else if (change.any()) {
-      build();  // buffers of scene and hierarchy may have been replaced
-    }
+  void build() override {
+    schedule_ = {};  // what refers to memory goes before the memory
+    gbuffer_.reset();
+    gbuffer_ = std::make_unique<GBuffer>(device(), scheduler(), scene_buffers(), bvh(), frame(), owner);
+    sums_ = LayerSums(device(), owner, pixels(), {"ambient_occlusion"});
+    count_ = TypedBuffer<uint32_t>(device(), owner, "pixels", std::vector<uint32_t>{pixels()});
+    record();
   }
 
-  IterationResult iterate() override {
-    const auto sample = static_cast<uint32_t>(samples_);
-    schedule_.set(sample_index_, sample);
-    schedule_.set(seed_, kernel_seed(seed_value_));
-    // The sums change in the last pass alone, so that a cancelled iteration leaves them as they were.
-    if (gbuffer_->render(sample) && context_->scheduler.run(schedule_) == RunResult::done) ++samples_;
-    IterationResult result;
-    result.progress = -1;
-    result.samples = samples_;
-    result.phase = "occlusion";
-    return result;
+  void restart() override {
+    gbuffer_->set_frame(frame());
+    sums_.clear();
   }
 
-  void resolve(Film& film) override {
-    context_->scheduler.finish();
-    const std::vector<float> open = open_.download();
-    const float samples = static_cast<float>(std::max<uint64_t>(samples_, 1));
-    FilmLayer& layer = film.layer("ambient_occlusion", {"R", "G", "B"}, true);
-    for (size_t i = 0; i < open.size(); ++i) std::fill_n(layer.pixels.begin() + 3 * i, 3, open[i] / samples);
+  /// The sums change in the last pass alone, so that a cancelled iteration leaves them as they were.
+  bool step() override {
+    const auto index = static_cast<uint32_t>(samples());
+    schedule_.set(sample_index_, index);
+    schedule_.set(seed_, seed());
+    return gbuffer_->render(index) && scheduler().run(schedule_) == RunResult::done;
   }
 
-  void reset(uint64_t seed) override {
-    seed_value_ = seed;
-    Frame frame = make_frame(context_->settings);
-    frame.seed = kernel_seed(seed);
-    gbuffer_->set_frame(frame);
-    restart();
-  }
+  void write(Film& film) override { sums_.write(film); }
 
-  void warm_up() override {
+  void warm_up_kernels() override {
     gbuffer_->warm_up();
-    context_->scheduler.warm_up(schedule_);
+    scheduler().warm_up(schedule_);
   }
 
  private:
-  void build() {
-    Device& device = *context_->device;
-    schedule_ = {};  // what refers to memory goes before the memory
-    gbuffer_.reset();
-    gbuffer_ = std::make_unique<GBuffer>(device, context_->scheduler, context_->scene_buffers, context_->bvh(),
-                                         make_frame(context_->settings), "ambient_occlusion");
-    const uint32_t pixels = context_->settings.width * context_->settings.height;
-    open_ = TypedBuffer<float>(device, "ambient_occlusion", "open rays", pixels, "lower --size");
-    count_ = TypedBuffer<uint32_t>(device, "ambient_occlusion", "pixels", std::vector<uint32_t>{pixels});
-    record(pixels);
-    reset(context_->settings.seed);
-  }
-
-  void record(uint32_t pixels) {
-    ScheduleRecorder recorder = context_->scheduler.record("occlusion", "ambient_occlusion");
+  void record() {
+    ScheduleRecorder recorder = scheduler().record("occlusion", owner);
     sample_index_ = recorder.variable("sample_index", 0u);
     seed_ = recorder.variable("seed", 0u);
-    const BufferRef rays = recorder.transient<Ray>("occlusion rays", pixels, "lower --size");
-    const BufferRef occluded = recorder.transient<uint32_t>("occluded", pixels, "lower --size");
+    const BufferRef rays = recorder.transient<Ray>("occlusion rays", pixels(), "lower --size");
+    const BufferRef occluded = recorder.transient<uint32_t>("occluded", pixels(), "lower --size");
     PassBuilder generate = recorder.pass("generate occlusion rays", program_, "generate_occlusion_rays");
-    context_->scene_buffers.bind(generate, program_, "generate_occlusion_rays");
-    generate.global(pixels)
+    scene_buffers().bind(generate);
+    generate.global(pixels())
         .arg("points", gbuffer_->points())
-        .arg("count", pixels)
+        .arg("count", pixels())
         .arg("sample_index", sample_index_)
         .arg("seed", seed_)
-        .arg("reach", parameters_.distance * context_->scene.bounds().radius())
+        .arg("reach", parameters_.distance * scene().bounds().radius())
         .arg("rays", rays);
-    context_->bvh().record_any(recorder, "occlusion rays", rays, occluded, count_, 0, pixels);
+    bvh().record_any(recorder, "occlusion rays", rays, occluded, count_, 0, pixels());
     recorder.pass("add open rays", program_, "add_open_rays")
-        .global(pixels)
-        .arg("count", pixels)
+        .global(pixels())
+        .arg("count", pixels())
         .arg("occluded", occluded)
-        .arg("open", open_);
+        .arg("open", sums_["ambient_occlusion"]);
     schedule_ = recorder.compile();
   }
 
-  void restart() {
-    samples_ = 0;
-    open_.fill_zero();
-  }
-
-  AmbientOcclusionParameters parameters_;
-  ParameterTable table_ = make_parameter_table(parameters_);
-  std::unique_ptr<TechniqueContext> context_;
   Program program_;
   std::unique_ptr<GBuffer> gbuffer_;
-  TypedBuffer<float> open_;      ///< per pixel: rays that met nothing
+  LayerSums sums_;               ///< per pixel: rays that met nothing
   TypedBuffer<uint32_t> count_;  ///< one element: rays of a pass, as the intersector wants it
   Schedule schedule_;
   Variable<uint32_t> sample_index_, seed_;
-  uint64_t samples_ = 0, seed_value_ = 1;
 };
 
-std::unique_ptr<Technique> create_ambient_occlusion() { return std::make_unique<AmbientOcclusion>(); }
+std::unique_ptr<Technique> create_technique() { return std::make_unique<AmbientOcclusion>(); }
 
 }  // namespace
 
-LUCARIUM_EXPORT_TECHNIQUE(ambient_occlusion_info, create_ambient_occlusion)
+LUCARIUM_EXPORT_TECHNIQUE(describe_technique, create_technique)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // One ray per pixel over the hemisphere of what the pixel sees, and the sum of those that met nothing.
 #include "lucarium/scene.clh"
+#include "lucarium/services/layer_sums/layer_sums.clh"
 #include "lucarium/shared/gbuffer.h"
 #include "lucarium/sobol.clh"
 #include "lucarium/surface.clh"
@@ -38,8 +39,8 @@ __kernel void generate_occlusion_rays(LUCARIUM_SCENE_PARAMETERS __global const G
   rays[i].direction.w = reach;
 }
 
-// open: running sum per pixel. A pixel without a surface is open.
-__kernel void add_open_rays(const uint count, __global const uint* restrict occluded, __global float* restrict open) {
+// open: sums per pixel; xyz rays that met nothing, w all rays. A pixel without a surface is open.
+__kernel void add_open_rays(const uint count, __global const uint* restrict occluded, __global float4* restrict open) {
   const uint i = (uint)get_global_id(0);
-  if (i < count && !occluded[i]) open[i] += 1.0f;
+  if (i < count) open[i] = add_sample(open[i], (float3)(occluded[i] ? 0.0f : 1.0f));
 }

@@ -1,23 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light towards the eye: what the G-buffer's points emit and reflect, summed over iterations.
+// Light towards the eye that the atlas knows: what the G-buffer's points reflect of it.
 #include "lucarium/bsdf.clh"
 #include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
+#include "lucarium/services/layer_sums/layer_sums.clh"
 #include "lucarium/surface_atlas.clh"
 
-// One sample per pixel: plain sums (w: samples).
-__kernel void add_camera_sample(__global const GBufferPoint* restrict points, uint count,
-                                __global const float4* restrict direct_sample, __global float4* restrict emission,
-                                __global float4* restrict direct) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  emission[i] += (float4)(points[i].emission.xyz, 1.0f);
-  direct[i] += direct_sample[i];
-}
-
-// What the atlas knows of the same sample. That changes from iteration to iteration, so that the sample counts
+// What the atlas knows of a sample. That changes from iteration to iteration, so that the sample counts
 // `atlas_weight` of the mean (later ones count more).
-// shown, shown_direct (BUNDLE_EMISSION): irradiance over pi of slots times w, their openness, or 0 where it is not
+// shown, shown_direct (BUNDLE_EXCHANGED): irradiance over pi of slots times w, their openness, or 0 where it is not
 // known. gathered: light of chains that begin at the pixels, scattered once and more often; they bring all there is
 // where they are `whole`. bundled: the same, sums over the directions whose number is in w. exchanged: direct light
 // that bundles have carried.
@@ -50,6 +41,6 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     if (emitted.w > 0.0f) once += point.throughput.xyz * bsdf.diffuse * (emitted.xyz / emitted.w);
 #endif
   }
-  exchanged[i] = mix(exchanged[i], (float4)(once, 1.0f), atlas_weight);
-  indirect[i] = mix(indirect[i], (float4)(reflected, 1.0f), atlas_weight);
+  exchanged[i] = mix_sample(exchanged[i], once, atlas_weight);
+  indirect[i] = mix_sample(indirect[i], reflected, atlas_weight);
 }

@@ -21,21 +21,16 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
       options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      no_gains_(device, kOwner, "nothing gathered", 2 * size_t{pixels_}, kLowerSize),
-      direct_sample_(device, kOwner, "sample of direct light", pixels_, kLowerSize),
-      emission_(device, kOwner, "emission", pixels_, kLowerSize),
-      direct_(device, kOwner, "direct", pixels_, kLowerSize),
-      exchanged_(device, kOwner, "exchanged direct light", pixels_, kLowerSize),
-      indirect_(device, kOwner, "indirect", pixels_, kLowerSize),
-      smooth_exchanged_(device, kOwner, "previewed direct light", preview ? pixels_ : 1, kLowerSize),
-      smooth_indirect_(device, kOwner, "previewed indirect light", preview ? pixels_ : 1, kLowerSize),
-      gbuffer_(device, scheduler, scene, intersector, frame, kOwner),
-      sampled_(!options.exchanged || options.punctual),
-      direct_light_(device, scheduler, scene, intersector, kOwner,
-                    options.exchanged ? DirectLight::kPunctualLights : DirectLight::kAllLights) {
+      eye_(device, scheduler, scene, intersector, frame, kOwner,
+           !options.exchanged ? DirectLight::kAllLights
+           : options.punctual ? DirectLight::kPunctualLights
+                              : 0u),
+      atlas_light_(device, kOwner, pixels_, {"direct", "indirect"}),
+      no_gains_(device, kOwner, "nothing gathered", 2 * size_t{pixels_}, kLowerSize) {
+  if (preview) smooth_light_ = LayerSums(device, kOwner, pixels_, {"direct", "indirect"});
   if (options.gather != FinalGather::off && options.by_bundles)
     bundles_ =
-        std::make_unique<PixelGather>(device, scheduler, program, scene, intersector, atlas, means, gbuffer_.points(),
+        std::make_unique<PixelGather>(device, scheduler, program, scene, intersector, atlas, means, eye_.points(),
                                       PixelGather::Options{pixels_, whole(), options.alpha_least});
   if (options.gather != FinalGather::off) {
     HopTracer::Options chains;
@@ -53,38 +48,26 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
 size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview) {
   const size_t pixels = size_t{width} * height;
   const size_t chains = gather == FinalGather::off ? 2 * pixels * sizeof(float4) : HopTracer::estimate_bytes(pixels, 2);
-  return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + (preview ? 7 : 5) * pixels * sizeof(float4) +
-         GBuffer::estimate_bytes(width, height) + DirectLight::estimate_bytes(pixels);
+  return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + EyeLight::estimate_bytes(width, height) +
+         LayerSums::estimate_bytes(pixels, preview ? 4 : 2);
 }
 
 void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
                          const SlotMeans& means, const SlotPreview* preview) {
-  ScheduleRecorder clear = scheduler_->record("begin camera sample", kOwner);
-  clear.fill_zero("clear sample", direct_sample_);
-  clear_ = clear.compile();
-  ScheduleRecorder recorder = scheduler_->record("add camera sample", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("add light of the atlas", kOwner);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
-  recorder.pass("add camera sample", program, "add_camera_sample")
-      .global(pixels_)
-      .arg("points", gbuffer_.points())
-      .arg("count", pixels_)
-      .arg("direct_sample", direct_sample_)
-      .arg("emission", emission_)
-      .arg("direct", direct_);
-  record_atlas_light(recorder, program, scene, atlas, means.shown(), means.shown_direct(), exchanged_, indirect_);
+  record_atlas_light(recorder, program, scene, atlas, means.shown(), means.shown_direct(), atlas_light_);
   if (preview)
-    record_atlas_light(recorder, program, scene, atlas, preview->shown(), preview->shown_direct(), smooth_exchanged_,
-                       smooth_indirect_);
+    record_atlas_light(recorder, program, scene, atlas, preview->shown(), preview->shown_direct(), smooth_light_);
   add_ = recorder.compile();
 }
 
 void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
                                      const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-                                     const TypedBuffer<float4>& shown_direct, const TypedBuffer<float4>& exchanged,
-                                     const TypedBuffer<float4>& indirect) {
+                                     const TypedBuffer<float4>& shown_direct, const LayerSums& image) {
   PassBuilder add = surface_pass(recorder, "add light of the atlas", program, "add_atlas_light", scene, atlas);
   add.global(pixels_)
-      .arg("points", gbuffer_.points())
+      .arg("points", eye_.points())
       .arg("count", pixels_)
       .arg("atlas_weight", atlas_weight_)
       .arg("whole", whole() ? 1u : 0u)
@@ -92,8 +75,8 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
       .arg("shown_direct", shown_direct)
       .arg("bundled", bundles_ ? bundles_->gathered() : no_gains_)
       .arg("gathered", chains_ ? chains_->gain() : no_gains_)
-      .arg("exchanged", exchanged)
-      .arg("indirect", indirect);
+      .arg("exchanged", image["direct"])
+      .arg("indirect", image["indirect"]);
 }
 
 void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
@@ -102,7 +85,7 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
   PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_hops");
   scene.bind(begin, program, "begin_pixel_hops");
   begin.global(pixels_)
-      .arg("points", gbuffer_.points())
+      .arg("points", eye_.points())
       .arg("count", pixels_)
       .arg("whole", whole() && !bundles_ ? 1u : 0u)
       .arg("alpha_most", bundles_ ? options_.alpha_least : std::numeric_limits<float>::infinity())
@@ -126,14 +109,10 @@ bool CameraLight::gather() {
 
 bool CameraLight::begin_sample() {
   if (bundles_) bundles_->restart();
-  return gbuffer_.render(samples_);
+  return eye_.see(samples_);
 }
 
-bool CameraLight::sample() {
-  if (scheduler_->run(clear_) == RunResult::cancelled) return false;
-  return (!sampled_ || direct_light_.accumulate_radiance(gbuffer_.points(), direct_sample_, samples_, frame_.seed)) &&
-         (!chains_ || gather());
-}
+bool CameraLight::sample() { return eye_.sample(samples_) && (!chains_ || gather()); }
 
 void CameraLight::commit(bool atlas_known) {
   // Sample i counts i²: of a mean over all, ever later ones. The atlas they saw was better, and a late image forgets
@@ -142,6 +121,7 @@ void CameraLight::commit(bool atlas_known) {
   atlas_samples_ = atlas_known ? atlas_samples_ + 1 : 0;
   const double i = std::max(atlas_samples_, 1u);
   add_.set(atlas_weight_, static_cast<float>(6 * i / ((i + 1) * (2 * i + 1))));
+  eye_.commit();
   scheduler_->run_to_end(add_);
 }
 
@@ -155,17 +135,14 @@ void CameraLight::set_frame(const Frame& frame) {
   const uint32_t seed = frame_.seed;
   frame_ = frame;
   frame_.seed = seed;
-  gbuffer_.set_frame(frame_);
-  for (Buffer* buffer : std::initializer_list<Buffer*>{&emission_, &direct_, &exchanged_, &indirect_,
-                                                       &smooth_exchanged_, &smooth_indirect_})
-    buffer->fill_zero();
+  eye_.set_frame(frame_);
+  atlas_light_.clear();
+  smooth_light_.clear();
   samples_ = atlas_samples_ = 0;
 }
 
 void CameraLight::warm_up() {
-  scheduler_->warm_up(clear_);
-  gbuffer_.warm_up();
-  if (sampled_) direct_light_.warm_up(gbuffer_.points(), direct_sample_);
+  eye_.warm_up();
   if (bundles_) bundles_->warm_up();
   if (chains_) {
     scheduler_->warm_up(begin_);
@@ -176,19 +153,8 @@ void CameraLight::warm_up() {
 
 void CameraLight::resolve(Film& film, bool smoothed) const {
   scheduler_->finish();
-  const auto add = [&](const char* name, const TypedBuffer<float4>& sums) {
-    const std::vector<float4> values = sums.download();
-    FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);
-    layer.pixels.resize(3 * values.size(), 0.f);
-    for (size_t p = 0; p < values.size(); ++p) {
-      const float scale = values[p].w > 0 ? 1 / values[p].w : 0.f;
-      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * p + c] += (&values[p].x)[c] * scale;
-    }
-  };
-  add("emission", emission_);
-  add("direct", direct_);
-  add("direct", smoothed ? smooth_exchanged_ : exchanged_);
-  add("indirect", smoothed ? smooth_indirect_ : indirect_);
+  eye_.write(film);
+  (smoothed ? smooth_light_ : atlas_light_).write(film);
 }
 
 }  // namespace lucarium::bundle

@@ -5,8 +5,7 @@
 #include "bundle_exchange/pixels/pixel_gather.h"
 #include "bundle_exchange/senders/slot_preview.h"
 #include "bundle_exchange/specular/hop_tracer.h"
-#include "lucarium/services/direct_light/direct_light.h"
-#include "lucarium/services/gbuffer/gbuffer.h"
+#include "lucarium/services/eye_light/eye_light.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
 namespace lucarium::bundle {
@@ -50,11 +49,10 @@ class CameraLight {
  private:
   void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means,
               const SlotPreview* preview);
-  /// What the atlas knows, added to two images.
+  /// What the atlas knows, mixed into an image.
   void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
                           const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-                          const TypedBuffer<float4>& shown_direct, const TypedBuffer<float4>& exchanged,
-                          const TypedBuffer<float4>& indirect);
+                          const TypedBuffer<float4>& shown_direct, const LayerSums& image);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
   bool whole() const { return options_.gather == FinalGather::all; }
@@ -62,14 +60,13 @@ class CameraLight {
   Options options_;
   Frame frame_;
   uint32_t pixels_, samples_ = 0, atlas_samples_ = 0;
-  TypedBuffer<float4> no_gains_, direct_sample_, emission_, direct_, exchanged_, indirect_;
-  TypedBuffer<float4> smooth_exchanged_, smooth_indirect_;  ///< the same by what the preview shows
-  GBuffer gbuffer_;
-  bool sampled_;  ///< some light is, by light samples
-  DirectLight direct_light_;
+  EyeLight eye_;
+  LayerSums atlas_light_;   ///< means: `direct`, where bundles bring it, and `indirect`
+  LayerSums smooth_light_;  ///< the same by what the preview shows
+  TypedBuffer<float4> no_gains_;
   std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered
   std::unique_ptr<PixelGather> bundles_;
-  Schedule clear_, begin_, add_;
+  Schedule begin_, add_;
   Variable<HopSettings> settings_;
   Variable<float> atlas_weight_;
 };

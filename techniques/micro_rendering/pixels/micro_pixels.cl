@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the G-buffer to the list of gathers, and from their results to the image.
 #include "lucarium/bsdf.clh"
+#include "lucarium/services/layer_sums/layer_sums.clh"
 #include "lucarium/shared/gbuffer.h"
 #include "micro_rendering/shared/micro_types.h"
 #include "micro_rendering/tree/micro_node.clh"
@@ -318,17 +319,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
     looks[pixel] += (float4)((float)shown.levels / (float)max(shown.splats + shown.listed, 1u), (float)shown.listed,
                              (float)shown.visits, (float)failed[pixel]);
   }
-  indirect[pixel] += (float4)(light, 1.0f);
-}
-
-// Adds what is seen itself, and the direct light of a frame (xyz sum, w samples).
-__kernel void mr_add_direct(__global const GBufferPoint* restrict points, const uint count,
-                            __global const float4* restrict frame_direct, __global float4* restrict emission,
-                            __global float4* restrict direct) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  emission[i] += (float4)(points[i].emission.xyz, 1.0f);
-  direct[i] += frame_direct[i];
+  indirect[pixel] = add_sample(indirect[pixel], light);
 }
 
 // Sums over runs of `run` pixels of a sub-image.

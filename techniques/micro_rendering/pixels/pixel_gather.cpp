@@ -19,13 +19,9 @@ constexpr size_t kMicroPixels = 64 * 64;
 const char* const kRemedy = "lower --size";
 
 Program pixel_program(Device& device, const MicroParameters& parameters) {
-  SourceLibrary library;
-  library.add(micro_rendering_kernels());
-  return Program(device, library,
-                 {"micro_rendering/pixels",
-                  {"micro_rendering/pixels/micro_pixels.cl"},
-                  {{"MICRO_GATHER_ENV", parameters.gather_env ? "1" : "0"},
-                   {"MICRO_LEVELS", parameters.keeps_levels() ? "1" : "0"}}});
+  return make_program(device, micro_rendering_kernels(), {"micro_rendering/pixels/micro_pixels"},
+                      {{"MICRO_GATHER_ENV", parameters.gather_env ? "1" : "0"},
+                       {"MICRO_LEVELS", parameters.keeps_levels() ? "1" : "0"}});
 }
 
 /// Distance between the pixels of a sub-image: a power of two that leaves no more than `most` of them.

@@ -11,13 +11,12 @@
 // says the same to the program, which renders the reference of a comparison with exactly those paths.
 //
 // Error. Unbiased: the mean over the samples converges to the reference.
-#include <algorithm>
-
-#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/direct_light/direct_light.h"
 #include "lucarium/services/gbuffer/gbuffer.h"
+#include "lucarium/services/layer_sums/layer_sums.h"
 #include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
 
 /// The .cl files of this folder, embedded at build time under the names my_technique/….cl.
 const lucarium::EmbeddedSources& my_technique_kernels();
@@ -55,13 +54,11 @@ TechniqueInfo describe_technique() {
 
 // ---- code
 
-class Renderer : public Technique {
+class Renderer : public TechniqueBase<Options> {
  public:
-  ParameterTable& parameters() override { return table_; }
-
   PathSet path_set(const Scene&, const RenderSettings&) const override {
     PathSet set;
-    set.emission = options_.emission;
+    set.emission = parameters_.emission;
     set.indirect = false;
     set.max_bounces = 0;
     return set;
@@ -74,115 +71,66 @@ class Renderer : public Technique {
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
     const size_t pixels = size_t{settings.width} * settings.height;
     return GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) +
-           2 * pixels * sizeof(float4);
+           LayerSums::estimate_bytes(pixels, 2);
   }
 
-  void prepare(const TechniqueContext& context) override {
-    context_ = std::make_unique<TechniqueContext>(context);
-    SourceLibrary library;
-    library.add(my_technique_kernels());
-    program_ = Program(*context.device, library, {owner, {"my_technique/add_emission.cl"}, {}});
-    build();
-  }
+ protected:
+  /// Once, for all scenes.
+  void compile() override { program_ = make_program(device(), my_technique_kernels(), {"my_technique/add_emission"}); }
 
-  void update(const SceneChange& change) override {
-    if (change.only_camera()) {
-      restart();  // nothing here depends on the view but the G-buffer
-    } else if (change.any()) {
-      build();  // buffers of the scene and its hierarchy may have been replaced
-    }
-  }
-
-  IterationResult iterate() override {
-    if (add_sample()) ++samples_;
-    IterationResult result;
-    result.samples = samples_;
-    result.progress = -1;  // how much there is to do is unknown
-    result.phase = "sample";
-    return result;
-  }
-
-  void resolve(Film& film) override {
-    context_->scheduler.finish();
-    if (options_.emission) write_layer(film, "emission", emission_.download());
-    write_layer(film, "direct", direct_.download());
-  }
-
-  void reset(uint64_t seed) override {
-    seed_ = seed;
-    restart();
-  }
-
-  void warm_up() override {
-    gbuffer_->warm_up();
-    direct_light_->warm_up(gbuffer_->points(), direct_);
-    context_->scheduler.warm_up(schedule_);
-  }
-
- private:
-  /// One sample per pixel, or none at all: false when cancelled, and the sums are then as before.
-  bool add_sample() {
-    const auto index = static_cast<uint32_t>(samples_);
-    if (!gbuffer_->render(index)) return false;
-    if (!direct_light_->accumulate_radiance(gbuffer_->points(), direct_, index, kernel_seed(seed_))) return false;
-    context_->scheduler.run_to_end(schedule_);  // both sums hold the same samples, also after Ctrl-C
-    return true;
-  }
-
-  /// Everything that refers to the scene's buffers.
-  void build() {
-    Device& device = *context_->device;
+  /// Everything that refers to the scene's buffers. Called again when they may have been replaced.
+  void build() override {
     schedule_ = {};  // what refers to memory goes before the memory
     direct_light_.reset();
     gbuffer_.reset();
-    const uint32_t pixels = context_->settings.width * context_->settings.height;
-    gbuffer_ = std::make_unique<GBuffer>(device, context_->scheduler, context_->scene_buffers, context_->bvh(),
-                                         make_frame(context_->settings), owner);
-    direct_light_ =
-        std::make_unique<DirectLight>(device, context_->scheduler, context_->scene_buffers, context_->bvh(), owner);
-    emission_ = TypedBuffer<float4>(device, owner, "emission", pixels, "lower --size");
-    direct_ = TypedBuffer<float4>(device, owner, "direct light", pixels, "lower --size");
+    gbuffer_ = std::make_unique<GBuffer>(device(), scheduler(), scene_buffers(), bvh(), frame(), owner);
+    direct_light_ = std::make_unique<DirectLight>(device(), scheduler(), scene_buffers(), bvh(), owner);
+    sums_ = LayerSums(device(), owner, pixels(), layers());
+    if (!parameters_.emission) return;
 
     // Arguments are bound by name; what a kernel reads and writes follows from its signature.
-    ScheduleRecorder recorder = context_->scheduler.record("add emission", owner);
+    ScheduleRecorder recorder = scheduler().record("add emission", owner);
     recorder.pass("add emission", program_, "add_emission")
-        .global(pixels)
+        .global(pixels())
         .arg("points", gbuffer_->points())
-        .arg("count", pixels)
-        .arg("emission", emission_);
+        .arg("count", pixels())
+        .arg("emission", sums_["emission"]);
     schedule_ = recorder.compile();
-    reset(context_->settings.seed);
   }
 
   /// From zero samples, with the present camera and seed.
-  void restart() {
-    Frame frame = make_frame(context_->settings);
-    frame.seed = kernel_seed(seed_);
-    gbuffer_->set_frame(frame);
-    samples_ = 0;
-    emission_.fill_zero();
-    direct_.fill_zero();
+  void restart() override {
+    gbuffer_->set_frame(frame());
+    sums_.clear();
   }
 
-  void write_layer(Film& film, const char* name, const std::vector<float4>& sums) const {
-    const float samples = static_cast<float>(std::max<uint64_t>(samples_, 1));
-    FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);  // part of the sum that is the image
-    for (size_t i = 0; i < sums.size(); ++i) {
-      layer.pixels[3 * i] = sums[i].x / samples;
-      layer.pixels[3 * i + 1] = sums[i].y / samples;
-      layer.pixels[3 * i + 2] = sums[i].z / samples;
-    }
+  /// One sample per pixel, or none at all: false when cancelled, and the sums are then as before.
+  bool step() override {
+    const auto index = static_cast<uint32_t>(samples());
+    if (!gbuffer_->render(index)) return false;
+    if (!direct_light_->accumulate_radiance(gbuffer_->points(), sums_["direct"], index, seed())) return false;
+    if (schedule_) scheduler().run_to_end(schedule_);  // both sums hold the same samples, also after Ctrl-C
+    return true;
   }
 
-  Options options_;
-  ParameterTable table_ = make_parameter_table(options_);
-  std::unique_ptr<TechniqueContext> context_;
+  void write(Film& film) override { sums_.write(film); }
+
+  void warm_up_kernels() override {
+    gbuffer_->warm_up();
+    direct_light_->warm_up(gbuffer_->points(), sums_["direct"]);
+    if (schedule_) scheduler().warm_up(schedule_);
+  }
+
+ private:
+  std::vector<std::string> layers() const {
+    return parameters_.emission ? std::vector<std::string>{"emission", "direct"} : std::vector<std::string>{"direct"};
+  }
+
   Program program_;
   std::unique_ptr<GBuffer> gbuffer_;
   std::unique_ptr<DirectLight> direct_light_;
-  TypedBuffer<float4> emission_, direct_;  ///< sums per pixel [cd/m²]
-  Schedule schedule_;
-  uint64_t samples_ = 0, seed_ = 1;
+  LayerSums sums_;
+  Schedule schedule_;  ///< empty with emission=off
 };
 
 std::unique_ptr<Technique> create_technique() { return std::make_unique<Renderer>(); }

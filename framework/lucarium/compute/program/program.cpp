@@ -237,6 +237,15 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   device.add_program_seconds(state_->build_seconds);
 }
 
+Program make_program(Device& device, const EmbeddedSources& sources, std::vector<std::string> files,
+                     std::map<std::string, std::string> defines) {
+  SourceLibrary library;
+  library.add(sources);
+  const std::string name = files.at(0);
+  for (std::string& file : files) file += ".cl";
+  return Program(device, library, {name, std::move(files), std::move(defines)});
+}
+
 void keep_launch_code(const Device& device) noexcept {
   Program::State::Registry& registry = Program::State::registry();
   const std::lock_guard lock(registry.mutex);

@@ -47,6 +47,11 @@ class Program {
   std::shared_ptr<State> state_;
 };
 
+/// The program of some kernel files of a plug-in, named without ".cl": make_program(device, my_technique_kernels(),
+/// {"my_technique/add_light"}). It is called as its first file.
+Program make_program(Device& device, const EmbeddedSources& sources, std::vector<std::string> files,
+                     std::map<std::string, std::string> defines = {});
+
 /// Adds what the driver compiled at first launches (PoCL: 40-500 ms per kernel and local size) to the cache entries of
 /// all programs of a device. Called after warm-up, so that a killed process does not lose it; a program that goes does
 /// it too.

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/technique/technique_base.h"
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/bvh/bvh.h"
+
+namespace lucarium {
+
+void TechniqueLifeCycle::prepare(const TechniqueContext& context) {
+  context_ = std::make_unique<TechniqueContext>(context);
+  seed_ = context.settings.seed;
+  compile();
+  rebuild();
+}
+
+void TechniqueLifeCycle::rebuild() {
+  built_ = false;
+  build();
+  scene_generation_ = scene_buffers().generation();
+  if (uses_bvh_) bvh_generation_ = bvh().generation();
+  restart_samples();
+  built_ = true;
+  interrupted_ = false;
+}
+
+void TechniqueLifeCycle::restart_samples() {
+  samples_ = 0;
+  restart();
+}
+
+void TechniqueLifeCycle::update(const SceneChange& change) {
+  if (!change.any()) return;
+  try {
+    if (!follow(change) || !built_) rebuild();
+  } catch (const Error& error) {
+    built_ = false;  // what follow() began is not whole either
+    interrupted_ = error.error_class() == ErrorClass::interrupted;
+    if (!interrupted_) throw;
+  } catch (...) {
+    built_ = interrupted_ = false;
+    throw;
+  }
+}
+
+bool TechniqueLifeCycle::follow(const SceneChange& change) {
+  if (!built_ || !change.only_camera()) return false;
+  restart_samples();
+  return true;
+}
+
+IterationResult TechniqueLifeCycle::iterate() {
+  if (!built_) rebuild();  // the last attempt failed
+  if (step()) ++samples_;
+  return state();
+}
+
+IterationResult TechniqueLifeCycle::state() const {
+  IterationResult result;
+  result.samples = samples_;
+  result.progress = -1;
+  return result;
+}
+
+void TechniqueLifeCycle::resolve(Film& film) {
+  if (!built_ && interrupted_)
+    throw Error(ErrorClass::interrupted, "interrupted while it followed the scene's last change; nothing to show");
+  if (!built_) throw Error(ErrorClass::input, "the scene's last change could not be followed; nothing to show");
+  scheduler().finish();
+  write(film);
+}
+
+void TechniqueLifeCycle::reset(uint64_t seed) {
+  seed_ = seed;
+  built_ ? restart_samples() : rebuild();
+}
+
+void TechniqueLifeCycle::warm_up() {
+  if (!built_) rebuild();
+  warm_up_kernels();
+}
+
+bool TechniqueLifeCycle::buffers_replaced() const {
+  return scene_generation_ != scene_buffers().generation() ||
+         (uses_bvh_ && bvh_generation_ != context_->bvh().generation());
+}
+
+Bvh& TechniqueLifeCycle::bvh() {
+  uses_bvh_ = true;
+  return context_->bvh();
+}
+
+Frame TechniqueLifeCycle::frame() const {
+  Frame frame = make_frame(settings());
+  frame.seed = seed();
+  return frame;
+}
+
+}  // namespace lucarium

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <memory>
+#include <string>
+
+#include "lucarium/technique/technique.h"
+
+namespace lucarium {
+
+/// What most techniques do alike, written once. It keeps context and seed; makes everything that refers to the scene's
+/// buffers, and makes it again after a change that cannot be followed or where the last attempt failed; and counts no
+/// sample that was cancelled. Optional: the framework asks for a Technique only.
+class TechniqueLifeCycle : public Technique {
+ public:
+  void prepare(const TechniqueContext& context) override;
+  /// Interrupted while it builds, it leaves that to the next iterate(): there is nothing to show until then.
+  void update(const SceneChange& change) override;
+  IterationResult iterate() override;
+  void resolve(Film& film) override;
+  void reset(uint64_t seed) override;
+  void warm_up() override;
+
+ protected:
+  /// Compiles what is the same for all scenes. Called once, before the first build().
+  virtual void compile() {}
+  /// Makes everything that refers to the scene's buffers; what there was goes first. May throw: built() is false then,
+  /// and the next call of the framework tries again.
+  virtual void build() = 0;
+  /// Follows a change of the scene without build(), false where that is not possible. By default a change of the
+  /// camera alone is one that restart() follows. Called for every change, also while built() is false; build() comes
+  /// behind it then, whatever it returns.
+  virtual bool follow(const SceneChange& change);
+  /// Goes back to zero samples, with the present camera and seed. Comes behind build().
+  virtual void restart() = 0;
+  /// One iteration. False when it was cancelled or has not completed a sample: none is counted then, and write() shows
+  /// what it would have shown before. To have that, add to sums in one go, in a schedule that run_to_end() runs.
+  virtual bool step() = 0;
+  /// Writes the layers; nothing runs on the device meanwhile.
+  virtual void write(Film& film) = 0;
+  /// Launches every kernel once (Technique::warm_up).
+  virtual void warm_up_kernels() = 0;
+  /// Progress after an iteration; by default samples() of an unknown number.
+  virtual IterationResult state() const;
+
+  /// The same for follow(), which has no more to do.
+  void restart_samples();
+
+  bool built() const { return built_; }
+  uint64_t samples() const { return samples_; }  ///< steps that were completed since restart()
+  /// Whether buffers of the scene or of its hierarchy were replaced since build(), so that schedules that name them
+  /// must be recorded again.
+  bool buffers_replaced() const;
+
+  const TechniqueContext& context() const { return *context_; }
+  Device& device() const { return *context_->device; }
+  KernelScheduler& scheduler() const { return context_->scheduler; }
+  const Scene& scene() const { return context_->scene; }
+  const SceneBuffers& scene_buffers() const { return context_->scene_buffers; }
+  const RenderSettings& settings() const { return context_->settings; }
+  /// The scene's hierarchy. The framework keeps it up to date.
+  Bvh& bvh();
+  uint32_t pixels() const { return settings().width * settings().height; }
+  /// The 32 bits of the seed that kernels get.
+  uint32_t seed() const { return kernel_seed(seed_); }
+  uint64_t full_seed() const { return seed_; }
+  /// The settings as kernels see them, with the present camera and seed.
+  Frame frame() const;
+
+ private:
+  void rebuild();
+  std::unique_ptr<TechniqueContext> context_;
+  uint64_t seed_ = 1, samples_ = 0;
+  bool built_ = false, uses_bvh_ = false;
+  bool interrupted_ = false;                            ///< that is why it is not built
+  uint64_t scene_generation_ = 0, bvh_generation_ = 0;  ///< at build()
+};
+
+/// The same with the technique's parameters: plain data with a describe() (technique/parameters.h).
+template <class Parameters>
+class TechniqueBase : public TechniqueLifeCycle {
+ public:
+  ParameterTable& parameters() override { return table_; }
+
+ protected:
+  Parameters parameters_;
+
+ private:
+  ParameterTable table_ = make_parameter_table(parameters_);
+};
+
+}  // namespace lucarium

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_exchange/declaration.h"
+
+#include <algorithm>
+
+namespace lucarium::bundle {
+
+TechniqueInfo technique_info() {
+  TechniqueInfo info;
+  info.name = "bundle_exchange";
+  info.version = "1.0";
+  info.summary = "radiance exchange along global parallel ray-bundles into a surface atlas";
+  info.citation =
+      "J. Hermes, N. Henrich, T. Grosch, S. Mueller, Global Illumination using Parallel Global Ray-Bundles, Vision, "
+      "Modeling, and Visualization 2010";
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
+  info.capabilities.max_bounces = -1;
+  info.capabilities.view_independent = true;
+  info.capabilities.bias = 0.02;  // radiance is constant over a texel; geometric cosines of indirect light
+  info.layers = {"emission", "direct", "indirect"};
+  return info;
+}
+
+PathSet path_set(const Parameters& parameters, const RenderSettings& settings) {
+  PathSet set;
+  set.max_bounces = settings.max_bounces;
+  if (parameters.interleave == Interleave::pingpong && set.max_bounces < 0) {  // a bounce for each block
+    const int head = parameters.direct_mode == DirectMode::exchange ? parameters.direct_first : 0;
+    set.max_bounces = (std::max(0, parameters.directions - head) + parameters.block - 1) / parameters.block;
+  }
+  set.light_delta = parameters.glossy_bounces == GlossyBounces::multiple;
+  set.secondary_lambert_only = !set.light_delta;
+  return set;
+}
+
+}  // namespace lucarium::bundle

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "bundle_exchange/parameters.h"
+#include "lucarium/technique/technique.h"
+
+namespace lucarium::bundle {
+
+TechniqueInfo technique_info();
+
+/// The light paths that these parameters compute.
+PathSet path_set(const Parameters& parameters, const RenderSettings& settings);
+
+}  // namespace lucarium::bundle
