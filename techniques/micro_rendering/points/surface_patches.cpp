@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <tuple>
-#include <unordered_map>
+
+#include "lucarium/scene/mesh_topology.h"
 
 namespace lucarium::micro {
 namespace {
@@ -19,7 +19,6 @@ constexpr uint32_t kSheets = 127;  // that are told apart
 
 struct Face {
   std::array<glm::vec3, 3> corners;
-  std::array<uint32_t, 3> points;  ///< corners of the same position have the same number
   uint32_t triangle;
   bool two_sided;
   std::array<float, 3> bend{kBorder, kBorder,
@@ -27,63 +26,34 @@ struct Face {
   std::array<uint32_t, 3> beside{};    ///< face behind that edge
 };
 
-struct HalfEdge {
-  uint32_t low, high;  ///< points
-  uint32_t face, k;
-};
-
-struct PositionHash {
-  size_t operator()(const glm::vec3& p) const {
-    size_t h = 0;
-    for (int i = 0; i < 3; ++i) h = (h ^ std::hash<float>()(p[i])) * 0x9e3779b97f4a7c15u;
-    return h ^ h >> 29;
-  }
-};
-
 std::vector<Face> faces_of(const TreeSource& source) {
   std::vector<Face> faces;
-  std::unordered_map<glm::vec3, uint32_t, PositionHash> numbers;
   for (const SurfaceSide& side : source.sides) {
     if (side.back) {
       faces.back().two_sided = true;  // follows its front
-      continue;
+    } else {
+      faces.push_back({{side.v0, side.v1, side.v2}, side.source, false});
     }
-    Face face{{side.v0, side.v1, side.v2}, {}, side.source, false};
-    for (size_t k = 0; k < 3; ++k)
-      face.points[k] = numbers.try_emplace(face.corners[k] + 0.f, static_cast<uint32_t>(numbers.size())).first->second;
-    faces.push_back(face);
   }
   return faces;
 }
 
-/// The halves of all edges, those of one edge together.
-std::vector<HalfEdge> half_edges(const std::vector<Face>& faces) {
-  std::vector<HalfEdge> edges;
-  for (uint32_t f = 0; f < faces.size(); ++f) {
-    for (uint32_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(faces[f].points[k], faces[f].points[(k + 1) % 3]);
-      if (low != high) edges.push_back({low, high, f, k});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.face, a.k) < std::tie(b.low, b.high, b.face, b.k);
-  });
-  return edges;
+/// The corners of faces, equal positions as one.
+std::vector<glm::uvec3> weld(const std::vector<Face>& faces) {
+  std::vector<glm::vec3> positions;
+  for (const Face& face : faces) positions.insert(positions.end(), face.corners.begin(), face.corners.end());
+  const std::vector<uint32_t> first = weld_positions(positions);
+  std::vector<glm::uvec3> welded;
+  for (size_t i = 0; i < first.size(); i += 3) welded.emplace_back(first[i], first[i + 1], first[i + 2]);
+  return welded;
 }
 
 /// Angle by which face b behind edge k of face a bends away from a's front; to either side where a has two. None:
 /// kBorder.
 float bend_of(const Face& a, uint32_t k, const Face& b, uint32_t k_of_b) {
-  const glm::vec3 from = a.corners[k], edge = a.corners[(k + 1) % 3] - from;
   const glm::vec3 normal = glm::cross(a.corners[1] - a.corners[0], a.corners[2] - a.corners[0]);
-  const float length = glm::length(edge), area = glm::length(normal);
-  if (!(length > 0) || !(area > 0)) return kBorder;
-  glm::vec3 across = b.corners[(k_of_b + 2) % 3] - from;
-  across -= edge * (glm::dot(across, edge) / (length * length));
-  const float away = -glm::dot(across, normal) / area,
-              on = glm::dot(across, glm::cross(edge, normal)) / (length * area);
-  if (away == 0 && on == 0) return kBorder;
-  const float angle = std::atan2(away, on);
+  const float angle = dihedral_bend(a.corners[k], a.corners[(k + 1) % 3], normal, b.corners[(k_of_b + 2) % 3]);
+  if (std::isnan(angle)) return kBorder;
   return a.two_sided ? std::abs(angle) : std::max(angle, 0.f);
 }
 
@@ -96,23 +66,20 @@ uint32_t root_of(std::vector<uint32_t>& parents, uint32_t i) {
 std::vector<uint32_t> join(std::vector<Face>& faces) {
   std::vector<uint32_t> parents(faces.size());
   std::iota(parents.begin(), parents.end(), 0u);
-  const std::vector<HalfEdge> edges = half_edges(faces);
-  for (size_t first = 0, end; first < edges.size(); first = end) {
-    end = first + 1;
-    while (end < edges.size() && edges[end].low == edges[first].low && edges[end].high == edges[first].high) ++end;
-    for (size_t i = first; i < end; ++i) {
-      for (size_t j = first; j < std::min(end, first + kMostFaces); ++j) {
-        const HalfEdge &a = edges[i], &b = edges[j];
-        if (a.face == b.face) continue;
-        Face& face = faces[a.face];
-        const float bend = bend_of(face, a.k, faces[b.face], b.k);
-        if (bend < face.bend[a.k]) face.bend[a.k] = bend, face.beside[a.k] = b.face;
-        const bool alike = face.points[a.k] != faces[b.face].points[b.k];  // the edge runs the other way there
-        if (alike && face.two_sided && faces[b.face].two_sided)
-          parents[root_of(parents, a.face)] = root_of(parents, b.face);
+  const std::vector<glm::uvec3> welded = weld(faces);
+  visit_edges(sorted_half_edges(welded), [&](const HalfEdge* first, const HalfEdge* end) {
+    const HalfEdge* const compared = first + std::min<size_t>(static_cast<size_t>(end - first), kMostFaces);
+    for (const HalfEdge* a = first; a != end; ++a) {
+      for (const HalfEdge* b = first; b != compared; ++b) {
+        if (a->triangle == b->triangle) continue;
+        Face &face = faces[a->triangle], &other = faces[b->triangle];
+        const float bend = bend_of(face, a->edge, other, b->edge);
+        if (bend < face.bend[a->edge]) face.bend[a->edge] = bend, face.beside[a->edge] = b->triangle;
+        if (run_opposite(welded, *a, *b) && face.two_sided && other.two_sided)
+          parents[root_of(parents, a->triangle)] = root_of(parents, b->triangle);
       }
     }
-  }
+  });
   for (uint32_t f = 0; f < faces.size(); ++f) parents[f] = root_of(parents, f);
   return parents;
 }

@@ -2,29 +2,13 @@
 #include "lucarium/services/surface_atlas/mesh.h"
 
 #include <algorithm>
-#include <bit>
 #include <tuple>
 
 namespace lucarium {
-
-struct AtlasHalfEdge {
-  uint64_t vertices;  ///< the two welded vertices, the lower one in the upper half
-  uint32_t id;        ///< 3 · triangle + edge
-};
-
 namespace {
 
 constexpr double sliver_height = 1e-6;  // over the longest edge: positions are floats, so no normal is left below
 constexpr double crease_degrees = 15;
-
-uint64_t position_key(const glm::vec3& p, int axis) { return std::bit_cast<uint32_t>(p[axis] + 0.f); }  // -0 → 0
-
-uint64_t hash_position(const glm::vec3& p) {
-  uint64_t h = position_key(p, 0) * 0x9e3779b97f4a7c15ull;
-  h = (h ^ (h >> 29) ^ position_key(p, 1)) * 0xbf58476d1ce4e5b9ull;
-  h = (h ^ (h >> 32) ^ position_key(p, 2)) * 0x94d049bb133111ebull;
-  return h ^ (h >> 31);
-}
 
 }  // namespace
 
@@ -51,53 +35,34 @@ void AtlasMesh::measure() {
 void AtlasMesh::weld() {
   const size_t count = geometry.triangles.size();
   welded.resize(count);
-  std::vector<uint32_t> slots;
+  std::vector<glm::vec3> corners;
   for (size_t first = 0, last = 0; first < count; first = last) {
-    while (last < count && geometry.instance[last] == geometry.instance[first]) ++last;
-    slots.assign(std::bit_ceil(std::max<size_t>(8, 6 * (last - first))), LUCARIUM_NONE);
-    for (size_t t = first; t < last; ++t) {
-      for (int i = 0; i < 3; ++i) {
-        const uint32_t vertex = geometry.triangles[t][i];
-        const glm::vec3& p = geometry.positions[vertex];
-        size_t at = hash_position(p) & (slots.size() - 1);
-        while (slots[at] != LUCARIUM_NONE && geometry.positions[slots[at]] != p) at = (at + 1) & (slots.size() - 1);
-        if (slots[at] == LUCARIUM_NONE) slots[at] = vertex;
-        welded[t][i] = slots[at];
-      }
-    }
+    corners.clear();
+    for (; last < count && geometry.instance[last] == geometry.instance[first]; ++last)
+      for (int i = 0; i < 3; ++i) corners.push_back(geometry.positions[geometry.triangles[last][i]]);
+    const std::vector<uint32_t> equal = weld_positions(corners);
+    for (size_t c = 0; c < equal.size(); ++c)
+      welded[first + c / 3][int(c % 3)] = geometry.triangles[first + equal[c] / 3][int(equal[c] % 3)];
   }
 }
 
 void AtlasMesh::pair_edges() {
-  const size_t count = triangle_count();
-  neighbor.assign(count, {LUCARIUM_NONE, LUCARIUM_NONE, LUCARIUM_NONE});
-  hard.assign(count, 0);
-  std::vector<AtlasHalfEdge> edges;
-  edges.reserve(3 * count);
-  for (uint32_t t = 0; t < count; ++t) {
-    for (uint32_t i = 0; i < 3; ++i) {
-      const uint64_t a = welded[t][i], b = welded[t][(i + 1) % 3];
-      if (a != b) edges.push_back({std::min(a, b) << 32 | std::max(a, b), 3 * t + i});
-    }
-  }
-  std::sort(edges.begin(), edges.end(), [](const AtlasHalfEdge& a, const AtlasHalfEdge& b) {
-    return std::tie(a.vertices, a.id) < std::tie(b.vertices, b.id);
+  neighbor.assign(triangle_count(), {LUCARIUM_NONE, LUCARIUM_NONE, LUCARIUM_NONE});
+  hard.assign(triangle_count(), 0);
+  visit_edges(sorted_half_edges(welded), [this](const HalfEdge* first, const HalfEdge* last) {
+    if (last - first > 1) pair_group(first, last);
   });
-  for (size_t first = 0, last = 0; first < edges.size(); first = last) {
-    while (last < edges.size() && edges[last].vertices == edges[first].vertices) ++last;
-    if (last - first > 1) pair_group(&edges[first], &edges[first] + (last - first));
-  }
 }
 
 // Half-edges between the same two vertices: oppositely oriented ones are joined, flattest first.
-void AtlasMesh::pair_group(const AtlasHalfEdge* first, const AtlasHalfEdge* last) {
-  const auto starts_low = [&](uint32_t id) { return welded[id / 3][id % 3] == uint32_t(first->vertices >> 32); };
+void AtlasMesh::pair_group(const HalfEdge* first, const HalfEdge* last) {
   std::vector<std::tuple<float, uint32_t, uint32_t>> pairs;
-  for (const AtlasHalfEdge* a = first; a != last; ++a) {
-    for (const AtlasHalfEdge* b = a + 1; b != last; ++b) {
-      if (starts_low(a->id) == starts_low(b->id) || a->id / 3 == b->id / 3) continue;
-      if (last - first == 2) return join(a->id, b->id);
-      pairs.emplace_back(-glm::dot(normal[a->id / 3], normal[b->id / 3]), a->id, b->id);
+  for (const HalfEdge* a = first; a != last; ++a) {
+    for (const HalfEdge* b = a + 1; b != last; ++b) {
+      if (!run_opposite(welded, *a, *b) || a->triangle == b->triangle) continue;
+      const uint32_t id_of_a = 3 * a->triangle + a->edge, id_of_b = 3 * b->triangle + b->edge;
+      if (last - first == 2) return join(id_of_a, id_of_b);
+      pairs.emplace_back(-glm::dot(normal[a->triangle], normal[b->triangle]), id_of_a, id_of_b);
     }
   }
   std::sort(pairs.begin(), pairs.end());

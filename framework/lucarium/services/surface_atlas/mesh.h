@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "lucarium/scene/mesh_topology.h"
 #include "lucarium/services/surface_atlas/layout.h"
 
 namespace lucarium {
@@ -40,7 +41,7 @@ struct AtlasMesh {
   void measure();
   void weld();
   void pair_edges();
-  void pair_group(const struct AtlasHalfEdge* first, const struct AtlasHalfEdge* last);
+  void pair_group(const HalfEdge* first, const HalfEdge* last);
   void join(uint32_t half_edge, uint32_t other);
 };
 
