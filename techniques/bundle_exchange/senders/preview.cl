@@ -3,6 +3,7 @@
 // cells of the atlas (Dammertz, Sewtz, Hanika, Lensch, Edge-Avoiding À-Trous Wavelet Transform for fast Global
 // Illumination Filtering, HPG 2010), with weights by standard errors.
 #include "bundle_exchange/exchange/exchange_layout.clh"
+#include "lucarium/gbuffer_filter.clh"
 #include "lucarium/math.clh"
 #include "lucarium/surface_atlas.clh"
 
@@ -74,12 +75,11 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
     }
     const float other_variance = variance[other];
     if (other_variance < 0.0f) continue;
-    float w = (du == 0 ? 0.5f : 0.25f) * (dv == 0 ? 0.5f : 0.25f), value = luminance(indirect[other].xyz);
+    float w = atrous_weight(du, dv), value = luminance(indirect[other].xyz);
 #ifdef BUNDLE_EXCHANGED
     value += luminance(direct[other].xyz);
 #endif
-    const float spread = own_variance + other_variance, difference = value - own;
-    if (known && other != slot) w *= spread > 0.0f ? exp(-difference * difference / (2.0f * spread)) : 0.0f;
+    if (known && other != slot) w *= noise_agreement(value - own, own_variance + other_variance);
     sum += w * indirect[other].xyz;
 #ifdef BUNDLE_EXCHANGED
     direct_sum += w * direct[other].xyz;

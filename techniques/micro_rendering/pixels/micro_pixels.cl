@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the G-buffer to the list of gathers, and from their results to the image.
 #include "lucarium/bsdf.clh"
+#include "lucarium/gbuffer_filter.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
 #include "lucarium/shared/gbuffer.h"
+#include "lucarium/sub_image.clh"
 #include "micro_rendering/shared/micro_types.h"
 #include "micro_rendering/tree/micro_node.clh"
 
@@ -14,11 +16,6 @@
 #endif
 
 #define MICRO_NO_GATHER 0x40000000u  // key of a pixel that gathers nothing: behind all others
-
-uint sub_image_pixel(MicroSubImage sub, uint i) {
-  const uint x = sub.offset_x + (i % sub.width) * sub.stride, y = sub.offset_y + (i / sub.width) * sub.stride;
-  return y * sub.image_width + x;
-}
 
 Surface gbuffer_surface(const Scene* scene, const global GBufferPoint* point) {
   Hit hit;
@@ -64,10 +61,10 @@ uint morton_of(const global SceneInfo* info, float3 position) {
 
 // keys: Morton order of the points, or of the pixels; values: the slots. Slots are pixels, and behind `pixels` of them
 // the far sides of surfaces that transmit: entry i + capacity is that of entry i, where sides is 2.
-__kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
-                           const MicroSubImage sub, const uint morton, const uint capacity, const uint pixels,
-                           const uint sides, __global MicroStatistics* restrict statistics,
-                           __global uint* restrict keys, __global uint* restrict values) {
+__kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const SubImage sub,
+                           const uint morton, const uint capacity, const uint pixels, const uint sides,
+                           __global MicroStatistics* restrict statistics, __global uint* restrict keys,
+                           __global uint* restrict values) {
   const uint i = get_global_id(0);
   if (i >= capacity) return;
   for (uint side = 0; side < sides; ++side) {
@@ -141,26 +138,6 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
 
 // ---- gathers at some pixels only
 
-// The last row or column of gathers that is not behind x: offset + k stride, below 0 where there is none.
-int lattice_line(uint x, uint offset, uint stride) {
-  return (int)((x + stride - offset) / stride * stride + offset) - (int)stride;
-}
-
-// How alike the surfaces of two pixels are: normals, and distance of the one from the plane of the other.
-float surface_agreement(const global GBufferPoint* a, const global GBufferPoint* b, float sigma) {
-  const float cosine = fmax(dot(a->shading.xyz, b->shading.xyz), 0.0f);
-  const float c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8;
-  const float off = dot(a->shading.xyz, b->position.xyz - a->position.xyz) / sigma;
-  return c16 * c16 * exp(-0.5f * off * off);
-}
-
-// The gather that a pixel lies beside.
-uint lattice_pixel(MicroSubImage sub, uint pixel) {
-  const int x = lattice_line(pixel % sub.image_width, sub.offset_x, sub.stride),
-            y = lattice_line(pixel / sub.image_width, sub.offset_y, sub.stride);
-  return (uint)(y < 0 ? y + (int)sub.stride : y) * sub.image_width + (uint)(x < 0 ? x + (int)sub.stride : x);
-}
-
 float3 mirrored_view(const global GBufferPoint* point) {
   const float3 n = point->shading.xyz, v = point->view.xyz;
   return 2.0f * dot(n, v) * n - v;
@@ -172,7 +149,7 @@ float3 mirrored_view(const global GBufferPoint* point) {
 // which else would be black, and lobes need not point the same way. Footprint of a pixel: footprint.x · distance +
 // footprint.y [m].
 __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint height,
-                          const MicroSubImage sub, const float least, const float2 footprint, const uint morton,
+                          const SubImage sub, const float least, const float2 footprint, const uint morton,
                           __global float4* restrict irradiance, __global float4* restrict specular,
                           __global MicroStatistics* restrict statistics, const uint sides, __global uint* restrict keys,
                           __global uint* restrict values,
@@ -190,7 +167,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   failed[pixel] = 0u;
   // The square of gathers about the pixel; at the borders half of it lies outside.
   const int stride = (int)sub.stride;
-  const int x0 = lattice_line(x, sub.offset_x, sub.stride), y0 = lattice_line(y, sub.offset_y, sub.stride);
+  const int x0 = sub_image_line(x, sub.offset_x, sub.stride), y0 = sub_image_line(y, sub.offset_y, sub.stride);
   if (x0 == (int)x && y0 == (int)y) return;
   const MicroStatistics none = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
   for (uint side = 0; side < sides; ++side) statistics[pixel + side * pixels] = none;
@@ -272,8 +249,8 @@ float3 transmitted_light(const Bsdf* bsdf, float3 all, float3 grazing) {
 // of what the inspection layers show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1 where
 // interpolation failed. Pixels that did not gather show the gather of `lattice` that they lie beside.
 __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
-                              const MicroSubImage sub, const MicroSubImage lattice,
-                              __global const float4* restrict irradiance, __global const float4* restrict specular,
+                              const SubImage sub, const SubImage lattice, __global const float4* restrict irradiance,
+                              __global const float4* restrict specular,
                               __global const MicroStatistics* restrict statistics, __global const uint* restrict failed,
                               const uint pixels, const uint sides, __global float4* restrict indirect,
 #if MICRO_LEVELS
@@ -315,7 +292,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
       levels[pixel] = (float4)(mean, before.z + squares, s.uneven ? frames : -frames);
     }
 #endif
-    const MicroStatistics shown = s.visits > 0u ? s : statistics[lattice_pixel(lattice, pixel)];
+    const MicroStatistics shown = s.visits > 0u ? s : statistics[sub_image_neighbour(lattice, pixel)];
     looks[pixel] += (float4)((float)shown.levels / (float)max(shown.splats + shown.listed, 1u), (float)shown.listed,
                              (float)shown.visits, (float)failed[pixel]);
   }
@@ -323,7 +300,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
 }
 
 // Sums over runs of `run` pixels of a sub-image.
-__kernel void mr_sum_statistics(__global const GBufferPoint* restrict points, const MicroSubImage sub, const uint run,
+__kernel void mr_sum_statistics(__global const GBufferPoint* restrict points, const SubImage sub, const uint run,
                                 __global const MicroStatistics* restrict statistics, const uint pixels,
                                 const uint sides, __global MicroStatistics* restrict sums) {
   const uint first = get_global_id(0) * run, end = min(first + run, sub.width * sub.height);

@@ -13,7 +13,6 @@ const lucarium::EmbeddedSources& micro_rendering_kernels();
 namespace lucarium::micro {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 constexpr uint32_t kRun = 256;  // pixels whose statistics one work-item sums
 constexpr size_t kMicroPixels = 64 * 64;
 const char* const kRemedy = "lower --size";
@@ -22,13 +21,6 @@ Program pixel_program(Device& device, const MicroParameters& parameters) {
   return make_program(device, micro_rendering_kernels(), {"micro_rendering/pixels/micro_pixels"},
                       {{"MICRO_GATHER_ENV", parameters.gather_env ? "1" : "0"},
                        {"MICRO_LEVELS", parameters.keeps_levels() ? "1" : "0"}});
-}
-
-/// Distance between the pixels of a sub-image: a power of two that leaves no more than `most` of them.
-uint32_t sub_image_stride(uint32_t width, uint32_t height, uint32_t most) {
-  uint32_t stride = 1;
-  while (uint64_t{(width + stride - 1) / stride} * ((height + stride - 1) / stride) > most) stride *= 2;
-  return stride;
 }
 
 }  // namespace
@@ -43,9 +35,10 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
       points_(points),
       width_(width),
       height_(height),
-      stride_(parameters.gather_step > 1
-                  ? static_cast<uint32_t>(parameters.gather_step)
-                  : sub_image_stride(width, height, static_cast<uint32_t>(parameters.batch_gathers))),
+      sub_images_(width, height,
+                  parameters.gather_step > 1
+                      ? static_cast<uint32_t>(parameters.gather_step)
+                      : SubImages::stride_for(width, height, static_cast<uint32_t>(parameters.batch_gathers))),
       forest_(forest),
       gather_(gather),
       shading_(shading),
@@ -54,7 +47,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
       program_(pixel_program(device, parameters)),
       primitives_(device) {
   const size_t pixels = size_t{width} * height;
-  capacity_ = ((width + stride_ - 1) / stride_) * ((height + stride_ - 1) / stride_);
+  capacity_ = sub_images_.capacity();
   sides_ = transmits ? 2 : 1;
   const auto inside = [](int x, uint32_t size) { return x >= 0 && static_cast<uint32_t>(x) < size; };
   if (inside(parameters.inspect_x, width) && inside(parameters.inspect_y, height))
@@ -74,33 +67,6 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
   record_add();
 }
 
-/// Sub-images in an order that refines evenly: the corners, then the middles of the squares between, and so on. Where
-/// the others are interpolated every frame has another lattice, so that their mean shows none: all of them in turn.
-MicroSubImage PixelGather::sub_image(uint32_t batch, uint32_t frame) const {
-  MicroSubImage sub{};
-  sub.stride = stride_;
-  if (interpolates()) {
-    const uint32_t shift = frame * (2 * stride_ - 1) % (stride_ * stride_);  // without a common factor: a permutation
-    sub.offset_x = shift % stride_;
-    sub.offset_y = shift / stride_;
-  }
-  for (uint32_t half = stride_ / 2; half > 0 && !interpolates(); half /= 2, batch /= 4) {
-    const uint32_t corner = batch % 4;
-    sub.offset_x += half * (corner == 1 || corner == 2);
-    sub.offset_y += half * (corner == 1 || corner == 3);
-  }
-  sub.width = sub.offset_x < width_ ? (width_ - sub.offset_x + stride_ - 1) / stride_ : 0;
-  sub.height = sub.offset_y < height_ ? (height_ - sub.offset_y + stride_ - 1) / stride_ : 0;
-  sub.image_width = width_;
-  return sub;
-}
-
-/// The pixels that get light by a batch.
-MicroSubImage PixelGather::added_image(uint32_t batch) const {
-  if (!interpolates()) return sub_image(batch, 0);
-  return {0, 0, 1, width_, height_, width_, 0, 0};
-}
-
 void PixelGather::set_camera(const Camera& camera) {
   if (!interpolates()) return;
   const auto size = [&](const float4& v) { return 2 * glm::length(v.xyz()) / static_cast<float>(width_); };
@@ -112,8 +78,8 @@ void PixelGather::set_camera(const Camera& camera) {
 /// The pixel whose gather a batch shows in `micro_buffer`: the inspected one, or the one that it lies beside.
 uint32_t PixelGather::inspected(uint32_t batch, uint32_t frame) const {
   if (inspect_ == LUCARIUM_NONE) return LUCARIUM_NONE;
-  const MicroSubImage sub = sub_image(batch, frame);
-  const auto line = [&](uint32_t x, uint32_t offset) { return x < offset ? offset : x - (x - offset) % stride_; };
+  const SubImage sub = sub_image(batch, frame);
+  const auto line = [&](uint32_t x, uint32_t offset) { return x < offset ? offset : x - (x - offset) % sub.stride; };
   const uint32_t x = line(inspect_ % width_, sub.offset_x), y = line(inspect_ / width_, sub.offset_y);
   const bool beside = x >= width_ || y >= height_ || (!interpolates() && y * width_ + x != inspect_);
   return beside ? LUCARIUM_NONE : y * width_ + x;
@@ -121,14 +87,13 @@ uint32_t PixelGather::inspected(uint32_t batch, uint32_t frame) const {
 
 void PixelGather::record_gather() {
   ScheduleRecorder recorder = scheduler_.record("gather at pixels", owner_);
-  gather_sub_ = recorder.variable("sub_image", MicroSubImage{});
+  gather_sub_ = recorder.variable("sub_image", SubImage{});
   settings_ = recorder.variable("settings", MicroSettings{});
   const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", size_t{sides_} * capacity_, kRemedy);
   const BufferRef values = recorder.transient<uint32_t>("sorted pixels", size_t{sides_} * capacity_, kRemedy);
   PassBuilder keying = recorder.pass("keys of pixels", program_, "mr_list_keys");
   scene_.bind(keying, program_, "mr_list_keys");
   keying.global(capacity_)
-      .local(kLocalSize)
       .arg("points", points_)
       .arg("sub", gather_sub_)
       .arg("morton", parameters_.morton ? 1u : 0u)
@@ -151,7 +116,6 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
   PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
   scene_.bind(fill, program_, "mr_list_fill");
   fill.global(capacity)
-      .local(kLocalSize)
       .arg("points", points_)
       .arg("keys", keys)
       .arg("values", values)
@@ -177,7 +141,6 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
   PassBuilder pass = recorder.pass("upsample", program_, "mr_upsample");
   scene_.bind(pass, program_, "mr_upsample");
   pass.global(pixels)
-      .local(kLocalSize)
       .arg("points", points_)
       .arg("height", height_)
       .arg("sub", gather_sub_)
@@ -197,12 +160,11 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
 
 void PixelGather::record_add() {
   ScheduleRecorder recorder = scheduler_.record("add indirect light", owner_);
-  add_sub_ = recorder.variable("sub_image", MicroSubImage{});
-  lattice_ = recorder.variable("lattice", MicroSubImage{});
+  add_sub_ = recorder.variable("sub_image", SubImage{});
+  lattice_ = recorder.variable("lattice", SubImage{});
   PassBuilder pass = recorder.pass("add indirect light", program_, "mr_add_indirect");
   scene_.bind(pass, program_, "mr_add_indirect");
   pass.global(added_)
-      .local(kLocalSize)
       .arg("points", points_)
       .arg("sub", add_sub_)
       .arg("lattice", lattice_)
@@ -234,7 +196,6 @@ void PixelGather::record_add() {
   ScheduleRecorder keeper = scheduler_.record("keep micro-buffer", owner_);
   keeper.pass("keep micro-buffer", program_, "mr_keep_micro_buffer")
       .global(kMicroPixels)
-      .local(kLocalSize)
       .arg("micro_buffer", results_.micro_buffer)
       .arg("count", static_cast<uint32_t>(kMicroPixels))
       .arg("kept", kept_micro_buffer_);
@@ -296,10 +257,7 @@ void PixelGather::resolve(Film& film) const {
   for (uint32_t y = 0; y < height_; ++y) {
     for (uint32_t x = 0; x < width_; ++x) {
       const size_t pixel = size_t{y} * width_ + x;
-      // The pixel itself, else the corner of the smallest square around it that a batch has reached.
-      size_t source = pixel;
-      for (uint32_t s = 2; s <= stride_ && indirect[source].w == 0; s *= 2)
-        source = size_t{y / s * s} * width_ + x / s * s;
+      const size_t source = sub_images_.nearest_reached(x, y, [&](size_t p) { return indirect[p].w != 0; });
       const float scale = indirect[source].w > 0 ? 1 / indirect[source].w : 0;
       for (size_t c = 0; c < 3; ++c) light.pixels[3 * pixel + c] = scale * (&indirect[source].x)[c];
       if (direct)

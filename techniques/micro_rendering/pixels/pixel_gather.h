@@ -7,6 +7,7 @@
 
 #include "lucarium/film/film.h"
 #include "lucarium/services/primitives/primitives.h"
+#include "lucarium/services/sub_images/sub_images.h"
 #include "lucarium/shared/gbuffer.h"
 #include "micro_rendering/gather/gather_pass.h"
 
@@ -23,7 +24,7 @@ class PixelGather {
               bool transmits, const std::string& owner);
 
   /// Sub-images of a frame; one where only some pixels gather and the others are interpolated.
-  uint32_t batches() const { return interpolates() ? 1 : stride_ * stride_; }
+  uint32_t batches() const { return interpolates() ? 1 : sub_images_.count(); }
   void set_camera(const Camera& camera);
   /// Gathers at the pixels of one sub-image. False when cancelled; nothing has changed then that resolve() shows.
   bool gather(uint32_t batch, uint32_t frame, uint32_t seed);
@@ -42,8 +43,13 @@ class PixelGather {
 
  private:
   bool interpolates() const { return parameters_.gather_step > 1; }
-  MicroSubImage sub_image(uint32_t batch, uint32_t frame) const;
-  MicroSubImage added_image(uint32_t batch) const;
+  /// The pixels that gather in a batch. Where the others are interpolated every frame has another lattice, so that
+  /// their mean shows none.
+  SubImage sub_image(uint32_t batch, uint32_t frame) const {
+    return interpolates() ? sub_images_.lattice(frame) : sub_images_.at(batch);
+  }
+  /// The pixels that get light by a batch.
+  SubImage added_image(uint32_t batch) const { return interpolates() ? sub_images_.whole() : sub_images_.at(batch); }
   uint32_t inspected(uint32_t batch, uint32_t frame) const;
   void record_gather();
   void record_upsample(ScheduleRecorder& recorder);
@@ -57,7 +63,9 @@ class PixelGather {
   KernelScheduler& scheduler_;
   const SceneBuffers& scene_;
   TypedBuffer<GBufferPoint> points_;
-  uint32_t width_, height_, stride_ = 1, capacity_ = 0, added_ = 0, sides_ = 1, inspect_ = 0xffffffffu;
+  uint32_t width_, height_;
+  SubImages sub_images_;
+  uint32_t capacity_ = 0, added_ = 0, sides_ = 1, inspect_ = 0xffffffffu;
   const PointForest& forest_;
   const GatherPass& gather_;
   const DynamicShading& shading_;
@@ -70,7 +78,7 @@ class PixelGather {
   TypedBuffer<float4> indirect_, looks_, kept_micro_buffer_;
   TypedBuffer<float4> sky_;  ///< as indirect_, of the environment; with gather_env
   Schedule gather_schedule_, add_schedule_, keep_schedule_;
-  Variable<MicroSubImage> gather_sub_, add_sub_, lattice_;
+  Variable<SubImage> gather_sub_, add_sub_, lattice_;
   Variable<MicroSettings> settings_;
   Variable<float2> footprint_;
   std::map<std::string, double> counters_;

@@ -129,15 +129,6 @@ uint hidden;  // MICRO_SIDE of the other side of the surface, which is not seen 
 uint pad0, pad1;
 LUCARIUM_STRUCT_END(MicroGather, 48)
 
-// Every stride-th pixel of every stride-th row: pixels that are gathered at together.
-LUCARIUM_STRUCT_BEGIN(MicroSubImage)
-uint offset_x, offset_y;  // its first pixel
-uint stride;
-uint width, height;  // pixels of the sub-image
-uint image_width;    // pixels per row of the image
-uint pad0, pad1;
-LUCARIUM_STRUCT_END(MicroSubImage, 32)
-
 // Results of a gather, at its slot:
 //   irradiance  float4: xyz E, light arriving times cosine [lx]; w: share of the hemisphere (by mass) that stayed empty
 //   specular    2 float4: xyz of S and S_w [cd/m²]; w: 0. What leaves by the specular lobe is F0 (S - S_w) + F90 S_w,
