@@ -10,7 +10,8 @@ using namespace lucarium;
 
 TEST_CASE("layers show the mean over samples, what has none is black, and equal names add up") {
   LayerSums sums(*test::test_device(), "test", 3, {"direct", "indirect"});
-  sums["direct"].upload({{2, 4, 6, 4}, {1, 1, 1, 0}, {0, 0, 9, 0.5f}});
+  TypedBuffer<float4> direct = sums["direct"];  // copies share the memory
+  direct.upload({{2, 4, 6, 4}, {1, 1, 1, 0}, {0, 0, 9, 0.5f}});
   Film film(3, 1);
   film.layer("direct", {"R", "G", "B"}, true).pixels = {1, 0, 0, 0, 0, 0, 0, 0, 0};
   sums.write(film);
