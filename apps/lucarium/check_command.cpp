@@ -84,6 +84,8 @@ int check(const CheckArguments& arguments) {
   for (const fs::path& folder : arguments.folders)
     options.arguments.insert(options.arguments.end(), {"--technique-path", folder.string()});
   options.device_arguments = arguments.device.words();
+  const std::vector<std::string> cache = arguments.device.cache_words();
+  options.device_arguments.insert(options.device_arguments.end(), cache.begin(), cache.end());
   const bool table = !arguments.output.json && !arguments.output.quiet;
   bool first = true;
   if (table) {

@@ -63,7 +63,15 @@ Check positive_number() {
       "above 0"));
 }
 
-Check not_negative_number() { return make_check(CLI::NonNegativeNumber); }
+Check not_negative_number() {
+  return make_check(CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
+        return good ? std::string() : fmt::format("'{}' is not a number from 0", text);
+      },
+      "not negative"));
+}
 Check in_range(int low, int high) { return make_check(CLI::Range(low, high)); }
 Check in_range(unsigned low, unsigned high) { return make_check(CLI::Range(low, high)); }
 Check one_of(std::vector<std::string> words) { return make_check(CLI::IsMember(std::move(words))); }

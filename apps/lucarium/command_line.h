@@ -20,7 +20,7 @@ namespace lucarium::app {
 /// What an option's text must be; says what is wrong in one line, and shows in --help.
 using Check = std::shared_ptr<const CLI::Validator>;
 Check positive_number();      ///< finite and above 0
-Check not_negative_number();  ///< 0 or above
+Check not_negative_number();  ///< finite and not below 0
 Check in_range(int low, int high);
 Check in_range(unsigned low, unsigned high);
 Check one_of(std::vector<std::string> words);

@@ -74,8 +74,9 @@ ComparisonSpec wanted_comparison(const CompareArguments& arguments) {
   ComparisonSpec spec = arguments.comparison.empty() ? spec_of(arguments) : read_comparison(arguments.comparison);
   const std::vector<std::string> device = arguments.device.words();
   spec.device_arguments.insert(spec.device_arguments.end(), device.begin(), device.end());
+  spec.folder_arguments = arguments.device.cache_words();
   for (const fs::path& path : arguments.technique.folders) {
-    spec.device_arguments.insert(spec.device_arguments.end(), {"--technique-path", fs::absolute(path).string()});
+    spec.folder_arguments.insert(spec.folder_arguments.end(), {"--technique-path", fs::absolute(path).string()});
   }
   return spec;
 }
@@ -181,7 +182,8 @@ void add_compare_command(Command program, Action& action) {
   arguments->image.add_to(command, false);
   arguments->overrides.add_to(command);
   command.add_flag("--resume", arguments->options.resume, "continue an interrupted comparison in the same folder");
-  command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder");
+  command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder")
+      ->excludes("--resume");
   arguments->device.add_to(command);
   arguments->output.add_to(command);
   command.callback([arguments, &action] { action = [arguments] { return compare(*arguments); }; });

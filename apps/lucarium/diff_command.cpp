@@ -2,6 +2,7 @@
 // lucarium diff: how different two images are, layer by layer.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
@@ -22,7 +23,7 @@ namespace {
 struct DiffArguments {
   fs::path test, reference, map;
   std::string map_kind = "signed";
-  double max_relmse = -1;
+  std::optional<double> max_relmse;
   float exposure = 0;
   bool formulas = false, json = false, overwrite = false, statistical = false;
 };
@@ -159,12 +160,12 @@ void print_formulas(const HdrFlipExposures& exposures) {
 }
 
 void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
-  if (arguments.max_relmse < 0) return;
+  if (!arguments.max_relmse) return;
   if (whole.nonfinite > 0) {
     throw_error(ErrorClass::check_failed, "{} pixels of {} are not finite", whole.nonfinite, arguments.test.string());
   }
-  if (whole.relmse > arguments.max_relmse) {
-    throw_error(ErrorClass::check_failed, "relMSE {:.3g} is above {:.3g}", whole.relmse, arguments.max_relmse);
+  if (!(whole.relmse <= *arguments.max_relmse)) {  // also where it is not a number
+    throw_error(ErrorClass::check_failed, "relMSE {:.3g} is above {:.3g}", whole.relmse, *arguments.max_relmse);
   }
 }
 

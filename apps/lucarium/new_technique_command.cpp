@@ -54,8 +54,9 @@ std::string replace_all(std::string text, std::string_view from, std::string_vie
 fs::path installation() {
   std::error_code ignored;
   const fs::path prefix = fs::read_symlink("/proc/self/exe", ignored).parent_path().parent_path();
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(prefix / "lib", ignored)) {
-    if (entry.path().filename() == "LucariumConfig.cmake") return prefix;
+  fs::recursive_directory_iterator entry(prefix / "lib", ignored), end;
+  for (; !ignored && entry != end; entry.increment(ignored)) {
+    if (entry->path().filename() == "LucariumConfig.cmake") return prefix;
   }
   return {};
 }

@@ -49,10 +49,15 @@ std::vector<std::string> DeviceArguments::words() const {
   std::vector<std::string> list;
   if (!options.selector.empty()) list.insert(list.end(), {"--device", options.selector});
   if (options.threads > 0) list.insert(list.end(), {"--threads", std::to_string(options.threads)});
-  if (!options.cache_dir.empty()) list.insert(list.end(), {"--cache-dir", options.cache_dir.string()});
-  if (no_cache) list.push_back("--no-cache");
   if (!memory_limit.empty()) list.insert(list.end(), {"--memory-limit", memory_limit});
   if (!allocation_limit.empty()) list.insert(list.end(), {"--allocation-limit", allocation_limit});
+  return list;
+}
+
+std::vector<std::string> DeviceArguments::cache_words() const {
+  std::vector<std::string> list;
+  if (!options.cache_dir.empty()) list.insert(list.end(), {"--cache-dir", options.cache_dir.string()});
+  if (no_cache) list.push_back("--no-cache");
   return list;
 }
 

@@ -24,6 +24,8 @@ struct DeviceArguments {
   DeviceOptions resolved() const;
   /// As words that give another lucarium process the same device.
   std::vector<std::string> words() const;
+  /// As words that give it the same cache.
+  std::vector<std::string> cache_words() const;
 };
 
 /// --camera, --environment, --light, --exposure, --material, --at, --animation, --no-sidecar, --texture-size

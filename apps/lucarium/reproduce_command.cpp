@@ -62,8 +62,10 @@ std::vector<Experiment> wanted_experiments(const ReproduceArguments& arguments, 
   for (Experiment& experiment : experiments) {
     std::vector<std::string>& words = experiment.comparison.device_arguments;
     words.insert(words.end(), device.begin(), device.end());
+    std::vector<std::string>& folders = experiment.comparison.folder_arguments;
+    folders = arguments.device.cache_words();
     for (const fs::path& folder : arguments.folders)
-      words.insert(words.end(), {"--technique-path", fs::absolute(folder).string()});
+      folders.insert(folders.end(), {"--technique-path", fs::absolute(folder).string()});
   }
   return experiments;
 }
@@ -132,7 +134,8 @@ void add_reproduce_command(Command program, Action& action) {
                      "folder of the results, with a folder for each experiment");
   command.add_flag("--dry-run", arguments->dry_run, "print the plan and render nothing but first iterations");
   command.add_flag("--resume", arguments->options.resume, "continue what was interrupted in the same folder");
-  command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder");
+  command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder")
+      ->excludes("--resume");
   command.add_option("--technique-path", arguments->folders, "further folder with plug-ins")
       ->take_all()
       ->expected(1)

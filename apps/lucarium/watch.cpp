@@ -13,6 +13,7 @@
 #include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/list_folder.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -39,12 +40,12 @@ Snapshot take_snapshot(const WatchedInputs& inputs) {
   std::error_code failure;
   for (const fs::path& file : inputs.files) add_file(snapshot, file);
   for (const fs::path& folder : inputs.plugins) {
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure)) {
+    for (const fs::directory_entry& entry : list_folder(folder, failure)) {
       if (entry.path().extension() == ".so") add_file(snapshot, entry.path());
     }
   }
   for (const fs::path& folder : inputs.kernels) {
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder, failure)) {
+    for (const fs::directory_entry& entry : list_folder<fs::recursive_directory_iterator>(folder, failure)) {
       if (entry.is_regular_file(failure)) add_file(snapshot, entry.path());
     }
   }

@@ -47,7 +47,8 @@ Error name_target(const Error& error, const fs::path& temporary, const fs::path&
   for (size_t at; (at = text.find(temporary.string())) != std::string::npos;) {
     text.replace(at, temporary.string().size(), target.string());
   }
-  return Error(error.error_class(), text + space).with_details(error.details());
+  if (text.find(std::strerror(ENOSPC)) == std::string::npos) text += space;
+  return Error(error.error_class(), text).with_details(error.details());
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
@@ -102,13 +103,36 @@ pid_t spawn(std::vector<std::string> arguments, const Pipe& out, const Pipe& err
   return child;
 }
 
+/// A child that is killed unless it was waited for.
+struct Child {
+  pid_t id;
+  explicit Child(pid_t started) : id(started) {}
+  ~Child() {
+    if (id < 0) return;
+    ::kill(id, SIGKILL);
+    wait();
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  /// Its status, and what it used.
+  std::pair<int, rusage> wait() {
+    int status = 0;
+    rusage usage{};
+    while (::wait4(id, &status, 0, &usage) < 0 && errno == EINTR) {
+    }
+    id = -1;
+    return {status, usage};
+  }
+};
+
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& arguments,
                       const std::function<void(std::string_view)>& on_error_line) {
   const Stopwatch watch;
   Pipe out, err;
-  const pid_t child = spawn(arguments, out, err);
+  Child child(spawn(arguments, out, err));
   Pipe::close_end(out.write_end);
   Pipe::close_end(err.write_end);
 
@@ -127,10 +151,11 @@ ChildResult run_child(const std::vector<std::string>& arguments,
     if (interrupt_requested() && !passed_on) {
       // A terminal interrupts both, others only this process. SIGTERM, since a second SIGINT would end the child at
       // once.
-      ::kill(child, SIGTERM);
+      ::kill(child.id, SIGTERM);
       passed_on = true;
     }
-    if (ready < 0 && errno != EINTR) break;
+    if (ready < 0 && errno != EINTR)
+      throw_error(ErrorClass::internal, "cannot read what {} says: {}", arguments[0], std::strerror(errno));
     if (ready <= 0) continue;
     for (pollfd& stream : streams) {
       if (stream.fd < 0 || !(stream.revents & (POLLIN | POLLHUP | POLLERR))) continue;
@@ -147,10 +172,7 @@ ChildResult run_child(const std::vector<std::string>& arguments,
   }
   splitter.finish(keep);
 
-  int status = 0;
-  rusage usage{};
-  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
-  }
+  const auto [status, usage] = child.wait();
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   result.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   result.peak_memory_bytes = static_cast<size_t>(usage.ru_maxrss) * 1024;

@@ -18,7 +18,8 @@ struct ChildResult {
 };
 
 /// Runs a program to its end with standard input closed. Lines of its standard error are handed to `on_error_line` as
-/// they come. An interrupt of this process is passed on to it once. Throws Error{internal} when it cannot be started.
+/// they come; when that throws, the child is killed. An interrupt of this process is passed on to it once. Throws
+/// Error{internal} when it cannot be started or listened to.
 ChildResult run_child(const std::vector<std::string>& arguments,
                       const std::function<void(std::string_view)>& on_error_line = {});
 

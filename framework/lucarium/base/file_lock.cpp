@@ -10,6 +10,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/list_folder.h"
 
 namespace lucarium {
 
@@ -48,8 +49,9 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
 
 FolderLock::~FolderLock() {
   namespace fs = std::filesystem;
-  std::error_code ignored;
-  if (made_.empty() || std::distance(fs::directory_iterator(made_, ignored), {}) != 1) return;  // more than the lock
+  if (made_.empty()) return;
+  std::error_code failure, ignored;
+  if (list_folder(made_, failure).size() != 1 || failure) return;  // more than the lock
   fs::remove(made_ / ".lock", ignored);
   fs::remove(made_, ignored);
 }

@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 
 #include "lucarium/base/error.h"
@@ -35,6 +36,10 @@ struct CountingIterator {
   bool operator!=(const CountingIterator& other) const { return at != other.at; }
 };
 
+struct DoubledKey : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Follows the parser through objects and arrays and notes where each value begins.
 class LineRecorder {
  public:
@@ -45,13 +50,16 @@ class LineRecorder {
     switch (event) {
       case Event::key:
         levels_.back().key = parsed.get<std::string>();
+        if (!levels_.back().keys.insert(levels_.back().key).second) {
+          throw DoubledKey(fmt::format("the key \"{}\" is given twice in one object", levels_.back().key));
+        }
         note();
         break;
       case Event::object_start:
       case Event::array_start:
         next_element();
         if (levels_.size() >= deepest) throw std::length_error("it is nested too deeply");
-        levels_.push_back({event == Event::array_start, -1, ""});
+        levels_.push_back({event == Event::array_start, -1, "", {}});
         break;
       case Event::object_end:
       case Event::array_end: levels_.pop_back(); break;
@@ -66,6 +74,7 @@ class LineRecorder {
     bool array;
     int index;
     std::string key;
+    std::set<std::string> keys;  ///< so far
   };
 
   void next_element() {
@@ -104,6 +113,8 @@ JsonWithLines read_json_with_lines(const std::filesystem::path& file) {
     const CountingIterator begin{text.data(), &line}, end{text.data() + text.size(), &line};
     result.value = nlohmann::json::parse(begin, end, LineRecorder(result.lines, line), true, true);
   } catch (const std::length_error& error) {
+    throw_error(ErrorClass::input, "{}:{}: {}", file.string(), line, error.what());
+  } catch (const DoubledKey& error) {
     throw_error(ErrorClass::input, "{}:{}: {}", file.string(), line, error.what());
   } catch (const nlohmann::json::exception& exception) {
     // The parser's message repeats the position and ends with what it expected.

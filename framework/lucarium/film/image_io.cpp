@@ -9,12 +9,17 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <optional>
 #include <set>
+#include <span>
 
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/srgb.h"
+#include "lucarium/film/encoded_image.h"
+#include "lucarium/film/image_stream.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -58,13 +63,6 @@ std::vector<float> interleave(const Film& film, size_t channels) {
     first += count;
   }
   return pixels;
-}
-
-void write_with_oiio(const fs::path& file, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
-  const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(file.string());
-  if (!out || !out->open(file.string(), spec) || !out->write_image(type, pixels) || !out->close()) {
-    throw_error(ErrorClass::input, "cannot write {}: {}", file.string(), out ? out->geterror() : OIIO::geterror());
-  }
 }
 
 uint8_t srgb_byte(float linear) {
@@ -133,6 +131,29 @@ void fill_layers(Film& film, const OIIO::ImageSpec& spec, const std::vector<floa
   }
 }
 
+void check_size(const fs::path& file, int64_t width, int64_t height, int64_t channels) {
+  // Each is an int, so that only the product of all three could overflow.
+  if (width > 0 && height > 0 && channels > 0 &&
+      static_cast<uint64_t>(width) * static_cast<uint64_t>(height) <= most_values / static_cast<uint64_t>(channels)) {
+    return;
+  }
+  throw_error(ErrorClass::input, "{}: {}×{} pixels with {} channels is not an image this program reads", file.string(),
+              width, height, channels);
+}
+
+/// Opening a JPEG can take as much memory as decoding it, so that its size is looked at before.
+void check_jpeg(const fs::path& file) {
+  char start[3] = {};
+  std::ifstream(file, std::ios::binary).read(start, sizeof start);
+  if (std::string_view(start, sizeof start) != "\xFF\xD8\xFF") return;
+  const std::string bytes = read_file(file);
+  const std::span<const uint8_t> jpeg(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  const std::string damage = jpeg_damage(jpeg);
+  if (!damage.empty()) throw_error(ErrorClass::input, "{}: damaged image: {}", file.string(), damage);
+  const std::optional<ImageSize> size = jpeg_size(jpeg);
+  check_size(file, size->width, size->height, 3);
+}
+
 }  // namespace
 
 void write_exr(const fs::path& file, const Film& film, const ExrOptions& options) {
@@ -144,16 +165,12 @@ void write_exr(const fs::path& file, const Film& film, const ExrOptions& options
     if (overflows)
       log_warning("{}: {} values do not fit into half floats; write without --half", file.string(), overflows);
   }
-  write_file_atomically(
-      file, [&](const fs::path& part) { write_with_oiio(part, spec, OIIO::TypeDesc::FLOAT, pixels.data()); });
+  write_image_file(file, spec, OIIO::TypeDesc::FLOAT, pixels.data());
 }
 
 void write_png(const fs::path& file, uint32_t width, uint32_t height, const std::vector<float>& rgb,
                float exposure_stops) {
-  const std::vector<uint8_t> bytes = tone_map(rgb, exposure_stops);
-  write_file_atomically(file, [&](const fs::path& part) {
-    write_with_oiio(part, png_spec(width, height), OIIO::TypeDesc::UINT8, bytes.data());
-  });
+  write_image_file(file, png_spec(width, height), OIIO::TypeDesc::UINT8, tone_map(rgb, exposure_stops).data());
 }
 
 void write_png(const fs::path& file, const Film& film, float exposure_stops) {
@@ -175,16 +192,21 @@ std::string encode_png(uint32_t width, uint32_t height, const std::vector<float>
 Film read_image(const fs::path& file) {
   std::error_code failure;
   if (!fs::is_regular_file(file, failure)) throw_error(ErrorClass::input, "{}: no such file", file.string());
+  check_jpeg(file);
   const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string());
   if (!in) throw_error(ErrorClass::input, "{}: not a readable image: {}", file.string(), OIIO::geterror());
   const OIIO::ImageSpec spec = in->spec();
-  if (spec.width <= 0 || spec.height <= 0 || spec.nchannels <= 0 || spec.image_pixels() > most_values ||
-      spec.image_pixels() * static_cast<uint64_t>(spec.nchannels) > most_values) {
-    throw_error(ErrorClass::input, "{}: {}×{} pixels with {} channels is not an image this program reads",
-                file.string(), spec.width, spec.height, spec.nchannels);
-  }
-  std::vector<float> pixels(spec.image_pixels() * static_cast<size_t>(spec.nchannels));
-  if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data())) {
+  if (spec.deep || spec.depth > 1)
+    throw_error(ErrorClass::input, "{}: deep and volume images are not read", file.string());
+  check_size(file, spec.width, spec.height, spec.nchannels);
+  const size_t row_values = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.nchannels);
+  std::vector<float> pixels;
+  pixels.reserve(row_values * static_cast<size_t>(spec.height));
+  const auto add_rows = [&](size_t rows, const void* values) {
+    const float* first = static_cast<const float*>(values);
+    pixels.insert(pixels.end(), first, first + rows * row_values);
+  };
+  if (!read_rows(*in, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, add_rows)) {
     throw_error(ErrorClass::input, "{}: damaged image: {}", file.string(), in->geterror());
   }
   if (spec.get_string_attribute("oiio:ColorSpace") == "sRGB") decode_srgb(spec, pixels);

@@ -7,7 +7,9 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/list_folder.h"
 #include "lucarium/base/nearest_name.h"
+#include "lucarium/technique/library_file.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_folders.h"
 
@@ -69,7 +71,10 @@ bool is_technique_name(const std::string& name) {
 /// A handle that closes the library unless the plug-in is accepted.
 struct OpenLibrary {
   void* handle;
-  explicit OpenLibrary(const fs::path& file) : handle(::dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL)) {
+  explicit OpenLibrary(const fs::path& file) : handle(nullptr) {
+    if (const std::string damage = library_damage(file); !damage.empty())
+      throw_error(ErrorClass::technique, "cannot be loaded: {}", damage);
+    handle = ::dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
     if (!handle) throw_error(ErrorClass::technique, "cannot be loaded: {}", ::dlerror());
   }
   ~OpenLibrary() {
@@ -121,9 +126,11 @@ TechniqueRegistry::TechniqueRegistry(const std::vector<fs::path>& extra_folders)
   for (const fs::path& folder : searched_) {
     std::error_code failure;
     std::vector<fs::path> files;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, failure)) {
+    for (const fs::directory_entry& entry : list_folder(folder, failure)) {
       if (entry.path().extension() == ".so") files.push_back(entry.path());
     }
+    if (failure && failure != std::errc::no_such_file_or_directory && failure != std::errc::not_a_directory)
+      failures_.push_back({folder, "cannot be read: " + failure.message()});
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
       try {

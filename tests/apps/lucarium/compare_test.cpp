@@ -83,6 +83,59 @@ TEST_CASE("a comparison writes results that parse, a table and a page") {
   CHECK(run_lucarium("report " + results.string()).exit_code == 0);
 }
 
+TEST_CASE("a user's own files in the folder of the results were deleted") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results";
+  comparison(folder, "");  // makes the reference
+  fs::create_directories(results / "references");
+  const auto write = [](const fs::path& file, const std::string& text) { std::ofstream(file) << text; };
+  write(results / "references" / "mine.exr", "precious");
+  write(results / "notes.txt", "mine");
+  for (const char* option : {"", "--overwrite", "--resume"}) {
+    check_refused(comparison(folder, option), 2, "references is there, and no comparison wrote it");
+  }
+  // A comparison file that a person wrote is no result either, whatever its name.
+  fs::rename(results / "references", folder.path() / "kept");
+  const std::string by_hand = "// my study\n{\"schema\": \"lucarium-comparison-1\"}\n";
+  write(results / "comparison.json", by_hand);
+  check_refused(comparison(folder, "--overwrite"), 2, "comparison.json is there, and no comparison wrote it");
+  CHECK(text_of(results / "comparison.json") == by_hand);
+  fs::remove(results / "comparison.json");
+  fs::rename(folder.path() / "kept", results / "references");
+
+  // What a comparison wrote is replaced when that is asked for, and only that.
+  const std::string mine = text_of(results / "references" / "mine.exr");
+  fs::rename(results / "references", folder.path() / "kept");
+  REQUIRE(run_lucarium(comparison(folder, "--quiet")).exit_code == 0);
+  fs::rename(folder.path() / "kept" / "mine.exr", results / "references" / "mine.exr");
+  write(results / "pieces" / "scene9-variant1-budget1-seed1.json", "of an older comparison");
+  REQUIRE(run_lucarium(comparison(folder, "--quiet --overwrite --max-bounces 2")).exit_code == 0);
+  CHECK(text_of(results / "references" / "mine.exr") == mine);
+  CHECK(text_of(results / "notes.txt") == "mine");
+  CHECK_FALSE(fs::exists(results / "pieces" / "scene9-variant1-budget1-seed1.json"));
+  CHECK(json::parse(text_of(results / "comparison.json"))["max_bounces"] == 2);
+}
+
+TEST_CASE("--dry-run did not notice that the reference is missing") {
+  const TemporaryFolder folder;
+  const std::string missing = (folder.path() / "none.exr").string();
+  check_refused("compare builtin:cornell " + constant_technique() + "--iterations 1 --dry-run --reference " + missing,
+                3, "none.exr: no such file");
+  std::ofstream(folder.path() / "my.json")
+      << R"({"schema": "lucarium-comparison-1", "scenes": ["builtin:cornell"], "techniques": ["constant"],
+             "budgets": [{"iterations": 1}], "max_bounces": 1, "reference": {"file": "none.exr"}})";
+  const std::string plugins = "--technique-path " + environment("LUCARIUM_TEST_PLUGINS") + "/constant ";
+  check_refused("compare --dry-run " + plugins + "--comparison " + (folder.path() / "my.json").string(), 3,
+                "none.exr: no such file");
+}
+
+TEST_CASE("--resume and --overwrite together were accepted") {
+  const TemporaryFolder folder;
+  check_refused(comparison(folder, "--resume --overwrite"), 2, "--overwrite excludes --resume");
+  check_refused("reproduce paper --resume --overwrite", 2, "--overwrite excludes --resume");
+  CHECK_FALSE(fs::exists(folder.path() / "results"));
+}
+
 TEST_CASE("a comparison that was killed goes on where it stopped; what was finished stays byte for byte") {
   const TemporaryFolder folder;
   const fs::path results = folder.path() / "results";

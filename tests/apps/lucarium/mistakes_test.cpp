@@ -1,10 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every class of mistake: its exit code, one line that says what to do, and nothing written.
 #include <fstream>
+#include <iterator>
 
 #include "cli_support.h"
 
 using namespace lucarium::test;
+
+namespace {
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
 
 TEST_CASE("memory that is missing names the parameters that need it") {
   const TemporaryFolder folder;
@@ -52,6 +62,46 @@ TEST_CASE("usage: exit code 2, and the nearest valid name") {
   check_refused("render builtin:cornell " + constant_technique() + "--material '*:shiny=1'" + out, 2, "shiny");
   check_refused("diff only-one.exr", 2, "reference is required");
   CHECK(count_files(folder.path()) == 0);
+}
+
+TEST_CASE("a gate of NaN always passed") {
+  const TemporaryFolder folder;
+  std::vector<std::string> images;
+  for (const char* red : {"0.2", "0.9"}) {
+    images.push_back((folder.path() / (std::string(red) + ".exr")).string());
+    REQUIRE(run_lucarium("render builtin:cornell " + constant_technique(std::string("red=") + red) +
+                         "--iterations 1 --quiet -o " + images.back())
+                .exit_code == 0);
+  }
+  const std::string diff = "diff " + images[0] + " " + images[1] + " --max-relmse ";
+  for (const char* bar : {"nan", "inf", "-1", "x"}) {
+    check_refused(diff + bar, 2, std::string("--max-relmse: '") + bar + "' is not a number from 0");
+  }
+  CHECK(run_lucarium(diff + "1e-6").exit_code == 1);
+  CHECK(run_lucarium(diff + "100").exit_code == 0);
+}
+
+TEST_CASE("a full disk replaced a good error map by an empty one, exit code 0") {
+  const TemporaryFolder folder;
+  const std::string image = (folder.path() / "a.exr").string(), map = (folder.path() / "map.png").string();
+  REQUIRE(run_lucarium("render builtin:cornell -t path_tracing --size 32x32 --spp 1 --quiet -o " + image).exit_code ==
+          0);
+  REQUIRE(run_lucarium("diff " + image + " " + image + " --map " + map).exit_code == 0);
+  const std::string before = bytes_of(map);
+  // The shell counts in blocks of 512 bytes: room for messages, not for a map of noise.
+  const std::string dark = (folder.path() / "b.exr").string();
+  REQUIRE(run_lucarium("render builtin:cornell -t path_tracing --size 32x32 --spp 1 --seed 2 --quiet -o " + dark)
+              .exit_code == 0);
+  const ProgramResult full = run_program("trap '' XFSZ; ulimit -f 1; " + lucarium_program() + " diff " + image + " " +
+                                         dark + " --overwrite --json --map " + map);
+  CHECK(full.exit_code == 3);
+  CHECK(contains(full.err, "map.png: File too large"));
+  CHECK(bytes_of(map) == before);
+}
+
+TEST_CASE("a camera that is written wrong was looked for by name") {
+  check_refused("scene builtin:cornell --camera nan,0,0:0,0,0", 2, "it is not EYE:TARGET or EYE:TARGET:VFOV");
+  check_refused("scene builtin:cornell --camera 0,0:1,1", 2, "it is not EYE:TARGET or EYE:TARGET:VFOV");
 }
 
 TEST_CASE("input: exit code 3") {

@@ -2,6 +2,11 @@
 #include "lucarium/base/child_process.h"
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <stdexcept>
 
 #include "lucarium/base/error.h"
 
@@ -35,3 +40,24 @@ TEST_CASE("a child with much output on both streams does not stall") {
 }
 
 TEST_CASE("a program that does not exist is an error") { CHECK_THROWS_AS(run_child({"/nonexistent/program"}), Error); }
+
+TEST_CASE("a callback that throws left the child running and unwaited for") {
+  CHECK_THROWS_AS(
+      run_child({"sh", "-c", "echo x >&2; sleep 600"}, [](std::string_view) { throw std::runtime_error("enough"); }),
+      std::runtime_error);
+  CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);
+  CHECK(errno == ECHILD);
+}
+
+TEST_CASE("an error of poll waited for ever for a child that fills its pipe") {
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_NOFILE, &before) == 0);
+  const auto break_poll = [&](std::string_view) {
+    const rlimit none{1, before.rlim_max};  // poll() refuses more descriptors than a process may have
+    ::setrlimit(RLIMIT_NOFILE, &none);
+  };
+  CHECK_THROWS_WITH_AS(run_child({"sh", "-c", "echo x >&2; head -c 1000000 /dev/zero"}, break_poll),
+                       doctest::Contains("cannot read what sh says: Invalid argument"), Error);
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);
+}

@@ -2,6 +2,7 @@
 #include "lucarium/base/parallel.h"
 
 #include <doctest/doctest.h>
+#include <pthread.h>
 
 #include <numeric>
 #include <stdexcept>
@@ -69,4 +70,23 @@ TEST_CASE("ForkJoin runs both halves, with and without threads") {
     ForkJoin fork_join(threads);
     CHECK(sum_by_halves(values.data(), values.size(), fork_join) == 500500);
   }
+}
+
+TEST_CASE("a thread that could not be started ended the work") {
+  pthread_attr_t before, huge;
+  REQUIRE(pthread_getattr_default_np(&before) == 0);
+  REQUIRE(pthread_attr_init(&huge) == 0);
+  REQUIRE(pthread_attr_setstacksize(&huge, size_t{1} << 47) == 0);  // more than there are addresses
+  REQUIRE(pthread_setattr_default_np(&huge) == 0);
+  std::vector<int> values(5000, 1), calls(5000);
+  int sum = 0;
+  CHECK_THROWS_AS(std::thread([] {}).join(), std::system_error);
+  CHECK_NOTHROW(parallel_for(5000, 4, [&](uint32_t i) { ++calls[i]; }));
+  CHECK_NOTHROW(parallel_jobs(
+      5000, 4, [&] { return [&](size_t i) { ++calls[i]; }; }, [](size_t) {}));
+  ForkJoin fork_join(4);
+  CHECK_NOTHROW(sum = sum_by_halves(values.data(), values.size(), fork_join));
+  REQUIRE(pthread_setattr_default_np(&before) == 0);
+  CHECK(std::count(calls.begin(), calls.end(), 2) == 5000);
+  CHECK(sum == 5000);
 }

@@ -54,6 +54,8 @@ std::string complaint(const std::string& text) {
   return "accepted";
 }
 
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 std::string with(const std::string& members) {
   return "{\"schema\": \"lucarium-comparison-1\",\n\"scenes\": [\"builtin:cornell\"],\n\"techniques\": "
          "[\"path_tracing\"],\n" +
@@ -107,6 +109,53 @@ TEST_CASE("mistakes in a comparison file are named with line and key") {
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"reference\": {\"file\": \"a.exr\", \"samples\": 64}")) ==
         "my.json:4: reference: a file is used as it is; leave out the other keys");
   CHECK(complaint("{").starts_with("my.json:1: this is not valid JSON"));
+}
+
+TEST_CASE("a comparison file ran code: device_arguments passed any word on") {
+  const auto with_words = [](const std::string& words) {
+    return complaint(with("\"budgets\": [{\"seconds\": 1}],\n\"device_arguments\": [" + words + "]"));
+  };
+  CHECK(
+      with_words("\"--technique-path\", \"E\"") ==
+      "my.json:5: device_arguments/0: '--technique-path' is not allowed here; --device, --threads, --memory-limit and "
+      "--allocation-limit are, each with a value");
+  CHECK(contains(with_words("\"--threads\", \"2\", \"-o\", \"a.exr\""),
+                 "my.json:5: device_arguments/2: '-o' is not allowed here"));
+  CHECK(contains(with_words("\"--technique-path=E\""), "device_arguments/0: '--technique-path=E' is not allowed"));
+  CHECK(contains(with_words("\"--cache-dir\", \"E\""), "'--cache-dir' is not allowed here"));
+  CHECK(contains(with_words("\"--device\", \"--technique-path=E\""),
+                 "device_arguments/1: '--technique-path=E' names no device"));
+  CHECK(contains(with_words("\"--threads\", \"-1\""), "device_arguments/1: '-1' is not a number of threads"));
+  CHECK(contains(with_words("\"--memory-limit\", \"lots\""), "'lots' is not a number of bytes"));
+  CHECK(contains(with_words("\"--threads\""), "device_arguments/0: --threads needs a value"));
+  CHECK(with_words("\"--device\", \"cpu\", \"--threads=2\", \"--memory-limit\", \"1G\", \"--allocation-limit=500M\"") ==
+        "accepted");
+}
+
+TEST_CASE("a fallback environment that is no colour was taken for a file and found out when a scene needed it") {
+  for (const char* text : {"x", "none", "1,2", "-1", "sky.hdr*2"}) {
+    CHECK(
+        complaint(with("\"budgets\": [{\"seconds\": 1}],\n\"fallback_environment\": \"" + std::string(text) + "\"")) ==
+        "my.json:5: fallback_environment: '" + std::string(text) + "' is not a sky: R,G,B or one grey value [cd/m2]");
+  }
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"fallback_environment\": \"1,1,1*2\"")) == "accepted");
+}
+
+TEST_CASE("of a key that is given twice the second won silently") {
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}],\n\"seeds\": 1,\n\"seeds\": 2")) ==
+        "my.json:6: the key \"seeds\" is given twice in one object");
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1,\n\"seconds\": 2}]")) ==
+        "my.json:5: the key \"seconds\" is given twice in one object");
+  // The same key in two objects, and one that reads like a path, are no doubles.
+  CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}, {\"seconds\": 2}], \"a/b\": 1, \"a\": {\"b\": 1}")) ==
+        "my.json:4: a: unknown key");
+}
+
+TEST_CASE("a gate whose bar is no finite number always passed, or never") {
+  for (const char* text : {"relmse<nan", "relmse>nan", "relmse<inf", "relmse>-inf", "psnr>-infinity"}) {
+    CHECK_THROWS_WITH_AS(parse_gate(text), doctest::Contains("is not METRIC<VALUE"), Error);
+  }
+  CHECK(parse_gate("relmse<1e-3").bar == 1e-3);
 }
 
 TEST_CASE("two comparisons cannot use one folder") {

@@ -2,11 +2,14 @@
 #include "lucarium/compute/device/program_cache.h"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
 
 #include "compute_fixture.h"
+#include "file_size_limit.h"
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/program/source_library.h"
@@ -228,4 +231,27 @@ TEST_CASE("many processes may fill and use one cache at once") {
     CHECK(count(result.out, "cached 11") + 6 * (round == 0) >= 6);
   }
   CHECK(entries(folder.path()).size() == 2);  // no temporary is left
+}
+
+TEST_CASE("a full disk gave a warning for every kernel that could not be kept") {
+  const TemporaryFolder folder;
+  DeviceOptions options;
+  options.cache_dir = folder.path();
+  const ProgramCache cache(options, device_with(folder.path())->info());
+  CachedProgram program;
+  program.binary = std::string(10000, 'x');
+  const fs::path said = folder.path() / "said";
+  const int before = ::dup(STDERR_FILENO), file = ::open(said.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  ::dup2(file, STDERR_FILENO);
+  {
+    const FileSizeLimit full(2000);  // room for the warnings, not for a program
+    for (const char* source : {"a", "b", "c", "d"}) cache.store(cache.key(source, ""), program);
+  }
+  ::dup2(before, STDERR_FILENO);
+  ::close(before);
+  ::close(file);
+  const std::string text = read_file(said);
+  CHECK(std::count(text.begin(), text.end(), '\n') == 1);
+  CHECK(text.find("compiled kernels are not kept: cannot write ") != std::string::npos);
+  CHECK(entries(folder.path()).empty());
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "file_size_limit.h"
+#include "hostile_images.h"
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "test_support.h"
@@ -92,4 +94,38 @@ TEST_CASE("unwritable and unreadable files are one clear error, and leave nothin
   write_file_atomically(folder.path() / "broken.exr", "not an image");
   CHECK_THROWS_AS(read_image(folder.path() / "broken.exr"), Error);
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
+}
+
+TEST_CASE("a full disk replaced a good picture by an empty one, without an error") {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path png = folder.path() / "a.png", exr = folder.path() / "a.exr";
+  const std::vector<float> grey(2 * 2 * 3, 0.2f);
+  write_png(png, 2, 2, grey);
+  write_exr(exr, example_film());
+  const std::string png_before = read_file(png), exr_before = read_file(exr);
+  for (const rlim_t room : {0, 40}) {  // 0: nothing can be written, 40: only the end is missing
+    const test::FileSizeLimit full(room);
+    CHECK_THROWS_WITH_AS(write_png(png, 2, 2, grey), doctest::Contains("a.png: File too large"), Error);
+    CHECK_THROWS_WITH_AS(write_exr(exr, example_film()), doctest::Contains("a.exr: File too large"), Error);
+  }
+  CHECK(read_file(png) == png_before);
+  CHECK(read_file(exr) == exr_before);
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 2);
+}
+
+TEST_CASE("a JPEG of a few hundred bytes that states billions of pixels took gigabytes when it was opened") {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "bomb.jpg";
+  write_file_atomically(file, test::jpeg_that_states(65500, 65500, true));
+  CHECK_THROWS_WITH_AS(read_image(file), doctest::Contains("bomb.jpg: damaged image: it is cut off"), Error);
+  write_file_atomically(file, test::jpeg_that_states(8, 8, true));
+  CHECK(read_image(file).width() == 8);
+}
+
+TEST_CASE("an EXR with tiff:RowsPerStrip 0 ended the program with a division by zero") {
+  const test::TemporaryFolder folder;
+  write_file_atomically(folder.path() / "a.exr", test::exr_without_rows_per_strip(3, 200));
+  const Film film = read_image(folder.path() / "a.exr");
+  CHECK(film.height() == 200);
+  CHECK(film.image() == std::vector<float>(3 * 3 * 200, 0.5f));
 }

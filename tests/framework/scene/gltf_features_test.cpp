@@ -223,3 +223,19 @@ TEST_CASE("Extensions are reported as used and as ignored") {
           return text.find("KHR_materials_clearcoat") != std::string::npos;
         }) == 1);
 }
+
+TEST_CASE("a 2x2 matrix of bytes whose last column is not padded was refused") {
+  for (const auto& [type, component, bytes] :
+       {std::tuple("MAT2", 5121, 14u), {"MAT3", 5121, 23u}, {"MAT3", 5122, 46u}}) {
+    for (const size_t missing : {0, 1}) {
+      GltfBuilder builder = GltfBuilder::triangle();
+      const std::string zeros(bytes, '\0');
+      builder.add_accessor(builder.add_view(zeros.data(), bytes - missing), component, 2, type);
+      if (missing) {
+        CHECK_THROWS_WITH_AS(load(builder), doctest::Contains("reach beyond"), Error);
+      } else {
+        CHECK(load(builder).triangle_count() == 1);
+      }
+    }
+  }
+}

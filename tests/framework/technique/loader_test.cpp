@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plug-ins that are not what they should be: each gives its reason, and none stops the others.
 #include <doctest/doctest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
+#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "lucarium/technique/plugin.h"
+#include "test_support.h"
 
 using namespace lucarium;
 namespace fs = std::filesystem;
@@ -47,6 +54,41 @@ TEST_CASE("what is no plug-in says so, with the loader's own words") {
   CHECK(contains(reason_of("undefined_symbol"), "lucarium_test_nobody_defines_this"));
   CHECK(contains(reason_of("no_symbol"), "exports no lucarium_technique()"));
   CHECK(reason_of("no_descriptor") == "has an empty descriptor");
+}
+
+TEST_CASE("a plug-in that is cut off ended the program with SIGBUS") {
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "cut.so";
+  const std::string whole = read_file(plugin_folder("constant") / "constant.so");
+  for (const size_t bytes : {size_t{70}, size_t{5000}, whole.size() / 2, whole.size() - 1}) {
+    write_file_atomically(file, whole.substr(0, bytes));
+    const TechniqueRegistry registry({folder.path()});
+    REQUIRE(registry.failures().size() == 1);
+    CHECK(registry.failures()[0].reason == "cannot be loaded: the file is cut off; build or copy it again");
+  }
+  write_file_atomically(file, whole);
+  CHECK(TechniqueRegistry({folder.path()}).failures().empty());
+}
+
+TEST_CASE("a pipe with the name of a plug-in was waited for without end") {
+  const test::TemporaryFolder folder;
+  REQUIRE(::mkfifo((folder.path() / "pipe.so").c_str(), 0600) == 0);
+  fs::create_directory(folder.path() / "folder.so");
+  fs::create_symlink("/dev/zero", folder.path() / "device.so");
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::string socket_name = (folder.path() / "socket.so").string();
+  REQUIRE(socket_name.size() < sizeof address.sun_path);
+  std::copy(socket_name.begin(), socket_name.end(), address.sun_path);
+  const int socket = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  REQUIRE(::bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  const TechniqueRegistry registry({folder.path(), plugin_folder("constant")});
+  ::close(socket);
+  CHECK(registry.find("constant").info().version == "1.0");
+  REQUIRE(registry.failures().size() == 4);
+  for (const PluginFailure& failure : registry.failures()) {
+    CHECK(failure.reason == "cannot be loaded: it is not a regular file");
+  }
 }
 
 TEST_CASE("whatever a plug-in throws becomes a reason, also types of its own") {

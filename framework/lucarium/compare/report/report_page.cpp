@@ -13,6 +13,7 @@
 #include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
 #include "lucarium/compare/report/report_images.h"
+#include "lucarium/compare/results/result_folder.h"
 
 const lucarium::EmbeddedSources& lucarium_report_assets();
 
@@ -74,7 +75,7 @@ ordered_json read_results(const fs::path& file) {
 class ImageWriter {
  public:
   ImageWriter(fs::path folder, bool link) : folder_(std::move(folder)), link_(link) {
-    fs::remove_all(folder_);
+    remove_written_files(folder_);
     if (link_) fs::create_directories(folder_);
   }
 

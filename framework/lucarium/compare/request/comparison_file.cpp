@@ -4,6 +4,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/request/comparison_spec.h"
+#include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/load/sidecar.h"
 
 namespace lucarium {
@@ -36,10 +37,16 @@ class ComparisonReader {
     if (root.contains("reference")) spec.reference = reference(root["reference"]);
     if (root.contains("fallback_environment")) {
       spec.fallback_environment = file_.text(root["fallback_environment"], place("fallback_environment"));
+      if (const std::string what = fallback_mistake(spec.fallback_environment); !what.empty()) {
+        file_.fail(place("fallback_environment"), what);
+      }
     }
     if (root.contains("device_arguments")) {
       each("device_arguments",
            [&](const json& value, const std::string& at) { spec.device_arguments.push_back(file_.text(value, at)); });
+      if (const auto mistake = check_device_arguments(spec.device_arguments)) {
+        file_.fail(fmt::format("{}/{}", place("device_arguments"), mistake->index), mistake->what);
+      }
     }
     return spec;
   }
@@ -74,7 +81,8 @@ class ComparisonReader {
   std::string source(const json& value, const std::string& pointer) const {
     const std::string& text = file_.text(value, pointer);
     if (text.starts_with("builtin:") || fs::path(text).is_absolute()) return text;
-    return (file_.path().parent_path() / text).string();
+    const std::string path = (file_.path().parent_path() / text).string();
+    return path.starts_with('-') ? "./" + path : path;  // never an option of the runs
   }
 
   ComparisonScene scene(const json& value, const std::string& pointer) const {

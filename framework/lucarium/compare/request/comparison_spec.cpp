@@ -104,6 +104,15 @@ std::string ComparisonSpec::to_json() const {
   return json.dump(2) + "\n";
 }
 
+std::string fallback_mistake(const std::string& environment) {
+  try {
+    const EnvironmentChoice choice = parse_environment(environment);
+    if (!choice.none && choice.file.empty()) return "";
+  } catch (const Error&) {  // it has no form at all
+  }
+  return fmt::format("'{}' is not a sky: R,G,B or one grey value [cd/m2]", environment);
+}
+
 void check_comparison(const ComparisonSpec& spec) {
   if (spec.scenes.empty()) throw_error(ErrorClass::usage, "no scene given; name a file or builtin:cornell");
   if (spec.variants.empty()) throw_error(ErrorClass::usage, "no technique given; add -t path_tracing");
@@ -121,6 +130,10 @@ void check_comparison(const ComparisonSpec& spec) {
   if (spec.seeds == 0 || spec.seeds > 1000) throw_error(ErrorClass::usage, "seeds must be from 1 to 1000");
   if (spec.reference.file && spec.scenes.size() > 1) {
     throw_error(ErrorClass::usage, "a reference file goes with one scene; {} were given", spec.scenes.size());
+  }
+  if (!spec.fallback_environment.empty()) {
+    const std::string what = fallback_mistake(spec.fallback_environment);
+    if (!what.empty()) throw_error(ErrorClass::usage, "the fallback environment {}", what);
   }
   check_different(spec.scenes, "scene", [](const ComparisonScene& scene) { return scene.label(); });
   check_different(spec.variants, "technique", [](const TechniqueVariant& variant) { return variant.label(); });

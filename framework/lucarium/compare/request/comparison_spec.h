@@ -56,7 +56,8 @@ struct ComparisonSpec {
   uint32_t pixel_sampling = 0;
   ReferenceRequest reference;
   std::string fallback_environment;           ///< for scenes without any light; empty: such a scene is an error
-  std::vector<std::string> device_arguments;  ///< --device X, --threads N, …
+  std::vector<std::string> device_arguments;  ///< --device X, --threads N, … (check_device_arguments())
+  std::vector<std::string> folder_arguments;  ///< --technique-path X, --cache-dir X: this machine's, in no file
 
   /// JSON (schema lucarium-comparison-1) that is kept with the results; parse_comparison() is its inverse.
   std::string to_json() const;
@@ -64,6 +65,9 @@ struct ComparisonSpec {
 
 /// Reads a comparison file. Throws Error{usage} naming file, line and key.
 ComparisonSpec read_comparison(const std::filesystem::path& file);
+
+/// What is wrong with a sky for scenes without light; empty where nothing is.
+std::string fallback_mistake(const std::string& environment);
 
 /// Complains about what no file or command line may ask for. Throws Error{usage}.
 void check_comparison(const ComparisonSpec& spec);

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/list_folder.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/compare/request/comparison_file.h"
@@ -172,7 +173,7 @@ std::vector<Paper> find_papers(const std::vector<fs::path>& technique_folders) {
   std::vector<Paper> papers;
   for (const fs::path& folder : technique_folders) {
     std::error_code failure;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder / "experiments", failure)) {
+    for (const fs::directory_entry& entry : list_folder(folder / "experiments", failure)) {
       const std::string name = entry.path().filename().string();
       const bool known =
           std::any_of(papers.begin(), papers.end(), [&](const Paper& paper) { return paper.name == name; });

@@ -57,7 +57,8 @@ Gate parse_gate(const std::string& text) {
     const size_t colon = left.rfind(':');
     const std::string metric = colon == std::string::npos ? left : left.substr(colon + 1);
     const auto [end, failure] = std::from_chars(right.data(), right.data() + right.size(), gate.bar);
-    if (failure == std::errc() && end == right.data() + right.size() && !metric.empty()) {
+    const bool number = failure == std::errc() && end == right.data() + right.size() && std::isfinite(gate.bar);
+    if (number && !metric.empty()) {
       gate.variant = colon == std::string::npos ? "" : left.substr(0, colon);
       gate.metric = resolve_metric(metric, text);
       gate.below = text[sign] == '<';

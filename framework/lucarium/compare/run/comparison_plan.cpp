@@ -132,6 +132,7 @@ std::vector<std::string> scene_command(const ComparisonSpec& spec, const ScenePl
   }
   words.insert(words.end(), plan.scene_words.begin(), plan.scene_words.end());
   words.insert(words.end(), spec.device_arguments.begin(), spec.device_arguments.end());
+  words.insert(words.end(), spec.folder_arguments.begin(), spec.folder_arguments.end());
   return words;
 }
 

@@ -8,33 +8,12 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/run/comparison_runner.h"
+#include "lucarium/compare/run/reference_file.h"
 #include "lucarium/film/image_io.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-namespace {
-
-/// Complains when the header of an image says that it shows other light paths or another scene. An image from elsewhere
-/// says nothing and is taken at its user's word.
-void check_reference(const Film& film, const fs::path& file, const ReferenceResult& wanted, const SceneResult& scene) {
-  const auto path_set = film.metadata.find("path_set"), hash = film.metadata.find("scene_hash");
-  if (hash != film.metadata.end() && hash->second != scene.hash) {
-    throw_error(ErrorClass::usage, "{} shows another scene than {}, or another state of it", file.string(), scene.name);
-  }
-  if (path_set == film.metadata.end() || path_set->second == wanted.path_set) return;
-  std::string text;
-  for (const std::string& line : PathSet::parse(path_set->second).differences(PathSet::parse(wanted.path_set))) {
-    text += (text.empty() ? "" : "; ") + line;
-  }
-  throw_error(ErrorClass::usage,
-              "{} shows other light paths than the technique computes ({}); leave out --reference to have the right "
-              "one rendered",
-              file.string(), text);
-}
-
-}  // namespace
 
 void ComparisonRunner::get_references(size_t scene) {
   SceneResult& entry = result_.scenes[scene];
@@ -43,7 +22,7 @@ void ComparisonRunner::get_references(size_t scene) {
     reference.image = fmt::format("references/scene{}-set{}.exr", scene + 1, index + 1);
     try {
       if (spec_.reference.file) {
-        write_exr(options_.folder / reference.image, read_reference_file(scene, reference));
+        write_exr(options_.folder / reference.image, read_reference_file(spec_, entry, reference));
         reference.source = spec_.reference.file->filename().string();
       } else if (!render_reference(scene, index)) {
         return;
@@ -59,27 +38,10 @@ void ComparisonRunner::get_references(size_t scene) {
 
 void ComparisonRunner::check_reference_file() const {
   if (!spec_.reference.file) return;
-  for (const SceneResult& scene : result_.scenes) {
-    if (scene.references.size() <= 1) continue;
-    throw_error(
-        ErrorClass::usage,
-        "the techniques compute {} different sets of light paths, for which one --reference file cannot be true",
-        scene.references.size());
-  }
+  for (const SceneResult& scene : result_.scenes) check_one_reference(scene);
   // Of several scenes the others go on without it.
   if (result_.scenes.size() == 1 && !result_.scenes[0].references.empty())
-    read_reference_file(0, result_.scenes[0].references[0]);
-}
-
-Film ComparisonRunner::read_reference_file(size_t scene, const ReferenceResult& reference) const {
-  const fs::path& file = *spec_.reference.file;
-  Film film = read_image(file);
-  if (film.width() != spec_.width || film.height() != spec_.height) {
-    throw_error(ErrorClass::input, "{} is {}×{}, the comparison {}×{}; give --size {}x{}", file.string(), film.width(),
-                film.height(), spec_.width, spec_.height, film.width(), film.height());
-  }
-  check_reference(film, file, reference, result_.scenes[scene]);
-  return film;
+    read_reference_file(spec_, result_.scenes[0], result_.scenes[0].references[0]);
 }
 
 void ComparisonRunner::measure_reference(ReferenceResult& reference) {

@@ -14,6 +14,7 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/piece.h"
+#include "lucarium/compare/results/result_folder.h"
 #include "lucarium/compare/results/summary.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/version.h"
@@ -85,6 +86,11 @@ ComparisonResult ComparisonRunner::run() {
 // ---- the result folder
 
 void ComparisonRunner::check_folder() const {
+  if (const fs::path foreign = find_foreign_file(options_.folder); !foreign.empty()) {
+    throw_error(ErrorClass::usage,
+                "{} is there, and no comparison wrote it: {} has no comparison.json of one; choose another --output",
+                foreign.string(), options_.folder.string());
+  }
   const fs::path file = options_.folder / "comparison.json";
   if (!fs::exists(file)) return;
   if (!options_.resume) {
@@ -104,14 +110,9 @@ void ComparisonRunner::check_folder() const {
 
 void ComparisonRunner::prepare_folder() {
   const fs::path file = options_.folder / "comparison.json";
-  if (!options_.resume) {
-    for (const char* name : {"pieces", "references", "means"}) fs::remove_all(options_.folder / name);
-    for (const char* name : {"comparison.json", "results.json", "results.csv", "curves.csv", "report.html"}) {
-      fs::remove(options_.folder / name);
-    }
-  }
-  for (const char* name : {"pieces", "references", "means"}) fs::create_directories(options_.folder / name);
+  if (!options_.resume && fs::exists(file)) remove_results(options_.folder);
   if (!fs::exists(file)) write_file_atomically(file, spec_.to_json());
+  for (const char* name : {"pieces", "references", "means"}) fs::create_directories(options_.folder / name);
 }
 
 void ComparisonRunner::save() {

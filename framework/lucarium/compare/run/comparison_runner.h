@@ -31,7 +31,6 @@ class ComparisonRunner {
   bool render_reference(size_t scene, size_t index);
   ChildResult run_reference(size_t scene, size_t index, const std::filesystem::path& cached);
   void check_reference_file() const;
-  Film read_reference_file(size_t scene, const ReferenceResult& reference) const;
   void measure_reference(ReferenceResult& reference);
 
   // Pieces.

@@ -14,6 +14,7 @@
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/compare/run/comparison_plan.h"
+#include "lucarium/compare/run/reference_file.h"
 #include "lucarium/film/image_io.h"
 
 namespace lucarium {
@@ -117,6 +118,10 @@ class DryRun {
     }
     text_ += fmt::format("{}\n  {} triangles\n", entry.name, entry.triangles);
     for (const std::string& warning : entry.warnings) text_ += fmt::format("  warning: {}\n", warning);
+    if (spec_.reference.file && !entry.references.empty()) {
+      check_one_reference(entry);
+      read_reference_file(spec_, entry, entry.references[0]);
+    }
     for (size_t i = 0; i < entry.references.size(); ++i) add_reference(scene, plan, i);
     for (size_t variant = 0; variant < spec_.variants.size(); ++variant) add_variant(scene, plan, variant);
   }

@@ -136,12 +136,12 @@ CachedProgram deserialize(std::string_view payload) {
   return program;
 }
 
-/// Warns once per process and text.
-void warn_once(const std::string& text) {
+/// Warns once per process and folder: what hinders one file hinders the others.
+void warn_once(const fs::path& folder, const std::string& text) {
   static std::mutex mutex;
-  static std::set<std::string> said;
+  static std::set<fs::path> said;
   const std::lock_guard lock(mutex);
-  if (said.insert(text).second) log_warning("{}", text);
+  if (said.insert(folder).second) log_warning("{}", text);
 }
 
 }  // namespace
@@ -156,6 +156,7 @@ ProgramCache::ProgramCache(const DeviceOptions& options, const DeviceInfo& devic
   writable_ = problem.empty();
   if (!writable_) {
     warn_once(
+        folder_,
         fmt::format("cache folder {} cannot be written ({}); compiled kernels will not be kept. Choose another with "
                     "--cache-dir or LUCARIUM_CACHE_DIR",
                     folder_.string(), problem));
@@ -205,7 +206,7 @@ void ProgramCache::store(const Hash128& key, const CachedProgram& program) const
     write_file_atomically(file_of(key), bytes + payload);
     remove_oldest();
   } catch (const std::exception& error) {
-    warn_once(fmt::format("a compiled program could not be kept: {}", error.what()));
+    warn_once(folder_, fmt::format("compiled kernels are not kept: {}", error.what()));
   }
 }
 

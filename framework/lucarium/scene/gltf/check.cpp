@@ -45,7 +45,20 @@ ViewRange view_range(const Json& root, const Json& view_index) {
   return {value_or(view, "byteLength", 0), value_or(view, "byteStride", 0)};
 }
 
-void check_sparse(const Json& root, const Json& accessor, uint64_t element, const std::string& where,
+/// Sizes of an element of an accessor. Columns of matrices begin at multiples of four bytes (glTF 2.0,
+/// section 3.6.2.4); behind the last column nothing need follow.
+struct ElementSize {
+  uint64_t padded, bare;
+};
+
+ElementSize element_size(int component_type, std::string_view type) {
+  const uint64_t padded = element_bytes(component_type, type);
+  if (!type.starts_with("MAT")) return {padded, padded};
+  const uint64_t rows = static_cast<uint64_t>(type.back() - '0');
+  return {padded, padded - padded / rows + rows * component_bytes(component_type)};
+}
+
+void check_sparse(const Json& root, const Json& accessor, const ElementSize& element, const std::string& where,
                   const ImportContext& context) {
   const Json& sparse = accessor["sparse"];
   const uint64_t count = sparse["count"].get<uint64_t>();
@@ -58,7 +71,7 @@ void check_sparse(const Json& root, const Json& accessor, uint64_t element, cons
             view_range(root, indices["bufferView"]).length)) {
     context.fail("{}/sparse/indices reaches beyond its buffer view", where);
   }
-  if (!fits(value_or(values, "byteOffset", 0), count, element, element,
+  if (!fits(value_or(values, "byteOffset", 0), count, element.padded, element.bare,
             view_range(root, values["bufferView"]).length)) {
     context.fail("{}/sparse/values reaches beyond its buffer view", where);
   }
@@ -66,19 +79,19 @@ void check_sparse(const Json& root, const Json& accessor, uint64_t element, cons
 
 void check_accessor(const Json& root, const Json& accessor, const std::string& where, const ImportContext& context) {
   const uint64_t count = accessor["count"].get<uint64_t>();
-  const uint64_t element = element_bytes(accessor["componentType"].get<int>(), accessor["type"].get<std::string>());
+  const ElementSize element = element_size(accessor["componentType"].get<int>(), accessor["type"].get<std::string>());
   if (accessor.contains("sparse")) check_sparse(root, accessor, element, where, context);
   const auto view_index = accessor.find("bufferView");
   if (view_index == accessor.end()) return;
   const ViewRange view = view_range(root, *view_index);
-  if (view.stride && view.stride < element) {
-    context.fail("{}: elements of {} bytes do not fit the stride of {} in /bufferViews/{}", where, element, view.stride,
-                 view_index->get<uint64_t>());
+  if (view.stride && view.stride < element.padded) {
+    context.fail("{}: elements of {} bytes do not fit the stride of {} in /bufferViews/{}", where, element.padded,
+                 view.stride, view_index->get<uint64_t>());
   }
   const uint64_t offset = value_or(accessor, "byteOffset", 0);
-  if (!fits(offset, count, view.stride ? view.stride : element, element, view.length)) {
+  if (!fits(offset, count, view.stride ? view.stride : element.padded, element.bare, view.length)) {
     context.fail("{}: {} elements of {} bytes from byte {} on reach beyond the {} bytes of /bufferViews/{}", where,
-                 count, element, offset, view.length, view_index->get<uint64_t>());
+                 count, element.padded, offset, view.length, view_index->get<uint64_t>());
   }
 }
 

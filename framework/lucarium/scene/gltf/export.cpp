@@ -15,6 +15,7 @@
 
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/film/image_stream.h"
 #include "lucarium/version.h"
 
 namespace lucarium {
@@ -262,13 +263,7 @@ void write_environment(const Environment& environment, const fs::path& file) {
   OIIO::ImageSpec spec(static_cast<int>(environment.width), static_cast<int>(environment.height), 3,
                        OIIO::TypeDesc::FLOAT);
   spec.attribute("compression", "zip");
-  write_file_atomically(file, [&](const fs::path& part) {
-    const auto out = OIIO::ImageOutput::create(part.string());
-    if (!out || !out->open(part.string(), spec) || !out->write_image(OIIO::TypeDesc::FLOAT, radiance.data()) ||
-        !out->close()) {
-      throw_error(ErrorClass::input, "cannot write {}: {}", file.string(), out ? out->geterror() : OIIO::geterror());
-    }
-  });
+  write_image_file(file, spec, OIIO::TypeDesc::FLOAT, radiance.data());
 }
 
 bool has_picture(const Scene& scene) { return scene.environment && scene.environment->width > 0; }

@@ -139,6 +139,7 @@ void import_materials(const Document& document, const std::vector<bool>& used, S
     scene.materials.push_back(reader.read());
     if (scene.materials.back().name.empty()) scene.materials.back().name = fmt::format("material {}", i);
   }
+  textures.decode_all();
 }
 
 }  // namespace lucarium::gltf

@@ -121,6 +121,10 @@ void convert_specular_glossiness(const tinygltf::Value& extension, const std::st
     context.warn("{}: its diffuse and specular maps are placed differently; the specular map was ignored", where);
     return;
   }
+  textures.decode(specular_use.texture);
+  if (diffuse_use.texture != none) textures.decode(diffuse_use.texture);
+  const Image& model = scene.images[scene.textures[specular_use.texture].image];
+  for (int added = 0; added < 2; ++added) textures.count({model.width, model.height});
   convert_texels(diffuse_use, specular_use, diffuse, specular, glossiness, scene, material);
 }
 

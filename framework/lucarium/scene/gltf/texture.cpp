@@ -2,7 +2,11 @@
 #include "lucarium/scene/gltf/texture.h"
 
 #include <algorithm>
+#include <bit>
 
+#include "lucarium/base/byte_size.h"
+#include "lucarium/base/hash.h"
+#include "lucarium/compute/device/host_memory.h"
 #include "lucarium/scene/image/image_decode.h"
 
 namespace lucarium::gltf {
@@ -10,7 +14,6 @@ namespace lucarium::gltf {
 namespace {
 
 constexpr uint64_t max_image_file_bytes = 1ull << 31;
-constexpr uint64_t max_images_full_size = 8;  ///< all images together, in units of options.max_image_pixels
 
 Wrap wrap_mode(int mode) {
   if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return Wrap::clamp;
@@ -24,6 +27,12 @@ glm::vec2 vec2_or(const tinygltf::Value& object, const char* key, glm::vec2 fall
 }
 
 }  // namespace
+
+TextureImporter::TextureImporter(const Document& document, Scene& scene, ImportContext& context)
+    : document_(document),
+      scene_(scene),
+      context_(context),
+      limit_(std::min<uint64_t>(context.options.max_texture_bytes, available_host_memory() / 2)) {}
 
 TextureUse TextureImporter::use(const tinygltf::Value& parent, const char* key, bool srgb, const std::string& where) {
   if (!parent.Has(key)) return {};
@@ -97,39 +106,66 @@ int TextureImporter::texture(int index, bool srgb) {
   return entry->second;
 }
 
-int TextureImporter::image(int index) {
-  const auto [entry, fresh] = images_.try_emplace(index, static_cast<int>(scene_.images.size()));
-  if (!fresh) return entry->second;
+TextureImporter::Encoded TextureImporter::read(int index) const {
   const ImageSource& source = document_.images[index];
-  const std::string where = "/images/" + std::to_string(index);
-  Bytes loaded;
-  std::span<const uint8_t> encoded;
+  Encoded result;
+  result.where = "/images/" + std::to_string(index);
+  result.name = !source.name.empty() ? source.name : source.uri;
+  if (result.name.empty() || result.name.starts_with("data:")) result.name = fmt::format("image {}", index);
   if (source.buffer_view != none) {
-    const std::string_view view = view_bytes(document_, source.buffer_view, where, context_);
-    encoded = {reinterpret_cast<const uint8_t*>(view.data()), view.size()};
+    const std::string_view view = view_bytes(document_, source.buffer_view, result.where, context_);
+    result.bytes = {reinterpret_cast<const uint8_t*>(view.data()), view.size()};
   } else if (!source.uri.empty()) {
-    loaded = read_uri(source.uri, document_.folder, max_image_file_bytes, where, context_);
-    encoded = loaded;
+    result.loaded = read_uri(source.uri, document_.folder, max_image_file_bytes, result.where, context_);
+    result.bytes = result.loaded;
   } else {
-    context_.fail("{} has neither a uri nor a bufferView", where);
+    context_.fail("{} has neither a uri nor a bufferView", result.where);
   }
-  std::string name = !source.name.empty() ? source.name : source.uri;
-  if (name.empty() || name.starts_with("data:")) name = fmt::format("image {}", index);
-  DecodedImage decoded =
-      decode_image(encoded, fmt::format("{}: {} ('{}')", context_.name(), where, name), context_.options);
-  Image& image = decoded.image;
+  return result;
+}
+
+int TextureImporter::image(int index) {
+  const auto known = images_.find(index);
+  if (known != images_.end()) return known->second;
+  const Encoded encoded = read(index);
+  const int next = static_cast<int>(scene_.images.size());
+  const std::string_view bytes(reinterpret_cast<const char*>(encoded.bytes.data()), encoded.bytes.size());
+  const auto [same, fresh] = contents_.try_emplace(Hasher().add(bytes).finish().hex(), next);
+  images_[index] = same->second;
+  if (!fresh) return same->second;
+  count(decoded_size(encoded.bytes, context_.name() + ": " + encoded.label(), context_.options));
+  pending_[next] = index;
+  scene_.images.emplace_back();
+  return next;
+}
+
+void TextureImporter::count(ImageSize size) {
+  bytes_ += 4 * size.pixels();
+  largest_side_ = std::max({largest_side_, size.width, size.height});
+  if (bytes_ <= limit_) return;
+  context_.fail("its textures need more than {} together, which is {}; scale them down with --texture-size {}",
+                format_bytes(limit_),
+                limit_ == context_.options.max_texture_bytes ? "the most allowed" : "half of the memory that is free",
+                std::max(1u, std::bit_floor(largest_side_ - 1)));
+}
+
+void TextureImporter::decode(int scene_texture) {
+  const int index = scene_.textures[scene_texture].image;
+  const auto entry = pending_.find(index);
+  if (entry == pending_.end()) return;
+  const Encoded encoded = read(entry->second);
+  DecodedImage decoded = decode_image(encoded.bytes, context_.name() + ": " + encoded.label(), context_.options);
   if (decoded.shrunk) {
-    context_.warn("{} ('{}') was scaled down to {}x{}, the limit being {}", where, name, image.width, image.height,
-                  context_.options.max_texture_size);
+    context_.warn("{} was scaled down to {}x{}, the limit being {}", encoded.label(), decoded.image.width,
+                  decoded.image.height, context_.options.max_texture_size);
   }
-  image.name = name;
-  pixels_ += static_cast<uint64_t>(image.width) * image.height;
-  if (pixels_ > max_images_full_size * context_.options.max_image_pixels) {
-    context_.fail("its images have more than {} pixels together; scale them down",
-                  max_images_full_size * context_.options.max_image_pixels);
-  }
-  scene_.images.push_back(std::move(image));
-  return entry->second;
+  decoded.image.name = encoded.name;
+  scene_.images[index] = std::move(decoded.image);
+  pending_.erase(entry);
+}
+
+void TextureImporter::decode_all() {
+  for (size_t texture = 0; texture < scene_.textures.size(); ++texture) decode(static_cast<int>(texture));
 }
 
 }  // namespace lucarium::gltf

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <map>
+#include <span>
 #include <tuple>
 
+#include "lucarium/film/encoded_image.h"
 #include "lucarium/scene/gltf/document.h"
 
 namespace lucarium::gltf {
 
-/// Decodes images and makes the scene's textures as materials ask for them; each image is decoded once.
+/// Makes the scene's textures as materials ask for them. Of an image only the header is read then, so that a scene
+/// whose textures need too much memory together is refused before anything is decoded; decode_all() fills in the
+/// pixels. The same bytes are one image, whatever names they have.
 class TextureImporter {
  public:
-  TextureImporter(const Document& document, Scene& scene, ImportContext& context)
-      : document_(document), scene_(scene), context_(context) {}
+  TextureImporter(const Document& document, Scene& scene, ImportContext& context);
 
   /// The use of a texture in a material, from its textureInfo (a core one, or one inside an extension); without
   /// effect where there is none, or where the texture has no image that can be read and need not have.
@@ -22,10 +25,24 @@ class TextureImporter {
   }
   TextureUse use(const tinygltf::Value& parent, const char* key, bool srgb, const std::string& where);
 
-  /// Index in scene.images of a glTF image; decodes it when it is first asked for.
-  int image(int gltf_image);
+  /// Fills in the pixels of the image of a texture, for who needs them before all are decoded.
+  void decode(int scene_texture);
+  /// Fills in the pixels of all images that were asked for.
+  void decode_all();
+  /// Adds an image of that size to the sum. Throws Error{input}, which names --texture-size, where it is too large.
+  void count(ImageSize size);
 
  private:
+  struct Encoded {
+    std::string where, name;  ///< "/images/3", and what it is called in messages
+    Bytes loaded;             ///< of a file or a data URI
+    std::span<const uint8_t> bytes;
+    std::string label() const { return where + " ('" + name + "')"; }
+  };
+
+  /// Index in scene.images of a glTF image.
+  int image(int gltf_image);
+  Encoded read(int gltf_image) const;
   TextureUse make_use(int texture, int uv_set, const tinygltf::Value* transform, bool srgb, const std::string& where);
   int texture(int gltf_texture, bool srgb);
   int readable_source(int gltf_texture);
@@ -33,9 +50,12 @@ class TextureImporter {
   const Document& document_;
   Scene& scene_;
   ImportContext& context_;
-  std::map<int, int> images_;
+  std::map<int, int> images_;                                        ///< glTF image → scene image
+  std::map<std::string, int> contents_;                              ///< hash of encoded bytes → scene image
+  std::map<int, int> pending_;                                       ///< scene image without pixels → glTF image
   std::map<std::tuple<int, Wrap, Wrap, bool, bool>, int> textures_;  ///< image, wraps, nearest, sRGB → scene texture
-  uint64_t pixels_ = 0;
+  uint64_t bytes_ = 0, limit_;                                       ///< of all images, decoded
+  uint32_t largest_side_ = 1;                                        ///< of an image [pixels]
 };
 
 }  // namespace lucarium::gltf

@@ -2,13 +2,13 @@
 // Environment maps: .hdr and .exr through OpenImageIO.
 #include "lucarium/scene/image/environment_file.h"
 
-#include <OpenImageIO/imageio.h>
-
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/film/image_stream.h"
 #include "lucarium/scene/import_options.h"
 
 namespace lucarium {
@@ -72,26 +72,28 @@ Environment load_environment(const std::filesystem::path& file, const ImportOpti
   if (!input->open(name, spec)) damaged(input->geterror());
   check_size(spec, name, options);
   const size_t count = static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height);
-  const size_t channels = static_cast<size_t>(spec.nchannels);
-  std::vector<float> values(count * channels);
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeFloat, values.data())) damaged(input->geterror());
-  input->close();
-
   Environment environment;
   environment.name = file.filename().string();
   environment.width = static_cast<uint32_t>(spec.width);
   environment.height = static_cast<uint32_t>(spec.height);
-  environment.radiance.resize(count);
+  environment.radiance.reserve(count);  // filled as the rows come: what is cut off takes no memory
   const glm::ivec3 rgb = color_channels(spec);
+  const int first = std::min({rgb.r, rgb.g, rgb.b}), end = std::max({rgb.r, rgb.g, rgb.b}) + 1;
   size_t negative = 0, not_finite = 0;
-  for (size_t i = 0; i < count; ++i) {
-    for (int c = 0; c < 3; ++c) {
-      const float value = values[i * channels + static_cast<size_t>(rgb[c])];
-      not_finite += !std::isfinite(value);
-      negative += value < 0;
-      environment.radiance[i][c] = std::max(value, 0.f);
+  const auto add_rows = [&](size_t rows, const void* values) {
+    const float* pixel = static_cast<const float*>(values);
+    for (size_t i = 0; i < rows * environment.width; ++i, pixel += end - first) {
+      glm::vec3& radiance = environment.radiance.emplace_back();
+      for (int c = 0; c < 3; ++c) {
+        const float value = pixel[rgb[c] - first];
+        not_finite += !std::isfinite(value);
+        negative += value < 0;
+        radiance[c] = std::max(value, 0.f);
+      }
     }
-  }
+  };
+  if (!read_rows(*input, first, end, OIIO::TypeFloat, add_rows)) damaged(input->geterror());
+  input->close();
   if (not_finite) {
     throw_error(ErrorClass::input, "{}: {} values are infinite or not numbers; clamp them in an image editor", name,
                 not_finite);

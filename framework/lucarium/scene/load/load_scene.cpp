@@ -82,6 +82,12 @@ void choose_camera(Scene& scene, const std::optional<std::string>& choice) {
     int index = find_by_name_or_index(scene.cameras, *choice);
     if (index == none) {
       const auto camera = parse_look_at(*choice);
+      if (!camera && choice->find(':') != std::string::npos) {
+        throw_error(ErrorClass::usage,
+                    "{}: no camera has the name '{}', and it is not EYE:TARGET or EYE:TARGET:VFOV with finite numbers, "
+                    "as in 0,1,5:0,1,0:40",
+                    scene.source, *choice);
+      }
       if (!camera) fail_to_find(scene, "camera", scene.cameras, *choice);
       scene.cameras.insert(scene.cameras.begin(), *camera);
       index = 0;

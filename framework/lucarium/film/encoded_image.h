@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,5 +17,18 @@ std::vector<uint8_t> strip_jpeg_metadata(std::span<const uint8_t> jpeg);
 /// What is wrong with the chunks of a PNG (lengths, checksums); empty where nothing is. libpng finds it too, but
 /// prints to standard error.
 std::string png_damage(std::span<const uint8_t> png);
+/// What is wrong with the header of a JPEG; also that its data cannot suffice for its size: libjpeg takes memory for
+/// the whole picture before it finds that nearly all of it is missing.
+std::string jpeg_damage(std::span<const uint8_t> jpeg);
+
+struct ImageSize {
+  uint32_t width = 0, height = 0;  // pixels
+  uint64_t pixels() const { return uint64_t{width} * height; }
+};
+
+/// What the header says, read without a decoder: opening a progressive JPEG decodes all of it. Empty where there is
+/// none.
+std::optional<ImageSize> png_size(std::span<const uint8_t> png);
+std::optional<ImageSize> jpeg_size(std::span<const uint8_t> jpeg);
 
 }  // namespace lucarium

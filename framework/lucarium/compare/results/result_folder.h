@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <filesystem>
+
+namespace lucarium {
+
+/// The first thing in a folder that a comparison would write over and that no comparison wrote: there is no
+/// comparison.json in the form in which comparisons write it. Empty where there is none.
+std::filesystem::path find_foreign_file(const std::filesystem::path& folder);
+
+/// Removes what a comparison has written into a folder, comparison.json last. Files of other names stay.
+void remove_results(const std::filesystem::path& folder);
+
+/// Removes the files of one of its folders that have names which comparisons give, and the folder if it is empty then.
+void remove_written_files(const std::filesystem::path& folder);
+
+}  // namespace lucarium
