@@ -1,11 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 // Failing kernels, failing host steps, cancellation, budgets, slices.
+#include <dlfcn.h>
 #include <doctest/doctest.h>
 
 #include "schedule_fixture.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
+
+namespace {
+
+int arguments_until_refusal = -1;  ///< clSetKernelArg calls that still pass; negative: all do
+int arguments_refused = 0;
+
+/// The driver then refuses one argument, the one after `calls` more; negative: none. Returns how many it has refused
+/// since the last call.
+int refuse_kernel_arguments_after(int calls) {
+  arguments_until_refusal = calls;
+  return std::exchange(arguments_refused, 0);
+}
+
+}  // namespace
+
+/// Stands before the driver's function of this name, in this executable alone.
+extern "C" __attribute__((visibility("default"))) cl_int clSetKernelArg(cl_kernel kernel, cl_uint index, size_t bytes,
+                                                                        const void* value) {
+  static const auto next = reinterpret_cast<decltype(&clSetKernelArg)>(dlsym(RTLD_NEXT, "clSetKernelArg"));
+  if (arguments_until_refusal == 0) {
+    arguments_until_refusal = -1;
+    ++arguments_refused;
+    return CL_OUT_OF_HOST_MEMORY;
+  }
+  if (arguments_until_refusal > 0) --arguments_until_refusal;
+  return next(kernel, index, bytes, value);
+}
 
 namespace {
 
@@ -262,4 +290,45 @@ TEST_CASE("a schedule may be destroyed while it runs, and an empty one runs") {
   CHECK(scheduler.run(empty) == RunResult::done);
   CHECK(empty.pass_count() == 0);
   scheduler.finish();
+}
+
+TEST_CASE("a warm-up that cannot bind a copy leaves the callers' buffers bound") {
+  KernelScheduler scheduler(test_device());
+  const auto first = make_buffer("first", Uints(64, 1)), second = make_buffer("second", Uints(64, 2));
+  ScheduleRecorder recorder = scheduler.record("bound", "test");
+  for (const auto& [buffer, salt] : {std::pair{first, 10u}, std::pair{second, 20u}}) {
+    recorder.pass("write", schedule_program(), "write_pattern")
+        .global(64)
+        .arg("target", buffer)
+        .arg("salt", salt)
+        .arg("count", 64u);
+  }
+  Schedule schedule = recorder.compile();
+  refuse_kernel_arguments_after(1);  // the first pass writes to its copy by then
+  scheduler.warm_up(schedule);
+  CHECK(refuse_kernel_arguments_after(-1) == 1);
+  CHECK(first.download() == Uints(64, 1));
+  scheduler.run(schedule);
+  scheduler.finish();
+  CHECK(first.download()[3] == 31);
+  CHECK(second.download()[3] == 41);
+}
+
+TEST_CASE("a sliced pass of more work-items than a slice's base can name is refused") {
+  KernelScheduler scheduler(test_device());
+  const auto out = make_buffer("out", Uints(16, 1));
+  int asked = 0;
+  scheduler.set_cancel([&] { return ++asked > 3; });
+  ScheduleRecorder recorder = scheduler.record("sliced", "test");
+  recorder.pass("endless", schedule_program(), "add_index")
+      .global((size_t{1} << 32) + 1)
+      .local(16)
+      .slice(16)
+      .arg("out", out)
+      .arg("count", 16u);
+  Schedule schedule = recorder.compile();
+  const std::string message = error_message([&] { scheduler.run(schedule); });
+  CHECK(contains(message, "schedule 'sliced': pass 'endless' (kernel 'add_index')"));
+  CHECK(contains(message, "at most 2^32 work-items along x, not 4294967312"));
+  CHECK(out.download() == Uints(16, 1));
 }

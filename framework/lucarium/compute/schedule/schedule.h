@@ -92,7 +92,7 @@ class PassBuilder {
   PassBuilder& discards(std::string_view argument);
   /// May be cut along x into slices of at most this many work-items (multiples of the local size), so that
   /// cancellation is felt. The kernel must add its argument `uint slice_base`, which the schedule binds, to
-  /// get_global_id(0).
+  /// get_global_id(0). At most 2^32 work-items along x: with more, the run throws Error{device}.
   PassBuilder& slice(size_t work_items);
   /// Bytes moved, for the profile's GB/s column.
   PassBuilder& moves_bytes(size_t bytes);

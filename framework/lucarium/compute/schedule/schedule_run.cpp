@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/stopwatch.h"
@@ -177,6 +178,10 @@ bool ScheduleRun::enqueue_kernel(size_t index) {
 bool ScheduleRun::enqueue_slices(size_t index, std::array<size_t, 3> global) {
   CompiledStep& sliced = step(index);
   const size_t items = global[0], first_event = record_.events.size();
+  if (items - 1 > std::numeric_limits<cl_uint>::max()) {
+    throw_error(ErrorClass::device, "{}: a sliced pass has at most 2^32 work-items along x, not {}; use several passes",
+                state_.where(sliced), items);
+  }
   for (size_t base = 0; base < items; base += sliced.slice_items) {
     if (base > 0) {
       limit_queued_work(index);

@@ -19,7 +19,8 @@ constexpr size_t runs_in_flight = 2;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Puts copies in the place of the callers' buffers that the schedule writes, for as long as it lives.
+/// Puts copies in the place of the callers' buffers that the schedule writes, for as long as it lives. Where a copy
+/// cannot be bound, the callers' buffers are bound again before the error leaves.
 class StandIns {
  public:
   explicit StandIns(Schedule::State& state) : state_(state) {
@@ -39,17 +40,14 @@ class StandIns {
     }
     state.device->finish();
     state.stand_ins = std::move(copies);
-    bind();
-  }
-  ~StandIns() {
     try {
-      state_.device->finish();
-      state_.stand_ins.clear();
       bind();
-    } catch (const Error& error) {
-      state_.facts->failure = error.what();
+    } catch (...) {
+      restore();
+      throw;
     }
   }
+  ~StandIns() { restore(); }
   StandIns(const StandIns&) = delete;
   StandIns& operator=(const StandIns&) = delete;
 
@@ -64,6 +62,18 @@ class StandIns {
       }
     }
   }
+
+  /// Binds the callers' buffers. Where that fails the schedule may not run again: it would write to the copies.
+  void restore() noexcept {
+    try {
+      state_.device->finish();
+      state_.stand_ins.clear();
+      bind();
+    } catch (const std::exception& error) {
+      state_.facts->failure = error.what();
+    }
+  }
+
   Schedule::State& state_;
 };
 
