@@ -156,6 +156,27 @@ TEST_CASE("direct light: irradiance at surface points, against closed forms") {
   table.check(1e-3);
 }
 
+TEST_CASE("direct light: schedules of buffers that are no longer used are not kept") {
+  const Scene scene = make_builtin_scene("cornell");
+  PathIntegratorOptions unused;
+  TestRender context(scene, scene.cameras.at(0), unused, kSide);
+  GBuffer gbuffer(*test_device(), context.scheduler, context.buffers, context.bvh, context.frame, "test");
+  DirectLight direct(*test_device(), context.scheduler, context.buffers, context.bvh, "test");
+  const auto used_after = [&](int pairs) {
+    for (int i = 0; i < pairs; ++i) {
+      const TypedBuffer<float4> sums(*test_device(), "test", "sums", kSide * kSide);
+      const TypedBuffer<SurfacePoint> points(*test_device(), "test", "points", std::vector<SurfacePoint>(kSide));
+      REQUIRE(direct.accumulate_radiance(gbuffer.points(), sums, 0, 1));
+      REQUIRE(direct.accumulate_irradiance(points, sums, 0, 1));
+      context.scheduler.finish();
+    }
+    return test_device()->memory().used_bytes();
+  };
+  REQUIRE(gbuffer.render(0));
+  const size_t few = used_after(3);
+  CHECK(used_after(5) == few);
+}
+
 TEST_CASE("G-buffer: first surfaces behind mirrors and glass, and what is seen of them") {
   // A mirror at 45 degrees shows the emitter above it; the chain has one event and no surface is kept behind the light.
   Scene scene;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/services/direct_light/direct_light.h"
 
-#include <map>
+#include <algorithm>
+#include <list>
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
@@ -12,6 +13,9 @@ namespace {
 
 constexpr size_t kLocalSize = 64;
 const char* const kFewerPoints = "use fewer points at once";
+/// Schedules that are kept for each kind of points: two, for callers that fill two buffers in turn. One more costs its
+/// transients, and the memory of buffers that nobody else may hold any longer.
+constexpr size_t kKeptSchedules = 2;
 
 /// A recorded schedule for one pair of buffers.
 struct Recorded {
@@ -39,7 +43,8 @@ struct DirectLight::State {
 
   Recorded& radiance_schedule(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& sums);
   Recorded& irradiance_schedule(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& sums);
-  Recorded& begin(std::map<std::pair<cl_mem, cl_mem>, Recorded>& known, const Buffer& points, const Buffer& sums);
+  /// The one known for these buffers, else a new one in the place of the one that was used longest ago.
+  static Recorded& find(std::list<Recorded>& known, const Buffer& points, const Buffer& sums);
   bool run(Recorded& recorded, uint32_t sample_index, uint32_t seed);
   /// One element: how many points there are, as the intersector wants it.
   TypedBuffer<uint32_t> counter(uint32_t count) const {
@@ -53,12 +58,19 @@ struct DirectLight::State {
   std::string owner;
   uint32_t kinds;
   Program program;
-  std::map<std::pair<cl_mem, cl_mem>, Recorded> radiance, irradiance;
+  std::list<Recorded> radiance, irradiance;  ///< the one used last first
 };
 
-Recorded& DirectLight::State::begin(std::map<std::pair<cl_mem, cl_mem>, Recorded>& known, const Buffer& points,
-                                    const Buffer& sums) {
-  Recorded& recorded = known[{points.handle(), sums.handle()}];
+Recorded& DirectLight::State::find(std::list<Recorded>& known, const Buffer& points, const Buffer& sums) {
+  const auto found = std::find_if(known.begin(), known.end(), [&](const Recorded& recorded) {
+    return recorded.points.handle() == points.handle() && recorded.sums.handle() == sums.handle();
+  });
+  if (found != known.end()) {
+    known.splice(known.begin(), known, found);
+    return known.front();
+  }
+  if (known.size() == kKeptSchedules) known.pop_back();
+  Recorded& recorded = known.emplace_front();
   recorded.points = points;
   recorded.sums = sums;
   return recorded;
@@ -66,7 +78,7 @@ Recorded& DirectLight::State::begin(std::map<std::pair<cl_mem, cl_mem>, Recorded
 
 Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>& points,
                                                 const TypedBuffer<float4>& sums) {
-  Recorded& recorded = begin(radiance, points, sums);
+  Recorded& recorded = find(radiance, points, sums);
   if (recorded.schedule) return recorded;
   const uint32_t count = static_cast<uint32_t>(points.count());
   const TypedBuffer<uint32_t> point_count = counter(count);
@@ -112,7 +124,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
 
 Recorded& DirectLight::State::irradiance_schedule(const TypedBuffer<SurfacePoint>& points,
                                                   const TypedBuffer<float4>& sums) {
-  Recorded& recorded = begin(irradiance, points, sums);
+  Recorded& recorded = find(irradiance, points, sums);
   if (recorded.schedule) return recorded;
   const uint32_t count = static_cast<uint32_t>(points.count());
   const TypedBuffer<uint32_t> point_count = counter(count);
