@@ -161,7 +161,7 @@ struct RenderSession::State {
     clock += watch.seconds() - compile - (clocks.bvh - built);
   }
 
-  /// Refuses a change that the technique does not declare, before anything is touched.
+  /// Refuses a change that the technique does not declare.
   void require_change(const SceneChange& change) const {
     const std::vector<ChangeKind>& can = type.info().capabilities.changes;
     const auto require = [&](bool happens, ChangeKind kind) {
@@ -177,9 +177,39 @@ struct RenderSession::State {
     require(change.topology, ChangeKind::topology);
   }
 
-  /// Brings everything up to date and starts anew; clocks and counts then are those of the new state.
-  void apply(const SceneChange& change) {
+  /// Moves the scene to a time of its animation, in place: a sequence of frames shall not copy meshes and images. Where
+  /// the technique cannot follow, the scene goes back to its old time.
+  SceneChange evaluate_at(double seconds) {
+    const double before = scene.time;
+    SceneChange change = evaluate(scene, seconds, scene.animation);
+    try {
+      require_change(change);
+    } catch (const Error&) {
+      evaluate(scene, before, scene.animation);
+      throw;
+    }
+    return change;
+  }
+
+  /// Edits a copy, which replaces the scene when the technique can follow.
+  SceneChange edit_scene(const std::function<SceneChange(Scene&)>& edit) {
+    Scene edited = scene;
+    SceneChange change = edit(edited);
     require_change(change);
+    if (change.camera && edited.cameras.empty())
+      throw_error(ErrorClass::technique, "a change of the camera left the scene without one; keep at least one");
+    scene = std::move(edited);
+    return change;
+  }
+
+  /// After a change of the scene that was accepted. Without any, rendering restarts if it had begun.
+  void follow_scene(const SceneChange& change) {
+    if (change.camera) settings.camera = scene.cameras.front();
+    if (change.any() || iterations > 0) apply(change);
+  }
+
+  /// Brings everything up to date and restarts; clocks and counts then are those of the new state.
+  void apply(const SceneChange& change) {
     clocks = {};
     last = {};
     iterations = 0;
@@ -266,23 +296,25 @@ void RenderSession::restart(uint64_t seed) {
 }
 
 void RenderSession::set_time(double seconds) {
-  change_scene([seconds](Scene& scene) { return evaluate(scene, seconds, scene.animation); });
+  State& s = *state_;
+  call_technique(s.type.info(), [&] { s.follow_scene(s.evaluate_at(seconds)); });
 }
 
 void RenderSession::set_camera(const SceneCamera& camera) {
   State& s = *state_;
-  s.settings.camera = camera;
   SceneChange change;
   change.camera = true;
   change.time = s.scene.time;
-  call_technique(s.type.info(), [&] { s.apply(change); });
+  call_technique(s.type.info(), [&] {
+    s.require_change(change);
+    s.settings.camera = camera;
+    s.apply(change);
+  });
 }
 
 void RenderSession::change_scene(const std::function<SceneChange(Scene&)>& edit) {
   State& s = *state_;
-  const SceneChange change = edit(s.scene);
-  if (change.camera) s.settings.camera = s.scene.cameras.front();
-  if (change.any() || s.iterations > 0) call_technique(s.type.info(), [&] { s.apply(change); });
+  call_technique(s.type.info(), [&] { s.follow_scene(s.edit_scene(edit)); });
 }
 
 Film RenderSession::resolve() {

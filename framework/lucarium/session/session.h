@@ -58,10 +58,10 @@ class RenderSession {
   /// Starts anew from zero samples with another seed; the clocks run on.
   void restart(uint64_t seed);
   /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique. Clocks and
-  /// iterations then count from there.
+  /// iterations then count from there. A change that the technique does not declare is refused: nothing has changed.
   void set_time(double seconds);
   void set_camera(const SceneCamera& camera);
-  /// The same for any change: `edit` alters the scene and says what it altered.
+  /// The same for any change: `edit` alters a copy of the scene and says what it altered.
   void change_scene(const std::function<SceneChange(Scene&)>& edit);
 
   /// Film with layers and metadata (technique, parameters, scene hash, samples, seconds, seed, device, driver,

@@ -206,3 +206,50 @@ TEST_CASE("all buffers together may exceed the limit for one, and only what is u
   const std::unique_ptr<Technique> technique = registry.find("constant").create();
   CHECK(constant == SceneBuffers::estimate_bytes(scene) + technique->estimate_bytes(scene, settings));
 }
+
+TEST_CASE("a change that is refused leaves scene, settings and picture as they were") {
+  Scene scene = load_scene("builtin:cornell");
+  scene.nodes.emplace_back();
+  scene.instances.front().node = scene.cameras.front().node = static_cast<int>(scene.nodes.size()) - 1;
+  const float keys[] = {0, 0, 0, 2, 0, 0};
+  scene.animations = {{"shift",
+                       {{scene.instances.front().node,
+                         AnimationPath::translation,
+                         Interpolation::linear,
+                         {0, 2},
+                         {std::begin(keys), std::end(keys)}}},
+                       2}};
+  evaluate(scene, 0.5);
+  RenderSettings settings = small_settings();
+  settings.camera = scene.cameras.front();
+  RenderSession session(test::test_device(), scene, constant_type(), settings);
+  session.run({.iterations = 3});
+  const auto check_unchanged = [&](const std::string& kind, const std::function<void()>& change) {
+    const Failure failure = failure_of(change);
+    CHECK(failure.error_class == ErrorClass::technique);
+    CHECK(contains(failure.message, "constant: cannot follow a change of " + kind));
+    CHECK(session.scene().hash() == scene.hash());
+    CHECK(session.scene().time == 0.5);
+    CHECK(session.scene().cameras.front().world_from_camera == scene.cameras.front().world_from_camera);
+    CHECK(session.settings().camera.world_from_camera == settings.camera.world_from_camera);
+    CHECK(session.iterations() == 3);
+    CHECK(session.resolve().find("count")->pixels[0] == 3);
+  };
+  check_unchanged("transforms", [&] { session.set_time(1); });
+  check_unchanged("materials", [&] {
+    session.change_scene([](Scene& edited) {
+      edited.cameras.front().world_from_camera[3].x += 1;
+      edited.materials.front().roughness = 0.5f;
+      SceneChange change;
+      change.camera = true;
+      change.materials = {0};
+      return change;
+    });
+  });
+  CHECK_THROWS_WITH_AS(session.change_scene([](Scene& edited) -> SceneChange {
+    edited.meshes.clear();
+    throw std::runtime_error("half an edit");
+  }),
+                       "constant: half an edit", Error);
+  CHECK(session.scene().hash() == scene.hash());
+}
