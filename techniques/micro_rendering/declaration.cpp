@@ -104,7 +104,7 @@ size_t estimate_bytes(const MicroParameters& parameters, const Scene& scene, con
   if (bounces(parameters, settings) == 0) return bytes;
   const PointForest::Size forest = PointForest::estimate(scene, forest_options(parameters));
   if (parameters.shows_virtual_lights())
-    bytes += LightPaths::estimate_bytes(parameters, pixels, bounces(parameters, settings) + 1);
+    bytes += PathLight::estimate_bytes(parameters, pixels, bounces(parameters, settings) + 1);
   return bytes + forest.bytes + LeafLight::estimate_bytes(parameters, forest.leaves, bounces(parameters, settings)) +
          PixelGather::estimate_bytes(settings.width, settings.height, parameters, transmits(scene));
 }

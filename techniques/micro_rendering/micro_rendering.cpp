@@ -199,9 +199,9 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
                                             settings().width, settings().height, forest, gather_,
                                             leaf_light_->shading(), parameters_, transmits_, kName);
     if (parameters_.shows_virtual_lights())
-      virtual_lights_ = std::make_unique<LightPaths>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
-                                                     parameters_, bounces() + 1, pixels_->irradiance(),
-                                                     leaf_light_->shading(), kName, &eye_light_->points());
+      virtual_lights_ = std::make_unique<PathLight>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
+                                                    parameters_, bounces() + 1, pixels_->irradiance(),
+                                                    leaf_light_->shading(), kName, &eye_light_->points());
   }
 
   void drop_gathers() {
@@ -229,7 +229,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   std::unique_ptr<EyeLight> eye_light_;
   std::unique_ptr<LeafLight> leaf_light_;
   std::unique_ptr<PixelGather> pixels_;
-  std::unique_ptr<LightPaths> virtual_lights_;  ///< with final_gather=off
+  std::unique_ptr<PathLight> virtual_lights_;  ///< with final_gather=off
 };
 
 std::unique_ptr<Technique> create_micro_rendering() { return std::make_unique<MicroRendering>(); }

@@ -1,28 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct irradiance of slots by light samples, a run of slots at a time.
 #include "bundle_exchange/texels/slot_points.clh"
-#include "lucarium/shared/surface_point.h"
 
-// Every round takes another of a slot's points, of those that are open. levels: SlotOpenness::points().
-__kernel void gather_points(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                            __global const AtlasSample* restrict atlas_samples, __global const uint* restrict levels,
-                            uint first, uint count, uint turn, __global SurfacePoint* restrict points,
-                            __global float4* restrict samples) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  LUCARIUM_SCENE_BIND(scene);
+#define LIGHT_POINT_PARAMETERS                                                    \
+  const AtlasInfo atlas_info, __global const AtlasSample *restrict atlas_samples, \
+      __global const uint *restrict levels, const uint first, const uint slots, const uint turn,
+#define LIGHT_POINT_ARGUMENTS atlas_info, atlas_samples, levels, first, slots, turn,
+#define LIGHT_SUM_PARAMETERS __global float4 *restrict samples,
+#define LIGHT_SUM_ARGUMENTS samples,
+#define LIGHT_POINT_STREAM 0x64697265u
+#include "lucarium/services/light_at_points/light_at_points.clh"
+
+// Every round takes another of a slot's points, of those that are open, lit by the cosine to the geometric normal.
+// levels: SlotOpenness::points(); slots: that there are, of which a run begins with `first`.
+bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* surface) {
   const uint slot = first + i;
+  if (slot >= slots) return false;
   const AtlasSample sample = atlas_samples[(size_t)slot * SLOT_POINTS + slot_point(levels[slot], turn)];
-  const Surface surface = slot_surface(&scene, atlas_info, slot, sample);
-  SurfacePoint point;
-  point.position = (float4)(surface.position, 0.0f);
-  point.normal = (float4)(surface.n_g, 0.0f);
-  point.u = sample.b1;
-  point.v = sample.b2;
-  point.triangle = sample.triangle;
-  point.flags = 0u;
-  points[i] = point;
-  samples[i] = (float4)(0.0f);
+  *surface = slot_surface(scene, atlas_info, slot, sample);
+  surface->n_s = surface->n_g;
+  return true;
+}
+
+void add_light(const Scene* scene, uint i, float3 light, float3 direction, float random,
+               LIGHT_SUM_PARAMETERS uint none) {
+  samples[i] = (float4)(light, 1.0f);
 }
 
 // Each counts by the openness of its point.

@@ -21,33 +21,24 @@ SlotLight::SlotLight(Device& device, KernelScheduler& scheduler, const Program& 
       none_(kinds == 0),
       slots_(atlas.info().texel_count),
       chunk_(std::min(kChunk, slots_)),
-      points_(device, "bundle_exchange", "slots to light", chunk_, kFewerTexels),
       samples_(device, "bundle_exchange", "light at slots", chunk_, kFewerTexels),
-      light_samples_(device, "bundle_exchange", "direct light of slots", slots_, kFewerTexels),
-      direct_light_(device, scheduler, scene, intersector, "bundle_exchange", kinds) {
-  record(program, scene, atlas, openness);
-}
-
-size_t SlotLight::estimate_bytes(size_t slots) {
-  const size_t chunk = std::min<size_t>(slots, kChunk);
-  return chunk * (sizeof(SurfacePoint) + sizeof(float4)) + slots * sizeof(float4) + DirectLight::estimate_bytes(chunk);
-}
-
-void SlotLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-                       const SlotOpenness& openness) {
-  ScheduleRecorder gather = scheduler_->record("take slots", "bundle_exchange");
-  gather_first_ = gather.variable("first", 0u);
-  gather_count_ = gather.variable("count", chunk_);
-  gather_round_ = gather.variable("round", 0u);
-  PassBuilder take = surface_pass(gather, "take slots", program, "gather_points", scene, atlas);
-  take.global(chunk_)
-      .arg("levels", openness.points())
-      .arg("first", gather_first_)
-      .arg("count", gather_count_)
-      .arg("turn", gather_round_)
-      .arg("points", points_)
-      .arg("samples", samples_);
-  gather_ = gather.compile();
+      light_samples_(device, "bundle_exchange", "direct light of slots", slots_, kFewerTexels) {
+  ScheduleRecorder sample = scheduler_->record("sample light at slots", "bundle_exchange");
+  first_ = sample.variable("first", 0u);
+  round_ = sample.variable("round", 0u);
+  sample_seed_ = sample.variable("seed", 0u);
+  const auto bind_points = [&](PassBuilder& pass) {
+    pass.arg("atlas_info", atlas.info())
+        .arg("atlas_samples", atlas.samples())
+        .arg("levels", openness.points())
+        .arg("first", first_)
+        .arg("slots", slots_)
+        .arg("turn", round_);
+  };
+  const LightAtPoints light(device, scene, intersector, program, chunk_, bind_points, "bundle_exchange", kFewerTexels);
+  light.record_samples(
+      sample, round_, sample_seed_, [&](PassBuilder& pass) { pass.arg("samples", samples_); }, kinds);
+  sample_ = sample.compile();
   ScheduleRecorder scatter = scheduler_->record("light slots", "bundle_exchange");
   scatter_first_ = scatter.variable("first", 0u);
   scatter_count_ = scatter.variable("count", chunk_);
@@ -63,19 +54,20 @@ void SlotLight::record(const Program& program, const SceneBuffers& scene, const 
   scatter_ = scatter.compile();
 }
 
+size_t SlotLight::estimate_bytes(size_t slots) {
+  const size_t chunk = std::min<size_t>(slots, kChunk);
+  return chunk * sizeof(float4) + slots * sizeof(float4) + LightAtPoints::estimate_bytes(chunk);
+}
+
 bool SlotLight::sample() {
   const uint32_t first = static_cast<uint32_t>(position_ % slots_);
-  const uint32_t count = std::min(chunk_, slots_ - first);
-  const uint32_t round = static_cast<uint32_t>(position_ / slots_);
-  gather_.set(gather_first_, first);
-  gather_.set(gather_count_, count);
-  gather_.set(gather_round_, round);
-  pending_ = 0;
-  if (scheduler_->run(gather_) == RunResult::cancelled) return false;
+  sample_.set(first_, first);
+  sample_.set(round_, static_cast<uint32_t>(position_ / slots_));
   // Points of different runs share their numbers in the buffer, so that each run has a seed of its own.
-  const uint32_t seed = mixed_seed(seed_, first);
-  if (!direct_light_.accumulate_irradiance(points_, samples_, round, seed)) return false;
-  pending_ = count;
+  sample_.set(sample_seed_, mixed_seed(seed_, first));
+  pending_ = 0;
+  if (scheduler_->run(sample_) == RunResult::cancelled) return false;
+  pending_ = std::min(chunk_, slots_ - first);
   return true;
 }
 
@@ -96,8 +88,7 @@ void SlotLight::reset(uint32_t seed) {
 }
 
 void SlotLight::warm_up() {
-  scheduler_->warm_up(gather_);
-  direct_light_.warm_up(points_, samples_);
+  scheduler_->warm_up(sample_);
   scheduler_->warm_up(scatter_);
 }
 

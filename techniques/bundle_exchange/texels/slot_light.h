@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "bundle_exchange/texels/slot_openness.h"
-#include "lucarium/services/direct_light/direct_light.h"
+#include "lucarium/services/light_at_points/light_at_points.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
 namespace lucarium::bundle {
@@ -38,16 +38,12 @@ class SlotLight {
  private:
   static constexpr uint32_t kFirstSamples = 64, kSamples = 1024;
   static constexpr uint32_t kIterations = 8;  ///< that only light slots; a run is about 20 ms
-  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-              const SlotOpenness& openness);
   KernelScheduler* scheduler_;
   bool none_;  ///< there is nothing to sample
   uint32_t slots_, chunk_;
-  TypedBuffer<SurfacePoint> points_;
   TypedBuffer<float4> samples_, light_samples_;
-  DirectLight direct_light_;
-  Schedule gather_, scatter_;
-  Variable<uint32_t> gather_first_, gather_count_, gather_round_, scatter_first_, scatter_count_, scatter_round_;
+  Schedule sample_, scatter_;
+  Variable<uint32_t> first_, round_, sample_seed_, scatter_first_, scatter_count_, scatter_round_;
   uint64_t position_ = 0;  ///< slots sampled so far, all rounds
   uint32_t pending_ = 0;   ///< slots of the run that waits for commit()
   uint32_t seed_ = 1;

@@ -6,7 +6,6 @@
 #include "lucarium/base/embedded_files.h"
 #include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
-#include "lucarium/shared/ray.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 
@@ -14,13 +13,10 @@ namespace lucarium::micro {
 namespace {
 
 constexpr size_t kLocalSize = 64;
-constexpr size_t kLeavesPerSlice = 1 << 16;
 constexpr double kLeavesPerGather = 1024;  // of which a shadow ray each takes about as long as one gather
 const char* const kRemedy = "lower points_log2";
 // Apart from the gathers at pixels, which get the seed itself.
 constexpr uint32_t kNodeSeed = 0x6a61636fu;
-
-}  // namespace
 
 Program light_program(Device& device, const MicroParameters& parameters) {
   SourceLibrary library;
@@ -30,6 +26,8 @@ Program light_program(Device& device, const MicroParameters& parameters) {
       device, library,
       {"micro_rendering/light", {"micro_rendering/light/micro_light.cl"}, {{"MICRO_DYNAMIC", dynamic ? "1" : "0"}}});
 }
+
+}  // namespace
 
 LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
                      const Intersector& intersector, const PointForest& forest, const GatherPass& gather,
@@ -46,14 +44,13 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
       primitives_(device) {
   const uint32_t leaves = forest.leaf_count();
   direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kRemedy);
-  leaf_count_ = TypedBuffer<uint32_t>(device, owner, "number of leaves", std::vector<uint32_t>{leaves});
   if (dynamic()) {
     shading_ = DynamicShading(device, owner, leaves);
     record_lobes();
   }
   if (parameters.multibounce != MultiBounce::jacobi) {
-    paths_ = std::make_unique<LightPaths>(device, scheduler, host_scene, scene, intersector, forest, parameters,
-                                          bounces, direct_, shading_, owner);
+    paths_ = std::make_unique<PathLight>(device, scheduler, host_scene, scene, intersector, forest, parameters, bounces,
+                                         direct_, shading_, owner);
   } else if (bounces > 1) {
     irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kRemedy);
     nodes_ = std::make_unique<NodeGather>(device, scheduler, scene, forest, gather, shading_, parameters, owner);
@@ -65,34 +62,12 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
 
 /// One light sample per leaf, added to direct_.
 void LeafLight::record_direct() {
-  const uint32_t leaves = forest_.leaf_count();
   ScheduleRecorder recorder = scheduler_.record("light at points", owner_);
   sample_ = recorder.variable("sample", 0u);
   light_seed_ = recorder.variable("seed", 0u);
-  const BufferRef rays = recorder.transient<Ray>("shadow rays", leaves, kRemedy);
-  const BufferRef light = recorder.transient<float4>("light behind the shadow rays", leaves, kRemedy);
-  const BufferRef occluded = recorder.transient<uint32_t>("occluded", leaves, kRemedy);
-  PassBuilder sample = recorder.pass("sample light at points", program_, "mr_sample_light");
-  scene_.bind(sample, program_, "mr_sample_light");
-  sample.global(leaves)
-      .local(kLocalSize)
-      .slice(kLeavesPerSlice)
-      .arg("leaves", forest_.leaves)
-      .arg("count", leaves)
-      .arg("sample_index", sample_)
-      .arg("seed", light_seed_)
-      .arg("shadow_rays", rays)
-      .arg("shadow_light", light);
-  intersector_.record_any(recorder, "shadow rays of points", rays, occluded, leaf_count_, 0, leaves);
-  PassBuilder add = recorder.pass("add light at points", program_, "mr_add_light");
-  add.global(leaves)
-      .local(kLocalSize)
-      .arg("count", leaves)
-      .arg("weight", 1.f / static_cast<float>(parameters_.light_samples))
-      .arg("shadow_light", light)
-      .arg("occluded", occluded)
-      .arg("irradiance", direct_);
-  if (dynamic()) add.arg("shadow_rays", rays).arg("number", sample_).arg("leaf_lights", shading_.leaf_lights);
+  const float weight = 1.f / static_cast<float>(parameters_.light_samples);
+  light_at_points(device_, scene_, intersector_, forest_, {}, parameters_, owner_)
+      .record_samples(recorder, sample_, light_seed_, bind_light_sums(parameters_, weight, direct_, shading_));
   direct_schedule_ = recorder.compile();
 }
 
@@ -307,10 +282,10 @@ void LeafLight::warm_up() {
 }
 
 size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
-  const size_t transient = leaves * (sizeof(Ray) + sizeof(float4) + 3 * sizeof(uint32_t) + 2 * sizeof(float4));
+  const size_t transient = LightAtPoints::estimate_bytes(leaves) + leaves * (2 * sizeof(uint32_t) + 2 * sizeof(float4));
   const size_t shading = parameters.node_shading == NodeShading::dynamic ? DynamicShading::estimate_bytes(leaves) : 0;
   if (parameters.multibounce != MultiBounce::jacobi)
-    return shading + leaves * sizeof(float4) + 2 * transient + LightPaths::estimate_bytes(parameters, leaves, bounces);
+    return shading + leaves * sizeof(float4) + 2 * transient + PathLight::estimate_bytes(parameters, leaves, bounces);
   return shading + leaves * sizeof(float4) + 2 * transient +
          (bounces > 1 ? leaves * sizeof(float4) + NodeGather::estimate_bytes(parameters, leaves) : 0);
 }

@@ -5,8 +5,8 @@
 #include "lucarium/services/intersector.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "micro_rendering/gather/gather_pass.h"
-#include "micro_rendering/light/light_paths.h"
 #include "micro_rendering/light/node_gather.h"
+#include "micro_rendering/light/path_light.h"
 
 namespace lucarium::micro {
 
@@ -71,11 +71,10 @@ class LeafLight {
   TypedBuffer<float4> direct_;      ///< irradiance of leaves by direct light and paths [lx]
   TypedBuffer<float4> irradiance_;  ///< the same with what nodes have gathered
   DynamicShading shading_;
-  TypedBuffer<uint32_t> leaf_count_;  ///< one element
   Schedule direct_schedule_, pull_schedule_, bounce_schedule_, lobes_schedule_;
   Variable<uint32_t> sample_, light_seed_, choice_seed_;
   std::unique_ptr<NodeGather> nodes_;
-  std::unique_ptr<LightPaths> paths_;
+  std::unique_ptr<PathLight> paths_;
   uint64_t gathers_ = 0;
   bool lobes_known_ = false;
   Stage stage_ = Stage::none;

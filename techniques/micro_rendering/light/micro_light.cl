@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light at the leaves, and its means in the inner nodes.
-#include "lucarium/lights.clh"
-#include "lucarium/sobol.clh"
+#include "lucarium/random.clh"
 #include "micro_rendering/gather/micro_surface.clh"
 #include "micro_rendering/tree/micro_node.clh"
 
@@ -11,51 +10,6 @@
 #if MICRO_DYNAMIC
 #include "micro_rendering/tree/micro_dynamic.clh"
 #endif
-
-// Apart from all other uses of the same seed.
-#define MICRO_LIGHT_STREAM 0x6d6c6967u
-
-// One light sample per leaf: shadow_light is the irradiance [lx] that arrives if shadow ray i is free.
-__kernel void mr_sample_light(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
-                              const uint sample_index, const uint seed, __global Ray* restrict shadow_rays,
-                              __global float4* restrict shadow_light, const uint slice_base) {
-  const uint i = slice_base + get_global_id(0);
-  if (i >= count) return;
-  LUCARIUM_SCENE_BIND(scene);
-  Ray ray;
-  ray.origin = (float4)(0.0f);
-  ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
-  shadow_rays[i] = ray;
-  shadow_light[i] = (float4)(0.0f);
-  const Surface surface = leaf_surface(&scene, leaves[i]);
-  const Sampler sampler = make_sampler(i, MICRO_LIGHT_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
-  const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-  const uint ray_seed = make_ray_seed(hash_uint2(sampler.seed, sample_index));
-  const LightSample sample = sample_light(&scene, surface.position, u.choice, u.point, LUCARIUM_ALL_LIGHTS, ray_seed);
-  const float cosine = dot(surface.n_s, sample.direction);
-  if (!(sample.pdf > 0.0f) || cosine <= 0.0f || dot(surface.n_g, sample.direction) <= 0.0f) return;
-  ray = make_shadow_ray(&surface, &sample, ray_seed);
-  if (ray.direction.w < 0.0f) return;
-  shadow_rays[i] = ray;
-  shadow_light[i] = (float4)(sample.radiance * (cosine / sample.pdf), 0.0f);
-}
-
-// Adds what arrived, weighted so that the samples of one frame make a mean.
-__kernel void mr_add_light(const uint count, const float weight, __global const float4* restrict shadow_light,
-                           __global const uint* restrict occluded,
-#if MICRO_DYNAMIC
-                           __global const Ray* restrict shadow_rays, const uint number,
-                           __global MicroLeafLight* restrict leaf_lights,
-#endif
-                           __global float4* restrict irradiance) {
-  const uint i = get_global_id(0);
-  if (i >= count || occluded[i]) return;
-  irradiance[i] += weight * shadow_light[i];
-#if MICRO_DYNAMIC
-  keep_light_sample(leaf_lights + i, shadow_rays[i].direction.xyz, weight * shadow_light[i].xyz,
-                    uint_to_unit(hash_uint3(i, number, as_uint(shadow_light[i].x))));
-#endif
-}
 
 #if MICRO_DYNAMIC
 // Lobes of the leaves.

@@ -60,15 +60,7 @@ LUCARIUM_STRUCT_END(MicroLeaf, 12)
 #define MICRO_SEEN_FRONT 1u
 #define MICRO_SEEN_BACK 2u
 
-#define MICRO_CUT_LEVELS 6u     // most levels that the cut of gathering nodes reaches below its level
-#define MICRO_MOST_PHOTONS 256  // that a density is estimated from
-
-// Where a path from a light met a diffuse surface.
-LUCARIUM_STRUCT_BEGIN(MicroPhoton)
-float4 position;  // xyz [m]; w: bits of the shading normal (pack_direction)
-float4 power;  // xyz flux [lm], that arrives or is reflected, black where the path has no such vertex; w: bits of the
-               // geometric normal
-LUCARIUM_STRUCT_END(MicroPhoton, 32)
+#define MICRO_CUT_LEVELS 6u  // most levels that the cut of gathering nodes reaches below its level
 
 // Glossy lobe of a leaf (node_shading=dynamic); ideal ones are left out.
 LUCARIUM_STRUCT_BEGIN(MicroLeafLobe)
@@ -95,8 +87,8 @@ LUCARIUM_STRUCT_END(MicroNodeChoice, 8)
 LUCARIUM_STRUCT_BEGIN(MicroPatch)
 uint ends[8];  // MICRO_CLIPS pairs of vertices, as the triangle they are of is wound: edges where the surface ends or
                // bends away; LUCARIUM_NONE: no more
-uint own;    // so many of them are edges of the triangle itself
-uint sheet;  // of a two-sided triangle: 1 ... 127, the same for all that are joined to it and wound alike; else 0
+uint own;      // so many of them are edges of the triangle itself
+uint sheet;    // of a two-sided triangle: 1 ... 127, the same for all that are joined to it and wound alike; else 0
 LUCARIUM_STRUCT_END(MicroPatch, 40)
 
 // Side of a sheet: 0 where sheet is.
@@ -120,11 +112,11 @@ LUCARIUM_STRUCT_BEGIN(MicroGather)
 float4 position;  // xyz [m], world space; w: bits of its slot in the results (pixel; node of a level)
 uint normal;      // shading normal: axis of the frame
 uint geometric;   // geometric normal on the same side; nothing arrives from below it
-uint view;   // unit, towards the viewer (specular lobe only); through a surface: mirrored at it to the normal's side
-uint lobes;  // B_d (8 bits), B_s << 8: micro-buffer edges of the diffuse and the specular lobe, 0: none;
-             // GGX alpha as a half << 16
-float eta;   // 0: the specular lobe reflects; above, it refracts: index of the viewer's side over that of this side;
-            // below, it reflects inside a medium: minus the index of this side over that of the other, denser than it
+uint view;    // unit, towards the viewer (specular lobe only); through a surface: mirrored at it to the normal's side
+uint lobes;   // B_d (8 bits), B_s << 8: micro-buffer edges of the diffuse and the specular lobe, 0: none;
+              // GGX alpha as a half << 16
+float eta;    // 0: the specular lobe reflects; above, it refracts: index of the viewer's side over that of this side;
+              // below, it reflects inside a medium: minus the index of this side over that of the other, denser than it
 uint hidden;  // MICRO_SIDE of the other side of the surface, which is not seen from near; 0: none
 uint pad0, pad1;
 LUCARIUM_STRUCT_END(MicroGather, 48)

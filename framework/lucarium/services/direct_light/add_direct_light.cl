@@ -27,10 +27,3 @@ __kernel void add_direct_radiance(LUCARIUM_SCENE_PARAMETERS uint count, uint kin
   }
   radiance[i] += (float4)(light, 1.0f);
 }
-
-__kernel void add_direct_irradiance(uint count, __global const float4* restrict shadow_light,
-                                    __global const uint* restrict occluded, __global float4* restrict irradiance) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  irradiance[i] += (float4)(occluded[i] ? (float3)(0.0f) : shadow_light[i].xyz, 1.0f);
-}

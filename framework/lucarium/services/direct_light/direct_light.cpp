@@ -6,6 +6,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/services/light_at_points/light_at_points.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {
@@ -57,7 +58,7 @@ struct DirectLight::State {
   const Intersector& intersector;
   std::string owner;
   uint32_t kinds;
-  Program program;
+  Program program, point_program;
   std::list<Recorded> radiance, irradiance;  ///< the one used last first
 };
 
@@ -126,33 +127,17 @@ Recorded& DirectLight::State::irradiance_schedule(const TypedBuffer<SurfacePoint
                                                   const TypedBuffer<float4>& sums) {
   Recorded& recorded = find(irradiance, points, sums);
   if (recorded.schedule) return recorded;
-  const uint32_t count = static_cast<uint32_t>(points.count());
-  const TypedBuffer<uint32_t> point_count = counter(count);
+  if (!point_program)
+    point_program = Program(device, SourceLibrary(),
+                            {"services/surface_points", {"lucarium/services/light_at_points/surface_points.cl"}, {}});
+  const LightAtPoints light(
+      device, scene, intersector, point_program, static_cast<uint32_t>(points.count()),
+      [&](PassBuilder& pass) { pass.arg("points", points); }, owner, kFewerPoints);
   ScheduleRecorder recorder = scheduler.record("direct light at points", owner);
   recorded.sample_index = recorder.variable("sample_index", 0u);
   recorded.seed = recorder.variable("seed", 0u);
-  const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", count, kFewerPoints);
-  const BufferRef shadow_light = recorder.transient<float4>("light behind the shadow rays", count, kFewerPoints);
-  const BufferRef occluded = recorder.transient<uint32_t>("occluded", count, kFewerPoints);
-  PassBuilder sample = recorder.pass("sample direct light", program, "sample_direct_irradiance");
-  scene.bind(sample, program, "sample_direct_irradiance");
-  sample.global(count)
-      .local(kLocalSize)
-      .arg("points", points)
-      .arg("count", count)
-      .arg("sample_index", recorded.sample_index)
-      .arg("seed", recorded.seed)
-      .arg("kinds", kinds)
-      .arg("shadow_rays", shadow_rays)
-      .arg("shadow_light", shadow_light);
-  intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, point_count, 0, count);
-  recorder.pass("add direct light", program, "add_direct_irradiance")
-      .global(count)
-      .local(kLocalSize)
-      .arg("count", count)
-      .arg("shadow_light", shadow_light)
-      .arg("occluded", occluded)
-      .arg("irradiance", sums);
+  light.record_samples(
+      recorder, recorded.sample_index, recorded.seed, [&](PassBuilder& pass) { pass.arg("irradiance", sums); }, kinds);
   recorded.schedule = recorder.compile();
   return recorded;
 }

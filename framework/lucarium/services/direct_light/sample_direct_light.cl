@@ -4,7 +4,6 @@
 #include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/direct_light/light_strategies.clh"
-#include "lucarium/shared/surface_point.h"
 
 // Apart from all other uses of the same seed.
 #define DIRECT_LIGHT_STREAM 0x64697265u
@@ -52,31 +51,4 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   if (sample.delta || is_black(sample.weight)) return;
   bsdf_rays[i] = make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 1u)));
   bsdf_weights[i] = (float4)(point.throughput.xyz * sample.weight, sample.pdf);
-}
-
-// The same for irradiance at surface points [lx]; light samples only.
-__kernel void sample_direct_irradiance(LUCARIUM_SCENE_PARAMETERS __global const SurfacePoint* restrict points,
-                                       uint count, uint sample_index, uint seed, uint kinds,
-                                       __global Ray* restrict shadow_rays, __global float4* restrict shadow_light) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  LUCARIUM_SCENE_BIND(scene);
-  shadow_rays[i] = inactive_ray();
-  shadow_light[i] = (float4)(0.0f);
-  const SurfacePoint point = points[i];
-  const Sampler sampler = make_sampler(i, DIRECT_LIGHT_STREAM, seed, sample_index, LUCARIUM_SAMPLER_SOBOL);
-  const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-  const LightSample sample = sample_light(&scene, point.position.xyz, u.choice, u.point, kinds, 1u);
-  const float cosine = dot(point.normal.xyz, sample.direction);
-  if (!(sample.pdf > 0.0f) || is_black(sample.radiance) || cosine <= 0.0f) return;
-  Hit hit;
-  hit.distance = 0.0f;
-  hit.triangle = point.triangle;
-  hit.u = point.u;
-  hit.v = point.v;
-  const Surface surface = make_surface(&scene, hit, -point.normal.xyz, 0u);
-  const Ray ray = make_shadow_ray(&surface, &sample, make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)));
-  if (ray.direction.w < 0.0f) return;
-  shadow_rays[i] = ray;
-  shadow_light[i] = (float4)(sample.radiance * (cosine / sample.pdf), 0.0f);
 }

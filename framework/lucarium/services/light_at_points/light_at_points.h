@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <string>
+
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/shared/light_path.h"
+
+namespace lucarium {
+
+/// Direct light at a technique's own points (leaves of a tree, texels, pixels), that of virtual lights, one sample per
+/// point and pass, or that of photons. A .cl file of the technique's says what point i is and where its light goes:
+/// light_at_points.clh.
+///
+///   const Program program(device, library, {"my technique/points", {"my_technique/points.cl"}, {}});
+///   LightAtPoints light(device, buffers, bvh, program, points, [&](PassBuilder& pass) { pass.arg("leaves", leaves); },
+///                       "my technique", "use fewer points");
+///   light.record_samples(recorder, sample, seed, [&](PassBuilder& pass) { pass.arg("sums", sums); });
+///
+/// What is added changes in the last passes of a recording, so that a cancelled run has changed nothing unless it was
+/// cancelled between those; one pass without LIGHT_POINT_HITS.
+class LightAtPoints {
+ public:
+  using Bind = std::function<void(PassBuilder&)>;
+  static constexpr uint32_t kAllLights = 31;
+
+  /// `bind_points` binds LIGHT_POINT_PARAMETERS. `scene` and `intersector` must outlive this; `owner` pays for the
+  /// memory, `remedy` is said where it does not suffice.
+  LightAtPoints(Device& device, const SceneBuffers& scene, const Intersector& intersector, const Program& program,
+                uint32_t points, Bind bind_points, const std::string& owner, const std::string& remedy);
+
+  /// Rays beside light samples that may hit lamps and sky, joined by MIS; of a program with LIGHT_POINT_HITS. `on`: 0
+  /// where the scene has nothing to hit.
+  struct Hits {
+    Variable<uint32_t> on;
+  };
+  /// One sample of the lights of some kinds (bits 1 << LUCARIUM_LIGHT_*) at every point. `bind_sums` binds
+  /// LIGHT_SUM_PARAMETERS.
+  void record_samples(ScheduleRecorder& recorder, const Variable<uint32_t>& sample_index,
+                      const Variable<uint32_t>& seed, const Bind& bind_sums, uint32_t kinds = kAllLights,
+                      const Hits* hits = nullptr) const;
+  /// The light of virtual_lights[light] (VirtualLight) at every point, its geometry term bounded by `max_geometry`
+  /// [1/m²].
+  void record_virtual_light(ScheduleRecorder& recorder, const BufferRef& virtual_lights,
+                            const Variable<uint32_t>& light, const Variable<uint32_t>& seed,
+                            const Variable<float>& max_geometry, const Bind& bind_sums) const;
+
+  /// The irradiance of `photons` (VirtualLight, arriving flux) about every point, estimated from the `nearest` of them,
+  /// LIGHT_MAX_PHOTONS at most, and those nearer than `cell` [m]; twice the radius that is expected to hold so many is
+  /// a good one. Of a program that includes photon_density.clh.
+  void record_photon_density(ScheduleRecorder& recorder, const TypedBuffer<VirtualLight>& photons,
+                             const Variable<float>& cell, uint32_t nearest, const Bind& bind_sums) const;
+
+  /// Device memory of a recording, unshared [bytes].
+  static size_t estimate_bytes(size_t points, bool hits = false);
+
+ private:
+  struct Shadows {
+    BufferRef rays, light, occluded;
+  };
+  Shadows shadows(ScheduleRecorder& recorder) const;
+  PassBuilder point_pass(ScheduleRecorder& recorder, const std::string& name, const char* kernel) const;
+  void record_add(ScheduleRecorder& recorder, const Shadows& shadows, const Variable<uint32_t>& number,
+                  const Bind& bind_sums) const;
+
+  Device& device_;
+  const SceneBuffers& scene_;
+  const Intersector& intersector_;
+  Program program_;
+  uint32_t points_;
+  Bind bind_points_;
+  std::string remedy_;
+  TypedBuffer<uint32_t> count_;  ///< one element, as the intersector wants it
+};
+
+}  // namespace lucarium

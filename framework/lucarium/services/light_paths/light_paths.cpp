@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/services/light_paths/light_paths.h"
+
+#include "lucarium/compute/program/source_library.h"
+#include "lucarium/shared/ray.h"
+
+namespace lucarium {
+namespace {
+
+constexpr size_t kLocalSize = 64;
+constexpr size_t kPathsPerSlice = 1 << 16;
+
+LightPathRules rules_of(const LightPathOptions& options) {
+  LightPathRules rules{};
+  rules.count = options.paths;
+  rules.flags = (options.diffuse_only ? LUCARIUM_LIGHT_PATHS_DIFFUSE : 0u) |
+                (options.opaque_blend ? LUCARIUM_LIGHT_PATHS_OPAQUE_BLEND : 0u);
+  rules.kinds = options.kinds;
+  rules.roulette_start = options.roulette_start;
+  return rules;
+}
+
+}  // namespace
+
+LightPaths::LightPaths(Device& device, const SceneBuffers& scene, const Intersector& intersector,
+                       const LightPathOptions& options, const std::string& owner)
+    : device_(device),
+      scene_(scene),
+      intersector_(intersector),
+      options_(options),
+      count_(device, owner, "number of light paths", std::vector<uint32_t>{options.paths}) {}
+
+void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
+                        const Program& program, const Bind& bind) const {
+  const uint32_t paths = options_.paths;
+  const LightPathRules rules = rules_of(options_);
+  const BufferRef rays = recorder.transient<Ray>("rays of light paths", paths, options_.remedy);
+  const BufferRef hits = recorder.transient<Hit>("hits of light paths", paths, options_.remedy);
+  const BufferRef states = recorder.transient<LightPathState>("light paths", paths, options_.remedy);
+  PassBuilder emit = recorder.pass("emit light paths", program, "emit_light_paths");
+  scene_.bind(emit, program, "emit_light_paths");
+  emit.global(paths)
+      .local(kLocalSize)
+      .slice(kPathsPerSlice)
+      .arg("rules", rules)
+      .arg("frame", run)
+      .arg("seed", seed)
+      .arg("rays", rays)
+      .arg("states", states);
+  for (uint32_t number = 0; number < options_.vertices; ++number) {
+    intersector_.record_closest(recorder, "trace light paths", rays, hits, count_, 0, paths);
+    PassBuilder advance = recorder.pass("vertices of light paths", program, "advance_light_paths");
+    scene_.bind(advance, program, "advance_light_paths");
+    advance.global(paths)
+        .local(kLocalSize)
+        .slice(kPathsPerSlice)
+        .arg("rules", rules)
+        .arg("frame", run)
+        .arg("seed", seed)
+        .arg("number", number)
+        .arg("hits", hits)
+        .arg("rays", rays)
+        .arg("states", states);
+    bind(advance);
+  }
+}
+
+void LightPaths::record_virtual_lights(ScheduleRecorder& recorder, const Variable<uint32_t>& run,
+                                       const Variable<uint32_t>& seed, const TypedBuffer<VirtualLight>& lights,
+                                       uint32_t first, bool reflected) const {
+  const Program program(device_, SourceLibrary(),
+                        {"services/light_paths", {"lucarium/services/light_paths/store_virtual_lights.cl"}, {}});
+  recorder.fill_zero("no virtual lights", lights);
+  record(recorder, run, seed, program, [&](PassBuilder& pass) {
+    pass.arg("lights", lights).arg("first", first).arg("paths", options_.paths).arg("reflected", reflected ? 1u : 0u);
+  });
+}
+
+size_t LightPaths::estimate_bytes(uint32_t paths) {
+  return size_t{paths} * (sizeof(Ray) + sizeof(Hit) + sizeof(LightPathState));
+}
+
+}  // namespace lucarium

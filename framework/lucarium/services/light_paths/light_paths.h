@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <string>
+
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/intersector.h"
+#include "lucarium/shared/light_path.h"
+
+namespace lucarium {
+
+struct LightPathOptions {
+  uint32_t paths = 1;                            ///< of a run
+  uint32_t vertices = 1;                         ///< of a path at most; ideal lobes count
+  bool diffuse_only = false;                     ///< diffuse lobes alone; a path ends where there is none
+  bool opaque_blend = false;                     ///< BLEND surfaces count as opaque
+  uint32_t kinds = 31;                           ///< which lights, bits 1 << LUCARIUM_LIGHT_*
+  uint32_t roulette_start = 0xffffffff;          ///< scatterings before Russian roulette; by default there is none
+  std::string remedy = "use fewer light paths";  ///< said where memory does not suffice
+};
+
+/// Paths from all kinds of lights, traced through any Intersector: emission in proportion to the lights' share in the
+/// mixture, media, BLEND and MASK, refraction, Russian roulette, adjoint scattering at leaning shading normals.
+/// Unbiased with all lobes (docs of the estimator: light_paths.clh). Numbers depend on seed, run and path alone.
+///
+///   LightPaths paths(device, buffers, bvh, {.paths = 1024, .vertices = 2, .diffuse_only = true}, "my technique");
+///   ScheduleRecorder recorder = scheduler.record("light paths", "my technique");
+///   const Variable<uint32_t> run = recorder.variable("run", 0u), seed = recorder.variable("seed", 0u);
+///   TypedBuffer<VirtualLight> lights(device, "my technique", "virtual lights", paths.virtual_lights(0));
+///   paths.record_virtual_lights(recorder, run, seed, lights, 0, true);
+///
+/// What else is to become of vertices says a .cl file of the technique's own, which includes light_paths.clh.
+class LightPaths {
+ public:
+  using Bind = std::function<void(PassBuilder&)>;
+
+  /// `scene` and `intersector` must outlive this; `owner` pays for the memory.
+  LightPaths(Device& device, const SceneBuffers& scene, const Intersector& intersector, const LightPathOptions& options,
+             const std::string& owner);
+
+  /// Records one run: all paths from their lights to their last vertices. `program` holds the kernels of
+  /// light_paths.clh, `bind` binds the technique's own arguments of advance_light_paths. Every value of `run` gives
+  /// other paths.
+  void record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
+              const Program& program, const Bind& bind) const;
+
+  /// Records a run that fills `lights` with the vertices from number `first` on, those of one number after the other;
+  /// black where a path has none, or none that is diffuse. `reflected`: what the vertices reflect (virtual lights),
+  /// instead of what arrives there (photons).
+  void record_virtual_lights(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
+                             const TypedBuffer<VirtualLight>& lights, uint32_t first, bool reflected) const;
+  /// Elements of such a buffer.
+  size_t virtual_lights(uint32_t first) const { return size_t{options_.paths} * (options_.vertices - first); }
+
+  /// Rays of a run at most.
+  double rays() const { return static_cast<double>(options_.paths) * options_.vertices; }
+  static size_t estimate_bytes(uint32_t paths);  ///< device memory of a run, without what vertices become [bytes]
+
+ private:
+  Device& device_;
+  const SceneBuffers& scene_;
+  const Intersector& intersector_;
+  LightPathOptions options_;
+  TypedBuffer<uint32_t> count_;  ///< one element, as the intersector wants it
+};
+
+}  // namespace lucarium

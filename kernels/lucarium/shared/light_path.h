@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Paths from the lights (services/light_paths).
+#ifndef LUCARIUM_SHARED_LIGHT_PATH_H
+#define LUCARIUM_SHARED_LIGHT_PATH_H
+#include "lucarium/shared/dialect.h"
+
+#define LUCARIUM_LIGHT_PATHS_DIFFUSE 1u       // diffuse lobes alone; a path ends where there is none
+#define LUCARIUM_LIGHT_PATHS_OPAQUE_BLEND 2u  // BLEND surfaces count as opaque
+
+LUCARIUM_STRUCT_BEGIN(LightPathRules)
+uint count;           // paths of a run
+uint flags;           // LUCARIUM_LIGHT_PATHS_*
+uint kinds;           // of lights, bits 1 << LUCARIUM_LIGHT_*
+uint roulette_start;  // scatterings before Russian roulette; LUCARIUM_NONE: none
+LUCARIUM_STRUCT_END(LightPathRules, 16)
+
+#define LIGHT_MAX_PHOTONS 256  // that a density may be estimated from
+
+// A path between two vertices.
+LUCARIUM_STRUCT_BEGIN(LightPathState)
+float4 flux;         // xyz: along the ray [lm]; w: density of its direction [1/sr]
+float origin_pdf;    // density of where the path began, the choice of the light included (emission.clh)
+float start_cosine;  // of the ray to the geometric normal where it begins; 1 where there is none
+uint light;          // where the path began, into scene_lights
+uint medium;         // that the ray runs through (medium.clh)
+LUCARIUM_STRUCT_END(LightPathState, 32)
+
+// A point from which the light of one path is reflected diffusely, or at which it arrives (a photon).
+LUCARIUM_STRUCT_BEGIN(VirtualLight)
+float4 position;  // xyz [m]; w: bits of the shading normal (pack_direction)
+float4 flux;      // xyz, reflected or arriving [lm]; black: no light; w: bits of the geometric normal
+LUCARIUM_STRUCT_END(VirtualLight, 32)
+
+#endif
