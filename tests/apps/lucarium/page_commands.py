@@ -23,7 +23,7 @@ DROPPED = {'render': ('--time', '--spp', '--frames'), 'compare': ('--time',), 'r
 
 NOT_RUN = (
     (r'…|\[-|\bNAME\b|\bDIR\b|SCENE', 'shows a form'),
-    (r'my_technique|occlusion|new-technique', 'the sdk tests run it with a plug-in that they build'),
+    (r'my_technique|occlusion|instant_radiosity|new-technique', 'the sdk tests run it with a plug-in that they build'),
     (r'--watch|ref\.exr', 'waits, or needs what another page makes'),
     (r'^lucarium reproduce (?!--list)', 'cli/reproduce_test runs experiments'),
     (r'^lucarium check', 'cli/check_test runs checks'),
