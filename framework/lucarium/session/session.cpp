@@ -110,6 +110,21 @@ std::string describe_remedy(Technique& technique, const Scene& scene, const Rend
   return remedy;
 }
 
+/// Tells on_preparing what of the device's kernels is being compiled, for as long as it lives.
+class ReportCompilation {
+ public:
+  ReportCompilation(Device& device, const RenderSession::OnPreparing& on_preparing) : device_(device) {
+    on_preparing(-1, "kernels");
+    device_.compile_progress().listen(on_preparing);
+  }
+  ~ReportCompilation() { device_.compile_progress().listen({}); }
+  ReportCompilation(const ReportCompilation&) = delete;
+  ReportCompilation& operator=(const ReportCompilation&) = delete;
+
+ private:
+  Device& device_;
+};
+
 }  // namespace
 
 struct RenderSession::State {
@@ -236,9 +251,8 @@ struct RenderSession::State {
     timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
     const TechniqueContext context{device,   scheduler,   scene, *buffers, [this]() -> Bvh& { return built_bvh(); },
                                    settings, on_preparing};
-    on_preparing(-1, "kernels");
+    const ReportCompilation reporting(*device, on_preparing);
     timed(clocks.prepare, [&] { technique->prepare(context); });
-    on_preparing(-1, "kernels");
     timed(clocks.warm_up, [&] { technique->warm_up(); });
     scheduler.reset_profile();
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "lucarium/compute/device/compile_progress.h"
 #include "lucarium/compute/device/memory_account.h"
 
 namespace lucarium {
@@ -71,6 +72,7 @@ class Device : public std::enable_shared_from_this<Device> {
   /// Wall time spent compiling or loading programs so far [s]; clocks of comparisons leave it out.
   double program_seconds() const { return program_seconds_; }
   void add_program_seconds(double seconds) { program_seconds_ += seconds; }
+  CompileProgress& compile_progress() { return compile_progress_; }
 
   /// Waits for everything enqueued. The only place besides read-backs where the host waits.
   void finish();
@@ -84,6 +86,7 @@ class Device : public std::enable_shared_from_this<Device> {
   std::unique_ptr<MemoryAccount> memory_;
   std::unique_ptr<ProgramCache> cache_;
   double program_seconds_ = 0;
+  CompileProgress compile_progress_;
 };
 
 /// "CL_INVALID_KERNEL_ARGS" for -52.

@@ -228,7 +228,10 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   const std::string source = preamble(spec) + library.preprocess(spec.files);
   state_->key = device.program_cache().key(source, build_options(spec));
   state_->from_cache = state_->load(spec, source);
-  if (!state_->from_cache) state_->compile(spec, source);
+  if (!state_->from_cache) {
+    device.compile_progress().build(spec.name);
+    state_->compile(spec, source);
+  }
   {
     const std::lock_guard lock(State::registry().mutex);
     State::registry().states.insert(state_.get());

@@ -314,6 +314,9 @@ void ScheduleCompiler::finish_kernel(const Draft& from, Step& step) {
   step.moved_bytes = recorded.moved_bytes;
   step.slice_base_position = from.bound.slice_base;
   choose_sizes(recorded, step);
+  step.launch = fmt::format("{}/{}/{}", static_cast<const void*>(recorded.program.handle()), step.kernel_name,
+                            fmt::join(step.local, "x"));
+  state_->device->compile_progress().announce(step.launch);
   cl_int code = CL_SUCCESS;
   step.kernel = ClKernel(clCreateKernel(recorded.program.handle(), step.kernel_name.c_str(), &code));
   check_opencl(code, "clCreateKernel", step.kernel_name, device());

@@ -164,6 +164,10 @@ std::array<size_t, 3> ScheduleRun::global_size(const CompiledStep& of) const {
 bool ScheduleRun::enqueue_kernel(size_t index) {
   const std::array<size_t, 3> global = global_size(step(index));
   if (global[0] * global[1] * global[2] == 0) return true;
+  if (options_.rehearsal) {
+    while (first_queued_ < record_.events.size()) wait_for_oldest();  // drivers may compile behind the enqueueing
+    device_.compile_progress().launching(step(index).launch);
+  }
   if (step(index).slice_items > 0) return enqueue_slices(index, global);
   enqueue_piece(index, global, true);
   if (options_.rehearsal && device_.info().is_pocl && step(index).counter >= 0 && global[0] < pocl_large_grid) {

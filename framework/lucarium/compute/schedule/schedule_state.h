@@ -35,6 +35,7 @@ struct CompiledStep {
   // Kernels. Each step owns its kernel object, since argument values live in it.
   ClKernel kernel;
   std::string kernel_name;
+  std::string launch;  ///< program, kernel and work-group size, for CompileProgress
   std::array<size_t, 3> global = {0, 1, 1}, local = {1, 1, 1};
   int counter = -1;  ///< counter value that decides global[0], or that a counter read fetches
   double items_per_count = 1;
