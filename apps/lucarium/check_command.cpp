@@ -2,11 +2,11 @@
 // lucarium check TECHNIQUE: the conformance kit as a table or JSON; exit code 1 when a check failed.
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/progress.h"
 #include "lucarium/conformance/conformance.h"
 #include "lucarium/version.h"
 #include "options.h"
@@ -23,6 +23,7 @@ struct CheckArguments {
   std::string technique;
   std::vector<std::string> parameters, only;
   std::vector<fs::path> folders;
+  bool full = false;
   DeviceArguments device;
   OutputArguments output;
 };
@@ -32,23 +33,31 @@ size_t count(const std::vector<CheckResult>& results, Verdict verdict) {
       std::count_if(results.begin(), results.end(), [&](const CheckResult& r) { return r.verdict == verdict; }));
 }
 
+void print_head(const TechniqueType& type, const ConformanceOptions& options, const Device& device) {
+  std::string settings;
+  for (const auto& [name, value] : effective_parameters(type.info(), options))
+    settings += fmt::format("{}{}={}", settings.empty() ? ", with " : ",", name, value);
+  fmt::print("{} {} on {}{}\n", type.info().name, type.info().version, device.info().name, settings);
+}
+
 void print_row(const CheckResult& result) {
   fmt::print("{:<12} {:<31} {}\n", verdict_name(result.verdict), result.name, result.measured);
   if (result.verdict == Verdict::failed) fmt::print("{:<12} {:<31} required: {}\n", "", "", result.required);
   std::fflush(stdout);
 }
 
-ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueArguments::Spec& spec,
-                     const TechniqueType& type, const Device& device) {
+ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueType& type,
+                     const ConformanceOptions& options, const Device& device) {
   ordered_json json = {{"schema", "lucarium-check-1"},
-                       {"technique", spec.name},
+                       {"technique", type.info().name},
                        {"technique_version", type.info().version},
+                       {"full", options.full},
                        {"parameters", ordered_json::object()},
                        {"bias", type.info().capabilities.bias},
                        {"device", device.info().name},
                        {"driver", device.info().driver_version},
                        {"version", LUCARIUM_VERSION}};
-  for (const auto& [name, value] : spec.parameters) json["parameters"][name] = value;
+  for (const auto& [name, value] : effective_parameters(type.info(), options)) json["parameters"][name] = value;
   for (const Verdict verdict : {Verdict::passed, Verdict::failed, Verdict::skipped, Verdict::not_claimed}) {
     std::string key = verdict_name(verdict);
     std::replace(key.begin(), key.end(), ' ', '_');
@@ -79,6 +88,7 @@ int check(const CheckArguments& arguments) {
 
   ConformanceOptions options;
   options.parameters = spec.parameters;
+  options.full = arguments.full;
   options.only = arguments.only;
   options.program = fs::read_symlink("/proc/self/exe");
   for (const fs::path& folder : arguments.folders)
@@ -87,17 +97,19 @@ int check(const CheckArguments& arguments) {
   const std::vector<std::string> cache = arguments.device.cache_words();
   options.device_arguments.insert(options.device_arguments.end(), cache.begin(), cache.end());
   const bool table = !arguments.output.json && !arguments.output.quiet;
-  bool first = true;
-  if (table) {
-    options.on_result = [&](const CheckResult& result) {
-      if (std::exchange(first, false))
-        fmt::print("{} {} on {}\n", type.info().name, type.info().version, device->info().name);
-      print_row(result);
-    };
-  }
+  Progress progress("check", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  options.on_check = [&](size_t index, size_t count, const std::string& name) {
+    if (index == 0 && table) print_head(type, options, *device);
+    progress.update(static_cast<double>(index) / static_cast<double>(count),
+                    fmt::format("{}/{} {}", index + 1, count, name));
+  };
+  options.on_result = [&](const CheckResult& result) {
+    progress.clear();
+    if (table) print_row(result);
+  };
   const std::vector<CheckResult> results = check_technique(device, registry, type, options);
   const size_t failed = count(results, Verdict::failed);
-  if (arguments.output.json) fmt::print("{}\n", to_json(results, spec, type, *device).dump(2));
+  if (arguments.output.json) fmt::print("{}\n", to_json(results, type, options, *device).dump(2));
   if (table) {
     fmt::print("{}: {} passed, {} failed, {} skipped, {} not claimed\n", type.info().name,
                count(results, Verdict::passed), failed, count(results, Verdict::skipped),
@@ -123,6 +135,9 @@ void add_check_command(Command program, Action& action) {
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
+  command.add_flag(
+      "--full", arguments->full,
+      "at the technique's defaults, not the settings it names for checks of a few minutes; may take hours");
   command.add_option("--technique-path", arguments->folders, "folder of plug-ins, searched first")
       ->take_all()
       ->expected(1)

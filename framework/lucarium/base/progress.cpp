@@ -46,6 +46,14 @@ void Progress::update(double fraction, const std::string& text) {
   draw(fraction, text, elapsed);
 }
 
+void Progress::clear() {
+  if (!drawn_ || !terminal_) return;
+  fmt::print(stderr, "\r\x1b[2K");
+  std::fflush(stderr);
+  drawn_ = false;
+  last_ = {};
+}
+
 void Progress::draw(double fraction, const std::string& text, double elapsed) {
   std::string time = format_duration(elapsed);
   if (const std::optional<double> left = left_.settled_estimate())

@@ -19,6 +19,8 @@ class Progress {
 
   /// `fraction` of the work that is done (negative: unknown), and what to say beside it ("12 of 64 samples").
   void update(double fraction, const std::string& text);
+  /// Takes the bar off a terminal, so that a line can be printed; the next update() draws it at once.
+  void clear();
 
  private:
   void draw(double fraction, const std::string& text, double elapsed);

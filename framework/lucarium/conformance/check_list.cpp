@@ -94,8 +94,18 @@ const char* verdict_name(Verdict verdict) {
   return "?";
 }
 
+std::vector<std::pair<std::string, std::string>> effective_parameters(const TechniqueInfo& info,
+                                                                      const ConformanceOptions& options) {
+  std::vector<std::pair<std::string, std::string>> all;
+  if (!options.full) all = info.check_parameters;
+  all.insert(all.end(), options.parameters.begin(), options.parameters.end());
+  return all;
+}
+
 std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const TechniqueRegistry& registry,
-                                         const TechniqueType& type, const ConformanceOptions& options) {
+                                         const TechniqueType& type, const ConformanceOptions& wanted) {
+  ConformanceOptions options = wanted;
+  options.parameters = effective_parameters(type.info(), wanted);
   CheckContext context{std::move(device), registry, type, options, {}};
   const Scene furnace = load_scene("builtin:furnace");
   const std::unique_ptr<Technique> technique = type.create();
@@ -107,9 +117,12 @@ std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const T
     if (options.on_result) options.on_result(result);
     results.push_back(std::move(result));
   };
-  for (const Check& check : make_list(context)) {
+  std::vector<Check> list = make_list(context);
+  std::erase_if(list, [&](const Check& check) { return !is_chosen(check.name, options.only); });
+  for (size_t i = 0; i < list.size(); ++i) {
     if (interrupt_requested()) return results;
-    if (is_chosen(check.name, options.only)) keep(run_check(check, context));
+    if (options.on_check) options.on_check(i, list.size(), list[i].name);
+    keep(run_check(list[i], context));
   }
   if (results.empty()) throw_error(ErrorClass::usage, "no check has a name that begins with {}", options.only.front());
   return results;

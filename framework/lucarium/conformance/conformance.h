@@ -29,12 +29,18 @@ struct CheckResult {
 
 struct ConformanceOptions {
   std::vector<std::pair<std::string, std::string>> parameters;  ///< of the technique, set in every check
+  bool full = false;              ///< at the technique's defaults instead of its check_parameters; may take hours
   std::vector<std::string> only;  ///< run the checks whose names begin with one of these; empty: all
   std::filesystem::path program;  ///< lucarium, for checks that need a process of their own; empty: they are skipped
-  std::vector<std::string> arguments;                      ///< for that program: --technique-path
-  std::vector<std::string> device_arguments;               ///< the same, where the program uses the device under test
-  std::function<void(const CheckResult&)> on_result = {};  ///< as they come
+  std::vector<std::string> arguments;         ///< for that program: --technique-path
+  std::vector<std::string> device_arguments;  ///< the same, where the program uses the device under test
+  std::function<void(size_t index, size_t count, const std::string& name)> on_check = {};  ///< before each, from 0
+  std::function<void(const CheckResult&)> on_result = {};                                  ///< as they come
 };
+
+/// What is set in every check: the technique's check_parameters unless `full`, then those of the options.
+std::vector<std::pair<std::string, std::string>> effective_parameters(const TechniqueInfo& info,
+                                                                      const ConformanceOptions& options);
 
 /// Runs the conformance kit (docs/conformance.md) on one technique. What a technique throws fails the check it happened
 /// in and no other. Stops early, with what there is, when an interrupt is requested. Throws Error{usage} for parameters

@@ -51,6 +51,8 @@ struct TechniqueInfo {
   std::string citation;  ///< of the paper, or empty
   Capabilities capabilities;
   std::vector<std::string> layers;  ///< additive ones and further ones it writes
+  /// Parameters (name, value) with which `lucarium check` takes at most 4 processor minutes; empty: the defaults do.
+  std::vector<std::pair<std::string, std::string>> check_parameters;
 };
 
 /// State of progress after an iterate().

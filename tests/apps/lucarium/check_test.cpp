@@ -34,6 +34,7 @@ TEST_CASE("JSON says the same for programs") {
   CHECK(json["parameters"]["fault"] == "understated");
   CHECK(json["passed"] == 1);
   CHECK(json["failed"] == 1);
+  CHECK(json["full"] == false);
   CHECK(json["not_claimed"] == 0);
   REQUIRE(json["checks"].size() == 2);
   CHECK(json["checks"][1]["name"] == "memory/stated");

@@ -21,11 +21,12 @@ using Parameters = std::vector<std::pair<std::string, std::string>>;
 fs::path plugin_folder(const std::string& name) { return fs::path(std::getenv("LUCARIUM_TEST_PLUGINS")) / name; }
 
 std::vector<CheckResult> check_plugin(const std::string& name, const Parameters& parameters,
-                                      const std::vector<std::string>& only) {
+                                      const std::vector<std::string>& only, bool full = false) {
   const TechniqueRegistry registry({plugin_folder(name)});
   ConformanceOptions options;
   options.parameters = parameters;
   options.only = only;
+  options.full = full;
   options.program = std::getenv("LUCARIUM_TEST_PROGRAM");
   options.arguments = {"--technique-path", plugin_folder(name).string()};
   return check_technique(test::test_device(), registry, registry.find(name), options);
@@ -100,6 +101,29 @@ TEST_CASE(
     CHECK(verdict("biased", {{"gain", "1.02"}}, group) == Verdict::passed);
     CHECK(verdict("biased", {{"gain", "1.1"}}, group) == Verdict::failed);
   }
+}
+
+TEST_CASE("checks run at the settings that a technique names for them, unless the user has others or asks for all") {
+  const auto finite = [](const Parameters& parameters, bool full) {
+    return check_plugin("faulty_declaration", parameters, {"finite"}, full).front().verdict;
+  };
+  CHECK(finite({}, false) == Verdict::failed);  // it names fault=nan
+  CHECK(finite({{"fault", "none"}}, false) == Verdict::passed);
+  CHECK(finite({}, true) == Verdict::passed);
+}
+
+TEST_CASE("every check is announced before it runs, with how many there are") {
+  const TechniqueRegistry registry({plugin_folder("constant")});
+  ConformanceOptions options;
+  options.only = {"declaration", "parameters", "light/spot"};
+  std::vector<std::string> heard;
+  options.on_check = [&](size_t index, size_t count, const std::string& name) {
+    heard.push_back(fmt::format("{}/{} {}", index + 1, count, name));
+  };
+  options.on_result = [&](const CheckResult& result) { heard.push_back(result.name); };
+  check_technique(test::test_device(), registry, registry.find("constant"), options);
+  CHECK(heard == std::vector<std::string>{"1/3 declaration", "declaration", "2/3 parameters", "parameters",
+                                          "3/3 light/spot", "light/spot"});
 }
 
 TEST_CASE("Oclgrind finds a kernel that writes outside its buffer") {

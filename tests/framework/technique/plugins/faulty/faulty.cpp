@@ -83,6 +83,7 @@ TechniqueInfo faulty_info() {
   info.name = "faulty_declaration";
   info.version = "";
   info.capabilities.lights.push_back(LightKind::point);  // twice
+  info.check_parameters = {{"fault", "nan"}};
 #elif defined(BIASED)
   info.name = "biased";
   info.capabilities.bias = 0.05;
