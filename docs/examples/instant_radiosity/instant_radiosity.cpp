@@ -17,13 +17,15 @@
 // unbiased. Every iteration has virtual lights of its own.
 #include <algorithm>
 
-#include "lucarium/compute/program/source_library.h"
+#include "lucarium/base/seed.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/direct_light/direct_light.h"
 #include "lucarium/services/gbuffer/gbuffer.h"
+#include "lucarium/services/layer_sums/layer_sums.h"
 #include "lucarium/services/light_at_points/light_at_points.h"
 #include "lucarium/services/light_paths/light_paths.h"
 #include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
 
 const lucarium::EmbeddedSources& instant_radiosity_kernels();
 
@@ -54,9 +56,10 @@ TechniqueInfo describe_technique() {
   info.version = "1.0";
   info.summary = "direct light, and one bounce of indirect light by virtual point lights";
   info.citation = "A. Keller, Instant Radiosity, SIGGRAPH 1997";
-  info.capabilities.lights = {"point", "spot", "directional", "emissive", "environment"};
-  info.capabilities.materials = {"diffuse", "glossy", "mirror", "mask", "blend", "normal_map"};
-  info.capabilities.changes = {"camera", "transforms", "deformation", "materials", "lights", "topology"};
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = {MaterialKind::diffuse, MaterialKind::glossy, MaterialKind::mirror,
+                                 MaterialKind::mask,    MaterialKind::blend,  MaterialKind::normal_map};
+  info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.bias = 0.03;  // what the bound takes from corners
   info.layers = {"emission", "direct", "indirect"};
   return info;
@@ -64,10 +67,8 @@ TechniqueInfo describe_technique() {
 
 // ---- code
 
-class InstantRadiosity : public Technique {
+class InstantRadiosity : public TechniqueBase<Options> {
  public:
-  ParameterTable& parameters() override { return table_; }
-
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
     PathSet set;
     set.max_bounces = settings.max_bounces == 0 ? 0 : 1;
@@ -86,103 +87,71 @@ class InstantRadiosity : public Technique {
 
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
     const size_t pixels = size_t{settings.width} * settings.height;
-    const auto lights = static_cast<uint32_t>(options_.lights);
+    const auto lights = static_cast<uint32_t>(parameters_.lights);
     return GBuffer::estimate_bytes(settings.width, settings.height) + DirectLight::estimate_bytes(pixels) +
            LightPaths::estimate_bytes(lights) + lights * sizeof(VirtualLight) + LightAtPoints::estimate_bytes(pixels) +
-           4 * pixels * sizeof(float4);
+           LayerSums::estimate_bytes(pixels, 3) + pixels * sizeof(float4);
   }
 
-  void prepare(const TechniqueContext& context) override {
-    context_ = std::make_unique<TechniqueContext>(context);
-    SourceLibrary library;
-    library.add(instant_radiosity_kernels());
-    program_ = Program(*context.device, library, {owner, {"instant_radiosity/light_pixels.cl"}, {}});
-    build();
+ protected:
+  void compile() override {
+    program_ = make_program(device(), instant_radiosity_kernels(), {"instant_radiosity/light_pixels"});
   }
 
-  void update(const SceneChange& change) override {
-    if (change.only_camera()) {
-      restart();
-    } else if (change.any()) {
-      build();  // buffers of the scene and its hierarchy may have been replaced
-    }
-  }
-
-  IterationResult iterate() override {
-    if (add_sample()) ++samples_;
-    IterationResult result;
-    result.samples = samples_;
-    result.progress = -1;  // how much there is to do is unknown
-    result.phase = "virtual lights";
-    return result;
-  }
-
-  void resolve(Film& film) override {
-    context_->scheduler.finish();
-    write_layer(film, "emission", emission_.download());
-    write_layer(film, "direct", direct_.download());
-    write_layer(film, "indirect", indirect_.download());
-  }
-
-  void reset(uint64_t seed) override {
-    seed_ = seed;
-    restart();
-  }
-
-  void warm_up() override {
-    gbuffer_->warm_up();
-    direct_light_->warm_up(gbuffer_->points(), direct_);
-    for (Schedule* schedule : {&paths_, &light_, &add_}) context_->scheduler.warm_up(*schedule);
-  }
-
- private:
-  /// One sample per pixel, or none at all: false when cancelled, and the sums are then as before.
-  bool add_sample() {
-    KernelScheduler& scheduler = context_->scheduler;
-    const auto sample = static_cast<uint32_t>(samples_);
-    const uint32_t seed = kernel_seed(seed_);
-    if (!gbuffer_->render(sample)) return false;
-    paths_.set(run_, sample);
-    paths_.set(path_seed_, seed);
-    if (scheduler.run(paths_) == RunResult::cancelled) return false;
-    light_.set(light_seed_, seed ^ (sample * 0x9e3779b9u));
-    const float radius = std::max(context_->scene.bounds().radius(), 1e-6f);
-    light_.set(max_geometry_, options_.max_geometry / (radius * radius));
-    for (uint32_t i = 0; i < virtual_lights_.count() && context_->settings.max_bounces != 0; ++i) {
-      light_.set(light_index_, i);
-      if (scheduler.run(light_) == RunResult::cancelled) return false;
-    }
-    if (!direct_light_->accumulate_radiance(gbuffer_->points(), direct_, sample, seed)) return false;
-    scheduler.run_to_end(add_);  // all sums hold the same samples, also after Ctrl-C
-    return true;
-  }
-
-  /// Everything that refers to the scene's buffers.
-  void build() {
-    Device& device = *context_->device;
-    const SceneBuffers& scene = context_->scene_buffers;
-    const uint32_t pixels = context_->settings.width * context_->settings.height;
+  /// Everything that refers to the scene's buffers. Called again when they may have been replaced.
+  void build() override {
     for (Schedule* schedule : {&paths_, &light_, &add_}) *schedule = {};  // before the memory that they refer to
     direct_light_.reset();
     gbuffer_.reset();
-    gbuffer_ = std::make_unique<GBuffer>(device, context_->scheduler, scene, context_->bvh(),
-                                         make_frame(context_->settings), owner);
-    direct_light_ = std::make_unique<DirectLight>(device, context_->scheduler, scene, context_->bvh(), owner);
-    for (auto* sum : {&emission_, &direct_, &indirect_, &reflected_})
-      *sum = TypedBuffer<float4>(device, owner, "sums", pixels, "lower --size");
+    gbuffer_ = std::make_unique<GBuffer>(device(), scheduler(), scene_buffers(), bvh(), frame(), owner);
+    direct_light_ = std::make_unique<DirectLight>(device(), scheduler(), scene_buffers(), bvh(), owner);
+    sums_ = LayerSums(device(), owner, pixels(), {"emission", "direct", "indirect"});
+    reflected_ = TypedBuffer<float4>(device(), owner, "reflected light", pixels(), "lower --size");
     record_paths();
-    record_light(pixels);
-    record_add(pixels);
-    reset(context_->settings.seed);
+    record_light();
+    record_add();
   }
 
+  /// From zero samples, with the present camera and seed.
+  void restart() override {
+    gbuffer_->set_frame(frame());
+    sums_.clear();
+  }
+
+  /// One sample per pixel, or none at all: false when cancelled, and the sums are then as before.
+  bool step() override {
+    const auto sample = static_cast<uint32_t>(samples());
+    if (!gbuffer_->render(sample)) return false;
+    paths_.set(run_, sample);
+    paths_.set(path_seed_, seed());
+    if (scheduler().run(paths_) == RunResult::cancelled) return false;
+    const float radius = std::max(scene().bounds().radius(), 1e-6f);
+    light_.set(max_geometry_, parameters_.max_geometry / (radius * radius));
+    light_.set(light_seed_, indexed_seed(seed(), sample));
+    for (uint32_t i = 0; i < virtual_lights_.count() && settings().max_bounces != 0; ++i) {
+      light_.set(light_index_, i);
+      if (scheduler().run(light_) == RunResult::cancelled) return false;
+    }
+    if (!direct_light_->accumulate_radiance(gbuffer_->points(), sums_["direct"], sample, seed())) return false;
+    scheduler().run_to_end(add_);  // all sums hold the same samples, also after Ctrl-C
+    return true;
+  }
+
+  void write(Film& film) override { sums_.write(film); }
+
+  void warm_up_kernels() override {
+    gbuffer_->warm_up();
+    direct_light_->warm_up(gbuffer_->points(), sums_["direct"]);
+    for (Schedule* schedule : {&paths_, &light_, &add_}) scheduler().warm_up(*schedule);
+  }
+
+ private:
   /// Virtual lights of a run, and no light of theirs yet.
   void record_paths() {
-    Device& device = *context_->device;
-    const LightPathOptions options{.paths = static_cast<uint32_t>(options_.lights), .diffuse_only = true};
-    const LightPaths paths(device, context_->scene_buffers, context_->bvh(), options, owner);
-    virtual_lights_ = TypedBuffer<VirtualLight>(device, owner, "virtual lights", paths.virtual_lights(0));
-    ScheduleRecorder recorder = context_->scheduler.record("virtual lights", owner);
+    const LightPathOptions options{.paths = static_cast<uint32_t>(parameters_.lights), .diffuse_only = true};
+    const LightPaths paths(device(), scene_buffers(), bvh(), options, owner);
+    virtual_lights_ = TypedBuffer<VirtualLight>(device(), owner, "virtual lights", paths.virtual_lights(0));
+    ScheduleRecorder recorder = scheduler().record("virtual lights", owner);
     run_ = recorder.variable("run", 0u);
     path_seed_ = recorder.variable("seed", 0u);
     paths.record_virtual_lights(recorder, run_, path_seed_, virtual_lights_, 0, true);
@@ -191,61 +160,41 @@ class InstantRadiosity : public Technique {
   }
 
   /// One virtual light at what all pixels see.
-  void record_light(uint32_t pixels) {
-    const LightAtPoints light(
-        *context_->device, context_->scene_buffers, context_->bvh(), program_, pixels,
-        [&](PassBuilder& pass) { pass.arg("points", gbuffer_->points()); }, owner, "lower --size");
-    ScheduleRecorder recorder = context_->scheduler.record("virtual light", owner);
+  void record_light() {
+    const auto bind_points = [&](PassBuilder& pass) { pass.arg("points", gbuffer_->points()); };
+    const auto bind_sums = [&](PassBuilder& pass) {
+      pass.arg("seen", gbuffer_->points()).arg("reflected", reflected_);
+    };
+    const LightAtPoints light(device(), scene_buffers(), bvh(), program_, pixels(), bind_points, owner, "lower --size");
+    ScheduleRecorder recorder = scheduler().record("virtual light", owner);
     light_index_ = recorder.variable("light", 0u);
     light_seed_ = recorder.variable("seed", 0u);
     max_geometry_ = recorder.variable("max_geometry", 0.f);
-    light.record_virtual_light(
-        recorder, virtual_lights_, light_index_, light_seed_, max_geometry_,
-        [&](PassBuilder& pass) { pass.arg("seen", gbuffer_->points()).arg("reflected", reflected_); });
+    light.record_virtual_light(recorder, virtual_lights_, light_index_, light_seed_, max_geometry_, bind_sums);
     light_ = recorder.compile();
   }
 
-  void record_add(uint32_t pixels) {
-    ScheduleRecorder recorder = context_->scheduler.record("add sample", owner);
-    recorder.pass("add sample", program_, "add_sample")
-        .global(pixels)
+  void record_add() {
+    ScheduleRecorder recorder = scheduler().record("add sample", owner);
+    recorder.pass("add sample", program_, "add_layers")
+        .global(pixels())
         .arg("points", gbuffer_->points())
-        .arg("count", pixels)
+        .arg("count", pixels())
         .arg("reflected", reflected_)
-        .arg("emission", emission_)
-        .arg("indirect", indirect_);
+        .arg("emission", sums_["emission"])
+        .arg("indirect", sums_["indirect"]);
     add_ = recorder.compile();
   }
 
-  /// From zero samples, with the present camera and seed.
-  void restart() {
-    Frame frame = make_frame(context_->settings);
-    frame.seed = kernel_seed(seed_);
-    gbuffer_->set_frame(frame);
-    samples_ = 0;
-    for (auto* sum : {&emission_, &direct_, &indirect_}) sum->fill_zero();
-  }
-
-  void write_layer(Film& film, const char* name, const std::vector<float4>& sums) const {
-    const float samples = static_cast<float>(std::max<uint64_t>(samples_, 1));
-    FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);  // part of the sum that is the image
-    for (size_t i = 0; i < sums.size(); ++i)
-      for (size_t c = 0; c < 3; ++c) layer.pixels[3 * i + c] = (&sums[i].x)[c] / samples;
-  }
-
-  Options options_;
-  ParameterTable table_ = make_parameter_table(options_);
-  std::unique_ptr<TechniqueContext> context_;
   Program program_;
   std::unique_ptr<GBuffer> gbuffer_;
   std::unique_ptr<DirectLight> direct_light_;
-  TypedBuffer<VirtualLight> virtual_lights_;          ///< of an iteration
-  TypedBuffer<float4> emission_, direct_, indirect_;  ///< sums per pixel [cd/m²]
-  TypedBuffer<float4> reflected_;                     ///< indirect light of an iteration [cd/m²]
+  LayerSums sums_;
+  TypedBuffer<VirtualLight> virtual_lights_;  ///< of an iteration
+  TypedBuffer<float4> reflected_;             ///< their light of an iteration, per pixel [cd/m²]
   Schedule paths_, light_, add_;
   Variable<uint32_t> run_, path_seed_, light_index_, light_seed_;
   Variable<float> max_geometry_;  ///< [1/m²]
-  uint64_t samples_ = 0, seed_ = 1;
 };
 
 std::unique_ptr<Technique> create_technique() { return std::make_unique<InstantRadiosity>(); }

@@ -2,6 +2,7 @@
 // Virtual lights at what pixels see. The service traces, casts the shadow rays and calls the two functions.
 #include "lucarium/bsdf.clh"
 #include "lucarium/gbuffer.clh"
+#include "lucarium/services/layer_sums/layer_sums.clh"
 #define LIGHT_POINT_PARAMETERS __global const GBufferPoint *restrict points,
 #define LIGHT_POINT_ARGUMENTS points,
 #define LIGHT_SUM_PARAMETERS __global const GBufferPoint *restrict seen, __global float4 *restrict reflected,
@@ -29,11 +30,11 @@ void add_light(const Scene* scene, uint i, float3 light, float3 direction, float
 }
 
 // Adds a sample to the sums of the layers, when all of it is there.
-__kernel void add_sample(__global const GBufferPoint* restrict points, const uint count,
+__kernel void add_layers(__global const GBufferPoint* restrict points, const uint count,
                          __global const float4* restrict reflected, __global float4* restrict emission,
                          __global float4* restrict indirect) {
   const uint i = (uint)get_global_id(0);
   if (i >= count) return;
-  emission[i] += (float4)(points[i].emission.xyz, 1.0f);
-  indirect[i] += (float4)(reflected[i].xyz, 1.0f);
+  emission[i] = add_sample(emission[i], points[i].emission.xyz);
+  indirect[i] = add_sample(indirect[i], reflected[i].xyz);
 }
