@@ -22,7 +22,9 @@ const Program& LayeredRaster::State::consumer(const std::string& file, uint32_t 
     all["LAYERED_DEPTH"] = "";
     if (keep > 0) all["LAYERED_KEEP"] = std::to_string(keep) + "u";
     found = Program(scheduler.device(), SourceLibrary(),
-                    {.name = "services/" + file, .files = {"lucarium/services/" + file + ".cl"}, .defines = all});
+                    {.name = "services/layered_raster/" + file,
+                     .files = {"lucarium/services/layered_raster/" + file + ".cl"},
+                     .defines = all});
   }
   return found;
 }
@@ -30,7 +32,7 @@ const Program& LayeredRaster::State::consumer(const std::string& file, uint32_t 
 LayeredRaster::Stored LayeredRaster::State::record_tile_store(ScheduleRecorder& recorder, const std::string& name,
                                                               const ViewRef& view, uint32_t keep) const {
   const LayeredBins bins = record_bins(recorder, name, view);
-  const Program& store = consumer("layered_raster_store", keep);
+  const Program& store = consumer("store", keep);
   const uint32_t pixels = options.max_width * options.max_height;
   const uint32_t rows = (options.max_height + LAYERED_TILE_ROWS - 1) / LAYERED_TILE_ROWS;
   Stored stored;
@@ -52,7 +54,7 @@ LayeredRaster::Stored LayeredRaster::State::record_tile_store(ScheduleRecorder& 
   return stored;
 }
 
-/// Records the textbook variants of layered_raster_lists.cl.
+/// Records the textbook variants of lists.cl.
 class LayeredRaster::ListStore {
  public:
   ListStore(const State& state, ScheduleRecorder& recorder, const std::string& name, const ViewRef& view)
@@ -61,7 +63,7 @@ class LayeredRaster::ListStore {
         name_(name),
         view_(view),
         bins_(state.record_bins(recorder, name, view)),
-        lists_(state.consumer("layered_raster_lists")),
+        lists_(state.consumer("lists")),
         pixels_(state.options.max_width * state.options.max_height),
         dummy_(zeroed<uint32_t>("dummy", 1)) {
     stored_.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels_ + 1, smaller_film);
@@ -194,7 +196,7 @@ class LayeredRaster::ListStore {
 void LayeredRaster::State::record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
                                           const BufferRef& depth, const BufferRef& triangle) const {
   const LayeredBins bins = record_bins(recorder, name, view);
-  const Program& nearest = consumer("layered_raster_nearest", 1);
+  const Program& nearest = consumer("nearest", 1);
   const uint32_t pixels = options.max_width * options.max_height;
   recorder.pass(name + ".clear", nearest, "layered_clear_nearest")
       .global(pixels)
