@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/camera.clh"
 #include "lucarium/mis.clh"
-#include "lucarium/surface.clh"
+#include "lucarium/surface_point.clh"
 
 kernel void lookup_textures(LUCARIUM_SCENE_PARAMETERS const uint texture, const uint count, const global float2* uvs,
                             global float4* values) {
@@ -27,6 +27,23 @@ kernel void make_surfaces(LUCARIUM_SCENE_PARAMETERS const global Hit* hits, cons
   result[5] = base_color(&scene, &surface);
   result[6] = make_ray(&surface, direction.xyz, 7u).origin;
   result[7] = make_ray(&surface, -direction.xyz, 7u).origin;
+}
+
+// Both sides of stored points, front first: position and flags; n_g; n_s; view.
+kernel void stand_on_points(LUCARIUM_SCENE_PARAMETERS const global Hit* points, const uint count,
+                            global float4* results) {
+  LUCARIUM_SCENE_BIND(scene);
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  for (uint side = 0; side < 2; ++side) {
+    const Surface surface = surface_on_side(&scene, points[i].triangle, points[i].u, points[i].v, side == 0);
+    global float4* result = results + 8 * i + 4 * side;
+    result[0] = (float4)(surface.position, (float)surface.flags);
+    result[1] = (float4)(surface.n_g, 0.0f);
+    result[2] = (float4)(surface.n_s, 0.0f);
+    result[3] =
+        (float4)(surface.view, ray_is_active(make_ray(&surface, surface.n_g, 7u)) && !ray_is_active(inactive_ray()));
+  }
 }
 
 // How many of `count` seeds stop at a hit.

@@ -175,6 +175,40 @@ TEST_CASE("normals turn to the side of view, mirrored instances included") {
   }
 }
 
+TEST_CASE("a stored point has two sides, whichever way its triangle lies, without area too") {
+  Scene scene = attribute_scene();
+  scene.meshes[0].positions.insert(scene.meshes[0].positions.end(), {{0, 0, 1}, {1, 0, 1}, {2, 0, 1}});  // no area
+  for (std::vector<glm::vec2>& uv : scene.meshes[0].uv) uv.insert(uv.end(), 3, glm::vec2(0));
+  scene.meshes[0].normals.insert(scene.meshes[0].normals.end(), 3, glm::vec3(1, 0, 0));
+  scene.meshes[0].tangents.insert(scene.meshes[0].tangents.end(), 3, glm::vec4(0, 1, 0, 1));
+  scene.meshes[0].colors.insert(scene.meshes[0].colors.end(), 3, glm::vec4(1));
+  scene.meshes[0].triangles.push_back({3, 4, 5});
+  const SceneBuffers buffers(*test_device(), scene);
+  const auto points = test_buffer(std::vector<Hit>{hit_at(0, 0.25f, 0.25f), hit_at(1, 0.25f, 0.25f)});
+  const auto results = test_buffer<float4>(16);
+  run_kernel(program(), "stand_on_points", 2, 1, [&](PassBuilder& pass) {
+    buffers.bind(pass, program(), "stand_on_points");
+    pass.arg("points", points).arg("count", 2u).arg("results", results);
+  });
+  const auto got = results.download();
+  const SurfaceResult seen = make_surfaces(buffers, {hit_at(0, 0.25f, 0.25f)}, {0, 0, -1})[0];
+  for (size_t i = 0; i < 4; ++i) {
+    CAPTURE(i);
+    const bool front = i % 2 == 0;
+    const float4* surface = &got[4 * i];
+    CHECK((static_cast<uint>(surface[0].w) & 1u) == (front ? 1u : 0u));
+    CHECK(near(surface[1].xyz(), (front ? 1.f : -1.f) * got[8 * (i / 2) + 1].xyz()));
+    CHECK(glm::length(surface[1].xyz()) == test::relative(1, 1e-5));
+    CHECK(near(surface[3].xyz(), surface[1].xyz()));
+    CHECK(surface[3].w == 1.f);
+    if (i < 2) {
+      CHECK(near(surface[0].xyz(), seen.position_material.xyz()));
+      CHECK(near(surface[1].xyz(), {0, 0, front ? 1 : -1}));
+      CHECK(near(surface[2].xyz(), (front ? 1.f : -1.f) * seen.n_s_offset.xyz()));
+    }
+  }
+}
+
 TEST_CASE("normal maps tilt towards tangent and bitangent by their scale") {
   // Texel (191, 223, 255): x = .498, y = .749, z = 1. The mirrored instance mirrors what is seen.
   for (const float mirror : {1.f, -1.f}) {

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // One ray per pixel over the hemisphere of what the pixel sees, and the sum of those that met nothing.
+#include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
-#include "lucarium/shared/gbuffer.h"
 #include "lucarium/sobol.clh"
-#include "lucarium/surface.clh"
 #include "lucarium/warp.clh"
 
 // Apart from all other uses of the same seed.
@@ -16,8 +15,7 @@ __kernel void generate_occlusion_rays(LUCARIUM_SCENE_PARAMETERS __global const G
                                       __global Ray* restrict rays) {
   const uint i = (uint)get_global_id(0);
   if (i >= count) return;
-  rays[i].origin = (float4)(0.0f);
-  rays[i].direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
+  rays[i] = inactive_ray();
   const GBufferPoint point = points[i];
   if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
 
@@ -29,12 +27,7 @@ __kernel void generate_occlusion_rays(LUCARIUM_SCENE_PARAMETERS __global const G
 
   // Leave the triangle without meeting it again.
   LUCARIUM_SCENE_BIND(scene);
-  Hit hit;
-  hit.distance = point.position.w;
-  hit.triangle = point.triangle;
-  hit.u = point.u;
-  hit.v = point.v;
-  const Surface surface = make_surface(&scene, hit, -point.view.xyz, 0u);
+  const Surface surface = gbuffer_surface(&scene, point);
   rays[i] = make_ray(&surface, direction, make_ray_seed(hash_uint2(sampler.seed, sample_index)));
   rays[i].direction.w = reach;
 }

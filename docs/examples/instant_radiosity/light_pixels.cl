@@ -14,7 +14,7 @@
 bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* surface) {
   const GBufferPoint point = points[i];
   if (point.state != LUCARIUM_GBUFFER_SURFACE) return false;
-  *surface = gbuffer_surface(scene, &point);
+  *surface = gbuffer_surface(scene, point);
   return true;
 }
 
@@ -23,7 +23,7 @@ void add_light(const Scene* scene, uint i, float3 light, float3 direction, float
                LIGHT_SUM_PARAMETERS uint none) {
   if (is_black(light)) return;
   const GBufferPoint point = seen[i];
-  const Surface surface = gbuffer_surface(scene, &point);
+  const Surface surface = gbuffer_surface(scene, point);
   const Bsdf bsdf = make_bsdf(scene, &surface, 0u);
   const float3 f = eval_bsdf(&bsdf, direction) / dot(surface.n_s, direction);  // eval_bsdf has the cosine
   reflected[i] += (float4)(point.throughput.xyz * f * light, 0.0f);

@@ -32,7 +32,7 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE) {
     const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
                                        point.u, point.v, point.normal.w == 0.0f);
-    const Surface surface = gbuffer_surface(&scene, &point);
+    const Surface surface = gbuffer_surface(&scene, point);
     const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
     if (held.w > 0.0f) reflected += point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
 #ifdef BUNDLE_EXCHANGED

@@ -36,12 +36,10 @@ __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   if (first) gain[2u * i] = gain[2u * i + 1u] = (float4)(0.0f);
-  Ray ray;
-  ray.origin = (float4)(0.0f);
-  ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
+  Ray ray = inactive_ray();
   const GBufferPoint point = points[i];
   if (point.state == LUCARIUM_GBUFFER_SURFACE) {
-    const Surface surface = gbuffer_surface(&scene, &point);
+    const Surface surface = gbuffer_surface(&scene, point);
     const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = bundle_part(full, whole, alpha_least);
     const float3 omega = views[0].row_w.xyz, in = dot(surface.n_g, omega) > 0.0f ? omega : -omega;
     const float3 share = point.throughput.xyz * eval_bsdf(&bsdf, in) * weight;
@@ -70,7 +68,7 @@ __kernel void gather_missed(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const float4* restrict shares, __global const float4* restrict records,
                             __global float4* restrict gain) {
   const uint i = get_global_id(0);
-  if (i >= count || rays[i].direction.w < 0.0f) return;
+  if (i >= count || !ray_is_active(rays[i])) return;
   LUCARIUM_SCENE_BIND(scene);
   const Hit hit = hits[i];
   const float3 in = rays[i].direction.xyz;

@@ -7,8 +7,7 @@
 #include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/surface_atlas.clh"
-
-bool hop_ray_is_active(Ray ray) { return ray.direction.w >= 0.0f; }
+#include "lucarium/surface_point.clh"
 
 // Adds light that has been scattered `scatterings` times before it arrives at the target.
 void add_gain(global float4* gain, HopSettings settings, uint target, uint scatterings, float3 light) {
@@ -39,26 +38,21 @@ __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   LUCARIUM_SCENE_BIND(scene);
   const uint target = queue[i], slot = list[target], doubles = atlas_info.double_sided_count;
   const AtlasTexel texel = atlas_texels[slot];
-  Hit hit;
-  hit.distance = 0.0f;
-  hit.triangle = texel.triangle;
-  hit.u = texel.b1;
-  hit.v = texel.b2;
   const bool back = slot >= doubles && slot < 2u * doubles;
-  Surface surface = make_surface(&scene, hit, -omega.xyz, 0u);
+  Surface surface = surface_on_side(&scene, texel.triangle, texel.b1, texel.b2, !back);
   // The viewer stands where the slot's side can be seen from.
-  if (((surface.flags & LUCARIUM_SURFACE_FRONT) != 0u) == back) surface = make_surface(&scene, hit, omega.xyz, 0u);
+  surface.view = dot(surface.n_g, omega.xyz) > 0.0f ? omega.xyz : -omega.xyz;
   const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);
   Hop hop;
   hop.throughput = (float4)((float3)(1.0f / probabilities[target]), 0.0f);
   hop.target = target;
   hop.hops = 0u;
   hop.medium = medium_at(&scene, &surface, LUCARIUM_NONE);
-  Ray ray = no_hop_ray(), shadow_ray = ray;
+  Ray ray = inactive_ray(), shadow_ray = ray;
   float3 light = (float3)(0.0f);
   if (!settings.lit || !sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray))
-    shadow_ray = no_hop_ray();
-  if (!sample_hop(&scene, settings, &surface, &bsdf, &hop, &ray)) ray = no_hop_ray();
+    shadow_ray = inactive_ray();
+  if (!sample_hop(&scene, settings, &surface, &bsdf, &hop, &ray)) ray = inactive_ray();
   hops[target] = hop;
   rays[i] = ray;
   shadow_rays[i] = shadow_ray;
@@ -77,10 +71,10 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
   LUCARIUM_SCENE_BIND(scene);
   gain[2u * i] = gain[2u * i + 1u] = (float4)(0.0f);
   queue[i] = i;
-  Ray ray = no_hop_ray();
+  Ray ray = inactive_ray();
   const GBufferPoint point = points[i];
   if (point.state == LUCARIUM_GBUFFER_SURFACE) {
-    const Surface surface = gbuffer_surface(&scene, &point);
+    const Surface surface = gbuffer_surface(&scene, point);
     const Bsdf full = make_bsdf(&scene, &surface, 0u);
     Bsdf bsdf = full;
     if (!whole) bsdf = lobe_is_wide(&full, alpha_most) ? black_bsdf(&surface) : specular_part(full);
@@ -88,14 +82,14 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
     hop.throughput = (float4)(point.throughput.xyz, 0.0f);
     hop.target = i;
     hop.hops = 0u;
-    hop.medium = gbuffer_medium(&point);
+    hop.medium = gbuffer_medium(point);
     // Ideal lobes belong to the G-buffer's path.
     const uint2 before =
         (uint2)(bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION, bsdf.flags & LUCARIUM_BSDF_DELTA_TRANSMISSION);
     if (before.x) bsdf.f0 = (float3)(0.0f), bsdf.f90 = 0.0f;
     if (before.y) bsdf.transmission = (float3)(0.0f);
     if (before.x | before.y) choose_lobe_probabilities(&bsdf);
-    if (!sample_hop(&scene, settings, &surface, &bsdf, &hop, &ray)) ray = no_hop_ray();
+    if (!sample_hop(&scene, settings, &surface, &bsdf, &hop, &ray)) ray = inactive_ray();
     hops[i] = hop;
   }
   rays[i] = ray;
@@ -118,11 +112,11 @@ __kernel void advance_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const Ray ray = rays[i];
   const uint target = queue[i];
   const Hit hit = hits[i];
-  Ray next = no_hop_ray(), shadow_ray = next;
+  Ray next = inactive_ray(), shadow_ray = next;
   float3 light = (float3)(0.0f);
   uint light_scatterings = 0u;
   bool goes_on = false;
-  if (hop_ray_is_active(ray)) {
+  if (ray_is_active(ray)) {
     Hop hop = hops[target];
     const float3 direction = ray.direction.xyz;
     const bool counts = settings.lit && hop.hops >= settings.first_light;
@@ -145,7 +139,7 @@ __kernel void advance_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
         light_scatterings = hop.hops + 1u;
         const bool lit = settings.lit && light_scatterings <= min(settings.limit, settings.most_hops) &&
                          sample_punctual(&scene, settings, &surface, &bsdf, &hop, &light, &shadow_ray);
-        if (!lit) shadow_ray = no_hop_ray();
+        if (!lit) shadow_ray = inactive_ray();
         goes_on = sample_hop(&scene, settings, &surface, &bsdf, &hop, &next);
         hops[target] = hop;
       }
@@ -164,7 +158,7 @@ __kernel void add_punctual(HopSettings settings, __global const uint* restrict q
                            __global const float4* restrict shadow_light, __global const uint* restrict occluded,
                            __global float4* restrict gain) {
   const uint i = get_global_id(0);
-  if (i >= active[0] || occluded[i] || !hop_ray_is_active(shadow_rays[i])) return;
+  if (i >= active[0] || occluded[i] || !ray_is_active(shadow_rays[i])) return;
   add_gain(gain, settings, queue[i], as_uint(shadow_light[i].w), shadow_light[i].xyz);
 }
 

@@ -34,7 +34,7 @@ bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* sur
 #if MICRO_PIXELS
   const GBufferPoint point = points[i];
   if (point.state != LUCARIUM_GBUFFER_SURFACE) return false;
-  *surface = gbuffer_surface(scene, &point);
+  *surface = gbuffer_surface(scene, point);
 #else
   *surface = leaf_surface(scene, leaves[i]);
 #endif

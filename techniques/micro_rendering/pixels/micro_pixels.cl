@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // From the G-buffer to the list of gathers, and from their results to the image.
 #include "lucarium/bsdf.clh"
+#include "lucarium/gbuffer.clh"
 #include "lucarium/gbuffer_filter.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
-#include "lucarium/shared/gbuffer.h"
 #include "lucarium/sub_image.clh"
 #include "micro_rendering/shared/micro_types.h"
 #include "micro_rendering/tree/micro_node.clh"
@@ -16,15 +16,6 @@
 #endif
 
 #define MICRO_NO_GATHER 0x40000000u  // key of a pixel that gathers nothing: behind all others
-
-Surface gbuffer_surface(const Scene* scene, const global GBufferPoint* point) {
-  Hit hit;
-  hit.distance = point->position.w;
-  hit.triangle = point->triangle;
-  hit.u = point->u;
-  hit.v = point->v;
-  return make_surface(scene, hit, -point->view.xyz, 0u);
-}
 
 bool has_glossy_lobe(const Bsdf* bsdf) {
   return bsdf->p_reflect > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION);
@@ -80,7 +71,7 @@ __kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   values[i] = pixel;
   keys[i] = morton ? morton_of(scene_info, points[pixel].position.xyz) : i;
   if (sides == 1u) return;
-  const Surface surface = gbuffer_surface(&scene, points + pixel);
+  const Surface surface = gbuffer_surface(&scene, points[pixel]);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   if (!has_rough_transmission(&bsdf)) return;
   values[i + capacity] = pixel + pixels;
@@ -113,7 +104,7 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   LUCARIUM_SCENE_BIND(scene);
   const uint pixel = values[i] % pixels;
   const bool through = values[i] >= pixels;
-  const Surface surface = gbuffer_surface(&scene, points + pixel);
+  const Surface surface = gbuffer_surface(&scene, points[pixel]);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   uint size = micro_size;
 #if MICRO_LEVELS
@@ -174,7 +165,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   const global GBufferPoint* point = points + pixel;
   if (point->state != LUCARIUM_GBUFFER_SURFACE) return;
   LUCARIUM_SCENE_BIND(scene);
-  const Surface surface = gbuffer_surface(&scene, point);
+  const Surface surface = gbuffer_surface(&scene, *point);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   const bool glossy = has_glossy_lobe(&bsdf);
   const float sigma = 2.0f * (float)stride * (footprint.x * point->position.w + footprint.y);
@@ -196,7 +187,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
     const float bilinear = (corner & 1u ? fx : 1.0f - fx) * (corner >> 1 ? fy : 1.0f - fy);
     const float weight = bilinear * fmax(surface_agreement(point, points + other, sigma), least_agreement);
     if (!(weight > 0.0f)) continue;
-    const Surface there = gbuffer_surface(&scene, points + other);
+    const Surface there = gbuffer_surface(&scene, points[other]);
     const Bsdf lobe = make_bsdf(&scene, &there, 0u);
     // A pixel that has no such lobe has not gathered for it.
     if (luminance(lobe.diffuse) > 0.0f) {
@@ -266,7 +257,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
   const uint pixel = sub_image_pixel(sub, i);
   float3 light = (float3)(0.0f);
   if (points[pixel].state == LUCARIUM_GBUFFER_SURFACE) {
-    const Surface surface = gbuffer_surface(&scene, points + pixel);
+    const Surface surface = gbuffer_surface(&scene, points[pixel]);
     const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
     const float3 throughput = points[pixel].throughput.xyz;
     const uint far = pixel + pixels;

@@ -13,13 +13,6 @@ Ray exposure_ray(const Surface* surface, float3 n, uint random) {
   return make_ray(surface, to_world(&basis, sample_cosine_hemisphere(u)), make_ray_seed(random));
 }
 
-Ray no_ray(void) {
-  Ray ray;
-  ray.origin = (float4)(0.0f);
-  ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
-  return ray;
-}
-
 // The first ray of walk `number` of every leaf from whose side (MICRO_SEEN_FRONT or MICRO_SEEN_BACK) none has escaped
 // yet.
 __kernel void mr_begin_walks(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
@@ -27,7 +20,7 @@ __kernel void mr_begin_walks(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf*
                              __global Ray* restrict rays) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  rays[i] = no_ray();
+  rays[i] = inactive_ray();
   if (escaped[i]) return;
   LUCARIUM_SCENE_BIND(scene);
   const Surface surface = leaf_surface(&scene, leaves[i]);
@@ -52,10 +45,10 @@ __kernel void mr_walk(LUCARIUM_SCENE_PARAMETERS const uint count, const uint num
                       const float contact, __global const Hit* restrict hits, __global Ray* restrict rays,
                       __global uchar* restrict escaped) {
   const uint i = get_global_id(0);
-  if (i >= count || rays[i].direction.w < 0.0f) return;
+  if (i >= count || !ray_is_active(rays[i])) return;
   const Ray ray = rays[i];
   const Hit hit = hits[i];
-  rays[i] = no_ray();
+  rays[i] = inactive_ray();
   if (hit.triangle == LUCARIUM_NO_HIT) {
     escaped[i] = 1;
     return;

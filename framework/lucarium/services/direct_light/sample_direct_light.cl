@@ -8,13 +8,6 @@
 // Apart from all other uses of the same seed.
 #define DIRECT_LIGHT_STREAM 0x64697265u
 
-Ray inactive_ray(void) {
-  Ray ray;
-  ray.origin = (float4)(0.0f);
-  ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
-  return ray;
-}
-
 // shadow_light: xyz what the pixel gets if shadow ray i is free; w unused.
 // bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
 __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
@@ -30,7 +23,7 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
 
   // Rebuild the surface as the eye sees it.
-  const Surface surface = gbuffer_surface(&scene, &point);
+  const Surface surface = gbuffer_surface(&scene, point);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   if (!bsdf_has_smooth_lobe(&bsdf)) return;
 

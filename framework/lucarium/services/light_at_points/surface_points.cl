@@ -7,14 +7,10 @@
 #define LIGHT_SUM_ARGUMENTS irradiance,
 #define LIGHT_POINT_STREAM 0x64697265u
 #include "lucarium/services/light_at_points/light_at_points.clh"
+#include "lucarium/surface_point.clh"
 
 bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* surface) {
-  Hit hit;
-  hit.distance = 0.0f;
-  hit.triangle = points[i].triangle;
-  hit.u = points[i].u;
-  hit.v = points[i].v;
-  *surface = make_surface(scene, hit, -points[i].normal.xyz, 0u);
+  *surface = surface_hit_from(scene, points[i].triangle, points[i].u, points[i].v, -points[i].normal.xyz);
   surface->position = points[i].position.xyz;
   surface->n_s = points[i].normal.xyz;
   return true;

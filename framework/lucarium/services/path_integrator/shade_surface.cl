@@ -180,12 +180,9 @@ __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, Pat
   walk.throughput = carried.xyz;
   walk.pdf = carried.w;
 
-  Ray no_ray;
-  no_ray.origin = (float4)(0.0f);
-  no_ray.direction = (float4)(0.0f, 0.0f, 1.0f, -1.0f);
-  shadow_rays[i] = no_ray;
+  shadow_rays[i] = inactive_ray();
   bool goes_on = false;
-  Ray next_ray = no_ray;
+  Ray next_ray = inactive_ray();
   if (hit.triangle == LUCARIUM_NO_HIT)
     add_environment(&scene, settings, batch, &walk, direction, path_radiance);
   else

@@ -5,6 +5,7 @@
 #include "lucarium/scene.clh"
 #include "lucarium/shared/surface_point.h"
 #include "lucarium/surface_atlas.clh"
+#include "lucarium/surface_point.clh"
 
 float triangle_area(const global Vertex* vertices, Triangle triangle) {
   const float3 a = vertices[triangle.v0].position.xyz;
@@ -56,18 +57,7 @@ __kernel void shade_atlas_slots(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   LUCARIUM_SCENE_BIND(scene);
   const SurfacePoint point = atlas_points[slot];
   const bool back = slot >= atlas_info.double_sided_count && slot < 2u * atlas_info.double_sided_count;
-  Hit hit;
-  hit.distance = 0.0f;
-  hit.triangle = point.triangle;
-  hit.u = point.u;
-  hit.v = point.v;
-  Surface surface = make_surface(&scene, hit, -point.normal.xyz, 0u);
-  // Rounding must not decide which side a degenerate triangle shows.
-  if (back == ((surface.flags & LUCARIUM_SURFACE_FRONT) != 0u)) {
-    surface.flags ^= LUCARIUM_SURFACE_FRONT;
-    surface.n_g = -surface.n_g;
-    surface.n_s = -surface.n_s;
-  }
+  const Surface surface = surface_on_side(&scene, point.triangle, point.u, point.v, !back);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   AtlasMaterial material;
   material.diffuse = (float4)(bsdf.diffuse, bsdf.alpha);
