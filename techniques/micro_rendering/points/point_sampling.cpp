@@ -9,6 +9,8 @@
 #include <numeric>
 
 #include "lucarium/base/parallel.h"
+#include "lucarium/shared/hash.h"
+#include "lucarium/shared/triangle_map.h"
 #include "micro_rendering/tree/morton.h"
 
 namespace lucarium::micro {
@@ -21,29 +23,6 @@ constexpr uint32_t kSubRounds = 8;
 constexpr float kApart =
     8;  // how much farther a point counts that lies before or behind another: parallel layers leave each other alone
 constexpr uint32_t kNone = 0xffffffffu;
-
-/// PCG4D (Jarzynski and Olano 2020), as kernels/lucarium/random.clh.
-std::array<uint32_t, 4> hash(uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-  std::array<uint32_t, 4> v = {a, b, c, d};
-  for (uint32_t& x : v) x = x * 1664525u + 1013904223u;
-  for (int round = 0; round < 2; ++round) {
-    v[0] += v[1] * v[3];
-    v[1] += v[2] * v[0];
-    v[2] += v[0] * v[1];
-    v[3] += v[1] * v[2];
-    if (round == 0)
-      for (uint32_t& x : v) x ^= x >> 16;
-  }
-  return v;
-}
-
-float unit(uint32_t bits) { return static_cast<float>(bits >> 8) * 5.9604644775390625e-8f; }
-
-/// Heitz 2019, "A Low-Distortion Map Between Triangle and Square", as kernels/lucarium/warp.clh.
-glm::vec2 triangle_weights(float u, float v) {
-  if (v > u) return {0.5f * u, v - 0.5f * u};
-  return {u - 0.5f * v, 0.5f * v};
-}
 
 double side_area(const SurfaceSide& side) {
   return 0.5 * glm::length(glm::dvec3(glm::cross(glm::dvec3(side.v1 - side.v0), glm::dvec3(side.v2 - side.v0))));
@@ -199,10 +178,11 @@ SampledSurface sample_surface(const std::vector<SurfaceSide>& sides, uint32_t co
     float best_distance = 0;
     for (uint32_t k = 0; k < kCandidates; ++k) {
       for (uint32_t attempt = 0; attempt < kRejections; ++attempt) {
-        const auto r = hash(seed, first + i, k, attempt);
-        const double a = table.total() * (i + static_cast<double>(r[0]) * 0x1p-32) / strata;
-        if (place(table.find(a), triangle_weights(unit(r[1]), unit(r[2])), unit(r[3]),
-                  attempt + 1 < kRejections ? test : nullptr, test_context, candidate))
+        const uint4 r = hash_uint4({seed, first + i, k, attempt});
+        const double a = table.total() * (i + static_cast<double>(r.x) * 0x1p-32) / strata;
+        const float2 weights = sample_triangle({uint_to_unit(r.y), uint_to_unit(r.z)});
+        if (place(table.find(a), {weights.x, weights.y}, uint_to_unit(r.w), attempt + 1 < kRejections ? test : nullptr,
+                  test_context, candidate))
           break;
       }
       const float distance = grid.distance(points, candidate.position, candidate.normal, best_distance);
