@@ -118,7 +118,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     directions_ = gathers_ = 0;
     step_ = {};
     batch_ = {};
-    sequence_ = DirectionSequence(sequence_parameters(), full_seed(), guide_, has_ring());
+    sequence_ = make_sequence(sequence_parameters(), full_seed(), guide_, has_ring());
     if (parts_->specular) parts_->specular->reset();
     parts_->slot_light.reset(seed());
     parts_->means.reset();
@@ -129,10 +129,10 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   // ---- what is made for a scene
 
-  void compile() override { guide_ = make_guide(parameters_, environment()); }
+  void compile() override { guide_ = make_guide(); }
 
   bool follow(const SceneChange& change) override {
-    if (change.environment || change.topology) guide_ = make_guide(parameters_, environment());
+    if (change.environment || change.topology) guide_ = make_guide();
     if (!parts_) return false;
     if (change.only_camera()) {
       step_ = {};
@@ -354,7 +354,10 @@ class BundleExchange : public TechniqueBase<Parameters> {
     kept_ = std::move(kept);
   }
 
-  const Environment* environment() const { return scene().environment ? &*scene().environment : nullptr; }
+  std::shared_ptr<const EnvironmentGuide> make_guide() const {
+    const auto& environment = scene().environment;
+    return environment && parameters_.env_guiding > 0 ? make_environment_guide(&*environment) : nullptr;
+  }
 
   bool has_ring() const { return parts_->specular && parts_->specular->has_ring(); }
 
@@ -383,7 +386,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   uint64_t directions_ = 0, gathers_ = 0;
   Step step_;
   Batch batch_;
-  DirectionSequence sequence_{parameters_, 1, nullptr};
+  DirectionSequence sequence_{{}, 1};
   std::unique_ptr<BundleParts> parts_;
   BundleParts::Kept kept_;                ///< for the next build()
   std::optional<SlotMeans::Kept> known_;  ///< for the next restart()

@@ -98,7 +98,7 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
   const bool ring = SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene) &&
                     parameters.glossy_bounces == GlossyBounces::multiple;
   if (ring) {
-    if (parameters.sequence == Sequence::halton)
+    if (parameters.sequence == DirectionOrder::halton)
       result.push_back(
           "glossy light between surfaces is about half of what it should be (sequence=halton with glossy_window)");
     if (std::none_of(scene.materials.begin(), scene.materials.end(), [&](const SceneMaterial& m) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "lucarium/services/bundles/direction_sequence.h"
 #include "lucarium/technique/parameters.h"
 
 namespace lucarium::bundle {
 
-enum class Sequence { iid, blocks, halton, hammersley };
 enum class Interleave { sd, running, fixed, pingpong };
 enum class DirectMode { nee, exchange };
 enum class FinalGather { off, glossy, all };
@@ -17,7 +17,7 @@ enum class GlossyNorm { self, mean };
 struct Parameters {
   int directions = 2000;
   int batch = 4;
-  Sequence sequence = Sequence::blocks;
+  DirectionOrder sequence = DirectionOrder::blocks;
   Interleave interleave = Interleave::sd;
   int block = 2048;
   float env_guiding = 0;
@@ -47,10 +47,10 @@ struct Parameters {
     v.number("directions", directions, 1, 1000000, "directions", "directions of exchange");
     v.number("batch", batch, 1, 64, "directions", "directions that share one set of senders; begins at 1 and grows");
     v.choice("sequence", sequence,
-             {{"iid", Sequence::iid},
-              {"blocks", Sequence::blocks},
-              {"halton", Sequence::halton},
-              {"hammersley", Sequence::hammersley}},
+             {{"iid", DirectionOrder::iid},
+              {"blocks", DirectionOrder::blocks},
+              {"halton", DirectionOrder::halton},
+              {"hammersley", DirectionOrder::hammersley}},
              "directions: independent, Owen-scrambled Sobol points in blocks, Halton, or Hammersley points");
     v.choice(
         "interleave", interleave,
@@ -134,6 +134,18 @@ struct Parameters {
 /// Whether senders forget: what they knew before does no harm, and the error of a mean is that of the image.
 inline bool forgets(const Parameters& parameters) {
   return parameters.interleave == Interleave::sd || parameters.interleave == Interleave::running;
+}
+
+/// The directions of the exchange. `permuted`: where slots reflect directions, for pairs of them.
+inline DirectionSequence make_sequence(const Parameters& parameters, uint64_t seed,
+                                       std::shared_ptr<const EnvironmentGuide> guide = nullptr, bool permuted = false) {
+  DirectionOptions options;
+  options.order = parameters.sequence;
+  options.block = static_cast<uint32_t>(parameters.block);
+  options.total = static_cast<uint32_t>(parameters.directions);
+  options.guiding = static_cast<double>(parameters.env_guiding);
+  options.permuted = permuted;
+  return DirectionSequence(options, seed, std::move(guide));
 }
 
 }  // namespace lucarium::bundle

@@ -34,7 +34,7 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       options_(options),
       bounds_(scene.bounds()),
       pixel_(usable_pixel(options, atlas, openness)),
-      side_(film_side(bounds_, pixel_)),
+      side_(bundle_side(bounds_, pixel_)),
       raster_(scheduler, buffers, raster_options(side_), kOwner),
       views_(device, kOwner, "view of a direction", 1),
       ends_(device, kOwner, "ends of rays", 2) {
@@ -48,7 +48,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
                                                 const TypedBuffer<float4>& records, const SlotExposure& exposure,
                                                 const SlotOpenness& openness, What what) {
   const char* const names[] = {"exchange", "exchange of emission", "gather"};
-  const Program begin_program = make_bundle_program(device, "directions/begin_direction", {});
+  const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
   const bool by_texels = options_.transfer == Transfer::texel;
   Recorded result;
   ScheduleRecorder recorder = scheduler_->record(names[static_cast<int>(what)], kOwner);
@@ -101,7 +101,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
   return result;
 }
 
-void BundleTransfer::run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray) {
+void BundleTransfer::run(Recorded& recorded, const BundleDirection& direction, uint32_t seed, bool per_ray) {
   const BundleView view = make_bundle_view(bounds_, direction, pixel_, seed);
   ++films_;
   film_pixels_ += static_cast<double>(view.view.width) * view.view.height;
@@ -111,22 +111,22 @@ void BundleTransfer::run(Recorded& recorded, const Direction& direction, uint32_
   scheduler_->run_to_end(recorded.schedule);  // half a film would be counted twice
 }
 
-void BundleTransfer::exchange(const Direction& direction, uint32_t seed) {
+void BundleTransfer::exchange(const BundleDirection& direction, uint32_t seed) {
   run(all_, direction, seed, options_.transfer == Transfer::ray);
 }
 
-void BundleTransfer::exchange_emission(const Direction& direction, uint32_t seed) {
+void BundleTransfer::exchange_emission(const BundleDirection& direction, uint32_t seed) {
   run(emission_.schedule ? emission_ : all_, direction, seed, options_.transfer == Transfer::ray);
 }
 
-void BundleTransfer::gather(const Direction& direction, uint32_t seed, bool first) {
+void BundleTransfer::gather(const BundleDirection& direction, uint32_t seed, bool first) {
   gather_.schedule.set(gather_.first, first ? 1u : 0u);
   run(gather_, direction, seed, false);
 }
 
 size_t BundleTransfer::estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters,
                                       bool gathers) {
-  const uint32_t side = film_side(scene.bounds(), static_cast<double>(parameters.pixel_size) * texel_edge);
+  const uint32_t side = bundle_side(scene.bounds(), static_cast<double>(parameters.pixel_size) * texel_edge);
   return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster_options(side),
                                        gathers || parameters.transfer == Transfer::texel);
 }

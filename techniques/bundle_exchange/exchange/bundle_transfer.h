@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "bundle_exchange/directions/bundle_view.h"
+#include "lucarium/services/bundles/bundle_view.h"
 #include "bundle_exchange/pixels/pixel_gather.h"
 #include "bundle_exchange/senders/slot_means.h"
 #include "bundle_exchange/texels/slot_openness.h"
@@ -24,11 +24,11 @@ class BundleTransfer {
                  const SlotOpenness& openness, const Channels& channels, const Options& options);
 
   /// Adds the rays of one direction to the records, to the end whoever cancels. `seed` decides BLEND.
-  void exchange(const Direction& direction, uint32_t seed);
+  void exchange(const BundleDirection& direction, uint32_t seed);
   /// Only the channel of emission.
-  void exchange_emission(const Direction& direction, uint32_t seed);
+  void exchange_emission(const BundleDirection& direction, uint32_t seed);
   /// What pixels gather along the direction; `first` of a batch.
-  void gather(const Direction& direction, uint32_t seed, bool first);
+  void gather(const BundleDirection& direction, uint32_t seed, bool first);
   void warm_up();
   /// Expected device memory [bytes], with texels of that edge [m].
   static size_t estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters, bool gathers);
@@ -51,7 +51,7 @@ class BundleTransfer {
   Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
                   const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness,
                   What what);
-  void run(Recorded& recorded, const Direction& direction, uint32_t seed, bool per_ray);
+  void run(Recorded& recorded, const BundleDirection& direction, uint32_t seed, bool per_ray);
   KernelScheduler* scheduler_;
   Channels channels_;
   Options options_;

@@ -54,34 +54,24 @@ void meet_back(Exchange* exchange, BundleSide side) {
       end_weight(exchange, side) * exchange->exposure[side.slot].y;
 }
 
-void exchange_gap(Exchange* exchange, BundleGap gap) {
-  if (gap.none) return;
-  if (gap.near.slot == LUCARIUM_NONE || gap.far.slot == LUCARIUM_NONE) {
-    meet_back(exchange, gap.near.slot == LUCARIUM_NONE ? gap.far : gap.near);
-    return;
-  }
-  const float near_weight = end_weight(exchange, gap.near), far_weight = end_weight(exchange, gap.far);
-  receive(exchange, gap.near.slot, near_weight, gap.far.slot, far_weight);
-  receive(exchange, gap.far.slot, far_weight, gap.near.slot, near_weight);
+void layered_ray_begins(Exchange* exchange, uint payload, bool front) {
+  receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_near);
 }
 
-void layered_consume(Exchange* exchange, const LayeredRow* row) {
-  if (row->part & LAYERED_PART_FIRST)
-    for (uint lanes = layered_present(row, 0u); lanes; lanes &= lanes - 1u) {
-      const uint lane = layered_first(lanes);
-      const bool towards = layered_key(row, 0u, lane) & LAYERED_KEY_TOWARDS;
-      receive_end(exchange, side_towards(exchange, layered_at(row, 0u, lane), towards), exchange->from_near);
-    }
-  for (uint layer = 1u; layer < row->count; ++layer)
-    for (uint lanes = facing_lanes(exchange, row, layer); lanes; lanes &= lanes - 1u)
-      exchange_gap(exchange, bundle_gap(exchange, row, layer, layered_first(lanes)));
-  if (!(row->part & LAYERED_PART_LAST)) return;
-  for (uint layer = 0u; layer < row->count; ++layer)
-    for (uint lanes = ending_lanes(row, layer); lanes; lanes &= lanes - 1u) {
-      const uint lane = layered_first(lanes);
-      const bool towards = layered_key(row, layer, lane) & LAYERED_KEY_TOWARDS;
-      receive_end(exchange, side_away(exchange, layered_at(row, layer, lane), towards), exchange->from_far);
-    }
+void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
+  const BundleSide near = fragment_side(exchange, gap.near, gap.near_front);
+  const BundleSide far = fragment_side(exchange, gap.far, gap.far_front);
+  if (near.slot == LUCARIUM_NONE || far.slot == LUCARIUM_NONE) {
+    meet_back(exchange, near.slot == LUCARIUM_NONE ? far : near);
+    return;
+  }
+  const float near_weight = end_weight(exchange, near), far_weight = end_weight(exchange, far);
+  receive(exchange, near.slot, near_weight, far.slot, far_weight);
+  receive(exchange, far.slot, far_weight, near.slot, near_weight);
+}
+
+void layered_ray_ends(Exchange* exchange, uint payload, bool front) {
+  receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_far);
 }
 
 // ends: radiance that enters along omega, and along -omega.

@@ -3,7 +3,7 @@
 // its pixel, and takes what the neighbour sends. One ray per slot and direction, weighted by its cosine, however many
 // film pixels the slot covers.
 #include "bundle_exchange/exchange/exchange_layout.clh"
-#include "bundle_exchange/exchange/film_list.clh"
+#include "bundle_exchange/exchange/fragment_slot.clh"
 #include "bundle_exchange/texels/slot_parts.clh"
 #include "lucarium/random.clh"
 #include "lucarium/shared/surface_point.h"
@@ -38,7 +38,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
   LUCARIUM_SCENE_BIND(scene);
-  const FilmList film = {views, pixel_start, fragments};
+  const FragmentList list = {views, pixel_start, fragments};
   const uint doubles = atlas_info.double_sided_count;
   const bool front = slot < doubles || slot >= 2u * doubles;
   const float4 u = random_float4(views[0].seed, slot, 0x7465786cu);
@@ -49,19 +49,21 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const float3 position =
       p0 + texel.b1 * (scene_vertices[t.v1].position.xyz - p0) + texel.b2 * (scene_vertices[t.v2].position.xyz - p0);
   const float3 normal = atlas_points[slot].normal.xyz;
-  const Neighbour neighbour = film_neighbour(&scene, atlas_info, atlas_triangles, atlas_table, &film, position,
-                                             texel.triangle, normal, front, true);
+  const ListedPoint point = listed_point(&list, position, texel.triangle, normal, front);
+  const SeenFragment seen = seen_fragment(&list, &point, true);
+  const uint sender = seen_slot(&scene, atlas_info, atlas_triangles, atlas_table, &list, &point, seen);
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
   const uint part = slot_part(triangle.pitch, texel.triangle, atlas_uv(triangle, texel.b1, texel.b2));
   const float cosine = dot(normal, views[0].row_w.xyz), w = weight * fabs(cosine) * part_openness(openness, slot, part);
   global float4* to = records + (size_t)slot * BUNDLE_RECORD;
-  if (neighbour.slot == LUCARIUM_NONE) {
+  if (sender == LUCARIUM_NONE) {
     const float3 end = cosine > 0.0f ? ends[1].xyz : ends[0].xyz;
     // Backs are black, and count but for rays that begin in hidden places (exchange_rows.cl).
-    to[1] += neighbour.beyond ? w * (float4)(end, 1.0f) : (float4)(0.0f, 0.0f, 0.0f, w * exposure[slot].y);
+    to[1] +=
+        seen.fragment == LUCARIUM_NONE ? w * (float4)(end, 1.0f) : (float4)(0.0f, 0.0f, 0.0f, w * exposure[slot].y);
     return;
   }
-  const global float4* from = records + (size_t)neighbour.slot * BUNDLE_RECORD;
+  const global float4* from = records + (size_t)sender * BUNDLE_RECORD;
   to[0].w += w;
   to[1] += w * (float4)(from[0].xyz, 1.0f);
   for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel) to[2u * channel + 1u].xyz += w * from[2u * channel].xyz;

@@ -23,27 +23,19 @@ void count_ray(Probe* probe, BundleSide side, bool near, bool back) {
   if (PROBE_RAYS(*count) < PROBE_MOST) *count += 1u | (uint)(near && !back) << 10u | (uint)back << 20u;
 }
 
-void layered_consume(Probe* probe, const LayeredRow* row) {
-  if (row->part & LAYERED_PART_FIRST)
-    for (uint lanes = layered_present(row, 0u); lanes; lanes &= lanes - 1u) {
-      const uint lane = layered_first(lanes);
-      const bool towards = layered_key(row, 0u, lane) & LAYERED_KEY_TOWARDS;
-      count_ray(probe, side_towards(probe, layered_at(row, 0u, lane), towards), false, false);
-    }
-  for (uint layer = 1u; layer < row->count; ++layer)
-    for (uint lanes = facing_lanes(probe, row, layer); lanes; lanes &= lanes - 1u) {
-      const BundleGap gap = bundle_gap(probe, row, layer, layered_first(lanes));
-      if (gap.none) continue;
-      count_ray(probe, gap.near, gap.length < probe->open_gap, gap.far.slot == LUCARIUM_NONE);
-      count_ray(probe, gap.far, gap.length < probe->open_gap, gap.near.slot == LUCARIUM_NONE);
-    }
-  if (!(row->part & LAYERED_PART_LAST)) return;
-  for (uint layer = 0u; layer < row->count; ++layer)
-    for (uint lanes = ending_lanes(row, layer); lanes; lanes &= lanes - 1u) {
-      const uint lane = layered_first(lanes);
-      const bool towards = layered_key(row, layer, lane) & LAYERED_KEY_TOWARDS;
-      count_ray(probe, side_away(probe, layered_at(row, layer, lane), towards), false, false);
-    }
+void layered_ray_begins(Probe* probe, uint payload, bool front) {
+  count_ray(probe, fragment_side(probe, payload, front), false, false);
+}
+
+void layered_ray_crosses(Probe* probe, LayeredGap gap) {
+  const BundleSide near = fragment_side(probe, gap.near, gap.near_front);
+  const BundleSide far = fragment_side(probe, gap.far, gap.far_front);
+  count_ray(probe, near, gap.length < probe->open_gap, far.slot == LUCARIUM_NONE);
+  count_ray(probe, far, gap.length < probe->open_gap, near.slot == LUCARIUM_NONE);
+}
+
+void layered_ray_ends(Probe* probe, uint payload, bool front) {
+  count_ray(probe, fragment_side(probe, payload, front), false, false);
 }
 
 // open_gap [m].

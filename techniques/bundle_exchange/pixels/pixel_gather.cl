@@ -2,7 +2,7 @@
 // The last reflection towards the eye from the bundle itself: a pixel's point is looked up in the fragments of the
 // film, and reflects what its neighbour along the bundle sends. All pixels share the directions of the bundles.
 #include "bundle_exchange/exchange/exchange_layout.clh"
-#include "bundle_exchange/exchange/film_list.clh"
+#include "bundle_exchange/exchange/fragment_slot.clh"
 #include "bundle_exchange/pixels/pixel_lobes.clh"
 #include "lucarium/bsdf.clh"
 #include "lucarium/gbuffer.clh"
@@ -44,13 +44,14 @@ __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const float3 omega = views[0].row_w.xyz, in = dot(surface.n_g, omega) > 0.0f ? omega : -omega;
     const float3 share = point.throughput.xyz * eval_bsdf(&bsdf, in) * weight;
     if (!is_black(share)) {
-      const FilmList film = {views, pixel_start, fragments};
-      const Neighbour neighbour =
-          film_neighbour(&scene, atlas_info, atlas_triangles, atlas_table, &film, surface.position, point.triangle,
-                         surface.n_g, surface.flags & LUCARIUM_SURFACE_FRONT, false);
+      const FragmentList list = {views, pixel_start, fragments};
+      const ListedPoint place =
+          listed_point(&list, surface.position, point.triangle, surface.n_g, surface.flags & LUCARIUM_SURFACE_FRONT);
+      const SeenFragment seen = seen_fragment(&list, &place, false);
+      const uint slot = seen_slot(&scene, atlas_info, atlas_triangles, atlas_table, &list, &place, seen);
       const float3 end = dot(in, omega) > 0.0f ? ends[1].xyz : ends[0].xyz;
-      if (neighbour.found)
-        gather_light(gain, i, share, records, neighbour.slot, neighbour.beyond ? end : (float3)(0.0f));
+      if (seen.found)
+        gather_light(gain, i, share, records, slot, seen.fragment == LUCARIUM_NONE ? end : (float3)(0.0f));
       else
         ray = make_ray(&surface, in, make_ray_seed(hash_uint2(views[0].seed, i)));
       shares[i] = (float4)(share, 0.0f);

@@ -105,7 +105,7 @@ void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, cons
   apply_ = apply.compile();
 }
 
-bool SlotHops::find(const Direction& direction, uint32_t seed, bool lit) {
+bool SlotHops::find(const BundleDirection& direction, uint32_t seed, bool lit) {
   HopSettings settings{};
   settings.seed = seed;
   settings.first_light = 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "bundle_exchange/directions/direction_sequence.h"
+#include "lucarium/services/bundles/direction_sequence.h"
 #include "bundle_exchange/specular/hop_tracer.h"
 
 namespace lucarium::bundle {
@@ -32,7 +32,7 @@ class SlotHops {
 
   /// Renews what listed slots send, for the exchange along `direction`; false when cancelled. `lit`: with what their
   /// chains find of lights.
-  bool find(const Direction& direction, uint32_t seed, bool lit);
+  bool find(const BundleDirection& direction, uint32_t seed, bool lit);
   void warm_up();
   uint64_t rays() const { return tracer_.rays(); }
   void reset_count() { tracer_.reset_count(); }

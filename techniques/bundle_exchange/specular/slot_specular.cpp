@@ -55,7 +55,7 @@ void SlotSpecular::begin_batch(const DirectionSequence& sequence, uint64_t first
   if (ring_) ring_->begin_batch(sequence, first, count);
 }
 
-bool SlotSpecular::send(const Direction& direction, uint32_t i, uint32_t seed, bool lit) {
+bool SlotSpecular::send(const BundleDirection& direction, uint32_t i, uint32_t seed, bool lit) {
   return (!hops_ || hops_->find(direction, seed, lit)) && (!light_ || light_->find(direction, seed ^ 0x6c69u, lit)) &&
          (!ring_ || ring_->send(i));
 }

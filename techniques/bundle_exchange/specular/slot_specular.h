@@ -27,7 +27,7 @@ class SlotSpecular {
   void begin_batch(const DirectionSequence& sequence, uint64_t first, uint32_t count);
   /// Before direction i of the batch is exchanged; false when cancelled, and may be done again. `lit`: chains find
   /// lights.
-  bool send(const Direction& direction, uint32_t i, uint32_t seed, bool lit);
+  bool send(const BundleDirection& direction, uint32_t i, uint32_t seed, bool lit);
   /// After it.
   void receive(uint32_t i);
   void commit();

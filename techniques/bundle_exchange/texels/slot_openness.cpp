@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bundle_exchange/bundle_program.h"
-#include "bundle_exchange/directions/bundle_view.h"
+#include "lucarium/services/bundles/bundle_view.h"
 #include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/base/error.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
@@ -32,7 +32,7 @@ struct SlotOpenness::Probes {
   TypedBuffer<uint32_t> hidden, counts;
   TypedBuffer<LayeredView> views;
   TypedBuffer<float4> ends;
-  DirectionSequence sequence{Parameters{}, kSeed, nullptr};
+  DirectionSequence sequence{{}, kSeed};
   Schedule begin, draw, sum;
   Variable<LayeredView> view;
 };
@@ -74,7 +74,7 @@ void SlotOpenness::begin(Device& device, KernelScheduler& scheduler, const Progr
 
   ScheduleRecorder begin = scheduler.record("begin openness", kOwner);
   probes.view = begin.variable("view", LayeredView{});
-  const Program begin_program = make_bundle_program(device, "directions/begin_direction", {});
+  const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
   PassBuilder pass = begin.pass("begin probe", begin_program, "begin_direction");
   buffers.bind(pass, begin_program, "begin_direction");
   pass.global(1).local(1).arg("view", probes.view).arg("omega", float4(0, 0, 1, 0)).arg("emission", 0u);
@@ -108,7 +108,7 @@ bool SlotOpenness::advance() {
       drawn_ = probes.count;  // all is open
   }
   if (drawn_ < probes.count) {
-    const Direction direction = probes.sequence.at(drawn_);
+    const BundleDirection direction = probes.sequence.at(drawn_);
     probes.begin.set(probes.view,
                      make_bundle_view(probes.bounds, direction, probes.pixel, static_cast<uint32_t>(drawn_ + 1)).view);
     if (probes.scheduler->run(probes.begin) == RunResult::cancelled) return false;

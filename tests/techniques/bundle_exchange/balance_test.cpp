@@ -66,7 +66,7 @@ Result solve(const Scene& scene, Parameters parameters, int directions) {
   channels.emission = channels.hops = true;
   channels.count = 2;
   test::BundleRig rig(scene, 384, 0.5f, channels, parameters);
-  rig.solve(DirectionSequence(parameters, 1, nullptr), static_cast<uint64_t>(directions));
+  rig.solve(make_sequence(parameters, 1), static_cast<uint64_t>(directions));
   const std::vector<AtlasMaterial> materials = rig.materials();
   const auto diffuse = [&](uint32_t slot) { return materials[slot].emission.x > 0; };
   return {rig.mean(rig.direct(), diffuse) + rig.mean(rig.indirect(), diffuse), rig.balance()};

@@ -80,7 +80,7 @@ double furnace_deficit(Interleave interleave, bool balance, uint64_t seed = 1, f
   parameters.balance = balance;
   test::BundleRig rig(furnace(0.8f), 96, pixel_size, {}, parameters);
   rig.set_direct(kPi);
-  rig.solve(DirectionSequence(parameters, seed, nullptr), 2048);
+  rig.solve(make_sequence(parameters, seed), 2048);
   return rig.mean(rig.indirect()) / 4 - 1;
 }
 
@@ -96,7 +96,7 @@ TEST_CASE("a furnace of albedo 0.8 fills as the recurrences say") {
 
 TEST_CASE("a running mean lacks 18.7 % of the furnace's light") {
   const auto predicted = [](uint64_t seed, int points) {
-    return running_deficit(DirectionSequence(Parameters(), seed, nullptr), 0.8, 2048, points);
+    return running_deficit(make_sequence(Parameters(), seed), 0.8, 2048, points);
   };
   const int seeds = test::full_run() ? 128 : 32;
   double mean = 0;
@@ -119,7 +119,7 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
     channels.count = bounces;
     test::BundleRig rig(furnace(0.5f), 384, 0.5f, channels, parameters);
     rig.set_direct(kPi);
-    rig.solve(DirectionSequence(parameters, 1, nullptr), 1024);
+    rig.solve(make_sequence(parameters, 1), 1024);
     double expected = 0;
     for (uint32_t k = 1; k <= bounces; ++k) expected += std::pow(0.5, k);
     CHECK(rig.mean(rig.indirect()) == test::relative(expected, 0.004));
@@ -129,7 +129,7 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
   parameters.block = 128;
   test::BundleRig rig(furnace(0.5f), 384, 0.5f, {}, parameters);
   rig.set_direct(kPi);
-  rig.solve(DirectionSequence(parameters, 1, nullptr), 3 * 128);
+  rig.solve(make_sequence(parameters, 1), 3 * 128);
   CHECK(rig.mean(rig.indirect()) == test::relative(0.875, 1e-5));
 }
 
@@ -150,7 +150,7 @@ TEST_CASE("a shining box of glossy walls, against path tracing") {
     Parameters parameters;
     parameters.hop_share = 1;
     test::BundleRig rig(scene, 1536, 0.5f, channels, parameters, {{"LUCARIUM_PHONG", ""}});
-    rig.solve(DirectionSequence(parameters, 3, nullptr), test::full_run() ? 8192 : 512);
+    rig.solve(make_sequence(parameters, 3), test::full_run() ? 8192 : 512);
     CHECK(rig.mean(rig.indirect()) == test::relative(expected[bounces - 1], test::full_run() ? 0.005 : 0.01));
   }
 }

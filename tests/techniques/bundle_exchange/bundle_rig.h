@@ -4,7 +4,7 @@
 #include <functional>
 #include <memory>
 
-#include "bundle_exchange/directions/direction_sequence.h"
+#include "lucarium/services/bundles/direction_sequence.h"
 #include "bundle_exchange/exchange/bundle_transfer.h"
 #include "bundle_exchange/senders/slot_means.h"
 #include "bundle_exchange/senders/slot_preview.h"
@@ -66,7 +66,7 @@ class BundleRig {
     TypedBuffer<float4> records = means_.records();
     records.upload(values);
   }
-  void run(const bundle::DirectionSequence& sequence, uint64_t count) {
+  void run(const DirectionSequence& sequence, uint64_t count) {
     sums_.resize(slots());
     for (uint64_t i = 0; i < count; ++i) {
       transfer_.exchange(sequence.at(i), static_cast<uint32_t>(i + 1));
@@ -91,7 +91,7 @@ class BundleRig {
     light_.upload(values);
   }
   /// `count` directions in batches of Parameters::batch.
-  void solve(const bundle::DirectionSequence& sequence, uint64_t count) {
+  void solve(const DirectionSequence& sequence, uint64_t count) {
     const uint64_t batch = static_cast<uint64_t>(parameters_.batch);
     for (uint64_t first = 0; first < count; first += batch) {
       means_.make_senders();

@@ -47,7 +47,7 @@ Scene double_sided_plate() {
 DirectionSequence directions(int block) {
   Parameters parameters;
   parameters.block = block;
-  return DirectionSequence(parameters, 7, nullptr);
+  return make_sequence(parameters, 7);
 }
 
 }  // namespace
@@ -165,7 +165,7 @@ TEST_CASE("a double-sided plate under a sky of radiance 1 + w_y: 5 pi / 3 above,
     Parameters parameters;
     parameters.env_guiding = guiding;
     const int count = test::full_run() ? 8192 : 2048;
-    rig.run(DirectionSequence(parameters, 3, make_guide(parameters, &*scene.environment)), count);
+    rig.run(make_sequence(parameters, 3, make_environment_guide(&*scene.environment)), count);
     const std::vector<glm::dvec4> sums = rig.sums();
     const std::vector<SurfacePoint> points = rig.points();
     double ratio[2][2] = {}, flux[2] = {};

@@ -46,7 +46,7 @@ TEST_CASE("in a field of radiance 1 every slot that is seen holds 1, whatever of
     parameters.transfer = transfer;
     test::BundleRig rig(hall_of_columns(), 1500, 0.5f, {}, parameters);
     rig.send([](uint32_t) { return glm::vec3(1); });
-    rig.run(DirectionSequence(parameters, 5, nullptr), 256);
+    rig.run(make_sequence(parameters, 5), 256);
     const std::vector<glm::dvec4> sums = rig.sums();
     const std::vector<float2> exposure = rig.exposure();
     const std::vector<AtlasTexel> texels = rig.texels();
@@ -90,7 +90,7 @@ TEST_CASE("backs that are seen stay black") {
   rig.send([](uint32_t) { return glm::vec3(0); });
   Parameters parameters;
   const int count = test::full_run() ? 8192 : 2048;
-  rig.run(DirectionSequence(parameters, 3, nullptr), count);
+  rig.run(make_sequence(parameters, 3), count);
   const std::vector<glm::dvec4> sums = rig.sums();
   double received = 0, weight = 0;
   for (uint32_t slot = 0; slot < rig.slots(); ++slot) {

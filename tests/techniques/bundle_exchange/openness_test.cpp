@@ -45,7 +45,7 @@ Crossed light_of_crossed(float open_gap) {
   parameters.open_gap = open_gap;
   test::BundleRig rig(floor_and_slab(), 320, 0.5f, channels, parameters);
   rig.send([](uint32_t) { return glm::vec3(0); });
-  rig.run(DirectionSequence(parameters, 3, nullptr), 512);
+  rig.run(make_sequence(parameters, 3), 512);
   const std::vector<glm::dvec4> sums = rig.sums();
   const std::vector<float> openness = rig.openness();
   const std::vector<AtlasTexel> texels = rig.texels();

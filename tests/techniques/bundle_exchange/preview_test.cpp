@@ -38,7 +38,7 @@ double distance(const std::vector<float>& a, const std::vector<float>& b) {
 
 TEST_CASE("smoothing takes noise away where it is known to be noise, and crosses no edge of a chart") {
   test::BundleRig rig(box(), 1536, 0.5f);
-  rig.solve(DirectionSequence({}, 1, nullptr), 8);
+  rig.solve(make_sequence({}, 1), 8);
   const std::vector<SurfacePoint> points = rig.points();
   std::mt19937 random(1);
   std::normal_distribution<float> noise(0, 0.1f);

@@ -43,7 +43,7 @@ double mean_light(const Scene& scene, const Parameters& parameters, int bounces,
   std::map<std::string, std::string> defines;
   if (phong) defines["LUCARIUM_PHONG"] = "";
   test::BundleRig rig(scene, 600, 0.5f, glossy_channels(bounces), parameters, defines);
-  rig.solve(DirectionSequence(parameters, 3, nullptr, true), static_cast<uint64_t>(directions));
+  rig.solve(make_sequence(parameters, 3, nullptr, true), static_cast<uint64_t>(directions));
   return rig.mean(rig.indirect());
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("a shining box of Phong walls, by directions that reflect those before
   CHECK(mean_light(scene, parameters, 2, directions, true) == test::relative(0.8392, tolerance));
   // Successive Halton points are no pairs of independent directions.
   parameters = ring(1, GlossyNorm::mean);
-  parameters.sequence = Sequence::halton;
+  parameters.sequence = DirectionOrder::halton;
   CHECK(std::abs(mean_light(scene, parameters, 1, directions, true) / 0.5465 - 1) > 0.05);
 }
 

@@ -43,7 +43,7 @@ Errors room_errors(const Setting& setting) {
   channels.count = 2;
   test::BundleRig rig(room(), static_cast<uint64_t>(6 * side * side + side * side / 16),
                       1.5f / 64 * static_cast<float>(side), channels, parameters);
-  rig.solve(DirectionSequence(parameters, 2, nullptr), setting.directions);
+  rig.solve(make_sequence(parameters, 2), setting.directions);
   const std::vector<AtlasMaterial> materials = rig.materials();
   const std::vector<SurfacePoint> points = rig.points();
   const std::vector<AtlasTexel> texels = rig.texels();

@@ -33,7 +33,7 @@ TEST_CASE("texels of a closed box of radiance 1 receive exactly that, and pi in 
   const int count = 256;
   Parameters parameters;
   parameters.block = count;
-  rig.run(DirectionSequence(parameters, 7, nullptr), count);
+  rig.run(make_sequence(parameters, 7), count);
   double worst = 0, sum = 0;
   for (const glm::dvec4& v : rig.sums()) {
     if (!(v.w > 0)) FAIL("a texel has received nothing");
@@ -60,7 +60,7 @@ TEST_CASE("form factors of unit squares by texels") {
     std::vector<bool> lamp;
     for (const AtlasTexel& texel : texels) lamp.push_back(rig.instance_of(texel.triangle) == 0);
     rig.send([&](uint32_t slot) { return glm::vec3(lamp[slot] ? 1.f : 0.f); });
-    rig.run(DirectionSequence(by_texels(), 7, nullptr), 2048);
+    rig.run(make_sequence(by_texels(), 7), 2048);
     const std::vector<glm::dvec4> sums = rig.sums();
     double received = 0, weight = 0;
     for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
@@ -86,6 +86,6 @@ TEST_CASE("both transfers fill a furnace alike, and see the sides of a double-si
   Parameters parameters = by_texels();
   test::BundleRig rig(scene, 512, 0.5f, {}, parameters);
   rig.set_direct(static_cast<float>(kPi));
-  rig.solve(DirectionSequence(parameters, 1, nullptr), 512);
+  rig.solve(make_sequence(parameters, 1), 512);
   CHECK(rig.mean(rig.indirect()) == test::relative(1, 0.002));  // 1 = 0.5 (1 + 1)
 }

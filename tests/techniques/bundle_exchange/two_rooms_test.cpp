@@ -73,7 +73,7 @@ std::vector<double> solve(const Scheme& scheme, Order order, int directions, uin
   test::BundleRig rig(two_rooms(), 486, kPixelSize, {}, parameters);
   const std::vector<SurfacePoint> points = rig.points();
   rig.set_direct([&](uint32_t slot) { return patch_irradiance(points[slot]); });
-  rig.solve(DirectionSequence(parameters, seed, nullptr, order.permuted), static_cast<uint64_t>(directions));
+  rig.solve(make_sequence(parameters, seed, nullptr, order.permuted), static_cast<uint64_t>(directions));
   if (areas)
     for (const AtlasTexel& texel : rig.texels()) areas->push_back(double(texel.area));
   return rig.indirect();

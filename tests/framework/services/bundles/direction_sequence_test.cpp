@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directions of bundle_exchange: lines, uniform over half the sphere whatever the sequence, guided ones by their own
+// Directions of bundles: lines, uniform over half the sphere whatever the sequence, guided ones by their own
 // density.
-#include "bundle_exchange/directions/direction_sequence.h"
+#include "lucarium/services/bundles/direction_sequence.h"
 
 #include <doctest/doctest.h>
 
@@ -12,7 +12,6 @@
 #include "tolerance.h"
 
 using namespace lucarium;
-using namespace lucarium::bundle;
 
 namespace {
 
@@ -45,16 +44,17 @@ Environment spotted_environment() {
 }  // namespace
 
 TEST_CASE("the lines of every sequence are uniform, and W is 2 pi") {
-  for (const Sequence kind : {Sequence::iid, Sequence::blocks, Sequence::halton, Sequence::hammersley}) {
+  for (const DirectionOrder kind :
+       {DirectionOrder::iid, DirectionOrder::blocks, DirectionOrder::halton, DirectionOrder::hammersley}) {
     CAPTURE(static_cast<int>(kind));
-    Parameters parameters;
-    parameters.sequence = kind;
-    parameters.directions = 8192;
-    const DirectionSequence sequence(parameters, 3, nullptr);
+    DirectionOptions options;
+    options.order = kind;
+    options.total = 8192;
+    const DirectionSequence sequence(options, 3);
     const std::vector<uint64_t> cells = count_cells(sequence, 0, 8192, 8);
     const test::Chi2Result result =
         test::chi2_test(cells, std::vector<double>(cells.size(), 8192.0 / static_cast<double>(cells.size())));
-    if (kind == Sequence::iid)
+    if (kind == DirectionOrder::iid)
       CHECK(result.p > 1e-4);
     else
       CHECK(result.statistic < 0.5 * result.cells);  // stratified: far more even than independent ones
@@ -63,9 +63,9 @@ TEST_CASE("the lines of every sequence are uniform, and W is 2 pi") {
 }
 
 TEST_CASE("a block of 128 directions has one in each of 128 equal cells of its square") {
-  Parameters parameters;
-  parameters.block = 128;
-  const DirectionSequence sequence(parameters, 11, nullptr);
+  DirectionOptions options;
+  options.block = 128;
+  const DirectionSequence sequence(options, 11);
   for (const uint64_t block : {0, 1, 7}) {
     std::set<std::pair<int, int>> cells;
     for (uint64_t i = 128 * block; i < 128 * (block + 1); ++i) {
@@ -79,8 +79,8 @@ TEST_CASE("a block of 128 directions has one in each of 128 equal cells of its s
 }
 
 TEST_CASE("every beginning is even") {
-  Parameters parameters;
-  const DirectionSequence sequence(parameters, 4, nullptr);
+  DirectionOptions options;
+  const DirectionSequence sequence(options, 4);
   for (const int n : {32, 128, 512}) {  // one direction per cell of n
     const std::vector<uint64_t> cells = count_cells(sequence, 0, n, n == 32 ? 4 : n == 128 ? 8 : 16);
     CHECK(test::chi2_test(cells, std::vector<double>(cells.size(), 1.0)).statistic < 0.15 * n);
@@ -88,9 +88,10 @@ TEST_CASE("every beginning is even") {
 }
 
 TEST_CASE("successive directions of permuted blocks are independent enough for pairs") {
-  // With glossy slots pairs of successive lines must fill the product space: cosines of neighbours are uniform.
-  Parameters parameters;
-  const DirectionSequence sequence(parameters, 5, nullptr, true);
+  // Pairs of successive lines must fill the product space: cosines of neighbours are uniform.
+  DirectionOptions options;
+  options.permuted = true;
+  const DirectionSequence sequence(options, 5);
   std::vector<uint64_t> cells(16, 0);
   for (uint64_t i = 0; i + 1 < 20480; i += 2) {
     const float cosine = glm::dot(sequence.at(i).direction, sequence.at(i + 1).direction);
@@ -101,11 +102,11 @@ TEST_CASE("successive directions of permuted blocks are independent enough for p
 
 TEST_CASE("guided directions follow the density that W is made of") {
   const Environment environment = spotted_environment();
-  Parameters parameters;
-  parameters.env_guiding = 0.6f;
-  for (const Sequence kind : {Sequence::iid, Sequence::blocks}) {
-    parameters.sequence = kind;
-    const DirectionSequence sequence(parameters, 9, make_guide(parameters, &environment));
+  DirectionOptions options;
+  options.guiding = 0.6f;
+  for (const DirectionOrder kind : {DirectionOrder::iid, DirectionOrder::blocks}) {
+    options.order = kind;
+    const DirectionSequence sequence(options, 9, make_environment_guide(&environment));
     const int rows = 12, count = 40960;
     const std::vector<uint64_t> cells = count_cells(sequence, 0, count, rows);
     std::vector<double> expected;  // by a fine grid per cell
@@ -128,7 +129,7 @@ TEST_CASE("guided directions follow the density that W is made of") {
     CHECK(total == test::relative(count, 0.01));
     for (double& e : expected) e *= count / total;
     const test::Chi2Result result = test::chi2_test(cells, expected);
-    if (kind == Sequence::iid) CHECK(result.p > 1e-6);
+    if (kind == DirectionOrder::iid) CHECK(result.p > 1e-6);
     // ∫ W q dω over the sphere is half of it: each line serves both ways.
     for (int i = 0; i < count; ++i) weight += sequence.at(i).weight;
     CHECK(weight / count == test::relative(2 * kPi, 0.01));

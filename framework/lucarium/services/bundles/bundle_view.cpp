@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_exchange/directions/bundle_view.h"
+#include "lucarium/services/bundles/bundle_view.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace lucarium::bundle {
+namespace lucarium {
 namespace {
 
 constexpr double kMargin = 3;  // pixels: jitter, rounding, and a border that no triangle reaches
 
-double film_pixel(const Bounds& bounds, double pixel) {
+double bundle_pixel(const Bounds& bounds, double pixel) {
   return std::max(pixel, 2.0 * bounds.radius() / (LAYERED_MAX_FILM - kMargin));
 }
 
@@ -36,20 +36,20 @@ float4 row(const glm::dvec3& axis, double offset) {
 
 }  // namespace
 
-uint32_t film_side(const Bounds& bounds, double pixel) {
-  return std::min(static_cast<uint32_t>(std::ceil(2.0 * bounds.radius() / film_pixel(bounds, pixel) + kMargin)),
+uint32_t bundle_side(const Bounds& bounds, double pixel) {
+  return std::min(static_cast<uint32_t>(std::ceil(2.0 * bounds.radius() / bundle_pixel(bounds, pixel) + kMargin)),
                   LAYERED_MAX_FILM);
 }
 
-BundleView make_bundle_view(const Bounds& bounds, const Direction& direction, double pixel, uint32_t seed) {
-  const double p = film_pixel(bounds, pixel);
+BundleView make_bundle_view(const Bounds& bounds, const BundleDirection& direction, double pixel, uint32_t seed) {
+  const double p = bundle_pixel(bounds, pixel);
   const glm::dvec3 z = glm::normalize(glm::dvec3(direction.direction));
   const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   const glm::dvec3 u = glm::normalize(glm::cross(helper, z)), v = glm::cross(z, u);
   const double angle = 2 * 3.14159265358979323846 * direction.rotation;
   const glm::dvec3 x = std::cos(angle) * u + std::sin(angle) * v, y = glm::cross(z, x);
   const Interval extent_x = project(bounds, x), extent_y = project(bounds, y), depth = project(bounds, z);
-  const uint32_t side = film_side(bounds, pixel);
+  const uint32_t side = bundle_side(bounds, pixel);
   const auto pixels = [&](const Interval& extent) {
     return std::min(static_cast<uint32_t>(std::ceil((extent.high - extent.low) / p)) + 2u, side);
   };
@@ -69,4 +69,4 @@ BundleView make_bundle_view(const Bounds& bounds, const Direction& direction, do
   return result;
 }
 
-}  // namespace lucarium::bundle
+}  // namespace lucarium
