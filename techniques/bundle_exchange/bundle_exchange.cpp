@@ -26,7 +26,7 @@
 // to vertex it follows specular lobes only, since the atlas knows the diffuse light. So do rays from the pixels towards
 // the eye.
 //
-// Parts (bundle_parts): direction_sequence and bundle_view (ω, W, film), slot_exposure and slot_openness (what of
+// Parts (bundle_parts): DirectionSequence and BundleView (ω, W, film), TexelInterior and slot_openness (what of
 // texels counts), bundle_transfer (a direction's exchange), sender_weights and slot_means (S, D, balance, error),
 // slot_light and camera_light (light samples, image), slot_hops and hop_tracer (specular chains).
 

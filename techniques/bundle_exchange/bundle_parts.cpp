@@ -17,8 +17,8 @@ const char* const kOwner = "bundle_exchange";
 Program make_program(Device& device, const Channels& channels) {
   std::vector<std::string> files;
   for (const char* file :
-       {"senders/senders", "senders/fold", "texels/slot_exposure", "texels/slot_openness", "texels/slot_light",
-        "pixels/camera_light", "specular/hops", "senders/ring", "pixels/pixel_gather", "senders/preview"})
+       {"senders/senders", "senders/fold", "texels/slot_openness", "texels/slot_light", "pixels/camera_light",
+        "specular/hops", "senders/ring", "pixels/pixel_gather", "senders/preview"})
     files.push_back(fmt::format("bundle_exchange/{}", file));
   return make_program(device, bundle_exchange_kernels(), files, channels.defines());
 }
@@ -35,9 +35,9 @@ std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlas
 BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept)
     : atlas(kept.atlas ? std::move(kept.atlas) : make_atlas(c, plan.atlas)),
       program(make_program(*c.device, plan.channels)),
-      exposure(kept.exposure
-                   ? std::move(kept.exposure)
-                   : std::make_unique<SlotExposure>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas)),
+      exposure(kept.exposure ? std::move(kept.exposure)
+                             : std::make_unique<TexelInterior>(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas,
+                                                               kOwner, "lower texels")),
       openness(kept.openness ? std::move(kept.openness)
                              : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas,
                                                               SlotOpenness::Options{p.pixel_size, p.open_gap})),

@@ -16,7 +16,7 @@ struct BundleParts {
   /// What may outlast a change of the scene, or null: the atlas, and what of its texels counts.
   struct Kept {
     std::unique_ptr<SurfaceAtlas> atlas;
-    std::unique_ptr<SlotExposure> exposure;
+    std::unique_ptr<TexelInterior> exposure;
     std::unique_ptr<SlotOpenness> openness;
   };
 
@@ -28,7 +28,7 @@ struct BundleParts {
 
   std::unique_ptr<SurfaceAtlas> atlas;
   Program program;
-  std::unique_ptr<SlotExposure> exposure;
+  std::unique_ptr<TexelInterior> exposure;
   std::unique_ptr<SlotOpenness> openness;
   SlotLight slot_light;
   SlotMeans means;

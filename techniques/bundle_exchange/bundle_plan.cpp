@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bundle_exchange/exchange/bundle_transfer.h"
+#include "bundle_exchange/shared/slots.h"
 #include "bundle_exchange/specular/slot_specular.h"
 #include "bundle_exchange/texels/slot_light.h"
 
@@ -70,7 +71,8 @@ size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, cons
                       const RenderSettings& settings) {
   const size_t slots = plan.atlas.texel_count * 5 / 4;
   return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels, parameters) +
-         SlotLight::estimate_bytes(slots) + SlotExposure::estimate_bytes(slots) + SlotOpenness::estimate_bytes(slots) +
+         SlotLight::estimate_bytes(slots) + TexelInterior::estimate_bytes(slots, SLOT_POINTS) +
+         SlotOpenness::estimate_bytes(slots) +
          (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
          CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles,
                                      plan.preview) +

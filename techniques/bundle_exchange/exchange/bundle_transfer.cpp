@@ -27,7 +27,7 @@ double usable_pixel(const BundleTransfer::Options& options, const SurfaceAtlas& 
 
 BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene,
                                const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                               const TypedBuffer<float4>& records, const SlotExposure& exposure,
+                               const TypedBuffer<float4>& records, const TexelInterior& exposure,
                                const SlotOpenness& openness, const Channels& channels, const Options& options)
     : scheduler_(&scheduler),
       channels_(channels),
@@ -45,7 +45,7 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
 }
 
 BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                                                const TypedBuffer<float4>& records, const SlotExposure& exposure,
+                                                const TypedBuffer<float4>& records, const TexelInterior& exposure,
                                                 const SlotOpenness& openness, What what) {
   const char* const names[] = {"exchange", "exchange of emission", "gather"};
   const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/services/bundles/bundle_view.h"
 #include "bundle_exchange/pixels/pixel_gather.h"
 #include "bundle_exchange/senders/slot_means.h"
 #include "bundle_exchange/texels/slot_openness.h"
+#include "lucarium/services/bundles/bundle_view.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
@@ -20,7 +20,7 @@ class BundleTransfer {
     const PixelGather* gather = nullptr;  ///< must outlive this; null: pixels gather nothing
   };
   BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
-                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const SlotExposure& exposure,
+                 const SurfaceAtlas& atlas, const TypedBuffer<float4>& records, const TexelInterior& exposure,
                  const SlotOpenness& openness, const Channels& channels, const Options& options);
 
   /// Adds the rays of one direction to the records, to the end whoever cancels. `seed` decides BLEND.
@@ -49,7 +49,7 @@ class BundleTransfer {
   };
   enum class What { all, emission, gather };
   Recorded record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                  const TypedBuffer<float4>& records, const SlotExposure& exposure, const SlotOpenness& openness,
+                  const TypedBuffer<float4>& records, const TexelInterior& exposure, const SlotOpenness& openness,
                   What what);
   void run(Recorded& recorded, const BundleDirection& direction, uint32_t seed, bool per_ray);
   KernelScheduler* scheduler_;

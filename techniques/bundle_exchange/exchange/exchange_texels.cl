@@ -5,6 +5,7 @@
 #include "bundle_exchange/exchange/exchange_layout.clh"
 #include "bundle_exchange/exchange/fragment_slot.clh"
 #include "bundle_exchange/texels/slot_parts.clh"
+#include "lucarium/atlas_surface.clh"
 #include "lucarium/random.clh"
 #include "lucarium/shared/surface_point.h"
 
@@ -39,11 +40,10 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (slot >= slots) return;
   LUCARIUM_SCENE_BIND(scene);
   const FragmentList list = {views, pixel_start, fragments};
-  const uint doubles = atlas_info.double_sided_count;
-  const bool front = slot < doubles || slot >= 2u * doubles;
+  const bool front = atlas_slot_is_front(atlas_info, slot);
   const float4 u = random_float4(views[0].seed, slot, 0x7465786cu);
-  const AtlasTexel texel =
-      jitter_texel(atlas_triangles, atlas_table, atlas_texels[slot], front ? slot : slot - doubles, u.xy);
+  const AtlasTexel texel = jitter_texel(atlas_triangles, atlas_table, atlas_texels[slot],
+                                        front ? slot : slot - atlas_info.double_sided_count, u.xy);
   const Triangle t = scene_triangles[texel.triangle];
   const float3 p0 = scene_vertices[t.v0].position.xyz;
   const float3 position =

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/services/bundles/direction_sequence.h"
 #include "bundle_exchange/senders/slot_means.h"
 #include "bundle_exchange/shared/ring.h"
+#include "lucarium/services/bundles/direction_sequence.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
 namespace lucarium::bundle {

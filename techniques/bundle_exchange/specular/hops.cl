@@ -4,10 +4,10 @@
 #include "bundle_exchange/exchange/exchange_layout.clh"
 #include "bundle_exchange/pixels/pixel_lobes.clh"
 #include "bundle_exchange/specular/hop_chain.clh"
+#include "lucarium/atlas_surface.clh"
 #include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/surface_atlas.clh"
-#include "lucarium/surface_point.clh"
 
 // Adds light that has been scattered `scatterings` times before it arrives at the target.
 void add_gain(global float4* gain, HopSettings settings, uint target, uint scatterings, float3 light) {
@@ -36,10 +36,9 @@ __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const uint i = get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
-  const uint target = queue[i], slot = list[target], doubles = atlas_info.double_sided_count;
+  const uint target = queue[i], slot = list[target];
   const AtlasTexel texel = atlas_texels[slot];
-  const bool back = slot >= doubles && slot < 2u * doubles;
-  Surface surface = surface_on_side(&scene, texel.triangle, texel.b1, texel.b2, !back);
+  Surface surface = atlas_surface(&scene, atlas_info, slot, texel.triangle, texel.b1, texel.b2);
   // The viewer stands where the slot's side can be seen from.
   surface.view = dot(surface.n_g, omega.xyz) > 0.0f ? omega.xyz : -omega.xyz;
   const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct irradiance of slots by light samples, a run of slots at a time.
 #include "bundle_exchange/texels/slot_points.clh"
+#include "lucarium/atlas_surface.clh"
+#include "lucarium/scene.clh"
 
 #define LIGHT_POINT_PARAMETERS                                                    \
   const AtlasInfo atlas_info, __global const AtlasSample *restrict atlas_samples, \
@@ -17,7 +19,7 @@ bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* sur
   const uint slot = first + i;
   if (slot >= slots) return false;
   const AtlasSample sample = atlas_samples[(size_t)slot * SLOT_POINTS + slot_point(levels[slot], turn)];
-  *surface = slot_surface(scene, atlas_info, slot, sample);
+  *surface = atlas_surface(scene, atlas_info, slot, sample.triangle, sample.b1, sample.b2);
   surface->n_s = surface->n_g;
   return true;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How open the parts of slots are: which share of their rays goes farther than the neighbouring texels. Rays that meet
-// backs tell nothing, since most of them begin in hidden places (slot_exposure.cl); where there are no others, the part
-// is hidden.
+// backs tell nothing, since most of them begin in interior places (texel_interior.h); where there are no others, the
+// part is hidden.
 #include "bundle_exchange/texels/slot_parts.clh"
 #include "lucarium/random.clh"
 #include "lucarium/surface_atlas.clh"
@@ -14,7 +14,7 @@ uint dithered_level(float open, uint slot, uint part) {
   return min((uint)(open * (float)SLOT_MOST_OPEN + random), SLOT_MOST_OPEN);
 }
 
-// counts: see probe_rows.cl. exposure, hidden: SlotExposure. share: what of the slot's area its rays count for, the
+// counts: see probe_rows.cl. exposure, hidden: TexelInterior. share: what of the slot's area its rays count for, the
 // mean of the openness over it. openness: of its parts. points: of its random points, 4 bits each, 0 for hidden ones.
 __kernel void finish_openness(uint slots, AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                               __global const AtlasSample* restrict atlas_samples, __global const uint* restrict counts,

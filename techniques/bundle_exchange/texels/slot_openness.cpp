@@ -5,9 +5,10 @@
 #include <cmath>
 
 #include "bundle_exchange/bundle_program.h"
-#include "lucarium/services/bundles/bundle_view.h"
+#include "bundle_exchange/shared/slots.h"
 #include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/base/error.h"
+#include "lucarium/services/bundles/bundle_view.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 
 namespace lucarium::bundle {
@@ -55,7 +56,7 @@ SlotOpenness::SlotOpenness(Device& device, const SceneBuffers& buffers, const Su
 SlotOpenness::~SlotOpenness() = default;
 
 void SlotOpenness::begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
-                         const SceneBuffers& buffers, const SurfaceAtlas& atlas, const SlotExposure& exposure,
+                         const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& exposure,
                          const LayeredRaster& raster) {
   const uint32_t slots = atlas.info().texel_count;
   probes_ = std::make_unique<Probes>();

@@ -2,9 +2,9 @@
 #pragma once
 #include <memory>
 
-#include "bundle_exchange/texels/slot_exposure.h"
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/interior_surfaces/texel_interior.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 
 namespace lucarium::bundle {
@@ -24,7 +24,7 @@ class SlotOpenness {
 
   /// Prepares the bundles. `raster`: for films of safe_pixel() at least.
   void begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
-             const SceneBuffers& buffers, const SurfaceAtlas& atlas, const SlotExposure& exposure,
+             const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& exposure,
              const LayeredRaster& raster);
   /// When `exposure` is complete: draws the next bundle; false when cancelled, and nothing has changed. Without a gap
   /// only hidden parts are looked for, and no bundle is drawn where there are none.

@@ -8,25 +8,15 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/compute/program/source_library.h"
 
-const lucarium::EmbeddedSources& micro_rendering_kernels();
-
 namespace lucarium::micro {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 // Of a side that few directions see a walk may not find the way; it matters as little.
 constexpr uint32_t kFrontWalks = 8, kBackWalks = 4;
 constexpr uint32_t kSteps =
     6;  // that bring a walk away: in the gap between two solids many steps end at fronts, few of them all along
-constexpr size_t kAtOnce = 1 << 18;      // points, of which each takes 61 bytes
 constexpr double kLeastShare = 1.0 / 8;  // of points that are worth looking for
 const char* const kRemedy = "lower points_log2";
-
-Program exposure_program(Device& device) {
-  SourceLibrary library;
-  library.add(micro_rendering_kernels());
-  return Program(device, library, {"micro_rendering/exposure", {"micro_rendering/points/micro_exposure.cl"}, {}});
-}
 
 uint32_t quantize_weight(float w) { return static_cast<uint32_t>(std::clamp(w * 65535.f, 0.f, 65535.f)); }
 
@@ -61,6 +51,18 @@ std::unique_ptr<Bvh> make_resting(Device& device, const ScenePoints& points, con
   return std::make_unique<Bvh>(device, vertices, triangles);
 }
 
+/// The points where their leaves will be, whose weights are rounded.
+std::vector<InteriorPoint> interior_points(const std::vector<SampledPoint>& points) {
+  static_assert(MICRO_LEAF_BACK == INTERIOR_BACK);
+  std::vector<InteriorPoint> result;
+  for (const SampledPoint& p : points) {
+    const uint32_t weights = leaf_of(p).weights;
+    result.push_back({p.source, static_cast<float>(weights & 0xffffu) * (1.f / 65535.f),
+                      static_cast<float>(weights >> 16) * (1.f / 65535.f)});
+  }
+  return result;
+}
+
 double share_of(const std::vector<bool>& seen) {
   return static_cast<double>(std::count(seen.begin(), seen.end(), true)) /
          static_cast<double>(std::max<size_t>(seen.size(), 1));
@@ -76,98 +78,24 @@ MicroLeaf leaf_of(const SampledPoint& point) {
 PointExposure::PointExposure(Device& device, KernelScheduler& scheduler, const ScenePoints& scene_points,
                              const SceneBuffers& buffers, const Intersector& intersector,
                              const std::vector<TreeSource>& sources, float contact, const std::string& owner)
-    : device_(device),
-      scheduler_(scheduler),
-      buffers_(buffers),
-      resting_(make_resting(device, scene_points, buffers, sources)),
-      intersector_(resting_ ? *resting_ : intersector),
+    : resting_(make_resting(device, scene_points, buffers, sources)),
       scene_points_(scene_points),
-      contact_(contact),
-      owner_(owner),
-      program_(exposure_program(device)) {}
+      interior_(device, scheduler, buffers, resting_ ? *resting_ : intersector, {kSteps, contact}, owner, kRemedy) {}
 
-std::vector<bool> PointExposure::fronts(const std::vector<SampledPoint>& points, const Progress& progress) {
-  return measure(points, std::vector<uint8_t>(points.size(), 0), MICRO_SEEN_FRONT, kFrontWalks, progress);
+std::vector<bool> PointExposure::fronts(const std::vector<SampledPoint>& points, const Progress& progress) const {
+  return interior_.are_open(interior_points(points), {}, PointInterior::Side::own, kFrontWalks, progress);
 }
 
-std::vector<bool> PointExposure::backs(const std::vector<SampledPoint>& points, const Progress& progress) {
+std::vector<bool> PointExposure::backs(const std::vector<SampledPoint>& points, const Progress& progress) const {
   std::vector<uint8_t> known;
   for (const SampledPoint& p : points)
     known.push_back(is_two_sided(scene_points_.material(p.source & MICRO_LEAF_TRIANGLE)) ? 1 : 0);
-  return measure(points, known, MICRO_SEEN_BACK, kBackWalks, progress);
-}
-
-std::vector<bool> PointExposure::measure(const std::vector<SampledPoint>& points, const std::vector<uint8_t>& known,
-                                         uint32_t side, uint32_t most_walks, const Progress& progress) {
-  std::vector<bool> seen;
-  for (size_t first = 0; first < points.size(); first += kAtOnce) {
-    const size_t count = std::min(kAtOnce, points.size() - first);
-    const auto part = [&](double fraction) {
-      if (progress)
-        progress((static_cast<double>(first) + fraction * static_cast<double>(count)) /
-                 static_cast<double>(points.size()));
-    };
-    for (const uint8_t escaped :
-         walk(std::span(points).subspan(first, count), std::span(known).subspan(first, count), side, most_walks, part))
-      seen.push_back(escaped != 0);
-  }
-  return seen;
-}
-
-/// Which of some points a walk has escaped from; nonzero in `known` where none is needed.
-std::vector<uint8_t> PointExposure::walk(std::span<const SampledPoint> points, std::span<const uint8_t> known,
-                                         uint32_t side, uint32_t most_walks, const Progress& progress) {
-  std::vector<MicroLeaf> list;
-  for (const SampledPoint& p : points) list.push_back(leaf_of(p));
-  const TypedBuffer<MicroLeaf> leaves(device_, owner_, "points", list, kRemedy);
-  TypedBuffer<uint8_t> escaped(device_, owner_, "exposed points", std::vector<uint8_t>(known.begin(), known.end()),
-                               kRemedy);
-  const auto count = static_cast<uint32_t>(points.size());
-  const TypedBuffer<uint32_t> ray_count(device_, owner_, "number of points", std::vector<uint32_t>{count});
-
-  ScheduleRecorder recorder = scheduler_.record("exposure of points", owner_);
-  const Variable<uint32_t> number = recorder.variable("number", 0u);
-  const BufferRef rays = recorder.transient<Ray>("steps of walks", count, kRemedy);
-  const BufferRef hits = recorder.transient<Hit>("ends of steps", count, kRemedy);
-  PassBuilder begin = recorder.pass("begin walks", program_, "mr_begin_walks");
-  buffers_.bind(begin, program_, "mr_begin_walks");
-  begin.global(count)
-      .local(kLocalSize)
-      .arg("leaves", leaves)
-      .arg("count", count)
-      .arg("side", side)
-      .arg("number", number)
-      .arg("escaped", escaped)
-      .arg("rays", rays);
-  for (uint32_t step = 0; step < kSteps; ++step) {
-    intersector_.record_closest(recorder, "steps of walks", rays, hits, ray_count, 0, count);
-    PassBuilder pass = recorder.pass("walk", program_, "mr_walk");
-    buffers_.bind(pass, program_, "mr_walk");
-    pass.global(count)
-        .local(kLocalSize)
-        .arg("count", count)
-        .arg("number", step)
-        .arg("last", step + 1 == kSteps ? 1u : 0u)
-        .arg("contact", contact_)
-        .arg("hits", hits)
-        .arg("rays", rays)
-        .arg("escaped", escaped);
-  }
-  Schedule schedule = recorder.compile();
-  for (uint32_t i = 0; i < most_walks; ++i) {
-    throw_if_interrupted("hidden points");
-    progress(static_cast<double>(i) / most_walks);
-    schedule.set(number, i);
-    scheduler_.run_to_end(schedule);
-  }
-  scheduler_.finish();
-  return escaped.download();
+  return interior_.are_open(interior_points(points), known, PointInterior::Side::behind, kBackWalks, progress);
 }
 
 size_t PointExposure::estimate_bytes(const Scene& scene, size_t points) {
-  const size_t per_point = sizeof(MicroLeaf) + sizeof(Ray) + sizeof(Hit) + sizeof(uint8_t);
   const auto most = static_cast<size_t>(static_cast<double>(points) / kLeastShare);
-  return std::min(kAtOnce, most) * per_point + (scene.animations.empty() ? 0 : Bvh::estimate_bytes(scene));
+  return PointInterior::estimate_bytes(most) + (scene.animations.empty() ? 0 : Bvh::estimate_bytes(scene));
 }
 
 double ExposedSampler::exposed_share(const TreeSource& source, uint32_t points) const {

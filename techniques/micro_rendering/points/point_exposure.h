@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/interior_surfaces/point_interior.h"
 #include "micro_rendering/points/scene_sides.h"
 #include "micro_rendering/shared/micro_types.h"
 
@@ -18,39 +17,26 @@ namespace lucarium::micro {
 /// The leaf at a point.
 MicroLeaf leaf_of(const SampledPoint& point);
 
-/// Which sides of points anything sees. Walks leave a side in all directions and go on from where they meet fronts; a
-/// walk that meets the back of a single-sided surface is inside a solid, or in a gap that solids close, and where all
-/// are nothing sees that side. What moves hides nothing, since it may move away; two-sided surfaces never do.
+/// Which sides of points anything sees (interior_walks.h). What moves hides nothing, since it may move away, nor do
+/// MASK and BLEND surfaces, since they are there for some rays only.
 class PointExposure {
  public:
-  /// `intersector`: of the whole scene; `sources`: all trees; `contact`: fronts that are no farther apart see nothing
-  /// of each other [m].
+  /// `intersector`: of the whole scene; `sources`: all trees; `contact`: see InteriorRule.
   PointExposure(Device& device, KernelScheduler& scheduler, const ScenePoints& scene_points,
                 const SceneBuffers& buffers, const Intersector& intersector, const std::vector<TreeSource>& sources,
                 float contact, const std::string& owner);
 
-  using Progress = std::function<void(double fraction)>;  ///< may be empty
+  using Progress = PointInterior::Progress;
   /// Whether something sees the front of each point. Throws Error{interrupted}.
-  std::vector<bool> fronts(const std::vector<SampledPoint>& points, const Progress& progress);
+  std::vector<bool> fronts(const std::vector<SampledPoint>& points, const Progress& progress) const;
   /// Whether something sees the backs of those points that are on single-sided surfaces.
-  std::vector<bool> backs(const std::vector<SampledPoint>& points, const Progress& progress);
+  std::vector<bool> backs(const std::vector<SampledPoint>& points, const Progress& progress) const;
   static size_t estimate_bytes(const Scene& scene, size_t points);
 
  private:
-  std::vector<bool> measure(const std::vector<SampledPoint>& points, const std::vector<uint8_t>& known, uint32_t side,
-                            uint32_t most_walks, const Progress& progress);
-  std::vector<uint8_t> walk(std::span<const SampledPoint> points, std::span<const uint8_t> known, uint32_t side,
-                            uint32_t most_walks, const Progress& progress);
-
-  Device& device_;
-  KernelScheduler& scheduler_;
-  const SceneBuffers& buffers_;
   std::unique_ptr<Bvh> resting_;  ///< without what moves
-  const Intersector& intersector_;
   const ScenePoints& scene_points_;
-  float contact_;
-  std::string owner_;
-  Program program_;
+  PointInterior interior_;
 };
 
 /// Samples the surfaces of trees where something sees their fronts.

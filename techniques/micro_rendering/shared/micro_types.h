@@ -56,10 +56,6 @@ LUCARIUM_STRUCT_END(MicroLeaf, 12)
 #define MICRO_LEAF_SOLID 0x40000000u
 #define MICRO_LEAF_TRIANGLE 0x3fffffffu  // the triangle's number alone
 
-// Sides of a leaf that something sees (point_exposure.h).
-#define MICRO_SEEN_FRONT 1u
-#define MICRO_SEEN_BACK 2u
-
 #define MICRO_CUT_LEVELS 6u  // most levels that the cut of gathering nodes reaches below its level
 
 // Glossy lobe of a leaf (node_shading=dynamic); ideal ones are left out.

@@ -4,15 +4,16 @@
 #include <functional>
 #include <memory>
 
-#include "lucarium/services/bundles/direction_sequence.h"
 #include "bundle_exchange/exchange/bundle_transfer.h"
 #include "bundle_exchange/senders/slot_means.h"
 #include "bundle_exchange/senders/slot_preview.h"
+#include "bundle_exchange/shared/slots.h"
 #include "bundle_exchange/specular/slot_specular.h"
 #include "bundle_exchange/texels/slot_openness.h"
 #include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
+#include "lucarium/services/bundles/direction_sequence.h"
 #include "lucarium/services/bvh/bvh.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
@@ -41,7 +42,7 @@ class BundleRig {
         bvh_(*device_, scene_, buffers_),
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
         program_(make_program(*device_, channels, std::move(defines))),
-        exposure_(*device_, scheduler_, program_, buffers_, bvh_, atlas_),
+        exposure_(*device_, scheduler_, buffers_, bvh_, atlas_, "bundle_exchange", "lower texels"),
         openness_(*device_, buffers_, atlas_, {pixel_size, parameters.open_gap}),
         light_(*device_, "test", "light samples", atlas_.info().texel_count),
         means_(*device_, scheduler_, program_, atlas_, openness_.shares(), light_, channels, parameters_),
@@ -210,13 +211,12 @@ class BundleRig {
     SourceLibrary library;
     library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
-    return Program(
-        device, library,
-        {"bundle_exchange/test",
-         {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl", "bundle_exchange/specular/hops.cl",
-          "bundle_exchange/senders/ring.cl", "bundle_exchange/texels/slot_exposure.cl",
-          "bundle_exchange/texels/slot_openness.cl", "bundle_exchange/senders/preview.cl"},
-         defines});
+    return Program(device, library,
+                   {"bundle_exchange/test",
+                    {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl",
+                     "bundle_exchange/specular/hops.cl", "bundle_exchange/senders/ring.cl",
+                     "bundle_exchange/texels/slot_openness.cl", "bundle_exchange/senders/preview.cl"},
+                    defines});
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;
@@ -232,7 +232,7 @@ class BundleRig {
   Bvh bvh_;
   SurfaceAtlas atlas_;
   Program program_;
-  bundle::SlotExposure exposure_;
+  TexelInterior exposure_;
   bundle::SlotOpenness openness_;
   TypedBuffer<float4> light_;
   bundle::SlotMeans means_;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Slots of the surface atlas from the scene as it is: sample positions, areas, what the surface scatters and emits.
+#include "lucarium/atlas_surface.clh"
 #include "lucarium/bsdf.clh"
 #include "lucarium/lights.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/surface_point.h"
 #include "lucarium/surface_atlas.clh"
-#include "lucarium/surface_point.clh"
 
 float triangle_area(const global Vertex* vertices, Triangle triangle) {
   const float3 a = vertices[triangle.v0].position.xyz;
@@ -30,7 +30,6 @@ __kernel void place_atlas_slots(__global const Vertex* restrict scene_vertices,
   texel.area = area;
   atlas_texels[slot] = texel;
 
-  const bool back = slot >= atlas_info.double_sided_count && slot < 2u * atlas_info.double_sided_count;
   const Triangle triangle = scene_triangles[texel.triangle];
   const Vertex a = scene_vertices[triangle.v0], b = scene_vertices[triangle.v1], c = scene_vertices[triangle.v2];
   const float3 interpolated = interpolate3(a.normal.xyz, b.normal.xyz, c.normal.xyz, texel.b1, texel.b2);
@@ -40,7 +39,7 @@ __kernel void place_atlas_slots(__global const Vertex* restrict scene_vertices,
   point.position = (float4)(a.position.xyz + texel.b1 * (b.position.xyz - a.position.xyz) +
                                 texel.b2 * (c.position.xyz - a.position.xyz),
                             0.0f);
-  point.normal = (float4)(back ? -normal : normal, 0.0f);
+  point.normal = (float4)(atlas_slot_is_front(atlas_info, slot) ? normal : -normal, 0.0f);
   point.u = texel.b1;
   point.v = texel.b2;
   point.triangle = texel.triangle;
@@ -56,8 +55,7 @@ __kernel void shade_atlas_slots(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (slot >= atlas_info.texel_count) return;
   LUCARIUM_SCENE_BIND(scene);
   const SurfacePoint point = atlas_points[slot];
-  const bool back = slot >= atlas_info.double_sided_count && slot < 2u * atlas_info.double_sided_count;
-  const Surface surface = surface_on_side(&scene, point.triangle, point.u, point.v, !back);
+  const Surface surface = atlas_surface(&scene, atlas_info, slot, point.triangle, point.u, point.v);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   AtlasMaterial material;
   material.diffuse = (float4)(bsdf.diffuse, bsdf.alpha);
