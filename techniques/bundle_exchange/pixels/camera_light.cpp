@@ -36,6 +36,7 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
     HopTracer::Options chains;
     chains.targets = pixels_;
     chains.gains = 2;
+    chains.layout = HOP_GAIN_LAYERS;
     chains.punctual = options.punctual;
     chains.what = "pixels";
     chains_ = std::make_unique<HopTracer>(device, scheduler, program, scene, intersector, atlas, means.diffuse_shown(),
@@ -81,7 +82,7 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
 
 void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
   ScheduleRecorder recorder = scheduler_->record("begin chains of pixels", kOwner);
-  settings_ = recorder.variable("settings", HopSettings{});
+  settings_ = recorder.variable("settings", ChainSettings{});
   PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_hops");
   scene.bind(begin, program, "begin_pixel_hops");
   begin.global(pixels_)
@@ -90,21 +91,21 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
       .arg("whole", whole() && !bundles_ ? 1u : 0u)
       .arg("alpha_most", bundles_ ? options_.alpha_least : std::numeric_limits<float>::infinity())
       .arg("settings", settings_);
-  begin.arg("gain", chains_->gain()).arg("hops", chains_->hops()).arg("rays", chains_->first_rays());
-  begin.arg("queue", chains_->queue()).arg("active", chains_->active());
+  const SpecularChains& chains = chains_->chains();
+  begin.arg("gain", chains_->gain()).arg("chains", chains.chains()).arg("rays", chains.first_rays());
+  begin.arg("queue", chains.queue()).arg("active", chains.active());
   begin_ = recorder.compile();
 }
 
 bool CameraLight::gather() {
-  HopSettings settings{};
+  ChainSettings settings{};
   settings.seed = (frame_.seed ^ 0x706978u) * 0x9e3779b9u + samples_;
   settings.first_light = options_.exchanged ? 1 : 2;  // else the first is DirectLight's
   settings.lit = 1;
-  settings.most_hops = options_.single ? 1 : kMostHops;
+  settings.max_vertices = options_.single ? 1 : SpecularChains::kMaxVertices;
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces) + 1;
-  settings.gains = HOP_GAIN_LAYERS;
   begin_.set(settings_, settings);
-  return scheduler_->run(begin_) == RunResult::done && chains_->follow(settings);
+  return scheduler_->run(begin_) == RunResult::done && chains_->chains().follow(settings);
 }
 
 bool CameraLight::begin_sample() {
@@ -127,7 +128,7 @@ void CameraLight::commit(bool atlas_known) {
 
 void CameraLight::reset(uint32_t seed) {
   frame_.seed = seed;
-  if (chains_) chains_->reset_count();
+  if (chains_) chains_->chains().reset_count();
   set_frame(frame_);
 }
 
@@ -146,7 +147,7 @@ void CameraLight::warm_up() {
   if (bundles_) bundles_->warm_up();
   if (chains_) {
     scheduler_->warm_up(begin_);
-    chains_->warm_up();
+    chains_->chains().warm_up();
   }
   scheduler_->warm_up(add_);
 }

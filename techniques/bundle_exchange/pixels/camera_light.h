@@ -43,7 +43,7 @@ class CameraLight {
   /// `smoothed`: the image of the preview.
   void resolve(Film& film, bool smoothed) const;
   PixelGather* pixel_gather() { return bundles_.get(); }  ///< null where bundles gather nothing
-  uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
+  uint64_t rays() const { return chains_ ? chains_->chains().rays() : 0; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
  private:
@@ -67,7 +67,7 @@ class CameraLight {
   std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered
   std::unique_ptr<PixelGather> bundles_;
   Schedule begin_, add_;
-  Variable<HopSettings> settings_;
+  Variable<ChainSettings> settings_;
   Variable<float> atlas_weight_;
 };
 

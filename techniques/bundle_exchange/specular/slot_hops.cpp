@@ -15,6 +15,7 @@ HopTracer::Options tracer_options(uint32_t count, const Channels& channels, cons
   HopTracer::Options result;
   result.targets = count;
   result.gains = channels.reflected();
+  result.layout = channels.self_fed ? HOP_GAIN_ONE : HOP_GAIN_CHANNELS;
   result.punctual = options.punctual;
   result.what = "slots";
   return result;
@@ -46,7 +47,6 @@ SlotHops::SlotHops(Device& device, KernelScheduler& scheduler, const Program& pr
     : scheduler_(&scheduler),
       program_(program),
       options_(options),
-      joined_(means.channels().self_fed),
       count_(static_cast<uint32_t>(list.slots.size())),
       primitives_(device),
       list_(device, kOwner, "specular slots", list.slots),
@@ -68,7 +68,7 @@ size_t SlotHops::estimate_bytes(size_t slots, const Channels& channels) {
 void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means) {
   ScheduleRecorder recorder = scheduler_->record("begin chains of slots", kOwner);
   omega_ = recorder.variable("omega", float4{});
-  settings_ = recorder.variable("settings", HopSettings{});
+  settings_ = recorder.variable("settings", ChainSettings{});
   const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", count_);
   const BufferRef shadow_light = recorder.transient<float4>("light behind them", count_);
   const BufferRef chosen = recorder.transient<uint32_t>("chosen", count_);
@@ -79,20 +79,21 @@ void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, cons
       .arg("settings", settings_)
       .arg("chosen", chosen)
       .arg("gain", tracer_.gain());
-  primitives_.record_compact(recorder, "compact slots", chosen, tracer_.queue(), tracer_.active(), 0, size_, 0, count_);
+  primitives_.record_compact(recorder, "compact slots", chosen, tracer_.chains().queue(), tracer_.chains().active(), 0,
+                             size_, 0, count_);
   PassBuilder begin = surface_pass(recorder, "begin chains of slots", program_, "begin_slot_hops", scene, atlas);
-  begin.global_by(tracer_.active())
+  begin.global_by(tracer_.chains().active())
       .arg("list", list_)
       .arg("probabilities", probabilities_)
       .arg("omega", omega_)
       .arg("settings", settings_)
-      .arg("hops", tracer_.hops())
-      .arg("rays", tracer_.first_rays())
-      .arg("queue", tracer_.queue())
-      .arg("active", tracer_.active())
+      .arg("chains", tracer_.chains().chains())
+      .arg("rays", tracer_.chains().first_rays())
+      .arg("queue", tracer_.chains().queue())
+      .arg("active", tracer_.chains().active())
       .arg("shadow_rays", shadow_rays)
       .arg("shadow_light", shadow_light);
-  tracer_.record_punctual(recorder, settings_, shadow_rays, shadow_light);
+  tracer_.chains().record_light(recorder, shadow_rays, shadow_light);
   begin_ = recorder.compile();
   ScheduleRecorder apply = scheduler_->record("send chains' light", kOwner);
   apply.pass("send chains' light", program_, "apply_slot_gains")
@@ -106,22 +107,21 @@ void SlotHops::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, cons
 }
 
 bool SlotHops::find(const BundleDirection& direction, uint32_t seed, bool lit) {
-  HopSettings settings{};
+  ChainSettings settings{};
   settings.seed = seed;
   settings.first_light = 1;
   settings.lit = lit;
-  settings.most_hops = options_.only_punctual ? 0 : kMostHops;
+  settings.max_vertices = options_.only_punctual ? 0 : SpecularChains::kMaxVertices;
   settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces);
-  settings.gains = joined_ ? HOP_GAIN_ONE : HOP_GAIN_CHANNELS;
   begin_.set(settings_, settings);
   begin_.set(omega_, float4(direction.direction, 0.f));
-  return scheduler_->run(begin_) == RunResult::done && (options_.only_punctual || tracer_.follow(settings)) &&
+  return scheduler_->run(begin_) == RunResult::done && (options_.only_punctual || tracer_.chains().follow(settings)) &&
          scheduler_->run(apply_) == RunResult::done;
 }
 
 void SlotHops::warm_up() {
   scheduler_->warm_up(begin_);
-  tracer_.warm_up();
+  tracer_.chains().warm_up();
   scheduler_->warm_up(apply_);
 }
 

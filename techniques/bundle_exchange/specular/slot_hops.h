@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/services/bundles/direction_sequence.h"
 #include "bundle_exchange/specular/hop_tracer.h"
+#include "lucarium/services/bundles/direction_sequence.h"
 
 namespace lucarium::bundle {
 
@@ -34,8 +34,8 @@ class SlotHops {
   /// chains find of lights.
   bool find(const BundleDirection& direction, uint32_t seed, bool lit);
   void warm_up();
-  uint64_t rays() const { return tracer_.rays(); }
-  void reset_count() { tracer_.reset_count(); }
+  uint64_t rays() const { return tracer_.chains().rays(); }
+  void reset_count() { tracer_.chains().reset_count(); }
 
   static size_t estimate_bytes(size_t slots, const Channels& channels);
 
@@ -44,7 +44,6 @@ class SlotHops {
   KernelScheduler* scheduler_;
   Program program_;
   Options options_;
-  bool joined_;
   uint32_t count_;
   Primitives primitives_;
   TypedBuffer<uint32_t> list_, size_;
@@ -52,7 +51,7 @@ class SlotHops {
   HopTracer tracer_;
   Schedule begin_, apply_;
   Variable<float4> omega_;
-  Variable<HopSettings> settings_;
+  Variable<ChainSettings> settings_;
 };
 
 }  // namespace lucarium::bundle
