@@ -4,10 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lucarium/base/embedded_files.h"
-#include "lucarium/base/interrupt.h"
-#include "lucarium/compute/program/source_library.h"
-
 namespace lucarium::micro {
 namespace {
 

@@ -27,7 +27,6 @@
 
 #define MICRO_LARGEST_RADIUS 131008.0f  // of a node [grid steps]: twice the largest half
 #define MICRO_GRID 65535.0f             // steps of the grid along each side of its cube
-#define MICRO_NORMAL_STEPS 1022u        // of an octahedral coordinate; even, so that the axes are exact
 #define MICRO_CONE_STEPS 255u           // of pi
 
 #define MICRO_NODE_CULLABLE \

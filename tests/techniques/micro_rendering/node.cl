@@ -18,8 +18,3 @@ __kernel void round_trip_nodes(__global const float4* restrict in, uint count, _
   out[3 * i + 1] = (float4)(back.normal, back.cone);
   out[3 * i + 2] = (float4)((float)back.flags + 16.0f * (float)(back.side != i % 256u), 0.0f, 0.0f, 0.0f);
 }
-
-__kernel void round_trip_directions(__global const float4* restrict in, uint count, __global float4* restrict out) {
-  const uint i = get_global_id(0);
-  if (i < count) out[i] = (float4)(unpack_direction(pack_direction(in[i].xyz)), 0.0f);
-}

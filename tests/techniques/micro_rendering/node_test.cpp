@@ -107,19 +107,3 @@ TEST_CASE("axes and flags are kept") {
     if (i % 32 == 1) CHECK(packed[i].cone.z == -1.f);
   }
 }
-
-TEST_CASE("directions of 32 bits are precise") {
-  std::mt19937 random(11);
-  std::vector<float4> in;
-  for (int i = 0; i < 1 << 16; ++i) in.push_back(float4(unit_vector(random), 0));
-  for (const glm::vec3 axis : {glm::vec3(1, 0, 0), glm::vec3(0, -1, 0), glm::vec3(0, 0, 1), glm::vec3(0, 0, -1)})
-    in.push_back(float4(axis, 0));
-  const auto input = test::test_buffer(in), output = test::test_buffer<float4>(in.size());
-  const uint32_t count = static_cast<uint32_t>(in.size());
-  test::run_kernel(test::micro_program("test_micro_rendering/node.cl"), "round_trip_directions", count, 64,
-                   [&](PassBuilder& pass) { pass.arg("in", input).arg("count", count).arg("out", output); });
-  const std::vector<float4> out = output.download();
-  double worst = 0;
-  for (size_t i = 0; i < in.size(); ++i) worst = std::max(worst, angle(in[i].xyz(), out[i].xyz()));
-  CHECK(worst < octahedral_error(65534));
-}

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "device_fixture.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/interior_surfaces/point_interior.h"
@@ -122,7 +123,8 @@ TEST_CASE("glass lets walks escape, two-sided sheets let them go on") {
     // Inside a solid the sheet helps nobody.
     add_box(scene, {-1.5f, -1, -1.5f}, {1.5f, 1, 1.5f});
     const double inside = open_shares(places(scene, {.steps = 6}, kOwn, 8), 1)[0];
-    glass ? CHECK(inside == 1) : CHECK(inside > 0);  // a walk that stays between floor and sheet cannot tell
+    // A walk that stays between floor and sheet cannot tell.
+    CHECK(inside >= (glass ? 1 : 0.01));
   }
 }
 
