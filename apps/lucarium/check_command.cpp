@@ -5,8 +5,8 @@
 
 #include "commands.h"
 #include "lucarium/base/error.h"
-#include "lucarium/base/interrupt.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/conformance/conformance.h"
 #include "lucarium/version.h"
 #include "options.h"
@@ -37,13 +37,13 @@ void print_head(const TechniqueType& type, const ConformanceOptions& options, co
   std::string settings;
   for (const auto& [name, value] : effective_parameters(type.info(), options))
     settings += fmt::format("{}{}={}", settings.empty() ? ", with " : ",", name, value);
-  fmt::print("{} {} on {}{}\n", type.info().name, type.info().version, device.info().name, settings);
+  print_result("{} {} on {}{}\n", type.info().name, type.info().version, device.info().name, settings);
 }
 
 void print_row(const CheckResult& result) {
-  fmt::print("{:<12} {:<31} {}\n", verdict_name(result.verdict), result.name, result.measured);
-  if (result.verdict == Verdict::failed) fmt::print("{:<12} {:<31} required: {}\n", "", "", result.required);
-  std::fflush(stdout);
+  print_result("{:<12} {:<31} {}\n", verdict_name(result.verdict), result.name, result.measured);
+  if (result.verdict == Verdict::failed) print_result("{:<12} {:<31} required: {}\n", "", "", result.required);
+  flush_results();
 }
 
 ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueType& type,
@@ -109,13 +109,12 @@ int check(const CheckArguments& arguments) {
   };
   const std::vector<CheckResult> results = check_technique(device, registry, type, options);
   const size_t failed = count(results, Verdict::failed);
-  if (arguments.output.json) fmt::print("{}\n", to_json(results, type, options, *device).dump(2));
+  if (arguments.output.json) print_result("{}\n", to_json(results, type, options, *device).dump(2));
   if (table) {
-    fmt::print("{}: {} passed, {} failed, {} skipped, {} not claimed\n", type.info().name,
-               count(results, Verdict::passed), failed, count(results, Verdict::skipped),
-               count(results, Verdict::not_claimed));
+    print_result("{}: {} passed, {} failed, {} skipped, {} not claimed\n", type.info().name,
+                 count(results, Verdict::passed), failed, count(results, Verdict::skipped),
+                 count(results, Verdict::not_claimed));
   }
-  if (interrupt_requested()) throw_error(ErrorClass::interrupted, "interrupted after {} checks", results.size());
   return failed > 0 ? exit_failed : 0;
 }
 
@@ -138,10 +137,7 @@ void add_check_command(Command program, Action& action) {
   command.add_flag(
       "--full", arguments->full,
       "at the technique's defaults, not the settings it names for checks of a few minutes; may take hours");
-  command.add_option("--technique-path", arguments->folders, "folder of plug-ins, searched first")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  add_technique_path(command, arguments->folders);
   arguments->device.add_to(command);
   arguments->output.add_to(command);
   command.callback([arguments, &action] { action = [arguments] { return check(*arguments); }; });

@@ -3,7 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <limits>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
@@ -72,6 +74,42 @@ Check not_negative_number() {
       },
       "not negative"));
 }
+
+Check finite_number() {
+  return make_check(CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+        return good ? std::string() : fmt::format("'{}' is not a finite number", text);
+      },
+      "finite"));
+}
+
+Check whole_number(uint64_t smallest) {
+  return make_check(CLI::Validator(
+      [smallest](std::string& text) {
+        uint64_t value = 0;
+        const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (failure != std::errc() || end != text.data() + text.size() || value < smallest) {
+          return fmt::format("'{}' is not a whole number from {} to {}", text, smallest,
+                             std::numeric_limits<uint64_t>::max());
+        }
+        text = std::to_string(value);  // CLI11 takes leading zeros for an octal number
+        return std::string();
+      },
+      "whole number"));
+}
+
+Check existing_folder() {
+  return make_check(CLI::Validator(
+      [](std::string& text) {
+        std::error_code ignored;
+        const bool there = std::filesystem::is_directory(text, ignored);
+        return there ? std::string() : fmt::format("there is no folder '{}'", text);
+      },
+      "FOLDER"));
+}
+
 Check in_range(int low, int high) { return make_check(CLI::Range(low, high)); }
 Check in_range(unsigned low, unsigned high) { return make_check(CLI::Range(low, high)); }
 Check one_of(std::vector<std::string> words) { return make_check(CLI::IsMember(std::move(words))); }

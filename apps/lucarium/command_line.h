@@ -2,6 +2,7 @@
 // The grammar of the command line: commands and options that write into variables. command_line.cpp alone includes
 // CLI11, which takes seconds to compile in every source that does.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -19,8 +20,11 @@ namespace lucarium::app {
 
 /// What an option's text must be; says what is wrong in one line, and shows in --help.
 using Check = std::shared_ptr<const CLI::Validator>;
-Check positive_number();      ///< finite and above 0
-Check not_negative_number();  ///< finite and not below 0
+Check positive_number();                ///< finite and above 0
+Check not_negative_number();            ///< finite and not below 0
+Check finite_number();                  ///< neither infinite nor NaN
+Check whole_number(uint64_t smallest);  ///< decimal digits alone, up to 2⁶⁴ − 1
+Check existing_folder();
 Check in_range(int low, int high);
 Check in_range(unsigned low, unsigned high);
 Check one_of(std::vector<std::string> words);

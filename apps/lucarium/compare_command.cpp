@@ -5,6 +5,7 @@
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
 #include "lucarium/compute/device/cache_folder.h"
@@ -107,18 +108,18 @@ int compare(CompareArguments arguments) {
   for (const std::string& gate : arguments.gates) options.gates.push_back(parse_gate(gate));
   options.program = fs::read_symlink("/proc/self/exe");
   options.cache_dir = resolve_cache_dir(arguments.device.resolved());
-  if (!arguments.output.quiet) options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  if (!arguments.output.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   const TechniqueRegistry registry(arguments.technique.folders);
   if (arguments.dry_run) {
-    fmt::print("{}", describe_plan(spec, registry, options));
+    print_result("{}", describe_plan(spec, registry, options));
     return 0;
   }
   if (options.folder.empty()) throw_error(ErrorClass::usage, "where to? add --output FOLDER");
   const ComparisonResult result = run_comparison(spec, registry, options);
-  if (arguments.output.json) fmt::print("{}", result.to_json());
+  if (arguments.output.json) print_result("{}", result.to_json());
   if (!arguments.output.quiet) {
-    if (result.baseline) fmt::print(stderr, "{}", result.baseline->table(result));
-    fmt::print(stderr, "report: {}\n", (options.folder / "report.html").string());
+    if (result.baseline) print_note("{}", result.baseline->table(result));
+    print_note("report: {}\n", (options.folder / "report.html").string());
   }
   if (result.interrupted) {
     log_warning("interrupted: finished pieces are kept; continue with --resume");
@@ -129,7 +130,7 @@ int compare(CompareArguments arguments) {
 
 int report(const fs::path& folder, const ReportOptions& options) {
   write_report(folder, options);
-  fmt::print("{}\n", (folder / "report.html").string());
+  print_result("{}\n", (folder / "report.html").string());
   return 0;
 }
 
@@ -144,7 +145,9 @@ void add_compare_command(Command program, Action& action) {
   arguments->technique.add_to(command);
   command.add_option("-o,--output", arguments->options.folder, "folder of the results");
   const auto add_budget = [&command](const char* name, auto& values, const char* text) {
-    command.add_option(name, values, text)->check(positive_number())->take_all()->expected(1)->allow_extra_args(false);
+    using Value = typename std::decay_t<decltype(values)>::value_type;
+    const Check valid = std::is_integral_v<Value> ? whole_number(1) : positive_number();
+    command.add_option(name, values, text)->check(valid)->take_all()->expected(1)->allow_extra_args(false);
   };
   add_budget("--time", arguments->seconds,
              "equal time: seconds of preparing and iterating; may be given several times");

@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/film/exposure.h"
 #include "lucarium/film/image_io.h"
+#include "lucarium/scene/exposure.h"
 
 namespace lucarium::app {
 namespace {
@@ -47,9 +49,9 @@ CurveRecorder::CurveRecorder(const std::filesystem::path& reference, const Rende
                              float exposure_stops, const CurveSchedule& schedule)
     : width_(settings.width),
       height_(settings.height),
-      exposure_(exposure_stops),
       truth_(read_truth(reference, settings)),
-      reference_(width_, height_, truth_, {exposure_stops, false}),
+      exposure_(is_automatic(exposure_stops) ? automatic_exposure(truth_) : exposure_stops),
+      reference_(width_, height_, truth_, {exposure_, false}),
       schedule_(schedule),
       next_(schedule.first) {}
 

@@ -31,6 +31,9 @@ class CurveRecorder {
   CurveRecorder(const std::filesystem::path& reference, const RenderSettings& settings, float exposure_stops,
                 const CurveSchedule& schedule);
 
+  /// The stated one, or where that is automatic the reference's [stops].
+  float exposure() const { return exposure_; }
+
   /// After an iteration: takes a snapshot if one is due. Returns its relMSE.
   std::optional<double> sample(RenderSession& session);
   /// All metrics of the finished image, FLIP among them, and the last snapshot if it is not there yet.
@@ -47,8 +50,8 @@ class CurveRecorder {
   void take(RenderSession& session, const std::vector<float>& image);
 
   uint32_t width_, height_;
-  float exposure_;
   std::vector<float> truth_;
+  float exposure_;
   MetricReference reference_;
   CurveSchedule schedule_;
   double next_;

@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "lucarium/base/byte_size.h"
+#include "lucarium/base/terminal.h"
 #include "options.h"
 
 namespace lucarium::app {
@@ -37,12 +38,12 @@ int devices(const DeviceArguments& arguments, bool json) {
                        {"max_allocation_bytes", device.max_allocation_bytes},
                        {"local_memory_bytes", device.local_memory_bytes}});
     if (json) continue;
-    fmt::print("{}  {}  ({}, {} compute units, {} in all, {} at once)\n   {}, {}, driver {}\n", device.index,
-               device.name, type_name(device.type), device.compute_units, format_bytes(device.global_memory_bytes),
-               format_bytes(device.max_allocation_bytes), device.platform, device.opencl_version,
-               device.driver_version);
+    print_result("{}  {}  ({}, {} compute units, {} in all, {} at once)\n   {}, {}, driver {}\n", device.index,
+                 device.name, type_name(device.type), device.compute_units, format_bytes(device.global_memory_bytes),
+                 format_bytes(device.max_allocation_bytes), device.platform, device.opencl_version,
+                 device.driver_version);
   }
-  if (json) fmt::print("{}\n", entries.dump(2));
+  if (json) print_result("{}\n", entries.dump(2));
   return 0;
 }
 

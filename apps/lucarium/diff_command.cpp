@@ -6,6 +6,7 @@
 
 #include "commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/metrics/error_map.h"
@@ -115,9 +116,9 @@ ordered_json diff_json(const DiffArguments& arguments, const std::vector<LayerMe
 
 void print_table(const DiffArguments& arguments, const std::vector<LayerMetrics>& layers) {
   const auto print_row = [&](const std::string& name, const std::string& unit, auto&& text_of) {
-    fmt::print("{:<15} {:<11}", name, unit);
-    for (const LayerMetrics& layer : layers) fmt::print(" {:>12}", text_of(layer));
-    fmt::print("\n");
+    print_result("{:<15} {:<11}", name, unit);
+    for (const LayerMetrics& layer : layers) print_result(" {:>12}", text_of(layer));
+    print_result("\n");
   };
   const auto number = [](double value) {
     return std::isnan(value) ? std::string("none") : fmt::format("{:.6g}", value);
@@ -130,33 +131,33 @@ void print_table(const DiffArguments& arguments, const std::vector<LayerMetrics>
   print_row("of reference", "cd/m^2", [&](const LayerMetrics& layer) { return number(layer.metrics.mean_reference); });
   for (const LayerMetrics& layer : layers) {
     if (layer.metrics.nonfinite)
-      fmt::print("{}: {} pixels are not finite and left out\n", layer.layer, layer.metrics.nonfinite);
+      print_result("{}: {} pixels are not finite and left out\n", layer.layer, layer.metrics.nonfinite);
   }
   std::string higher;
   for (const Metric& metric : metric_table()) {
     if (!metric.lower_is_better) higher += (higher.empty() ? "" : ", ") + metric.name;
   }
-  fmt::print("Less is better, more of {}. Exposure of PSNR, SSIM, LDR_FLIP: {} stops.{}\n", higher, arguments.exposure,
-             arguments.formulas ? "" : " What they mean: --formulas");
+  print_result("Less is better, more of {}. Exposure of PSNR, SSIM, LDR_FLIP: {} stops.{}\n", higher,
+               arguments.exposure, arguments.formulas ? "" : " What they mean: --formulas");
 }
 
 void print_reference(const ordered_json& reference) {
   if (reference.is_null()) return;
   for (const auto& [name, key] : {std::pair{"MSE", "mse"}, std::pair{"relMSE", "relmse"}}) {
-    fmt::print("The reference's own {} is {:.3g}; without it, that of the image is {:.6g}{}\n", name,
-               reference[std::string("own_") + key].get<double>(),
-               reference[std::string("debiased_") + key].get<double>(),
-               reference[std::string(key) + "_resolved"].get<bool>()
-                   ? "."
-                   : ": the reference is too noisy to tell (above a tenth).");
+    print_result("The reference's own {} is {:.3g}; without it, that of the image is {:.6g}{}\n", name,
+                 reference[std::string("own_") + key].get<double>(),
+                 reference[std::string("debiased_") + key].get<double>(),
+                 reference[std::string(key) + "_resolved"].get<bool>()
+                     ? "."
+                     : ": the reference is too noisy to tell (above a tenth).");
   }
 }
 
 void print_formulas(const HdrFlipExposures& exposures) {
-  fmt::print("\nx: image under test, r: reference, mean: over pixels and channels.\n");
-  for (const Metric& metric : metric_table()) fmt::print("{:<15} {}\n", metric.name, metric.formula);
-  fmt::print("Exposures of HDR_FLIP: {} from {:.4f} to {:.4f} stops.\n", exposures.count, exposures.start,
-             exposures.stop);
+  print_result("\nx: image under test, r: reference, mean: over pixels and channels.\n");
+  for (const Metric& metric : metric_table()) print_result("{:<15} {}\n", metric.name, metric.formula);
+  print_result("Exposures of HDR_FLIP: {} from {:.4f} to {:.4f} stops.\n", exposures.count, exposures.start,
+               exposures.stop);
 }
 
 void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
@@ -173,7 +174,7 @@ void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
 int test_statistically(const DiffArguments& arguments, const Film& test, const Film& reference) {
   const ImageTest outcome = test_images(ImageEstimate::from_film(test, arguments.test.string()),
                                         ImageEstimate::from_film(reference, arguments.reference.string()));
-  fmt::print("{}", to_text(outcome));
+  print_result("{}", to_text(outcome));
   if (!outcome.passed) {
     throw_error(ErrorClass::check_failed, "{} and {} differ by more than their noise", arguments.test.string(),
                 arguments.reference.string());
@@ -195,7 +196,7 @@ int diff(const DiffArguments& arguments) {
   const ordered_json own = reference_json(reference, layers[0].metrics);
   if (!arguments.map.empty()) write_map(arguments, test, reference.image(), prepared);
   if (arguments.json) {
-    fmt::print("{}\n", diff_json(arguments, layers, prepared.hdr_exposures(), own).dump(2));
+    print_result("{}\n", diff_json(arguments, layers, prepared.hdr_exposures(), own).dump(2));
   } else {
     print_table(arguments, layers);
     print_reference(own);
@@ -217,7 +218,7 @@ void add_diff_command(Command program, Action& action) {
       ->check(one_of({"signed", "ldr_flip", "hdr_flip"}))
       ->capture_default_str();
   command.add_option("--max-relmse", arguments->max_relmse, "exit code 1 above this")->check(not_negative_number());
-  command.add_option("--exposure", arguments->exposure, "of PSNR, SSIM and LDR_FLIP [stops]");
+  command.add_option("--exposure", arguments->exposure, "of PSNR, SSIM and LDR_FLIP [stops]")->check(finite_number());
   command
       .add_flag(
           "--statistical", arguments->statistical,

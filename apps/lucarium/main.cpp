@@ -10,6 +10,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/version.h"
 
 namespace {
@@ -19,8 +20,8 @@ using namespace lucarium;
 /// One line, whatever a library put into the message.
 void print_error(std::string message, const std::string& details) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "lucarium: error: {}\n", message);
-  if (!details.empty() && log_level() >= LogLevel::info) fmt::print(stderr, "{}\n", details);
+  print_note("lucarium: error: {}\n", printable_line(message));
+  if (!details.empty() && log_level() >= LogLevel::info) print_note("{}\n", details);
 }
 
 int run(int argc, char** argv) {
@@ -40,16 +41,18 @@ int run(int argc, char** argv) {
   app::add_check_command(program, action);
   app::add_new_technique_command(program, action);
   if (const std::optional<int> done = line.parse(argc, argv)) return *done;
-  install_interrupt_handler();
-  end_with_parent();
   return action();
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  install_interrupt_handler();
+  end_with_parent();
   try {
-    return run(argc, argv);
+    const int code = run(argc, argv);
+    flush_results();
+    return code;
   } catch (const Error& error) {
     print_error(error.what(), error.details());
     return error.exit_code();

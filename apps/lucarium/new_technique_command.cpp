@@ -9,6 +9,7 @@
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/technique/plugin.h"
 
 const lucarium::EmbeddedSources& lucarium_technique_template();
@@ -63,13 +64,15 @@ fs::path installation() {
 
 void print_next_steps(const std::string& name, const fs::path& folder) {
   const fs::path prefix = installation();
-  fmt::print("{} holds the technique {}. To build, test and use it:\n\n", folder.string(), name);
-  if (prefix.empty()) fmt::print("  cmake --install BUILD_FOLDER_OF_LUCARIUM --prefix PREFIX\n");
-  fmt::print(
-      "  cmake -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n  cmake --build {0}/build\n  ctest --test-dir {0}/build\n",
+  print_result("{} holds the technique {}. To build, test and use it:\n\n", folder.string(), name);
+  if (prefix.empty()) print_result("  cmake --install BUILD_FOLDER_OF_LUCARIUM --prefix PREFIX\n");
+  print_result(
+      "  cmake -G Ninja -S {0} -B {0}/build -DCMAKE_PREFIX_PATH={1}\n  cmake --build {0}/build\n  ctest --test-dir "
+      "{0}/build\n",
       folder.string(), prefix.empty() ? "PREFIX" : prefix.string());
-  fmt::print("  {}lucarium render builtin:cornell -t {} --technique-path {}/build/lib/lucarium/techniques -o {}.png\n",
-             prefix.empty() ? "PREFIX/bin/" : "", name, folder.string(), name);
+  print_result(
+      "  {}lucarium render builtin:cornell -t {} --technique-path {}/build/lib/lucarium/techniques -o {}.png\n",
+      prefix.empty() ? "PREFIX/bin/" : "", name, folder.string(), name);
 }
 
 int new_technique(const NewTechniqueArguments& arguments) {

@@ -6,6 +6,7 @@
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/services/path_set.h"
 
 namespace lucarium::app {
@@ -26,6 +27,14 @@ std::pair<std::string, std::string> parse_assignment(const std::string& text) {
 }
 
 }  // namespace
+
+void add_technique_path(Command command, std::vector<std::filesystem::path>& folders) {
+  command.add_option("--technique-path", folders, "folder of plug-ins, searched first; may be given several times")
+      ->check(existing_folder())
+      ->take_all()
+      ->expected(1)
+      ->allow_extra_args(false);
+}
 
 void DeviceArguments::add_to(Command command) {
   command.add_option("--device", options.selector,
@@ -71,12 +80,14 @@ void SceneArguments::add_to(Command command) {
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  command.add_option("--exposure", overrides.exposure, "of pictures [stops]");
+  command.add_option_function<std::string>(
+      "--exposure", [this](const std::string& text) { overrides.exposure = parse_exposure(text); },
+      "of pictures (.png) [stops], or auto (default): chosen from the image");
   command.add_option("--material", overrides.materials, "NAME:key=value[,…]; NAME may hold *")
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  command.add_option("--at", overrides.at_seconds, "time of the animation [s]");
+  command.add_option("--at", overrides.at_seconds, "time of the animation [s]")->check(finite_number());
   command.add_option("--animation", overrides.animation, "name or index");
   command.add_flag("--no-sidecar", no_sidecar, "ignore FILE.lucarium.json beside the scene");
   command.add_option("--texture-size", import.max_texture_size, "larger textures are halved until they fit [pixels]")
@@ -98,7 +109,8 @@ void ImageArguments::add_to(Command command, bool with_seed) {
       ->capture_default_str();
   command.add_option("--pixel-sampling", pixel_sampling, "jitter, centre, or n for a grid of n×n")
       ->capture_default_str();
-  if (with_seed) command.add_option("--seed", seed, "same seed, same image")->capture_default_str();
+  if (with_seed)
+    command.add_option("--seed", seed, "same seed, same image")->check(whole_number(0))->capture_default_str();
 }
 
 RenderSettings ImageArguments::settings() const {
@@ -151,10 +163,7 @@ void TechniqueArguments::add_to(Command command) {
           "key=value for the -t before it")
       ->trigger_on_parse()
       ->take_last();
-  command.add_option("--technique-path", folders, "folder of plug-ins, searched first")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  add_technique_path(command, folders);
 }
 
 void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {

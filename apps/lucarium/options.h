@@ -71,6 +71,9 @@ struct OutputArguments {
   void apply() const;  ///< sets the log level
 };
 
+/// --technique-path: folders that are there, searched before all others.
+void add_technique_path(Command command, std::vector<std::filesystem::path>& folders);
+
 /// "1920x1080" → {1920, 1080}.
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text);
 

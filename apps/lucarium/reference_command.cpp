@@ -9,6 +9,7 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/compare/reference/reference_identity.h"
 #include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/film/image_io.h"
@@ -138,7 +139,6 @@ int reference(ReferenceArguments arguments) {
   ReferenceGoal& goal = arguments.goal;
   if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) goal.samples = default_samples;
 
-  auto nothing_to_keep = std::make_unique<EndOnInterrupt>();
   Scene scene = arguments.overrides.load(arguments.scene);
   require_light(scene);
   for (const std::string& warning : scene.warnings) log_warning("{}", warning);
@@ -152,7 +152,7 @@ int reference(ReferenceArguments arguments) {
 
   RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"),
                         settings, reference_parameters(path_set));
-  nothing_to_keep.reset();
+  const KeepOnInterrupt keep_rounds;
   const uint64_t rounds_before = image.rounds();
   const bool done = extend(arguments, session, identity, image);
   if (image.samples() == 0) {
@@ -162,14 +162,15 @@ int reference(ReferenceArguments arguments) {
   if (!halves.passed) {
     log_warning(
         "the halves of {} differ by more than noise; small samples of rare bright paths (fireflies) do that, or an "
-        "error:\n{}",
-        arguments.file.string(), to_text(halves));
+        "error:",
+        arguments.file.string());
+    if (log_level() >= LogLevel::warning) print_note("{}", to_text(halves));
   }
   if (arguments.output.json) {
-    fmt::print("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
+    print_result("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
   } else if (!arguments.output.quiet) {
-    fmt::print("{}: {} samples per pixel, its own relMSE {}\n", arguments.file.string(), image.samples(),
-               image.error_known() ? fmt::format("{:.3g}", image.error().relmse) : "unknown (one half only)");
+    print_result("{}: {} samples per pixel, its own relMSE {}\n", arguments.file.string(), image.samples(),
+                 image.error_known() ? fmt::format("{:.3g}", image.error().relmse) : "unknown (one half only)");
   }
   if (done) return 0;
   log_warning("interrupted: {} samples per pixel are kept; continue with --extend", image.samples());
@@ -187,7 +188,7 @@ void add_reference_command(Command program, Action& action) {
   command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")
       ->check(positive_number());
   command.add_option("--spp", arguments->goal.samples, "samples per pixel (default 4096 when no other goal is given)")
-      ->check(positive_number());
+      ->check(whole_number(1));
   command.add_option("--time", arguments->goal.seconds, "seconds of iterating")->check(positive_number());
   command.add_option("--path-set", arguments->path_set,
                      "light paths as key=value,… (docs/references.md); default: all");

@@ -12,8 +12,11 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/film/exposure.h"
 #include "lucarium/film/image_io.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/session/session.h"
 #include "lucarium/technique/technique_folders.h"
 #include "lucarium/version.h"
@@ -115,7 +118,7 @@ void write_profile(const RenderArguments& arguments, RenderSession& session) {
   session.scheduler().finish();
   const Profile& profile = session.scheduler().profile();
   if (arguments.profile == "-") {
-    fmt::print(stderr, "{}{}", profile.table(), rates(session));
+    print_note("{}{}", profile.table(), rates(session));
   } else if (arguments.profile.ends_with(".trace.json")) {
     write_file_atomically(arguments.profile, profile.chrome_trace());
   } else {
@@ -141,7 +144,7 @@ ordered_json passes_json(RenderSession& session) {
 }
 
 ordered_json summary_json(RenderSession& session, const Film& film, const RenderEnd& end, double load_seconds,
-                          double total_seconds, const std::vector<fs::path>& files) {
+                          double total_seconds, float exposure, const std::vector<fs::path>& files) {
   const MemoryAccount& memory = session.scheduler().device().memory();
   const RenderSession::Clocks& clocks = session.clocks();
   ordered_json json;
@@ -155,6 +158,8 @@ ordered_json summary_json(RenderSession& session, const Film& film, const Render
   json["max_bounces"] = session.settings().max_bounces;
   json["pixel_sampling"] = session.settings().pixel_sampling;
   json["scene_time_seconds"] = session.scene().time;
+  json["exposure_stops"] = exposure;
+  json["exposure_automatic"] = is_automatic(session.scene().exposure);
   json["partial"] = film.metadata.count("partial") > 0;
   json["converged"] = session.last().converged;
   json["progress"] = session.last().progress < 0 ? ordered_json(nullptr) : ordered_json(session.last().progress);
@@ -176,11 +181,19 @@ ordered_json summary_json(RenderSession& session, const Film& film, const Render
   return json;
 }
 
+/// "; exposure -3.2 stops (auto)" where a picture was written at an exposure that nobody stated.
+std::string chosen_exposure(const RenderSession& session, float exposure, const std::vector<fs::path>& files) {
+  const auto is_picture = [](const fs::path& file) { return file.extension() == ".png"; };
+  if (!is_automatic(session.scene().exposure) || std::none_of(files.begin(), files.end(), is_picture)) return "";
+  return fmt::format("; exposure {:g} stops (auto)", exposure);
+}
+
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
 bool render_frames(const RenderArguments& arguments, RenderSession& session,
                    const std::vector<std::vector<fs::path>>& outputs, const std::optional<FrameRange>& frames,
                    CurveRecorder* curve, double load_seconds, std::chrono::steady_clock::time_point start,
                    ordered_json& summaries) {
+  float exposure = curve ? curve->exposure() : session.scene().exposure;
   const auto relmse = [curve](RenderSession& now) { return curve ? curve->sample(now) : std::nullopt; };
   for (size_t i = 0; i < outputs.size(); ++i) {
     if (i > 0) start = std::chrono::steady_clock::now();
@@ -201,14 +214,17 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session,
       log_warning("the budget ended in the stage '{}', before {} had begun its work proper: light is missing",
                   session.last().phase, arguments.technique.specs.front().name);
     if (end.interrupted || first_unfinished || not_begun) film.metadata["partial"] = "yes";
-    write_outputs(outputs[i], film, session.scene().exposure, arguments.half);
+    // One exposure for all frames: the first picture decides, else they would flicker.
+    if (is_automatic(exposure)) exposure = automatic_exposure(film.image());
+    write_outputs(outputs[i], film, exposure, arguments.half);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    summaries.push_back(summary_json(session, film, end, i == 0 ? load_seconds : 0, seconds, outputs[i]));
+    summaries.push_back(summary_json(session, film, end, i == 0 ? load_seconds : 0, seconds, exposure, outputs[i]));
     if (!arguments.output.quiet && !arguments.output.json) {
-      fmt::print("{}: {} samples per pixel, {:.1f} s{}\n", outputs[i].front().string(), session.last().samples, seconds,
-                 session.last().converged
-                     ? fmt::format("; ended by {}: {}", arguments.technique.specs.front().name, end.by)
-                     : "");
+      print_result("{}: {} samples per pixel, {:.1f} s{}{}\n", outputs[i].front().string(), session.last().samples,
+                   seconds, chosen_exposure(session, exposure, outputs[i]),
+                   session.last().converged
+                       ? fmt::format("; ended by {}: {}", arguments.technique.specs.front().name, end.by)
+                       : "");
     }
     if (curve) {
       curve->finish(session, film.image());
@@ -275,7 +291,6 @@ int render(RenderArguments arguments) {
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
 
-  auto nothing_to_keep = std::make_unique<EndOnInterrupt>();
   const auto load_start = std::chrono::steady_clock::now();
   Scene scene = load(arguments);
   const double load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - load_start).count();
@@ -290,7 +305,7 @@ int render(RenderArguments arguments) {
                           if (preparing) preparing->update(fraction, stage);
                         });
   preparing.reset();
-  nothing_to_keep.reset();
+  const KeepOnInterrupt keep_pictures;
   for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
 
   ordered_json summaries = ordered_json::array();
@@ -300,7 +315,7 @@ int render(RenderArguments arguments) {
     throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
   }
   write_profile(arguments, session);
-  if (arguments.output.json) fmt::print("{}\n", (frames ? summaries : summaries.front()).dump(2));
+  if (arguments.output.json) print_result("{}\n", (frames ? summaries : summaries.front()).dump(2));
   if (!interrupted) return 0;
   log_warning("interrupted: {} ({} samples per pixel)",
               arguments.files.empty() ? "no file was asked for" : "the partial result is kept", session.last().samples);
@@ -320,9 +335,9 @@ void add_render_command(Command program, Action& action) {
       ->allow_extra_args(false);
   command
       .add_option("--spp", arguments->budget.samples, "samples per pixel (default 64 when no other budget is given)")
-      ->check(positive_number());
+      ->check(whole_number(1));
   command.add_option("--iterations", arguments->budget.iterations, "iterations of the technique")
-      ->check(positive_number());
+      ->check(whole_number(1));
   command
       .add_option("--time", arguments->budget.seconds,
                   "seconds from the start of the program: loading, kernels and preparing count; of a later frame, from "

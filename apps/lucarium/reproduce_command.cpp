@@ -6,6 +6,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
 #include "lucarium/compute/device/cache_folder.h"
@@ -38,14 +39,14 @@ const Paper& find_paper(const std::vector<Paper>& papers, const std::string& nam
 }
 
 void print_list(const std::vector<Paper>& papers) {
-  if (papers.empty()) fmt::print("no technique brings experiments\n");
+  if (papers.empty()) print_result("no technique brings experiments\n");
   for (const Paper& paper : papers) {
-    fmt::print("{}  ({})\n  {}\n", paper.name, paper.technique, paper.citation);
+    print_result("{}  ({})\n  {}\n", paper.name, paper.technique, paper.citation);
     size_t width = 0;
     for (const std::string& name : paper.experiments) width = std::max(width, paper.name.size() + 1 + name.size());
     for (const std::string& name : paper.experiments) {
       const Experiment experiment = read_experiment(paper, name, false);
-      fmt::print("    {:{}}  {} ({})\n", experiment.id(), width, experiment.title, experiment.place);
+      print_result("    {:{}}  {} ({})\n", experiment.id(), width, experiment.title, experiment.place);
     }
   }
 }
@@ -97,11 +98,11 @@ int reproduce_wanted(ReproduceArguments arguments) {
   ComparisonOptions& options = arguments.options;
   options.program = fs::read_symlink("/proc/self/exe");
   options.cache_dir = resolve_cache_dir(arguments.device.resolved());
-  if (!arguments.output.quiet) options.progress = [](const std::string& line) { fmt::print(stderr, "{}\n", line); };
+  if (!arguments.output.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   if (arguments.dry_run) {
     for (const Experiment& experiment : experiments) {
-      fmt::print("{}: {}\n{}\n", experiment.id(), experiment.title,
-                 describe_plan(experiment.comparison, registry, options));
+      print_result("{}: {}\n{}\n", experiment.id(), experiment.title,
+                   describe_plan(experiment.comparison, registry, options));
     }
     return 0;
   }
@@ -116,8 +117,8 @@ int reproduce_wanted(ReproduceArguments arguments) {
     }
     complete &= is_complete(result);
     if (result.reproduction)
-      fmt::print("{}  report: {}\n\n", result.reproduction->table(),
-                 (options.folder / experiment.name / "report.html").string());
+      print_result("{}  report: {}\n\n", result.reproduction->table(),
+                   (options.folder / experiment.name / "report.html").string());
   }
   return complete ? 0 : static_cast<int>(ErrorClass::check_failed);
 }
@@ -136,10 +137,7 @@ void add_reproduce_command(Command program, Action& action) {
   command.add_flag("--resume", arguments->options.resume, "continue what was interrupted in the same folder");
   command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder")
       ->excludes("--resume");
-  command.add_option("--technique-path", arguments->folders, "further folder with plug-ins")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  add_technique_path(command, arguments->folders);
   arguments->device.add_to(command);
   arguments->output.add_to(command, false);
   command.callback([arguments, &action] { action = [arguments] { return reproduce_wanted(*arguments); }; });

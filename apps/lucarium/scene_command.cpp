@@ -4,6 +4,7 @@
 #include "atlas_pictures.h"
 #include "commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/scene/gltf/export.h"
 #include "lucarium/scene/report/scene_report.h"
 #include "options.h"
@@ -39,9 +40,9 @@ int scene(const SceneCommandArguments& arguments) {
   arguments.atlas.check(arguments.overwrite);
   const std::optional<SurfaceAtlasReport> atlas = draw_atlas(arguments.atlas, loaded, arguments.output.quiet);
   if (arguments.output.json) {
-    fmt::print("{}\n", atlas ? with_atlas(report.json(), *atlas) : report.json());
+    print_result("{}\n", atlas ? with_atlas(report.json(), *atlas) : report.json());
   } else {
-    fmt::print("{}{}", report.text(), atlas ? text_of(*atlas) : "");
+    print_result("{}{}", report.text(), atlas ? text_of(*atlas) : "");
   }
   return 0;
 }

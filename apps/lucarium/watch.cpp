@@ -14,6 +14,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/list_folder.h"
+#include "lucarium/base/terminal.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -126,21 +127,22 @@ std::vector<fs::path> scene_files(const std::string& scene, const std::string& e
 
 int render_and_watch(const WatchedInputs& inputs) {
   const std::vector<std::string> words = render_words();
+  const KeepOnInterrupt end_the_loop;
   while (true) {
     const Snapshot before = take_snapshot(inputs);
-    const ChildResult result = run_child(words, [](std::string_view line) { fmt::print(stderr, "{}\n", line); });
-    fmt::print("{}", result.out);
-    std::fflush(stdout);
+    const ChildResult result = run_child(words, [](std::string_view line) { print_note("{}\n", line); });
+    print_result("{}", result.out);
+    flush_results();
     if (interrupt_requested()) return 0;
     if (result.exit_code == 0) {
-      fmt::print(stderr, "rendered in {:.1f} s; watching {} files, Ctrl-C ends\n", result.seconds, before.size());
+      print_note("rendered in {:.1f} s; watching {} files, Ctrl-C ends\n", result.seconds, before.size());
     } else {
-      fmt::print(stderr, "not rendered ({}): the last image is kept; watching {} files, Ctrl-C ends\n",
-                 describe_end(result), before.size());
+      print_note("not rendered ({}): the last image is kept; watching {} files, Ctrl-C ends\n", describe_end(result),
+                 before.size());
     }
     const fs::path file = wait_for_change(inputs, before);
     if (file.empty()) return 0;
-    fmt::print(stderr, "{} changed\n", file.string());
+    print_note("{} changed\n", file.string());
   }
 }
 

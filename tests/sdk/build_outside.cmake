@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DBUILD=… [-DPROJECT=…] [-DTECHNIQUE=…] -DGENERATOR=… -DCOMPILER=… -DBUILD_TYPE=… -P build_outside.cmake
 # Installs BUILD, copies PROJECT (or has the installed program write a new technique), builds and tests the copy, and
-# renders with TECHNIQUE; all in a fresh temporary folder.
+# renders with TECHNIQUE; all in a fresh temporary folder. Of a new technique it runs the very commands that
+# new-technique prints.
 cmake_minimum_required(VERSION 3.25)
 
 execute_process(COMMAND mktemp -d -t lucarium-sdk-XXXXXX OUTPUT_VARIABLE folder OUTPUT_STRIP_TRAILING_WHITESPACE
@@ -21,6 +22,7 @@ function(run what)
     message(FATAL_ERROR "${what} warns\n${output}")
   endif()
   message(STATUS "${what}: done")
+  set(output "${output}" PARENT_SCOPE)
 endfunction()
 
 set(program ${folder}/prefix/bin/lucarium)
@@ -29,15 +31,29 @@ unset(ENV{LUCARIUM_KERNEL_PATH})
 run("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/prefix)
 if(PROJECT)
   file(COPY ${PROJECT}/ DESTINATION ${folder}/project)
+  run("configure" ${CMAKE_COMMAND} -S project -B project/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${folder}/prefix
+    -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
+  run("build" ${CMAKE_COMMAND} --build project/build --parallel 2)
 else()
-  run("new-technique" ${program} new-technique ${TECHNIQUE} --output ${folder}/project)
+  run("new-technique" ${program} new-technique ${TECHNIQUE} --output project)
+  set(ENV{CXX} ${COMPILER})
+  set(ENV{CMAKE_BUILD_TYPE} ${BUILD_TYPE})
+  set(ENV{PATH} ${folder}/prefix/bin:$ENV{PATH})
+  string(REGEX MATCHALL "\n  [^\n]+" steps "${output}")
+  list(LENGTH steps count)
+  if(NOT count EQUAL 4)
+    message(FATAL_ERROR "new-technique prints ${count} commands, not configure, build, test and render\n${output}")
+  endif()
+  foreach(step IN LISTS steps)
+    string(STRIP "${step}" step)
+    run("'${step}'" sh -c "${step}")
+  endforeach()
 endif()
-run("configure" ${CMAKE_COMMAND} -S project -B project/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${folder}/prefix
-  -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
-run("build" ${CMAKE_COMMAND} --build project/build --parallel 2)
 
 if(TECHNIQUE)
-  run("test" ${CMAKE_CTEST_COMMAND} --test-dir project/build --output-on-failure)
+  if(PROJECT)
+    run("test" ${CMAKE_CTEST_COMMAND} --test-dir project/build --output-on-failure)
+  endif()
   run("render" ${program} render builtin:cornell -t ${TECHNIQUE} --technique-path project/build/lib/lucarium/techniques
     --size 32x24 --spp 2 -o picture.png)
   run("install plug-in" ${CMAKE_COMMAND} --install project/build --prefix ${folder}/prefix)

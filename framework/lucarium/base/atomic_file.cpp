@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -55,6 +56,7 @@ Error name_target(const Error& error, const fs::path& temporary, const fs::path&
 
 void write_file_atomically(const fs::path& target, const std::function<void(const fs::path&)>& write) {
   const fs::path temporary = temporary_beside(target);
+  const DelayInterrupt until_renamed;  // or the temporary would stay behind
   try {
     write(temporary);
     flush_to_disk(temporary);

@@ -36,6 +36,8 @@ size_t parse_bytes(std::string_view text, std::string_view what) {
   }
   const int exponent = unit.empty() ? 0 : static_cast<int>(units.find(unit)) + 1;
   const double bytes = std::ldexp(value, 10 * exponent);
+  if (bytes < 1)
+    throw_error(ErrorClass::usage, "{}: '{}' leaves no memory at all; write for instance 800M or 2G", what, text);
   if (bytes >= std::ldexp(1.0, 63)) {
     throw_error(ErrorClass::usage, "{}: '{}' is more memory than any machine has", what, text);
   }

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/base/error.h"
 
+#include <string_view>
+
 namespace lucarium {
 
 Error::Error(ErrorClass error_class, std::string message)
     : std::runtime_error(std::move(message)), class_(error_class) {}
 
 Error Error::with_context(std::string context) const {
-  Error outer(class_, std::move(context) + ": " + what());
+  context += ": ";
+  // A technique that names itself is named by its caller, too: once is enough.
+  if (std::string_view(what()).starts_with(context)) return *this;
+  Error outer(class_, context + what());
   outer.details_ = details_;
   return outer;
 }

@@ -6,13 +6,20 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <thread>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/list_folder.h"
 
 namespace lucarium {
+namespace {
+
+constexpr std::chrono::milliseconds between_attempts{50};
+
+}  // namespace
 
 bool FileLock::try_lock(const std::filesystem::path& file) {
   file_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
@@ -26,11 +33,18 @@ bool FileLock::try_lock(const std::filesystem::path& file) {
 FileLock::FileLock(const std::filesystem::path& file, const std::function<void()>& on_wait) {
   if (try_lock(file)) return;
   on_wait();
-  while (::flock(file_, LOCK_EX) != 0) {
-    // A signal: Ctrl-C must end the waiting.
-    if (errno == EINTR && !interrupt_requested()) continue;
-    ::close(file_);
-    throw_error(ErrorClass::interrupted, "interrupted while waiting for {}", file.string());
+  // Asked again and again: a wait inside flock() would go on after a signal.
+  while (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR) {
+      const int reason = errno;
+      ::close(file_);
+      throw_error(ErrorClass::input, "cannot lock {}: {}", file.string(), std::strerror(reason));
+    }
+    if (interrupt_requested()) {
+      ::close(file_);
+      throw_error(ErrorClass::interrupted, "interrupted while waiting for {}", file.string());
+    }
+    std::this_thread::sleep_for(between_attempts);
   }
 }
 

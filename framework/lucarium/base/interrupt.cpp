@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 
 #include "lucarium/base/error.h"
@@ -10,44 +11,52 @@
 namespace lucarium {
 namespace {
 
-constexpr char kNothingKept[] =
-    "lucarium: error: interrupted before the first iteration was done; nothing was written\n";
+constexpr char kInterrupted[] = "lucarium: error: interrupted; nothing was kept\n";
 constexpr char kClearLine[] = "\r\x1b[2K";  // a progress bar may stand there
 
-volatile std::sig_atomic_t requested = 0, nothing_to_keep = 0, on_terminal = 0;
+std::atomic<bool> requested{false}, signalled{false}, ended{false}, on_terminal{false};
+std::atomic<int> keepers{0}, delays{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free, "used by a handler");
+
+/// Ends the process unless something is kept or half written. Calls only what a signal handler may call.
+void end_if_free() {
+  if (keepers != 0 || delays != 0 || ended.exchange(true)) return;
+  [[maybe_unused]] ssize_t written = on_terminal ? ::write(STDERR_FILENO, kClearLine, sizeof kClearLine - 1) : 0;
+  written = ::write(STDERR_FILENO, kInterrupted, sizeof kInterrupted - 1);
+  ::_exit(static_cast<int>(ErrorClass::interrupted));
+}
 
 void on_signal(int number) {
-  requested = 1;
-  if (nothing_to_keep) {
-    [[maybe_unused]] ssize_t written = on_terminal ? ::write(STDERR_FILENO, kClearLine, sizeof kClearLine - 1) : 0;
-    written = ::write(STDERR_FILENO, kNothingKept, sizeof kNothingKept - 1);
-    ::_exit(static_cast<int>(ErrorClass::interrupted));
-  }
+  requested = true;
+  signalled = true;  // before the counters are read: whoever lowers one of them reads this afterwards
+  end_if_free();
   std::signal(number, SIG_DFL);  // the second one ends the process
 }
 
 }  // namespace
 
 void install_interrupt_handler() {
-  on_terminal = ::isatty(STDERR_FILENO);
+  on_terminal = ::isatty(STDERR_FILENO) != 0;
+  // Shells start commands in the background with SIGINT ignored; who sends it to one of them means it.
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  if (std::signal(SIGHUP, on_signal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
-bool interrupt_requested() { return requested != 0; }
-void set_interrupt_requested(bool value) { requested = value ? 1 : 0; }
+bool interrupt_requested() { return requested; }
+void set_interrupt_requested(bool value) { requested = value; }
 
 void throw_if_interrupted(const char* what) {
   if (interrupt_requested()) throw_error(ErrorClass::interrupted, "{}: interrupted", what);
 }
 
-EndOnInterrupt::EndOnInterrupt() {
-  nothing_to_keep = 1;
-  if (!interrupt_requested()) return;
-  nothing_to_keep = 0;
-  throw_if_interrupted("start");
-}
+KeepOnInterrupt::KeepOnInterrupt() { ++keepers; }
+KeepOnInterrupt::~KeepOnInterrupt() { --keepers; }
 
-EndOnInterrupt::~EndOnInterrupt() { nothing_to_keep = 0; }
+DelayInterrupt::DelayInterrupt() { ++delays; }
+DelayInterrupt::~DelayInterrupt() {
+  --delays;
+  if (signalled) end_if_free();
+}
 
 }  // namespace lucarium

@@ -3,8 +3,10 @@
 
 namespace lucarium {
 
-/// Makes SIGINT and SIGTERM set a flag instead of ending the process; a second SIGINT ends it at once.
-/// The handler does nothing else: OpenCL work in flight cannot be stopped, so loops ask between passes.
+/// For the first line of main(): SIGINT, SIGTERM and SIGHUP end the process with one line of error and the exit code of
+/// `interrupted`. While there is nothing to keep they do so at once, whatever the process is at: kernels that compile,
+/// images that are decoded. While a KeepOnInterrupt lives they set a flag instead, and a second one ends the process.
+/// A SIGHUP that was ignored at the start (nohup) stays ignored.
 void install_interrupt_handler();
 
 /// Whether the user asked to stop. Long loops keep what they have and return.
@@ -16,15 +18,24 @@ void throw_if_interrupted(const char* what);
 /// Sets or clears the flag by hand (tests, embedding programs).
 void set_interrupt_requested(bool requested);
 
-/// While one lives there is nothing to keep: SIGINT and SIGTERM, where install_interrupt_handler() was called, end the
-/// process at once, with one line of error and the exit code of `interrupted`. So work that cannot be stopped, such as
-/// the compilation of kernels, can be left all the same. Not nested. Throws where the flag is set already.
-class EndOnInterrupt {
+/// While one lives there is something to keep: signals set the flag alone, and whoever made this asks for it. OpenCL
+/// work in flight cannot be stopped, so loops ask between passes.
+class KeepOnInterrupt {
  public:
-  EndOnInterrupt();
-  ~EndOnInterrupt();
-  EndOnInterrupt(const EndOnInterrupt&) = delete;
-  EndOnInterrupt& operator=(const EndOnInterrupt&) = delete;
+  KeepOnInterrupt();
+  ~KeepOnInterrupt();
+  KeepOnInterrupt(const KeepOnInterrupt&) = delete;
+  KeepOnInterrupt& operator=(const KeepOnInterrupt&) = delete;
+};
+
+/// While one lives a signal waits, for a moment only: a file that is half written is finished first. Then the process
+/// ends, unless there is something to keep.
+class DelayInterrupt {
+ public:
+  DelayInterrupt();
+  ~DelayInterrupt();
+  DelayInterrupt(const DelayInterrupt&) = delete;
+  DelayInterrupt& operator=(const DelayInterrupt&) = delete;
 };
 
 }  // namespace lucarium

@@ -4,6 +4,8 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "lucarium/base/terminal.h"
+
 namespace lucarium {
 namespace {
 
@@ -26,11 +28,12 @@ LogLevel log_level() { return current_level; }
 
 void log_message(LogLevel level, std::string_view text) {
   if (level > current_level) return;
+  // Errors and warnings are one line, whatever names they hold; details may be build logs of many.
   switch (level) {
-    case LogLevel::error: logger().error("lucarium: {}", text); break;
-    case LogLevel::warning: logger().warn("lucarium: warning: {}", text); break;
-    case LogLevel::info: logger().info("{}", text); break;
-    case LogLevel::debug: logger().debug("{}", text); break;
+    case LogLevel::error: logger().error("lucarium: {}", printable_line(text)); break;
+    case LogLevel::warning: logger().warn("lucarium: warning: {}", printable_line(text)); break;
+    case LogLevel::info: logger().info("{}", printable(text)); break;
+    case LogLevel::debug: logger().debug("{}", printable(text)); break;
   }
 }
 

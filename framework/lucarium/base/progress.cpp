@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lucarium/base/terminal.h"
+
 namespace lucarium {
 namespace {
 
@@ -54,7 +56,8 @@ void Progress::clear() {
   last_ = {};
 }
 
-void Progress::draw(double fraction, const std::string& text, double elapsed) {
+void Progress::draw(double fraction, const std::string& raw_text, double elapsed) {
+  const std::string text = printable_line(raw_text);
   std::string time = format_duration(elapsed);
   if (const std::optional<double> left = left_.settled_estimate())
     time += fmt::format(", {} left", format_duration(*left));

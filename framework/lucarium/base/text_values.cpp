@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/base/text_values.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -14,6 +17,13 @@ std::vector<std::string> split(std::string_view text, char separator) {
     if (end == std::string_view::npos) return parts;
     begin = end + 1;
   }
+}
+
+std::string list_names(const std::vector<std::string>& names) {
+  constexpr size_t shown = 5;
+  const std::vector<std::string> first(names.begin(), names.begin() + static_cast<long>(std::min(shown, names.size())));
+  const std::string rest = names.size() > shown ? fmt::format(" and {} more", names.size() - shown) : "";
+  return fmt::format("'{}'{}", fmt::join(first, "', '"), rest);
 }
 
 std::optional<float> parse_number(std::string_view text) {

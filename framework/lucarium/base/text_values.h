@@ -10,6 +10,9 @@ namespace lucarium {
 
 std::vector<std::string> split(std::string_view text, char separator);
 
+/// "'a', 'b', 'c', 'd', 'e' and 4 more".
+std::string list_names(const std::vector<std::string>& names);
+
 /// A finite number that fills the whole text, else empty.
 std::optional<float> parse_number(std::string_view text);
 

@@ -141,16 +141,19 @@ void check_size(const fs::path& file, int64_t width, int64_t height, int64_t cha
               width, height, channels);
 }
 
-/// Opening a JPEG can take as much memory as decoding it, so that its size is looked at before.
-void check_jpeg(const fs::path& file) {
+/// What must be known before OpenImageIO opens a file: opening a JPEG can take as much memory as decoding it, and of a
+/// damaged PNG libpng prints lines of its own to standard error.
+void check_encoded(const fs::path& file) {
   char start[3] = {};
   std::ifstream(file, std::ios::binary).read(start, sizeof start);
-  if (std::string_view(start, sizeof start) != "\xFF\xD8\xFF") return;
+  const bool is_png = std::string_view(start, sizeof start) == "\x89PN";
+  if (!is_png && std::string_view(start, sizeof start) != "\xFF\xD8\xFF") return;
   const std::string bytes = read_file(file);
-  const std::span<const uint8_t> jpeg(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
-  const std::string damage = jpeg_damage(jpeg);
+  const std::span<const uint8_t> encoded(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  const std::string damage = is_png ? png_damage(encoded) : jpeg_damage(encoded);
   if (!damage.empty()) throw_error(ErrorClass::input, "{}: damaged image: {}", file.string(), damage);
-  const std::optional<ImageSize> size = jpeg_size(jpeg);
+  if (is_png) return;
+  const std::optional<ImageSize> size = jpeg_size(encoded);
   check_size(file, size->width, size->height, 3);
 }
 
@@ -192,7 +195,7 @@ std::string encode_png(uint32_t width, uint32_t height, const std::vector<float>
 Film read_image(const fs::path& file) {
   std::error_code failure;
   if (!fs::is_regular_file(file, failure)) throw_error(ErrorClass::input, "{}: no such file", file.string());
-  check_jpeg(file);
+  check_encoded(file);
   const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string());
   if (!in) throw_error(ErrorClass::input, "{}: not a readable image: {}", file.string(), OIIO::geterror());
   const OIIO::ImageSpec spec = in->spec();

@@ -3,10 +3,13 @@
 #pragma once
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 
 #include "test_support.h"
 
@@ -42,6 +45,16 @@ inline void check_refused(const std::string& arguments, int exit_code, const std
   CHECK(contains(result.err, part));
   CHECK(result.err.find('\n', at) == result.err.size() - 1);
   CHECK(result.err.find("lucarium: error: ", at + 1) == std::string::npos);
+}
+
+/// Asks again and again whether something holds, for a minute at most: a busy machine is slow, not wrong.
+inline bool wait_until(const std::function<bool()>& holds) {
+  constexpr std::chrono::seconds patience{60};
+  for (const auto start = std::chrono::steady_clock::now(); !holds();) {
+    if (std::chrono::steady_clock::now() - start > patience) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return true;
 }
 
 inline size_t count_files(const std::filesystem::path& folder) {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium compare as people use it: what it writes, that it refuses to overwrite, and that a killed one goes on.
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <sstream>
-#include <thread>
 
 #include "cli_support.h"
 #include "tolerance.h"
@@ -147,9 +145,8 @@ TEST_CASE("a comparison that was killed goes on where it stopped; what was finis
   const auto before = finished_pieces(results);
   CHECK(before.size() >= 2);
   CHECK(before.size() < 8);
-  // Nobody goes on rendering: the run in progress ends with the comparison.
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  CHECK(count_processes((results / "pieces").string()) == 0);
+  // Nobody goes on rendering: the run in progress ends with the comparison, as soon as the machine lets it.
+  CHECK(wait_until([&] { return count_processes((results / "pieces").string()) == 0; }));
   REQUIRE(run_lucarium(comparison(folder, "--resume --quiet")).exit_code == 0);
   const auto after = finished_pieces(results);
   CHECK(after.size() == 8);
@@ -168,6 +165,25 @@ TEST_CASE("a picture whose budget ended too early is told of where its error sta
   const json warnings = json::parse(text_of(results / "results.json"))["scenes"][0]["warnings"];
   REQUIRE(warnings.size() == 1);
   CHECK(contains(warnings[0].get<std::string>(), "the budget ended too early"));
+}
+
+TEST_CASE("one exposure is chosen for all pictures of a scene, by the reference") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results", reference = folder.path() / "reference.exr";
+  const std::string bright = "red=64,green=32,blue=32";
+  REQUIRE(run_lucarium("render builtin:cornell " + constant_technique(bright) + "--iterations 1 --quiet -o " +
+                       reference.string())
+              .exit_code == 0);
+  const std::string common = "compare builtin:cornell " + constant_technique("red=1") +
+                             "--iterations 1 --seeds 1 --quiet --json --reference " + reference.string() + " -o ";
+  const json chosen = json::parse(run_lucarium(common + results.string()).out);
+  CHECK(chosen["scenes"][0]["exposure_stops"] == -6);
+  // PSNR is that of the pictures which are shown: the technique's own are black at this exposure.
+  const json stated = json::parse(run_lucarium(common + (folder.path() / "x").string() + " --exposure=-6").out);
+  CHECK(stated["scenes"][0]["exposure_stops"] == -6);
+  CHECK(stated["pieces"][0]["metrics"]["PSNR"] == chosen["pieces"][0]["metrics"]["PSNR"]);
+  const json plain = json::parse(run_lucarium(common + (folder.path() / "y").string() + " --exposure 0").out);
+  CHECK(plain["pieces"][0]["metrics"]["PSNR"] != chosen["pieces"][0]["metrics"]["PSNR"]);
 }
 
 TEST_CASE("mistakes of a comparison end it before anything is rendered") {
@@ -238,7 +254,7 @@ TEST_CASE("an interrupt of the comparison alone ends its run too, and keeps what
                   50);
   CHECK(run.exit_code == 6);
   CHECK(json::parse(text_of(results / "results.json"))["interrupted"] == true);
-  CHECK(count_processes((results / "pieces").string()) == 0);
+  CHECK(wait_until([&] { return count_processes((results / "pieces").string()) == 0; }));
 }
 
 TEST_CASE("a reference file that shows other light paths, or another scene, is refused") {

@@ -37,8 +37,8 @@ TEST_CASE("usage: exit code 2, and the nearest valid name") {
   check_refused("render builtin:cornell --sppp 3" + out, 2, "unknown option --sppp; did you mean '--spp'?");
   check_refused("render", 2, "scene is required");
   check_refused("render builtin:cornell", 2, "--output");
-  check_refused("render builtin:cornell --spp 0" + out, 2, "--spp: '0' is not a number above 0");
-  check_refused("render builtin:cornell --spp many" + out, 2, "--spp: 'many' is not a number above 0");
+  check_refused("render builtin:cornell --spp 0" + out, 2, "--spp: '0' is not a whole number from 1");
+  check_refused("render builtin:cornell --spp many" + out, 2, "--spp: 'many' is not a whole number from 1");
   check_refused("render builtin:cornell --time -1" + out, 2, "--time: '-1' is not a number above 0");
   check_refused("render builtin:cornell --time nan" + out, 2, "--time: 'nan' is not a number above 0");
   check_refused("render builtin:cornell --time inf" + out, 2, "--time: 'inf' is not a number above 0");
@@ -102,6 +102,96 @@ TEST_CASE("a full disk replaced a good error map by an empty one, exit code 0") 
 TEST_CASE("a camera that is written wrong was looked for by name") {
   check_refused("scene builtin:cornell --camera nan,0,0:0,0,0", 2, "it is not EYE:TARGET or EYE:TARGET:VFOV");
   check_refused("scene builtin:cornell --camera 0,0:1,1", 2, "it is not EYE:TARGET or EYE:TARGET:VFOV");
+}
+
+TEST_CASE("values that were taken silently are mistakes") {
+  const TemporaryFolder folder;
+  const std::string out = " -o " + (folder.path() / "a.exr").string() + " ", render = "render builtin:cornell ";
+  check_refused(render + "--seed=-1" + out, 2, "--seed: '-1' is not a whole number from 0 to 18446744073709551615");
+  check_refused(render + "--seed=18446744073709551616" + out, 2, "--seed: '18446744073709551616' is not");
+  check_refused(render + "--spp 99999999999999999999" + out, 2, "--spp: '99999999999999999999' is not");
+  check_refused(render + "--iterations 1e3" + out, 2, "--iterations: '1e3' is not a whole number");
+  check_refused("reference builtin:cornell --spp=-1" + out, 2, "--spp: '-1' is not");
+  check_refused("compare builtin:cornell -t path_tracing --iterations 18446744073709551616" + out, 2, "--iterations");
+  for (const char* value : {"nan", "inf", "-inf", "bright"}) {
+    check_refused(render + "--exposure=" + value + out, 2, "a finite number of stops, or auto");
+    check_refused(render + "--at=" + value + out, 2, "is not a finite number");
+    check_refused(std::string("diff a.exr b.exr --exposure=") + value, 2, "is not a finite number");
+  }
+  check_refused(render + "--memory-limit 0" + out, 2, "--memory-limit: '0' leaves no memory at all");
+  check_refused(render + "--allocation-limit 0G" + out, 2, "--allocation-limit: '0G' leaves no memory at all");
+  for (const char* command : {"render builtin:cornell", "compare builtin:cornell", "reference builtin:cornell",
+                              "techniques", "check path_tracing", "reproduce"}) {
+    check_refused(std::string(command) + " --technique-path /nosuch -o x", 2, "there is no folder '/nosuch'");
+  }
+  CHECK(count_files(folder.path()) == 0);
+}
+
+TEST_CASE("a cut PNG gives one line, without libpng's own") {
+  const TemporaryFolder folder;
+  const std::string whole = (folder.path() / "a.png").string(), cut = (folder.path() / "cut.png").string();
+  REQUIRE(
+      run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 1 --quiet -o " + whole).exit_code ==
+      0);
+  REQUIRE(run_program("head -c 100 " + whole + " > " + cut).exit_code == 0);
+  const ProgramResult result = run_lucarium("diff " + cut + " " + whole);
+  CHECK(result.exit_code == 3);
+  CHECK(result.err == "lucarium: error: " + cut + ": damaged image: it is cut off\n");
+}
+
+TEST_CASE("leading zeros are not octal") {
+  const nlohmann::json summary = nlohmann::json::parse(
+      run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 010 --seed 007 --json").out);
+  CHECK(summary["iterations"] == 10);
+  CHECK(summary["seed"] == 7);
+}
+
+TEST_CASE("standard output that cannot be written is an error, not a success") {
+  const std::string full = " >/dev/full";
+  const std::string message = "cannot write to standard output: No space left on device";
+  for (const char* command : {"techniques", "techniques --json", "techniques --markdown", "devices --json",
+                              "scene builtin:cornell", "scene builtin:cornell --json", "render --help"}) {
+    check_refused(command + full, 3, message);
+  }
+  check_refused("render builtin:cornell " + constant_technique() + "--iterations 1 --json --quiet" + full, 3, message);
+}
+
+TEST_CASE("control characters in names reach no terminal") {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path() / "ansi.gltf").string();
+  std::ofstream(file) << R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+    "extensionsUsed": ["EVIL_\u001b[31m"], "nodes": [{"mesh": 0, "name": "\u001b[1m"}],
+    "meshes": [{"name": "\u001b[31mred", "primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    "materials": [{"name": "\u001b[2J\u001b]0;evil\u0007\u009b31m\nlucarium: error: none"}],
+    "buffers": [{"byteLength": 36,
+      "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+      "max": [1, 1, 0]}]})";
+  const auto check_clean = [](const ProgramResult& result) {
+    for (const std::string& text : {result.out, result.err}) {
+      CAPTURE(text);
+      CHECK(text.find('\x1b') == std::string::npos);
+      CHECK(text.find('\x07') == std::string::npos);
+      CHECK(text.find("\xc2\x9b") == std::string::npos);
+      CHECK(text.find("\nlucarium: error: none") == std::string::npos);
+    }
+  };
+  const ProgramResult text = run_lucarium("scene " + file);
+  CHECK(text.exit_code == 0);
+  CHECK(contains(text.out, "\\u001b[2J\\u001b]0;evil\\u0007\\u009b31m\\u000alucarium: error: none"));
+  check_clean(text);
+  const ProgramResult json = run_lucarium("scene " + file + " --json");
+  CHECK(nlohmann::json::parse(json.out)["materials"][0]["name"] ==
+        "\x1b[2J\x1b]0;evil\x07\u009b"
+        "31m\nlucarium: error: none");
+  check_clean(json);
+  const ProgramResult warned = run_lucarium("render " + file + " --environment 1 " + constant_technique() +
+                                            "--iterations 1 -o " + (folder.path() / "a.png").string());
+  CHECK(warned.exit_code == 0);
+  check_clean(warned);
+  check_clean(run_lucarium("render " + file + " -o $(printf 'a\\033[2J.exr') -t $(printf 'b\\033[2J')"));
+  check_clean(run_lucarium("scene $(printf 'no\\033[2J.gltf')"));
 }
 
 TEST_CASE("input: exit code 3") {

@@ -24,7 +24,7 @@ TEST_CASE("a new technique is a folder that names itself everywhere and says wha
   const fs::path target = folder.path() / "fresh";
   const ProgramResult result = run_lucarium("new-technique light_soup --output " + target.string());
   CHECK(result.exit_code == 0);
-  CHECK(contains(result.out, "cmake -S " + target.string()));
+  CHECK(contains(result.out, "cmake -G Ninja -S " + target.string()));
   CHECK(contains(result.out, "-t light_soup"));
   for (const char* name : {"CMakeLists.txt", "README.md", "light_soup.cpp", "test_light_soup.cpp", "add_emission.cl"}) {
     CAPTURE(name);

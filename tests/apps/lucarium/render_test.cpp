@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What lucarium render writes and prints when all goes well, and what it keeps when it is interrupted.
+#include <cmath>
+
 #include "cli_support.h"
 #include "lucarium/film/image_io.h"
 #include "tolerance.h"
@@ -78,6 +80,41 @@ TEST_CASE("exposure brightens the picture and leaves the EXR alone") {
             .exit_code == 0);
   CHECK(read_image(exr).image()[0] == 0.107f);
   CHECK(read_image(png).image()[0] == test::relative(2 * 0.107, .01));  // an 8-bit step is 0.8 % there
+}
+
+TEST_CASE("a picture without a stated exposure gets one from the image, which the summary states") {
+  const TemporaryFolder folder;
+  const auto picture = [&](const std::string& name) { return (folder.path() / name).string(); };
+  const std::string lux =
+      "render builtin:cornell " + constant_technique("red=100,green=50,blue=25") + "--iterations 1 ";
+  const ProgramResult result = run_lucarium(lux + "-o " + picture("auto.png"));
+  CHECK(contains(result.out, "exposure -6.6 stops (auto)"));  // log2 100 = 6.64
+  CHECK(read_image(picture("auto.png")).image()[1] == test::relative(50 * std::exp2(-6.6), .01));
+  // Stated, it is the same picture; at 0 it is white; the EXR is unaffected.
+  REQUIRE(run_lucarium(lux + "--exposure=-6.6 -o " + picture("same.png")).exit_code == 0);
+  CHECK(read_image(picture("same.png")).image() == read_image(picture("auto.png")).image());
+  const json stated = json::parse(run_lucarium(lux + "--exposure 0 --json -o " + picture("white.png")).out);
+  CHECK(stated["exposure_stops"] == 0);
+  CHECK(stated["exposure_automatic"] == false);
+  CHECK(read_image(picture("white.png")).image()[1] == 1);
+  const json chosen = json::parse(run_lucarium(lux + "--json --exposure auto -o " + picture("a.exr")).out);
+  CHECK(chosen["exposure_stops"].get<double>() == test::relative(-6.6, 1e-6));
+  CHECK(chosen["exposure_automatic"] == true);
+  CHECK(read_image(picture("a.exr")).image()[0] == 100);
+}
+
+TEST_CASE("what a display shows well is left as it is, and frames share the exposure of the first") {
+  const TemporaryFolder folder;
+  const auto picture = [&](const std::string& name) { return (folder.path() / name).string(); };
+  const std::string plain = "render builtin:cornell " + constant_technique("red=0.9") + "--iterations 1 ";
+  CHECK(contains(run_lucarium(plain + "-o " + picture("a.png")).out, "exposure 0 stops (auto)"));
+  REQUIRE(run_lucarium(plain + "--exposure 0 -o " + picture("b.png")).exit_code == 0);
+  CHECK(read_image(picture("a.png")).image() == read_image(picture("b.png")).image());
+  const json frames = json::parse(run_lucarium("render builtin:cornell " + constant_technique("red=8") +
+                                               "--iterations 1 --frames 0:1 --json -o " + picture("f.png"))
+                                      .out);
+  REQUIRE(frames.size() == 2);
+  for (const json& frame : frames) CHECK(frame["exposure_stops"] == -3);
 }
 
 TEST_CASE("--half stores 16-bit floats and tells what does not fit") {

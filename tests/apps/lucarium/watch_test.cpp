@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium render --watch: the picture follows scene, kernels and plug-in; what does not compile keeps the last one.
-#include <chrono>
 #include <fstream>
-#include <functional>
 #include <sstream>
-#include <thread>
 
 #include "cli_support.h"
 
@@ -13,22 +10,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr double patience_seconds = 60;
-
 std::string text_of(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();
   return text.str();
-}
-
-bool wait_until(const std::function<bool()>& holds) {
-  const auto start = std::chrono::steady_clock::now();
-  while (!holds()) {
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() > patience_seconds)
-      return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  }
-  return true;
 }
 
 size_t occurrences(const std::string& text, const std::string& part) {

@@ -105,3 +105,26 @@ TEST_CASE("without mad_enable products and sums round one by one") {
 TEST_CASE("a program without kernels is an error") {
   CHECK(has(error_of([] { build("float f(float x) { return x; }"); }).what(), "program probe has no kernels"));
 }
+
+TEST_CASE("child: compile vectors of 64 bytes as for a processor without AVX-512" * doctest::skip()) {
+  DeviceOptions options;
+  options.use_cache = false;
+  const auto device = Device::open(options);
+  const EmbeddedSources sources = {
+      {"probe/wide.cl",
+       "#ifdef __x86_64__\n#define OLD __attribute__((target(\"no-avx512f\"), noinline))\n#else\n#define OLD\n#endif\n"
+       "OLD float16 twice(float16 x) { return x + x; }\n"
+       "OLD void store(global float* out, float x) { out[0] = twice((float16)(x)).s7; }\n"
+       "kernel void wide(global float* out, float x) { store(out, x); }\n"}};
+  SourceLibrary library;
+  library.add(sources);
+  CHECK(Program(*device, library, {"probe", {"probe/wide.cl"}, {}}).kernel_names().size() == 1);
+}
+
+// clang's "31 warnings generated." at the first compile of the BVH, also with --quiet.
+TEST_CASE("vectors of 64 bytes compile without a word on processors without AVX-512") {
+  const ProgramResult result = run_case("child: compile vectors of 64 bytes as for a processor without AVX-512");
+  CAPTURE(result.out);
+  CHECK(result.exit_code == 0);
+  CHECK(result.err == "");
+}

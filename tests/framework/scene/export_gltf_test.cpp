@@ -4,6 +4,7 @@
 
 #include "gltf_builder.h"
 #include "lucarium/base/atomic_file.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/scene/gltf/export.h"
 #include "lucarium/scene/load/frame_camera.h"
 #include "scene_support.h"
@@ -102,7 +103,7 @@ void check_same_scene(const Scene& a, const Scene& b) {
     CHECK(a.cameras[i].world_from_camera == b.cameras[i].world_from_camera);
     if (a.cameras[i].perspective) CHECK(a.cameras[i].yfov == b.cameras[i].yfov);
   }
-  CHECK(a.exposure == b.exposure);
+  CHECK(exposure_text(a.exposure) == exposure_text(b.exposure));  // NaN stands for auto
   CHECK(a.environment.has_value() == b.environment.has_value());
 }
 

@@ -92,6 +92,13 @@ TEST_CASE("Texture coordinates that are not there") {
   CHECK(scene.materials[0].base_color_texture.uv_set == 0);
 }
 
+TEST_CASE("Occlusion textures that are left out are warned of") {
+  GltfBuilder builder = GltfBuilder::textured_triangle(png_2x1(), "image/png");
+  CHECK_FALSE(warns(load(builder), "occlusion"));
+  builder.json["materials"][0]["occlusionTexture"] = {{"index", 0}};
+  CHECK(warns(load(builder), "occlusion textures are left out"));
+}
+
 TEST_CASE("Images that are missing, of another kind, or too large") {
   GltfBuilder builder = GltfBuilder::textured_triangle("RIFF\1\1\1\1WEBP", "image/webp");
   CHECK_THROWS_WITH_AS(load(builder), doctest::Contains("is a WebP image"), Error);

@@ -5,6 +5,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/scene/builtin/scenes.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/scene/load/frame_camera.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/scene/load/scene_overrides.h"
@@ -205,11 +206,46 @@ TEST_CASE("the sidecar says the same as the command line") {
   CHECK(merged.lights.size() == 3);
 }
 
+TEST_CASE("an exposure is a finite number of stops, or auto, which is what holds where none is stated") {
+  CHECK(parse_exposure("-1.5") == -1.5f);
+  CHECK(parse_exposure("+2") == 2);
+  CHECK(is_automatic(parse_exposure("auto")));
+  CHECK(exposure_text(exposure_automatic) == "auto");
+  CHECK(exposure_text(-1.5f) == "-1.5");
+  for (const char* wrong : {"nan", "inf", "-inf", "", "1e99", "bright", "1 2"}) {
+    CAPTURE(wrong);
+    CHECK_THROWS_WITH_AS(parse_exposure(wrong), doctest::Contains("a finite number of stops, or auto"), Error);
+  }
+  CHECK(is_automatic(load_scene("builtin:cornell").exposure));
+  CHECK(load_scene("builtin:cornell", {.exposure = 0.f}).exposure == 0);
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "x.lucarium.json";
+  std::ofstream(file) << R"({"exposure": "auto"})";
+  CHECK(is_automatic(*read_sidecar(file).exposure));
+}
+
+TEST_CASE("text that looks like a camera's place is not taken for a name") {
+  const auto message = [](const char* camera) {
+    try {
+      load_scene("builtin:cornell", {.camera = camera});
+    } catch (const Error& error) {
+      CHECK(error.error_class() == ErrorClass::usage);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  for (const char* wrong : {"nan,0,0:0,0,0", "0,0:1,1", "0,0,1:0,0,inf", "0,0,1:0,0,0:x", "0,0,1:0,0,0:40:2"}) {
+    CAPTURE(wrong);
+    CHECK(message(wrong).find("it is not EYE:TARGET or EYE:TARGET:VFOV") != std::string::npos);
+  }
+}
+
 TEST_CASE("sidecar errors name file, line and key") {
   CHECK(sidecar_error("{\"exposure\": 1}").empty());
   CHECK(sidecar_error("{\n \"exposure\": 1,\n \"expsure\": 2\n}")
             .starts_with(":3: expsure: unknown key; did you mean 'exposure'?"));
-  CHECK(sidecar_error("{\n \"exposure\":\n \"much\"}").starts_with(":2: exposure: must be a number"));
+  CHECK(sidecar_error("{\n \"exposure\":\n \"much\"}")
+            .starts_with(":2: exposure: must be a number of stops or \"auto\""));
   CHECK(sidecar_error("{\"lights\": [\n \"none\",\n {\"type\": \"lamp\"}]}").starts_with(":3: lights/1/type: must be"));
   CHECK(
       sidecar_error("{\"lights\": [\n\n {\"type\": \"point\",\n\"intensity\": 1}]}").find("\"position\" is missing") !=

@@ -7,6 +7,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <nlohmann/json.hpp>
 
+#include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "scene_support.h"
 #include "tolerance.h"
@@ -76,6 +77,31 @@ TEST_CASE("warnings name what looks wrong") {
   CHECK_FALSE(warns(scene, "no area"));
   scene.meshes[0].triangles.push_back({0, 0, 1});
   CHECK(warns(scene, "1 triangles have no area"));
+}
+
+TEST_CASE("triangles of no area are counted where they stand, once for each instance, as rays see them") {
+  Scene scene = test::one_node_scene(test::triangle_mesh());
+  scene.meshes[0].triangles.push_back({0, 1, 1});
+  scene.instances.push_back(scene.instances[0]);
+  CHECK(degenerate_triangle_count(scene) == 2);
+  scene.instances[1].world_from_object = glm::scale(glm::mat4(1.f), glm::vec3(1, 0, 1));  // flat: both have none
+  CHECK(degenerate_triangle_count(scene) == 3);
+  const SceneReport report = make_scene_report(scene);
+  CHECK(report.degenerate_triangles == 3);
+  CHECK(nlohmann::json::parse(report.json())["degenerate_triangles"] == 3);
+  CHECK(report.text().find("3 without area") != std::string::npos);
+  CHECK(warns(scene, "3 triangles have no area and are never hit"));
+  // Thin, but with an area: single-precision products of its edges would underflow.
+  CHECK_FALSE(is_degenerate(glm::vec3(0), glm::vec3(1e-30f, 0, 0), glm::vec3(0, 1e-30f, 0)));
+  CHECK(is_degenerate(glm::vec3(1), glm::vec3(2), glm::vec3(3)));
+}
+
+TEST_CASE("names with control characters and line breaks stay on their line of the report") {
+  Scene scene = test::one_node_scene(test::triangle_mesh());
+  scene.materials[0].name = "two\nlines\x1b[2J";
+  const std::string text = make_scene_report(scene).text();
+  CHECK(text.find("two\\u000alines\\u001b[2J: base") != std::string::npos);
+  CHECK(text.find('\x1b') == std::string::npos);
 }
 
 TEST_CASE("a texture's mean decides about the albedo") {

@@ -8,6 +8,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/request/comparison_file.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
@@ -36,7 +37,9 @@ ordered_json overrides_json(const SceneOverrides& overrides) {
   if (overrides.camera) json["camera"] = *overrides.camera;
   if (overrides.environment) json["environment"] = *overrides.environment;
   if (!overrides.lights.empty()) json["lights"] = overrides.lights;
-  if (overrides.exposure) json["exposure"] = *overrides.exposure;
+  if (overrides.exposure) {
+    json["exposure"] = is_automatic(*overrides.exposure) ? ordered_json("auto") : ordered_json(*overrides.exposure);
+  }
   if (overrides.at_seconds) json["at_seconds"] = *overrides.at_seconds;
   if (overrides.animation) json["animation"] = *overrides.animation;
   if (!overrides.materials.empty()) json["materials"] = overrides.materials;

@@ -5,6 +5,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/reference/reference_identity.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/session/session.h"
 
@@ -21,7 +22,7 @@ std::vector<std::string> override_words(const SceneOverrides& overrides, const I
   if (overrides.camera) add("--camera", *overrides.camera);
   if (overrides.environment) add("--environment", *overrides.environment);
   for (const std::string& light : overrides.lights) add("--light", light);
-  if (overrides.exposure) add("--exposure", fmt::format("{}", *overrides.exposure));
+  if (overrides.exposure) add("--exposure", exposure_text(*overrides.exposure));
   for (const std::string& material : overrides.materials) add("--material", material);
   if (overrides.at_seconds) add("--at", fmt::format("{}", *overrides.at_seconds));
   if (overrides.animation) add("--animation", *overrides.animation);
@@ -105,7 +106,8 @@ ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& request,
     const Scene scene = load(spec, request, plan);
     entry.triangles = scene.triangle_count();
     entry.hash = scene.hash().hex();
-    entry.exposure = scene.exposure;
+    plan.automatic_exposure = is_automatic(scene.exposure);
+    entry.exposure = plan.automatic_exposure ? 0 : scene.exposure;
     entry.warnings = scene.warnings;
     const RenderSettings settings = settings_of(spec, scene);
     for (const TechniqueVariant& variant : spec.variants) {

@@ -13,6 +13,7 @@ struct ScenePlan {
   std::vector<std::string> scene_words;      ///< arguments that give another lucarium process the same scene
   std::vector<std::string> reference_files;  ///< names in the cache, one per reference
   size_t pieces = 0;                         ///< variants that are not refused
+  bool automatic_exposure = false;           ///< none is stated: the first reference decides
 };
 
 /// Base seed of references: not one of the pieces' seeds 1, 2, …

@@ -9,6 +9,7 @@
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/run/comparison_runner.h"
 #include "lucarium/compare/run/reference_file.h"
+#include "lucarium/film/exposure.h"
 #include "lucarium/film/image_io.h"
 
 namespace lucarium {
@@ -33,6 +34,18 @@ void ComparisonRunner::get_references(size_t scene) {
       reference.failure = error.what();
       say(fmt::format("{}: no reference: {}", entry.name, reference.failure));
     }
+  }
+}
+
+/// One exposure for all pictures of a scene: the first reference decides where none is stated.
+void ComparisonRunner::choose_exposure(size_t scene) {
+  SceneResult& entry = result_.scenes[scene];
+  if (!plans_[scene].automatic_exposure) return;
+  for (const ReferenceResult& reference : entry.references) {
+    const fs::path file = options_.folder / reference.image;
+    if (reference.image.empty() || !reference.failure.empty() || !fs::exists(file)) continue;
+    entry.exposure = automatic_exposure(read_image(file).image());
+    return;
   }
 }
 

@@ -73,8 +73,11 @@ ComparisonResult ComparisonRunner::run() {
   }
   check_reference_file();
   prepare_folder();  // only now, so that a mistake leaves nothing that stands in the way of the corrected command
+  const KeepOnInterrupt keep_pieces;
   for (size_t scene = 0; scene < spec_.scenes.size() && !interrupt_requested(); ++scene) {
-    if (result_.scenes[scene].failure.empty()) get_references(scene);
+    if (!result_.scenes[scene].failure.empty()) continue;
+    get_references(scene);
+    choose_exposure(scene);
   }
   load_finished_pieces();
   result_.interrupted = !run_missing_pieces();
@@ -231,10 +234,11 @@ PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, size_t bud
       scene_command(spec_, plans_[scene], spec_.scenes[scene].source, options_.program, "render", seed);
   const std::vector<std::string> limits = budget_words(spec_.budgets[budget]);
   command.insert(command.end(), limits.begin(), limits.end());
-  command.insert(command.end(), {"--overwrite", "--max-bounces", std::to_string(spec_.max_bounces), "-t",
-                                 spec_.variants[variant].words(), "--reference",
-                                 (options_.folder / reference_of(scene, variant).image).string(), "--output",
-                                 image.string(), "--quiet"});
+  command.insert(
+      command.end(),
+      {"--overwrite", "--max-bounces", std::to_string(spec_.max_bounces), "-t", spec_.variants[variant].words(),
+       "--reference", (options_.folder / reference_of(scene, variant).image).string(), "--output", image.string(),
+       "--quiet", fmt::format("--exposure={}", result_.scenes[scene].exposure)});
   const ChildResult child = run_child(command);
   if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) set_interrupt_requested(true);
   if (child.exit_code != 0) {

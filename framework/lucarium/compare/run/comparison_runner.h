@@ -27,6 +27,7 @@ class ComparisonRunner {
 
   // References.
   void get_references(size_t scene);
+  void choose_exposure(size_t scene);
   bool keep_reference(size_t scene, size_t index);
   bool render_reference(size_t scene, size_t index);
   ChildResult run_reference(size_t scene, size_t index, const std::filesystem::path& cached);

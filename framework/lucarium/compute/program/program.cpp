@@ -24,6 +24,11 @@ namespace {
 /// Defines stand in the source and not on the driver's command line, so that any value is passed on untouched.
 std::string preamble(const ProgramSpec& spec) {
   std::string text = fmt::format("#line 1 \"<defines of {}>\"\n", spec.name);
+  // clang warns of every 64-byte vector that a function takes or returns on a processor without AVX-512, and PoCL has
+  // it print how often. All of a program is compiled for the same processor, so that nothing disagrees.
+  text +=
+      "#if defined(__clang__) && defined(__has_warning)\n#if __has_warning(\"-Wpsabi\")\n"
+      "#pragma clang diagnostic ignored \"-Wpsabi\"\n#endif\n#endif\n";
   // OpenCL C contracts a*b+c by default; the options offer no way to forbid it.
   if (!spec.mad_enable) text += "#pragma OPENCL FP_CONTRACT OFF\n";
   for (const auto& [name, value] : spec.defines) {

@@ -16,6 +16,7 @@
 #include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
 #include "lucarium/film/image_stream.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/version.h"
 
 namespace lucarium {
@@ -269,7 +270,7 @@ void write_environment(const Environment& environment, const fs::path& file) {
 bool has_picture(const Scene& scene) { return scene.environment && scene.environment->width > 0; }
 
 Json sidecar_json(const Scene& scene, const fs::path& picture) {
-  Json json = {{"exposure", scene.exposure}};
+  Json json = {{"exposure", is_automatic(scene.exposure) ? Json("auto") : Json(scene.exposure)}};
   if (!scene.environment) return json;
   if (!has_picture(scene)) {
     json["environment"]["radiance"] = array_of(scene.environment->factor);

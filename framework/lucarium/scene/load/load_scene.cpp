@@ -9,10 +9,13 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/scene/builtin/scenes.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/scene/gltf/import.h"
 #include "lucarium/scene/image/environment_file.h"
 #include "lucarium/scene/import_options.h"
+#include "lucarium/scene/inside_out.h"
 #include "lucarium/scene/load/frame_camera.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
@@ -143,7 +146,8 @@ Scene load_scene(const std::string& source, const SceneOverrides& overrides, con
   for (const std::string& text : all.materials) apply_material(scene, parse_material(text));
   apply_lights(scene, all.lights);
   if (all.environment) apply_environment(scene, *all.environment, options);
-  if (all.exposure) scene.exposure = *all.exposure;
+  // A built-in scene that states an exposure has one other than 0.
+  if (all.exposure || scene.exposure == 0) scene.exposure = all.exposure.value_or(exposure_automatic);
   int animation = 0;
   if (all.animation) {
     animation = find_by_name_or_index(scene.animations, *all.animation);
@@ -152,6 +156,12 @@ Scene load_scene(const std::string& source, const SceneOverrides& overrides, con
   evaluate(scene, all.at_seconds.value_or(0.0), animation);
   validate_evaluated(scene);
   choose_camera(scene, all.camera);
+  if (const std::vector<std::string> names = meshes_inside_out(scene); !names.empty()) {
+    scene.warnings.push_back(fmt::format(
+        "closed but wound inside out, black seen from outside: {}; flip their triangles, or show both sides "
+        "with --material NAME:double_sided=true",
+        list_names(names)));
+  }
   return scene;
 }
 

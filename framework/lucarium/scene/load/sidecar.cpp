@@ -6,6 +6,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/json_file.h"
+#include "lucarium/scene/exposure.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
 namespace lucarium {
@@ -24,7 +25,7 @@ class OverridesReader {
     if (root.contains("camera")) result.camera = camera(root["camera"]);
     if (root.contains("environment")) result.environment = environment(root["environment"]);
     if (root.contains("lights")) result.lights = lights(root["lights"]);
-    if (root.contains("exposure")) result.exposure = static_cast<float>(number(root["exposure"], "/exposure"));
+    if (root.contains("exposure")) result.exposure = exposure(root["exposure"]);
     if (root.contains("at_seconds")) result.at_seconds = number(root["at_seconds"], "/at_seconds");
     if (root.contains("animation")) result.animation = name_or_index(root["animation"], "/animation");
     if (root.contains("materials")) result.materials = materials(root["materials"]);
@@ -48,6 +49,12 @@ class OverridesReader {
     } catch (const Error& error) {
       fail(pointer, error.what());
     }
+  }
+
+  float exposure(const json& value) const {
+    if (value == "auto") return exposure_automatic;
+    if (!value.is_number()) fail("/exposure", "must be a number of stops or \"auto\"");
+    return static_cast<float>(number(value, "/exposure"));
   }
 
   std::string name_or_index(const json& value, const std::string& pointer) const {

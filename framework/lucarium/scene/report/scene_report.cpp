@@ -3,6 +3,7 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/environment_tables.h"
 #include "lucarium/scene/device/light_list.h"
 #include "lucarium/scene/device/memory_requirements.h"
@@ -57,9 +58,9 @@ SceneReport make_scene_report(const Scene& scene) {
   report.skins = scene.skins.size();
   for (const SceneInstance& instance : scene.instances) {
     report.vertices += scene.meshes[instance.mesh].positions.size();
-    report.degenerate_triangles += degenerate_triangle_count(instance.shape(scene));
     report.deformed_instances += instance.pose != nullptr;
   }
+  report.degenerate_triangles = degenerate_triangle_count(scene);
   report.materials = scene.materials;
   report.cameras = scene.cameras;
   report.animations = scene.animations;

@@ -41,9 +41,6 @@ struct SceneReport {
 
 const char* alpha_mode_name(AlphaMode mode);  ///< as in materials of glTF files, lower case
 
-/// Triangles without area.
-uint64_t degenerate_triangle_count(const Mesh& mesh);
-
 SceneReport make_scene_report(const Scene& scene);
 
 /// What looks wrong or will converge badly, one line each: no light, albedos near or above 1, sizes that hint at wrong

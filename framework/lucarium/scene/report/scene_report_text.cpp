@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include "lucarium/base/byte_size.h"
+#include "lucarium/base/terminal.h"
 #include "lucarium/scene/report/scene_report.h"
 
 namespace lucarium {
@@ -11,7 +12,9 @@ namespace {
 /// Collects labelled lines.
 class Page {
  public:
-  void line(std::string_view label, const std::string& value) { text_ += fmt::format("{:<14}{}\n", label, value); }
+  void line(std::string_view label, const std::string& value) {
+    text_ += fmt::format("{:<14}{}\n", label, printable_line(value));  // names are strangers' texts
+  }
   void more(const std::string& value) { line("", value); }
   std::string take() { return std::move(text_); }
 

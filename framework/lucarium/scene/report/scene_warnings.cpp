@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 
+#include "lucarium/base/text_values.h"
+#include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/texture_sampling.h"
 #include "lucarium/scene/report/scene_report.h"
 
@@ -29,14 +31,6 @@ float mean_base_color(const Scene& scene, const SceneMaterial& material) {
     color *= sum / static_cast<float>(rows * columns);
   }
   return std::max({color.r, color.g, color.b});
-}
-
-/// "a, b, c and 4 more".
-std::string list_names(const std::vector<std::string>& names) {
-  constexpr size_t shown = 5;
-  const std::vector<std::string> first(names.begin(), names.begin() + static_cast<long>(std::min(shown, names.size())));
-  const std::string rest = names.size() > shown ? fmt::format(" and {} more", names.size() - shown) : "";
-  return fmt::format("'{}'{}", fmt::join(first, "', '"), rest);
 }
 
 void warn_of_materials(const Scene& scene, std::vector<std::string>& warnings) {
@@ -67,15 +61,6 @@ void warn_of_materials(const Scene& scene, std::vector<std::string>& warnings) {
 
 }  // namespace
 
-uint64_t degenerate_triangle_count(const Mesh& mesh) {
-  uint64_t count = 0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
-    count += glm::cross(b - a, c - a) == glm::vec3(0);
-  }
-  return count;
-}
-
 std::vector<std::string> scene_warnings(const Scene& scene) {
   std::vector<std::string> warnings = scene.warnings;
   if (!scene.has_light()) {
@@ -91,8 +76,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
     warnings.push_back(
         fmt::format("the scene is {:.4g} m large, which hints at a wrong unit: glTF's unit is the metre", largest));
   }
-  uint64_t degenerate = 0;
-  for (const Mesh& mesh : scene.meshes) degenerate += degenerate_triangle_count(mesh);
+  const uint64_t degenerate = degenerate_triangle_count(scene);
   if (degenerate) warnings.push_back(fmt::format("{} triangles have no area and are never hit", degenerate));
   return warnings;
 }

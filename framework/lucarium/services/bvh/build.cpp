@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "lucarium/scene/device/degenerate_triangle.h"
+
 namespace lucarium {
 
 namespace {
@@ -168,25 +170,17 @@ class Builder {
 }  // namespace
 
 bool bound_triangle(std::span<const Vertex> vertices, const Triangle& triangle, Box& box) {
-  const uint32_t index[3] = {triangle.v0, triangle.v1, triangle.v2};
-  double corner[3][3];
   box = {};
-  for (int i = 0; i < 3; ++i) {
-    if (index[i] >= vertices.size()) return false;
-    const float4& p = vertices[index[i]].position;
+  for (const uint32_t index : {triangle.v0, triangle.v1, triangle.v2}) {
+    if (index >= vertices.size()) return false;
+    const float4& p = vertices[index].position;
     const std::array<float, 3> point = {p.x, p.y, p.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!(std::fabs(point[axis]) <= bvh_coordinate_limit)) return false;
-      corner[i][axis] = static_cast<double>(point[axis]);
+    for (const float coordinate : point) {
+      if (!(std::fabs(coordinate) <= bvh_coordinate_limit)) return false;
     }
     box.add(Box{point, point});
   }
-  double a[3], b[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    a[axis] = corner[1][axis] - corner[0][axis];
-    b[axis] = corner[2][axis] - corner[0][axis];
-  }
-  return a[1] * b[2] != a[2] * b[1] || a[2] * b[0] != a[0] * b[2] || a[0] * b[1] != a[1] * b[0];
+  return !is_degenerate(vertices[triangle.v0], vertices[triangle.v1], vertices[triangle.v2]);
 }
 
 BinaryBvh build_binary_bvh(std::vector<BoundedTriangle> triangles, unsigned threads) {
