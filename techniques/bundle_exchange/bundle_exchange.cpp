@@ -286,7 +286,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   /// False when cancelled while slots find what they send, which may be done again; sums are added to in one go.
   bool exchange_along(PixelGather* gather, bool first) {
     const uint64_t index = position();
-    const Direction direction = sequence_.at(index);
+    const BundleDirection direction = sequence_.at(index);
     const uint32_t seed = direction_seed(index);
     SlotSpecular* specular = reflecting();
     if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
@@ -321,7 +321,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   /// Pixels gather what slots send along a direction, which itself changes nothing that slots know.
   bool gather_along(uint64_t index, bool first) {
-    const Direction direction = sequence_.at(index);
+    const BundleDirection direction = sequence_.at(index);
     const uint32_t seed = direction_seed(index);
     if (parts_->specular) {
       parts_->specular->begin_batch(sequence_, index, 1);
