@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "bundle_exchange/parameters.h"
+#include "bundle_exchange/base/parameters.h"
 #include "lucarium/technique/technique.h"
 
 namespace lucarium::bundle {

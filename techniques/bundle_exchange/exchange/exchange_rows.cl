@@ -4,7 +4,7 @@
 // that faces -omega. Each receives what the other sends, and counts it by how open its own part of the texel is. Ends
 // of rays see the environment. A side that does not reflect (the back of a single-sided surface) sends nothing, but
 // what sees it has seen black: that counts.
-#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/texels/slot_parts.clh"
 
 typedef struct Exchange {

@@ -2,8 +2,8 @@
 // The exchange as in the paper: every slot's own point is projected into the film, finds itself among the fragments of
 // its pixel, and takes what the neighbour sends. One ray per slot and direction, weighted by its cosine, however many
 // film pixels the slot covers.
-#include "bundle_exchange/exchange/exchange_layout.clh"
-#include "bundle_exchange/exchange/fragment_slot.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
+#include "bundle_exchange/base/fragment_slot.clh"
 #include "bundle_exchange/texels/slot_parts.clh"
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/random.clh"

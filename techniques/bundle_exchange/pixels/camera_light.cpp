@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "bundle_exchange/bundle_program.h"
+#include "bundle_exchange/base/bundle_program.h"
 
 namespace lucarium::bundle {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The last reflection towards the eye from the bundle itself: a pixel's point is looked up in the fragments of the
 // film, and reflects what its neighbour along the bundle sends. All pixels share the directions of the bundles.
-#include "bundle_exchange/exchange/exchange_layout.clh"
-#include "bundle_exchange/exchange/fragment_slot.clh"
-#include "bundle_exchange/pixels/pixel_lobes.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
+#include "bundle_exchange/base/fragment_slot.clh"
+#include "bundle_exchange/specular/pixel_lobes.clh"
 #include "lucarium/bsdf.clh"
 #include "lucarium/gbuffer.clh"
 #include "lucarium/shared/ray.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_exchange/pixels/pixel_gather.h"
 
-#include "bundle_exchange/bundle_program.h"
+#include "bundle_exchange/base/bundle_program.h"
 
 namespace lucarium::bundle {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adds a batch to what slots hold for good, tells how sure that is, and makes of it what is displayed.
-#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
 #include "lucarium/math.clh"
 #include "lucarium/shared/surface_atlas.h"
 

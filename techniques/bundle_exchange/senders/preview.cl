@@ -2,7 +2,7 @@
 // What is displayed of slots before it has converged: smoothed as far as its error goes, by an à-trous filter over the
 // cells of the atlas (Dammertz, Sewtz, Hanika, Lensch, Edge-Avoiding À-Trous Wavelet Transform for fast Global
 // Illumination Filtering, HPG 2010), with weights by standard errors.
-#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
 #include "lucarium/gbuffer_filter.clh"
 #include "lucarium/math.clh"
 #include "lucarium/surface_atlas.clh"

@@ -4,7 +4,7 @@
 // before; a window of more of them varies less.
 //
 // history: [direction modulo its length][channel][entry of the list of slots], xyz: sum of w L, w: sum of w.
-#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/shared/ring.h"
 #include "lucarium/bsdf.clh"
 #include "lucarium/shared/surface_atlas.h"

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-#include "bundle_exchange/parameters.h"
+#include "bundle_exchange/base/parameters.h"
 
 namespace lucarium::bundle {
 

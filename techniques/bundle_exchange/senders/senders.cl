@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every slot sends during the next batch, and the balance of sent and held power that scales it.
-#include "bundle_exchange/exchange/exchange_layout.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/shared/slots.h"
 
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of

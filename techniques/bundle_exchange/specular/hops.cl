@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Chains of specular vertices: from slots towards a bundle's direction, and from what the camera sees. At every vertex
 // the atlas gives the diffuse light, so a chain only follows specular lobes. Each target has one chain at a time.
-#include "bundle_exchange/exchange/exchange_layout.clh"
-#include "bundle_exchange/pixels/pixel_lobes.clh"
+#include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/shared/gain_layout.h"
+#include "bundle_exchange/specular/pixel_lobes.clh"
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/gbuffer.clh"
 #include "lucarium/surface_atlas.clh"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "bundle_exchange/bundle_program.h"
+#include "bundle_exchange/base/bundle_program.h"
 #include "lucarium/base/seed.h"
 
 namespace lucarium::bundle {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bundle_exchange/bundle_program.h"
+#include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/shared/slots.h"
 #include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/base/error.h"

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "lucarium/compute/schedule/scheduler.h"
-#include "micro_rendering/micro_parameters.h"
+#include "micro_rendering/base/micro_parameters.h"
 #include "micro_rendering/shared/micro_types.h"
 #include "micro_rendering/tree/point_forest.h"
 

@@ -8,8 +8,8 @@
 #define MICRO_DYNAMIC 0  // 1: leaves keep a sample for glossy lobes of nodes, see micro_dynamic.clh
 #endif
 #include "lucarium/gbuffer.clh"
-#include "micro_rendering/gather/micro_surface.clh"
 #include "micro_rendering/tree/micro_dynamic.clh"
+#include "micro_rendering/tree/micro_surface.clh"
 
 #if MICRO_PIXELS
 #define LIGHT_POINT_PARAMETERS __global const GBufferPoint *restrict points,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light at the leaves, and its means in the inner nodes.
 #include "lucarium/random.clh"
-#include "micro_rendering/gather/micro_surface.clh"
 #include "micro_rendering/tree/micro_node.clh"
+#include "micro_rendering/tree/micro_surface.clh"
 
 #ifndef MICRO_DYNAMIC
 #define MICRO_DYNAMIC 0  // 1: glossy lobes of nodes, see micro_dynamic.clh

@@ -5,8 +5,8 @@
 // The cut: nodes of one level of every tree, and where normals spread by more than `cone` nodes below them, since one
 // irradiance does not fit surfaces that face different ways. It goes as many levels deeper as leave room for all its
 // nodes.
-#include "micro_rendering/gather/micro_surface.clh"
 #include "micro_rendering/tree/micro_node.clh"
+#include "micro_rendering/tree/micro_surface.clh"
 
 // Whether node i of a tree is split where levels allow.
 bool is_bent(const global MicroTree* tree, const global uint4* heap, uint i, float cone) {

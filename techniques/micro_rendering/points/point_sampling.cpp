@@ -11,7 +11,7 @@
 #include "lucarium/base/parallel.h"
 #include "lucarium/shared/hash.h"
 #include "lucarium/shared/triangle_map.h"
-#include "micro_rendering/tree/morton.h"
+#include "micro_rendering/points/morton.h"
 
 namespace lucarium::micro {
 namespace {

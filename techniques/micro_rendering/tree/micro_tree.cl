@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Leaves from the scene's triangles, and inner nodes from their children: spheres that contain spheres, cones that
 // contain cones. O(n), so that the hierarchy follows every deformation.
-#include "micro_rendering/gather/micro_surface.clh"
 #include "micro_rendering/tree/micro_node.clh"
+#include "micro_rendering/tree/micro_surface.clh"
 
 #define MICRO_LEAST_SHOWN 64.0f  // a quarter of 255: of a convex solid, the mean over all directions (Cauchy)
 #define MICRO_CLIP_STEPS 32u     // directions over which the area of a bounded disc is summed up

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lucarium/technique/technique.h"
-#include "micro_rendering/micro_parameters.h"
+#include "micro_rendering/base/micro_parameters.h"
 #include "micro_rendering/tree/point_forest.h"
 
 namespace lucarium::micro {

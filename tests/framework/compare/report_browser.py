@@ -19,7 +19,8 @@ class Browser:
     """One session of chromedriver."""
 
     def __init__(self, browser, driver, folder):
-        self.driver = subprocess.Popen([driver, '--port=0'], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.driver = subprocess.Popen([driver, '--port=0'], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                                       text=True)
         port = None
         for line in self.driver.stdout:  # "ChromeDriver was started successfully on port N."
             if 'started successfully on port' in line:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_exchange/bundle_program.h"
+#include "bundle_exchange/base/bundle_program.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
