@@ -80,7 +80,7 @@ void SceneArguments::add_to(Command command) {
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
-  command.add_option_function<std::string>(
+  command.add_option_function(
       "--exposure", [this](const std::string& text) { overrides.exposure = parse_exposure(text); },
       "of pictures (.png) [stops], or auto (default): chosen from the image");
   command.add_option("--material", overrides.materials, "NAME:key=value[,…]; NAME may hold *")
