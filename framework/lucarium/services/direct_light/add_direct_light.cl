@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adds what the rays of sample_direct_light.cl found. Every point owns its sum: xyz, and w counts the samples.
+#include "lucarium/medium.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/direct_light/light_strategies.clh"
 
@@ -18,8 +19,10 @@ __kernel void add_direct_radiance(LUCARIUM_SCENE_PARAMETERS uint count, uint kin
     if (hit.triangle != LUCARIUM_NO_HIT) {
       const Surface surface = make_surface(&scene, hit, direction, 0u);
       const float3 emission = emitted_radiance(&scene, &surface);
+      const uint medium = medium_at(&scene, &surface, as_uint(shadow_light[i].w));
       if ((kinds >> LUCARIUM_LIGHT_TRIANGLE) & 1u && !is_black(emission))
-        light += weight.xyz * emission * mis_weight(weight.w, pdf_light_surface(&scene, &surface, hit.distance));
+        light += weight.xyz * medium_transmittance(&scene, medium, hit.distance) * emission *
+                 mis_weight(weight.w, pdf_light_surface(&scene, &surface, hit.distance));
     } else if ((kinds >> LUCARIUM_LIGHT_ENVIRONMENT) & 1u && scene.scene_info->environment_light != LUCARIUM_NONE) {
       light += weight.xyz * environment_radiance(&scene, direction) *
                mis_weight(weight.w, pdf_light_environment(&scene, direction));

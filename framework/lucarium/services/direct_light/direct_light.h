@@ -12,7 +12,8 @@ namespace lucarium {
 
 /// The complete `direct` layer (one counted scattering): light sampling and BSDF sampling joined by MIS for every light
 /// type, as the path tracer does it, at pixels (reflected radiance towards the eye) or at surface points (irradiance).
-/// Unlike the path tracer's, its shadow and BSDF rays are not attenuated inside volumes.
+/// Volumes absorb along its rays as along the path tracer's, at pixels; at surface points those of which the point
+/// itself is a wall, since a point does not know what it lies in.
 class DirectLight {
  public:
   static constexpr uint32_t kAllLights = 31;

@@ -2,13 +2,14 @@
 // One light sample and, at pixels, one BSDF sample per point; what lies behind the rays is added by
 // add_direct_light.cl.
 #include "lucarium/gbuffer.clh"
+#include "lucarium/medium.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/direct_light/light_strategies.clh"
 
 // Apart from all other uses of the same seed.
 #define DIRECT_LIGHT_STREAM 0x64697265u
 
-// shadow_light: xyz what the pixel gets if shadow ray i is free; w unused.
+// shadow_light: xyz what the pixel gets if shadow ray i is free; w: bits of the medium that BSDF ray i runs through.
 // bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
 __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
                                      uint sample_index, uint seed, uint kinds, __global Ray* restrict shadow_rays,
@@ -31,10 +32,13 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
   float3 light;
   Ray ray;
+  const uint here = gbuffer_medium(&point), behind = medium_behind(&scene, &surface, here);
   if (sample_light_at(&scene, &surface, &bsdf, u, true, kinds,
                       make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light, &ray)) {
+    const uint medium = dot(surface.n_g, ray.direction.xyz) < 0.0f ? behind : here;
+    light *= point.throughput.xyz * medium_transmittance(&scene, medium, ray.direction.w);
     shadow_rays[i] = ray;
-    shadow_light[i] = (float4)(point.throughput.xyz * light, 0.0f);
+    shadow_light[i] = (float4)(light, 0.0f);
   }
 
   if (!(kinds & (1u << LUCARIUM_LIGHT_TRIANGLE | 1u << LUCARIUM_LIGHT_ENVIRONMENT))) return;  // nothing to be hit
@@ -44,4 +48,5 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   if (sample.delta || is_black(sample.weight)) return;
   bsdf_rays[i] = make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 1u)));
   bsdf_weights[i] = (float4)(point.throughput.xyz * sample.weight, sample.pdf);
+  shadow_light[i].w = as_float(sample.transmitted ? behind : here);
 }
