@@ -293,6 +293,25 @@ TEST_CASE("black: backs of single-sided surfaces, unlit materials, directions on
   CHECK(probe.evaluate(3, up, glm::normalize(glm::vec3(0.9f, 0, 0.4f))).y > 0);
 }
 
+TEST_CASE("material parameters are read from the channels of their textures that glTF names") {
+  // One texel (51, 102, 204): transmission in R, roughness in G, metallic in B, times the factors.
+  SceneMaterial textured = glass(0.7f, 0.9f, 0.8f, false), plain = textured;
+  textured.metallic = 0.5f;
+  textured.metallic_roughness_texture.texture = textured.transmission_texture.texture = 0;
+  plain.metallic = 0.5f * 204 / 255, plain.roughness = 0.9f * 102 / 255, plain.transmission = 0.8f * 51 / 255;
+  Scene scene = material_scene({{"textured", textured}, {"plain", plain}});
+  scene.images.push_back({"parameters", 1, 1, {51, 102, 204, 255}});
+  scene.textures = {{0, Wrap::repeat, Wrap::repeat, false, false}};
+  const BsdfProbe probe(scene);
+  const glm::vec3 view = direction_at(0.8, 0.1);
+  for (const glm::vec3& light : {direction_at(0.7, 0.55), direction_at(0.3, 0.2), direction_at(-0.75, 0.6)}) {
+    const float4 expected = probe.evaluate(1, view, light), found = probe.evaluate(0, view, light);
+    CHECK(expected.y > 1e-3f);
+    CHECK(found.y == test::relative(expected.y, 1e-4));
+    CHECK(found.w == test::relative(expected.w, 1e-4));
+  }
+}
+
 TEST_CASE("volumes absorb by Beer's law along segments inside them") {
   SceneMaterial coloured = glass(1, 0, 1, true), thin = glass(1, 0, 1, false);
   coloured.attenuation_distance = thin.attenuation_distance = 2;

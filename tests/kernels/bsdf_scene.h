@@ -57,7 +57,9 @@ class BsdfProbe {
  public:
   explicit BsdfProbe(const std::vector<NamedMaterial>& materials,
                      const std::map<std::string, std::string>& defines = {})
-      : buffers_(*test_device(), material_scene(materials)), program_(kernel_program("bsdf", defines)) {}
+      : BsdfProbe(material_scene(materials), defines) {}
+  explicit BsdfProbe(const Scene& scene, const std::map<std::string, std::string>& defines = {})
+      : buffers_(*test_device(), scene), program_(kernel_program("bsdf", defines)) {}
 
   /// Binds the scene and what `bind` gives.
   template <class Bind>

@@ -20,7 +20,7 @@ namespace {
 Scene triangle_scene() {
   Scene scene = empty_scene();
   add_triangle(scene, emitter(2), {-1, -1, 2}, {0.5f, 1.5f, 2}, {1.5f, -1, 2.5f});
-  add_triangle(scene, two_sided(emitter(1)), {3, -1, -0.5f}, {3, 1.5f, -0.8f}, {2, -0.5f, -2});
+  add_triangle(scene, two_sided(emitter(1)), {3, -1, -0.5f}, {2, -0.5f, -2}, {3, 1.5f, -0.8f});
   add_triangle(scene, emitter(3), {-3, 1, -1}, {-3, -1, 1}, {-3, -1, -1});
   return scene;
 }

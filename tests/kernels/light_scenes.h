@@ -67,13 +67,15 @@ struct LightSamples {
   std::vector<float4> directions, radiances, ends;
 };
 
+/// `ray_seed`: of the shadow rays, LUCARIUM_SEED_OPAQUE or another.
 inline LightSamples sample(const SceneBuffers& buffers, const glm::vec3& position, uint count, uint kinds = all_kinds,
-                           uint seed = 1) {
+                           uint seed = 1, uint ray_seed = 1) {
   const auto directions = test_buffer<float4>(count), radiances = test_buffer<float4>(count),
              ends = test_buffer<float4>(count);
   run_kernel(light_program(), "sample_lights", count, 64, [&](PassBuilder& pass) {
     buffers.bind(pass, light_program(), "sample_lights");
     pass.arg("position", float4(position, 0.f)).arg("kinds", kinds).arg("seed", seed).arg("count", count);
+    pass.arg("ray_seed", ray_seed);
     pass.arg("directions", directions).arg("radiances", radiances).arg("ends", ends);
   });
   return {directions.download(), radiances.download(), ends.download()};

@@ -8,13 +8,14 @@
 
 // Samples of the mixture for a point: xyz direction, w pdf; xyz radiance, w: 1 punctual, 2 at infinity; end points.
 kernel void sample_lights(LUCARIUM_SCENE_PARAMETERS const float4 position, const uint kinds, const uint seed,
-                          const uint count, global float4* directions, global float4* radiances, global float4* ends) {
+                          const uint ray_seed, const uint count, global float4* directions, global float4* radiances,
+                          global float4* ends) {
   LUCARIUM_SCENE_BIND(scene);
   const uint i = get_global_id(0);
   if (i >= count) return;
   const Sampler sampler = make_sampler(seed, i % 16u, 0u, i / 16u, LUCARIUM_SAMPLER_SOBOL);
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
-  const LightSample sample = sample_light(&scene, position.xyz, u.choice, u.point, kinds, 1u);
+  const LightSample sample = sample_light(&scene, position.xyz, u.choice, u.point, kinds, ray_seed);
   directions[i] = (float4)(sample.direction, sample.pdf);
   radiances[i] = (float4)(sample.radiance, (float)(sample.punctual + 2u * sample.infinite));
   ends[i] = (float4)(sample.end, 0.0f);

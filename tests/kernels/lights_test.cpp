@@ -7,6 +7,7 @@
 
 #include "closed_forms.h"
 #include "light_scenes.h"
+#include "lucarium/shared/ray.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -197,4 +198,64 @@ TEST_CASE("what surfaces emit: sides, unlit, textures, coverage") {
   add_triangle(alone, blended, {0, 0, 1}, {0, 1, 1}, {1, 0, 1});
   const LightSamples samples = sample(SceneBuffers(*test_device(), alone), {0.2f, 0.2f, 0}, 64);
   CHECK(samples.radiances[0].y == test::relative(1));
+}
+
+TEST_CASE("lamps with holes, vertex colours and second texture coordinates: light samples bring what is met") {
+  // The texture is white and there where u < 1/2, black and a hole elsewhere; v is of no importance. The second
+  // coordinates run along x (u follows +y in the first), so that the triangle's right part is dark.
+  const glm::vec3 a(0, 0, 1), b(0, 1, 1), c(1, 0, 1), below(0.3f, 0.3f, 0);
+  const auto lamp_scene = [&](const SceneMaterial& material, const std::vector<glm::vec4>& colors = {}) {
+    Scene scene = empty_scene();
+    scene.images.push_back({"half", 2, 1, {255, 255, 255, 255, 0, 0, 0, 0}});
+    scene.textures.push_back({0, Wrap::clamp, Wrap::clamp, true, false});
+    add_triangle(scene, material, a, b, c);
+    scene.meshes[0].uv[1] = {{0, 0}, {0, 0}, {1, 0}};
+    scene.meshes[0].colors = colors;
+    return scene;
+  };
+  // Light samples: 4 where the point of the lamp is in its left part, 0 elsewhere, whatever is met there.
+  const auto check_left = [&](const SceneMaterial& material, uint ray_seed, bool right_too) {
+    const SceneBuffers buffers(*test_device(), lamp_scene(material));
+    const LightSamples samples = sample(buffers, below, 256, all_kinds, 1, ray_seed);
+    uint left = 0, wrong = 0;
+    for (size_t i = 0; i < samples.ends.size(); ++i) {
+      const bool is_left = samples.ends[i].x < 0.5f;
+      left += is_left;
+      wrong += std::abs(samples.radiances[i].y - (is_left || right_too ? 4 : 0)) > 1e-4f;
+    }
+    CHECK(wrong == 0);
+    CHECK(left > 100);
+    CHECK(left < 250);
+  };
+  SceneMaterial textured = emitter(4);
+  textured.emissive_texture.texture = 0, textured.emissive_texture.uv_set = 1;
+  check_left(textured, 1, false);
+  const auto met = [&](float x) {
+    return meet(SceneBuffers(*test_device(), lamp_scene(textured)), {x, 0.2f, 0},
+                std::vector<float4>(64, float4(0, 0, 1, 0)))[0]
+        .y;
+  };
+  CHECK(met(0.2f) == test::relative(4));
+  CHECK(met(0.7f) == 0);
+
+  SceneMaterial holed = emitter(4);
+  holed.base_color_texture.texture = 0, holed.base_color_texture.uv_set = 1;
+  holed.alpha_mode = AlphaMode::mask;
+  check_left(holed, 1, false);
+  check_left(holed, LUCARIUM_SEED_OPAQUE, false);
+  holed.alpha_mode = AlphaMode::blend;
+  check_left(holed, 1, false);
+  check_left(holed, LUCARIUM_SEED_OPAQUE, true);  // for such rays all of a veil is there
+
+  SceneMaterial unlit = emitter(0);
+  unlit.unlit = true, unlit.emissive_factor = glm::vec3(0), unlit.base_color = glm::vec4(1, 1, 0.5f, 1);
+  const std::vector<glm::vec4> colors(3, glm::vec4(0.25f, 0.5f, 1, 1));
+  const SceneBuffers buffers(*test_device(), lamp_scene(unlit, colors));
+  const float4 sampled = sample(buffers, below, 64).radiances[0];
+  const float4 seen = meet(buffers, below, std::vector<float4>(64, float4(0, 0, 1, 0)))[0];
+  for (const float4& light : {sampled, seen}) {
+    CHECK(light.x == test::relative(0.25, 1e-3));
+    CHECK(light.y == test::relative(0.5, 1e-3));
+    CHECK(light.z == test::relative(0.5, 1e-3));
+  }
 }

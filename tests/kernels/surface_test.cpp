@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include "kernel_fixture.h"
+#include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/scene/device/texture_sampling.h"
+#include "lucarium/services/bvh/bvh.h"
 #include "lucarium/shared/ray.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -228,24 +231,32 @@ TEST_CASE("normal maps tilt towards tangent and bitangent by their scale") {
   }
 }
 
+namespace {
+
+/// For `count` seeds, whether a ray stops at a point of a triangle.
+std::vector<uint> stopped(const SceneBuffers& buffers, uint triangle, float u, float v, uint first_seed, uint count) {
+  const auto result = test_buffer<uint>(count);
+  run_kernel(program(), "count_passes", count, 64, [&](PassBuilder& pass) {
+    buffers.bind(pass, program(), "count_passes");
+    pass.arg("triangle", triangle)
+        .arg("u", u)
+        .arg("v", v)
+        .arg("first_seed", first_seed)
+        .arg("count", count)
+        .arg("passes", result);
+  });
+  return result.download();
+}
+uint passes(const SceneBuffers& buffers, float u, float v, uint first_seed, uint count) {
+  const std::vector<uint> all = stopped(buffers, 0, u, v, first_seed, count);
+  return std::accumulate(all.begin(), all.end(), 0u);
+}
+
+}  // namespace
+
 TEST_CASE("MASK cuts at the cutoff, BLEND lets its share of the seeds through") {
   Scene scene = attribute_scene();
   scene.materials[0].base_color.a = 0.8f;
-  const auto passes = [](const SceneBuffers& buffers, float u, float v, uint first_seed, uint count) {
-    const auto result = test_buffer<uint>(count);
-    run_kernel(program(), "count_passes", count, 64, [&](PassBuilder& pass) {
-      buffers.bind(pass, program(), "count_passes");
-      pass.arg("triangle", 0u)
-          .arg("u", u)
-          .arg("v", v)
-          .arg("first_seed", first_seed)
-          .arg("count", count)
-          .arg("passes", result);
-    });
-    uint sum = 0;
-    for (const uint passed : result.download()) sum += passed;
-    return sum;
-  };
   const uint n = 1 << 16;
   // Alpha is .8 at the first vertex, .4 at the second, .2 at the third.
   const double alpha = 0.8 * (0.5 * 1 + 0.25 * 0.5 + 0.25 * 0.25);
@@ -260,11 +271,44 @@ TEST_CASE("MASK cuts at the cutoff, BLEND lets its share of the seeds through") 
     CHECK(passes(buffers, 0.99f, 0, 1, 64) == 64);
     CHECK(passes(buffers, 0, 0.99f, 1, 64) == 0);
   }
+  // Alpha exactly at the cutoff is there (glTF 2.0, 3.9.4); alpha is the factor's at the first vertex.
+  scene.materials[0].alpha_cutoff = 0.8f;
+  CHECK(passes(SceneBuffers(*test_device(), scene), 0, 0, 1, 64) == 64);
   scene.materials[0].alpha_mode = AlphaMode::blend;
   const SceneBuffers buffers(*test_device(), scene);
   const double share = passes(buffers, 0.25f, 0.25f, 1, n) / double(n);
   CHECK(std::abs(share - alpha) < 5 * std::sqrt(alpha * (1 - alpha) / n));
-  CHECK(passes(buffers, 0.25f, 0.25f, 0, 1) == 1);  // LUCARIUM_SEED_OPAQUE
+  CHECK(passes(buffers, 0.25f, 0.25f, LUCARIUM_SEED_OPAQUE, 1) == 1);
+  scene.materials[0].base_color.a = 1e-6f;
+  CHECK(passes(SceneBuffers(*test_device(), scene), 0.25f, 0.25f, LUCARIUM_SEED_OPAQUE, 1) == 1);
+}
+
+TEST_CASE("alpha comes from the texture at the coordinates that it names, and every veil decides by itself") {
+  // Two copies of a triangle whose texture is a hole on its right half. By the second coordinates, scaled, the first
+  // two corners are in the left half and the third in the right one; by the first coordinates all are in the left.
+  Scene scene = attribute_scene();
+  scene.meshes[0].colors.clear();
+  scene.instances.push_back(scene.instances[0]);
+  scene.images.push_back({"half", 2, 1, {255, 255, 255, 102, 255, 255, 255, 0}});
+  scene.textures = {{0, Wrap::repeat, Wrap::repeat, true, false}};
+  TextureUse& use = scene.materials[0].base_color_texture;
+  use.texture = 0, use.uv_set = 1, use.scale = glm::vec2(0.125f);
+  scene.materials[0].alpha_mode = AlphaMode::mask;
+  scene.materials[0].alpha_cutoff = 0.3f;
+  {
+    const SceneBuffers buffers(*test_device(), scene);
+    CHECK(passes(buffers, 0, 0, 1, 64) == 64);
+    CHECK(passes(buffers, 1, 0, 1, 64) == 64);
+    CHECK(passes(buffers, 0, 1, 1, 64) == 0);
+  }
+  scene.materials[0].alpha_mode = AlphaMode::blend;
+  const SceneBuffers buffers(*test_device(), scene);
+  const uint n = 1 << 14;
+  const std::vector<uint> first = stopped(buffers, 0, 0, 0, 1, n), second = stopped(buffers, 1, 0, 0, 1, n);
+  double one = 0, both = 0;
+  for (uint i = 0; i < n; ++i) one += second[i], both += first[i] & second[i];
+  CHECK(std::abs(one / n - 0.4) < 5 * std::sqrt(0.24 / n));
+  CHECK(std::abs(both / n - 0.16) < 5 * std::sqrt(0.16 * 0.84 / n));
 }
 
 TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far from it") {
@@ -319,6 +363,68 @@ TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far fr
   }
   CHECK(wrong == 0);
   CHECK(far == 0);
+}
+
+TEST_CASE("rays do not find the triangle that they leave, at whatever angle") {
+  // Triangles 20 m across that pass near the world's origin, in planes along the axes and others; points near the
+  // origin, where coordinates alone would allow the least distance. Rays may meet the others.
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> uniform(-1, 1);
+  Scene scene;
+  scene.source = "test";
+  scene.materials.emplace_back();
+  Mesh mesh;
+  std::vector<Hit> hits;
+  const int triangles = 12, points = 200;
+  for (int i = 0; i < triangles; ++i) {
+    const int axis = i % 3;
+    const auto corner = [&](float x, float y) {
+      glm::vec3 p(0);
+      p[(axis + 1) % 3] = 20 * x, p[(axis + 2) % 3] = 20 * y;
+      p[axis] = (i / 3 % 2) * (0.3f * p.x + 0.2f * p.y - 0.1f * p.z);
+      return p;
+    };
+    const glm::vec3 corners[3] = {corner(-0.5f, -0.5f), corner(1, -0.5f), corner(-0.5f, 1)};
+    mesh.positions.insert(mesh.positions.end(), std::begin(corners), std::end(corners));
+    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+  }
+  mesh.normals.assign(mesh.positions.size(), glm::vec3(0, 0, 1));
+  scene.meshes.push_back(mesh);
+  SceneInstance instance;
+  instance.mesh = 0, instance.material = 0;
+  scene.instances.push_back(instance);
+  const SceneBuffers buffers(*test_device(), scene);
+  const Bvh bvh(*test_device(), scene, buffers);
+  KernelScheduler scheduler(test_device());
+  const glm::vec3 direction = glm::normalize(glm::vec3(0.3f, -0.5f, 0.7f));
+  for (int i = 0; i < triangles; ++i)
+    for (int k = 0; k < points; ++k) {
+      const float near = k % 2 ? 0.3f : 1e-3f;
+      hits.push_back(hit_at(static_cast<uint>(i), (1 + near * uniform(random)) / 3, (1 + near * uniform(random)) / 3));
+    }
+  const auto surfaces = make_surfaces(buffers, hits, direction);
+  std::vector<Ray> rays;
+  for (size_t i = 0; i < hits.size(); ++i) {
+    const glm::vec3 n = -surfaces[i].n_g_flags.xyz();  // on the side that `direction` goes on to
+    const glm::vec3 along = glm::normalize(glm::cross(n, glm::vec3(uniform(random), uniform(random), uniform(random))));
+    const float cosine = std::pow(10.f, -3 + 3 * std::abs(uniform(random)));
+    Ray ray;
+    ray.origin = surfaces[i].origin_on;
+    ray.direction = float4(glm::normalize(cosine * n + along), INFINITY);
+    rays.push_back(ray);
+  }
+  const auto ray_buffer = test_buffer(rays);
+  const auto found = test_buffer<Hit>(rays.size());
+  const auto counter = test_buffer(std::vector<uint>{static_cast<uint>(rays.size())});
+  ScheduleRecorder recorder = scheduler.record("trace", "test");
+  bvh.record_closest(recorder, "closest", ray_buffer, found, counter, 0, static_cast<uint32_t>(rays.size()));
+  Schedule schedule = recorder.compile();
+  scheduler.run(schedule);
+  scheduler.finish();
+  const std::vector<Hit> results = found.download();
+  size_t own = 0;
+  for (size_t i = 0; i < hits.size(); ++i) own += results[i].triangle == hits[i].triangle;
+  CHECK(own == 0);
 }
 
 TEST_CASE("ray origins keep off the edges of their triangle as far as off the triangle") {

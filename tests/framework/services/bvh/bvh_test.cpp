@@ -141,8 +141,10 @@ TEST_CASE("equal distances go to the lower triangle") {
   for (int copy = 0; copy < 40; ++copy) soup.add_triangle({20, -1, -1}, {20, 1, -1}, {20, 0, 2});
   std::vector<Ray> rays;
   Random random(32);
-  for (int i = 0; i < 200; ++i)
-    rays.push_back(make_ray({30, random.uniform(-0.2f, 0.2f), random.uniform(-0.2f, 0.2f)}, {-1, 0, 0}));
+  for (int i = 0; i < 208; ++i) {  // single ones, then such that are traced as packets
+    const float reach = i < 96 ? 0.2f : 0.01f;
+    rays.push_back(make_ray({30, random.uniform(-reach, reach), random.uniform(-reach, reach)}, {-1, 0, 0}));
+  }
   for (const BvhTraversal traversal : traversals)
     for (const Hit& hit : tracer.trace(tracer.make(soup, traversal), rays).hits) {
       CHECK(hit.triangle == first);
@@ -171,6 +173,39 @@ TEST_CASE("both sides are hit, and only within the length of the ray") {
     // The hit point is (1 - u - v) a + u b + v c.
     CHECK(results.hits[7].v == test::relative(0.5f));
     CHECK(results.hits[7].u == test::relative(0.35f));
+  }
+}
+
+TEST_CASE("hits of slivers lie between their corners, however uncertain their plane is") {
+  Tracer tracer;
+  Soup soup;
+  std::vector<Ray> rays;
+  Random random(43);
+  for (int i = 0; i < 2000; ++i) {
+    const glm::vec3 a = random.in_cube(10), b = a + random.in_cube(2);
+    soup.add_triangle(a, b, glm::mix(a, b, random.uniform()) + random.in_cube(i % 2 ? 1e-5f : 1e-6f));
+    const glm::vec3 origin = random.in_cube(10);
+    rays.push_back(make_ray(origin, glm::normalize(glm::mix(a, b, random.uniform()) - origin)));
+  }
+  for (const BvhTraversal traversal : traversals) {
+    const Results results = tracer.trace(tracer.make(soup, traversal), rays);
+    size_t hit = 0, outside = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const Hit& found = results.hits[i];
+      if (found.triangle == LUCARIUM_NO_HIT) continue;
+      ++hit;
+      const glm::vec3 o = rays[i].origin.xyz(), d = rays[i].direction.xyz(), size = glm::abs(d);
+      const int axis = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
+      float nearest = INFINITY, farthest = -INFINITY;
+      for (const uint32_t vertex :
+           {soup.triangles[found.triangle].v0, soup.triangles[found.triangle].v1, soup.triangles[found.triangle].v2}) {
+        const float depth = (soup.corner(vertex)[axis] - o[axis]) / d[axis];
+        nearest = std::min(nearest, depth), farthest = std::max(farthest, depth);
+      }
+      outside += found.distance < nearest - 1e-5f || found.distance > farthest + 1e-5f;
+    }
+    CHECK(hit > 50);
+    CHECK(outside == 0);
   }
 }
 

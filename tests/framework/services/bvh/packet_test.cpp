@@ -2,6 +2,7 @@
 // Which runs of rays become packets, and that packets find what single rays find.
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -142,6 +143,54 @@ TEST_CASE("packets of different origins give the same bits as single rays") {
             portable = tracer.make(soup, BvhTraversal::wide_portable);
   check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 0.04f, 62));
   check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 10, 63));
+}
+
+TEST_CASE("packets along diagonal axes and with mixed largest components give the same bits as single rays") {
+  // Rays from one point on a grid of directions about each diagonal, and about each axis: within runs the largest
+  // component and the signs change.
+  Tracer tracer;
+  Soup soup = random_soup(5000, 67);
+  for (Vertex& vertex : soup.vertices) vertex.position.y *= 0.5f;
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide),
+            portable = tracer.make(soup, BvhTraversal::wide_portable);
+  std::vector<Ray> rays;
+  for (const glm::vec3& middle : {glm::vec3(1, 1, 1),
+                                  {-1, 1, 1},
+                                  {1, -1, -1},
+                                  {1, 1, 0},
+                                  {0, -1, 1},
+                                  {-1, 0, 1},
+                                  {1, 0, 0},
+                                  {0, -1, 0},
+                                  {0, 0, 1}}) {
+    const glm::vec3 other = std::abs(middle.x) > 0 ? glm::vec3(0, 0.7f, 1) : glm::vec3(1, 0.2f, 0);
+    const glm::vec3 right = glm::normalize(glm::cross(middle, other)), up = glm::normalize(glm::cross(right, middle));
+    for (int i = 0; i < 64 * 40; ++i) {
+      const float x = 0.006f * (static_cast<float>(i % 64) - 29.3f), y = 0.02f * (static_cast<float>(i / 64) - 20);
+      const glm::vec3 direction = glm::normalize(glm::normalize(middle) + x * right + y * up);
+      rays.push_back(make_ray(glm::vec3(0.3f, -0.2f, 0.1f) - 12.f * glm::normalize(middle), direction));
+      if (i % 64 == 0 && i / 64 % 4 == 0) rays.back().direction = float4(glm::normalize(middle), INFINITY);
+    }
+  }
+  check_packets(tracer, single, {&wide, &portable}, rays);
+}
+
+TEST_CASE("neighbouring rays decide about veils by themselves, in packets too") {
+  SceneMaterial veil;
+  veil.alpha_mode = AlphaMode::blend;
+  veil.base_color.a = 0.5f;
+  Scene scene = moving_bodies();
+  scene.animations.clear();
+  scene.materials[0] = veil;
+  Tracer tracer;
+  const SceneBuffers buffers(tracer.device(), scene);
+  std::vector<Ray> rays = camera_rays(160, 100, 25);
+  for (uint32_t i = 0; i < rays.size(); ++i) rays[i].origin.w = std::bit_cast<float>(2 * i + 1);
+  CHECK(count_packets(rays, 25) == rays.size() / 16);
+  const Bvh single(tracer.device(), scene, buffers, BvhTraversal::scalar),
+      wide(tracer.device(), scene, buffers, BvhTraversal::wide),
+      portable(tracer.device(), scene, buffers, BvhTraversal::wide_portable);
+  check_packets(tracer, single, {&wide, &portable}, rays);
 }
 
 TEST_CASE("a ray that begins far to the side of its run changes nothing for the others") {

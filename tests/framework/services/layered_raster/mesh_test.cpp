@@ -171,6 +171,14 @@ TEST_CASE("MASK discards, BLEND keeps with probability alpha") {
   for (uint32_t y = 0; y < 100; ++y)
     for (uint32_t x = 0; x < 100; ++x) both += blended.at(x, y).size() == 2;
   CHECK(std::abs(static_cast<int>(both) - 900) < 150);
+  // Neighbours decide by themselves: 99 pairs in each of 100 rows.
+  uint32_t pairs = 0;
+  const auto nearer = [&](uint32_t x, uint32_t y) {
+    return !blended.at(x, y).empty() && (blended.at(x, y)[0].triangle & ~LAYERED_AWAY) == 0;
+  };
+  for (uint32_t y = 0; y < 100; ++y)
+    for (uint32_t x = 1; x < 100; ++x) pairs += nearer(x - 1, y) && nearer(x, y);
+  CHECK(std::abs(static_cast<int>(pairs) - 891) < 180);
   CHECK(fragments(AlphaMode::blend, 0.3f, 1).pixel_start == blended.pixel_start);
   CHECK(fragments(AlphaMode::blend, 0.3f, 1, LayeredVariant::exact).pixel_start == blended.pixel_start);
   CHECK(fragments(AlphaMode::blend, 0.3f, 2).pixel_start != blended.pixel_start);

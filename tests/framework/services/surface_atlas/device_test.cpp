@@ -10,6 +10,7 @@
 #include "lucarium/services/gbuffer/gbuffer.h"
 #include "lucarium/services/surface_atlas/image.h"
 #include "lucarium/technique/technique.h"
+#include "made_scene.h"
 #include "tolerance.h"
 
 using namespace lucarium;
@@ -73,6 +74,52 @@ TEST_CASE("slots lie on their triangles and know what the surface does") {
   CHECK(area == test::relative(side_area(g), 1e-6));
 }
 
+TEST_CASE("the sides of a sheet know what is seen of them") {
+  // A lamp of frosted plastic that shines on both sides, with normals that lean; and a polished volume of index 1.5
+  // with some white in it, of which one side is inside.
+  Scene scene;
+  SceneMaterial lamp = emitter(3, 0.5f), glass = lambert(1);
+  lamp.double_sided = true;
+  lamp.ior = 1.5f;
+  lamp.roughness = 0.5f;
+  glass.ior = 1.5f;
+  glass.roughness = 0;
+  glass.transmission = 0.75f;
+  glass.thickness = 1;
+  add_horizontal(scene, 0, 0, 0, 1, 1, true, add_material(scene, lamp));
+  const glm::vec3 leaning = glm::normalize(glm::vec3(0.3f, 1, 0));
+  scene.meshes[0].flat_normals = false;
+  scene.meshes[0].normals.assign(scene.meshes[0].positions.size(), leaning);
+  add_horizontal(scene, 5, 0, 0, 1, 1, true, add_material(scene, glass));
+  AtlasContext context(std::move(scene), 80);
+  const uint32_t k = context.atlas->info().double_sided_count;
+  const auto points = context.atlas->surface_points().download();
+  const auto materials = context.atlas->materials().download();
+  REQUIRE(2 * k == points.size());
+  uint32_t lamps = 0, volumes = 0;
+  for (uint32_t slot = 0; slot < 2 * k; ++slot) {
+    CAPTURE(slot);
+    const AtlasMaterial& m = materials[slot];
+    const bool back = slot >= k;
+    if (points[slot].position.x < 2) {
+      ++lamps;
+      CHECK(m.emission.x == test::relative(3));
+      CHECK(m.emission.w == 0);
+      CHECK(m.diffuse.w == test::relative(0.25));
+      CHECK(m.diffuse.x > 0.4f);
+      CHECK(glm::distance(m.shading.xyz(), (back ? -1.f : 1.f) * leaning) < 1e-5f);
+    } else {
+      ++volumes;
+      CHECK(m.emission.w == 1);
+      CHECK(m.transmission.x == test::relative(0.75));
+      CHECK(m.transmission.w == test::relative(back ? 1.5 : 1 / 1.5));
+      const double outside = 0.25 * (1 - (0.04 * (1 - 1 / 21.) + 1 / 21.));
+      CHECK(m.diffuse.x == test::relative(back ? outside / 2.25 : outside, 1e-4));
+    }
+  }
+  CHECK(lamps == volumes);
+}
+
 TEST_CASE("the sample positions are receivers for DirectLight") {
   // A closed room with one point light: where it is seen, E = I cos / d².
   AtlasContext context(make_builtin_scene("room"), 2000);
@@ -120,6 +167,32 @@ TEST_CASE("the layer shows every texel in its colour") {
       expected = colors[table[atlas_cell(records[points[i].triangle], points[i].u, points[i].v)]];
     CHECK(layer->pixels[3 * i] == expected.x);
     CHECK(layer->pixels[3 * i + 2] == expected.z);
+  }
+}
+
+TEST_CASE("the layer shows backs in the colours of backs") {
+  Scene scene;
+  SceneMaterial sheet = lambert(0.5f);
+  sheet.double_sided = true;
+  add_horizontal(scene, 0, 0, 0, 4, 4, false, add_material(scene, sheet));
+  AtlasContext context(std::move(scene), 100);
+  const Bvh bvh(*test_device(), context.scene, context.buffers);
+  RenderSettings settings;
+  settings.width = settings.height = 16;
+  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  settings.camera = look_orthographic({0, 3, 0}, {0, 0, 0}, 1);
+  GBuffer gbuffer(*test_device(), context.scheduler, context.buffers, bvh, make_frame(settings), "test");
+  REQUIRE(gbuffer.render(0));
+  Film film(16, 16);
+  context.atlas->resolve(gbuffer.points(), film);
+  const auto colors = context.atlas->slot_colors();
+  const auto records = context.atlas->triangles().download();
+  const auto table = context.atlas->table().download();
+  const auto points = gbuffer.points().download();
+  const uint32_t k = context.atlas->info().double_sided_count;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const uint32_t front = table[atlas_cell(records[points[i].triangle], points[i].u, points[i].v)];
+    CHECK(film.find("atlas")->pixels[3 * i + 1] == colors[front + k].y);
   }
 }
 

@@ -17,11 +17,12 @@ double wave(const glm::dvec3& p, double extent) {
   return std::sin(k * (p.x + 0.4 * p.y + 0.3 * p.z)) + std::cos(k * (0.3 * p.x - 0.2 * p.y + p.z));
 }
 
-/// What kernels get between the slots' values at points of the fronts.
-std::vector<float4> interpolate(AtlasContext& context, const std::vector<float4>& values, const Points& p) {
+/// What kernels get between the slots' values at points of the fronts, or of the backs.
+std::vector<float4> interpolate(AtlasContext& context, const std::vector<float4>& values, const Points& p,
+                                bool front = true) {
   const auto slots = test_buffer(values), results = test_buffer<float4>(p.points.size());
   run_at(context, "interpolate_atlas", p,
-         [&](PassBuilder& pass) { pass.arg("values", slots).arg("front", 1u).arg("results", results); });
+         [&](PassBuilder& pass) { pass.arg("values", slots).arg("front", front ? 1u : 0u).arg("results", results); });
   return results.download();
 }
 
@@ -110,5 +111,33 @@ TEST_CASE("interpolation does not reach across a slit") {
       ++beside;
     }
     CHECK(beside > 500);
+  }
+}
+
+TEST_CASE("interpolation of a sheet's back takes nothing from its front, and single-sided ones have none") {
+  // Fronts hold 100, backs 1 + x; beside them a single-sided sheet.
+  Scene scene;
+  SceneMaterial sheet = lambert(0.5f);
+  sheet.double_sided = true;
+  add_horizontal(scene, 0, 0, 0, 2, 2, true, add_material(scene, sheet));
+  add_horizontal(scene, 5, 0, 0, 2, 2, true, add_material(scene, lambert(0.5f)));
+  AtlasContext context(std::move(scene), 600);
+  const uint32_t k = context.atlas->info().double_sided_count;
+  CHECK(k > 100);
+  std::vector<float4> values;
+  for (const SurfacePoint& point : context.atlas->surface_points().download()) {
+    const bool back = values.size() >= k && values.size() < 2 * k;
+    values.emplace_back(back ? 1 + point.position.x : 100.f, 0.f, 0.f, 1.f);
+  }
+  const AtlasGeometry g = read_atlas_geometry(context.scene, context.buffers, false);
+  const Points points = random_points(g.triangles.size(), 4000);
+  const std::vector<float4> fronts = interpolate(context, values, points),
+                            backs = interpolate(context, values, points, false);
+  const double edge = double(context.atlas->info().texel_edge);
+  for (size_t i = 0; i < points.points.size(); ++i) {
+    const glm::dvec3 at = point_on(g, points.triangles[i], points.points[i].x, points.points[i].y);
+    CHECK(fronts[i].x == test::relative(100));
+    CHECK(std::abs(double(backs[i].x) - (at.x < 2 ? 1 + at.x : 0)) < edge);
+    CHECK(backs[i].w == (at.x < 2 ? test::relative(1) : test::within(0, 0)));
   }
 }
