@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DMUTANTS=mutants.json -DKIND=checks|mutants -DINDEX=n -DSOURCE=…
+# cmake -DMUTANTS=AREA.json -DKIND=checks|mutants -DINDEX=n -DSOURCE=…
 #   -DTESTS=folder of the executables -DWORK=… -P …
 # checks: the test passes on the kernels as they are. mutants: the same test fails, by an assertion, on the changed one.
 file(READ ${MUTANTS} json)
@@ -15,16 +15,17 @@ if(KIND STREQUAL "mutants")
     endif()
   endforeach()
   if(NOT source)
-    message(FATAL_ERROR "there is no kernel ${file}; bring mutants.json up to date")
+    message(FATAL_ERROR "there is no kernel ${file}; bring ${MUTANTS} up to date")
   endif()
   file(READ ${source} text)
   string(FIND "${text}" "${find}" first)
   string(FIND "${text}" "${find}" last REVERSE)
   if(first EQUAL -1 OR NOT first EQUAL last)
-    message(FATAL_ERROR "${source} does not hold this text exactly once; bring mutants.json up to date:\n${find}")
+    message(FATAL_ERROR "${source} does not hold this text exactly once; bring ${MUTANTS} up to date:\n${find}")
   endif()
   string(REPLACE "${find}" "${replace}" text "${text}")
-  set(kernels ${WORK}/mutant_${INDEX})
+  cmake_path(GET MUTANTS STEM area)
+  set(kernels ${WORK}/${area}_${INDEX})
   file(REMOVE_RECURSE ${kernels})
   file(WRITE ${kernels}/${file} "${text}")
 
@@ -33,16 +34,19 @@ if(KIND STREQUAL "mutants")
   foreach(i RANGE ${last})
     string(JSON name GET "${json}" checks ${i} name)
     if(name STREQUAL caught_by)
-      set(INDEX ${i})
+      set(check ${i})
     endif()
   endforeach()
+  if(NOT DEFINED check)
+    message(FATAL_ERROR "${MUTANTS} has no check '${caught_by}'")
+  endif()
+  set(INDEX ${check})
 endif()
 
 string(JSON executable GET "${json}" checks ${INDEX} executable)
 string(JSON cases GET "${json}" checks ${INDEX} cases)
-execute_process(
-  COMMAND ${CMAKE_COMMAND} -E env LUCARIUM_KERNEL_PATH=${kernels} LUCARIUM_CACHE_DIR=${WORK}/cache
-    ${TESTS}/${executable} "--test-case=${cases}"
+execute_process(COMMAND ${CMAKE_COMMAND} -E env LUCARIUM_KERNEL_PATH=${kernels} ${TESTS}/${executable}
+    "--test-case=${cases}"
   OUTPUT_VARIABLE out ERROR_VARIABLE out RESULT_VARIABLE result)
 message("${out}")
 if(kernels)

@@ -32,7 +32,7 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
   float3 light;
   Ray ray;
-  const uint here = gbuffer_medium(&point), behind = medium_behind(&scene, &surface, here);
+  const uint here = gbuffer_medium(point), behind = medium_behind(&scene, &surface, here);
   if (sample_light_at(&scene, &surface, &bsdf, u, true, kinds,
                       make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light, &ray)) {
     const uint medium = dot(surface.n_g, ray.direction.xyz) < 0.0f ? behind : here;

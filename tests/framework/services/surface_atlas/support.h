@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "device_fixture.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/services/surface_atlas/geometry.h"
