@@ -129,8 +129,8 @@ TEST_CASE("--dry-run did not notice that the reference is missing") {
 
 TEST_CASE("--resume and --overwrite together were accepted") {
   const TemporaryFolder folder;
-  check_refused(comparison(folder, "--resume --overwrite"), 2, "--overwrite excludes --resume");
-  check_refused("reproduce paper --resume --overwrite", 2, "--overwrite excludes --resume");
+  check_refused(comparison(folder, "--resume --overwrite"), 2, "--resume excludes --overwrite");
+  check_refused("reproduce paper --resume --overwrite", 2, "--resume excludes --overwrite");
   CHECK_FALSE(fs::exists(folder.path() / "results"));
 }
 
