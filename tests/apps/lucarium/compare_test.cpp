@@ -107,11 +107,11 @@ TEST_CASE("a user's own files in the folder of the results were deleted") {
   REQUIRE(run_lucarium(comparison(folder, "--quiet")).exit_code == 0);
   fs::rename(folder.path() / "kept" / "mine.exr", results / "references" / "mine.exr");
   write(results / "pieces" / "scene9-variant1-budget1-seed1.json", "of an older comparison");
-  REQUIRE(run_lucarium(comparison(folder, "--quiet --overwrite --max-bounces 2")).exit_code == 0);
+  REQUIRE(run_lucarium(comparison(folder, "--quiet --overwrite --seeds 1")).exit_code == 0);
   CHECK(text_of(results / "references" / "mine.exr") == mine);
   CHECK(text_of(results / "notes.txt") == "mine");
   CHECK_FALSE(fs::exists(results / "pieces" / "scene9-variant1-budget1-seed1.json"));
-  CHECK(json::parse(text_of(results / "comparison.json"))["max_bounces"] == 2);
+  CHECK(json::parse(text_of(results / "comparison.json"))["seeds"] == 1);
 }
 
 TEST_CASE("--dry-run did not notice that the reference is missing") {
