@@ -7,6 +7,7 @@
 #include "lucarium/scene/exposure.h"
 #include "lucarium/scene/gltf/export.h"
 #include "lucarium/scene/load/frame_camera.h"
+#include "lucarium/scene/load/load_scene.h"
 #include "scene_support.h"
 #include "test_support.h"
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "context.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "made_scene.h"
 #include "tolerance.h"
 

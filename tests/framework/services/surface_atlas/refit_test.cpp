@@ -4,6 +4,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "context.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "tolerance.h"
 
 using namespace lucarium;
