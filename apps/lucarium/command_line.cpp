@@ -115,7 +115,8 @@ Check in_range(unsigned low, unsigned high) { return make_check(CLI::Range(low, 
 Check one_of(std::vector<std::string> words) { return make_check(CLI::IsMember(std::move(words))); }
 
 Option Option::required() { return Option(option_->required()); }
-Option Option::check(const Check& check) { return Option(option_->check(*check)); }
+// CLI11's check() drops what a check makes of the text (whole_number: no leading zeros); its transform() keeps it.
+Option Option::check(const Check& check) { return Option(option_->transform(*check)); }
 Option Option::take_all() { return Option(option_->take_all()); }
 Option Option::take_last() { return Option(option_->take_last()); }
 Option Option::expected(int values) { return Option(option_->expected(values)); }
