@@ -67,6 +67,33 @@ inline void add_horizontal(Scene& scene, float x, float y, float z, float size_x
   add_polygon(scene, corners, material);
 }
 
+/// Thin triangles through the whole scene, parallel to its axes: `width` at the middle of their length [m]. Rays cannot
+/// hit those of width 0.
+inline void add_threads(Scene& scene, int count, float width, int material) {
+  const Bounds bounds = scene.bounds();
+  Mesh mesh;
+  mesh.material = material;
+  for (int i = 0; i < count; ++i) {
+    const int along = i % 3, across = (i + 1) % 3;
+    const float at = (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
+    glm::vec3 a = bounds.min + at * (bounds.max - bounds.min), b = a, c = a;
+    b[along] = bounds.max[along];
+    a[along] = bounds.min[along];
+    c[across] += width;
+    mesh.positions.insert(mesh.positions.end(), {a, b, c});
+    glm::vec3 normal(0);
+    normal[3 - along - across] = 1;
+    mesh.normals.insert(mesh.normals.end(), 3, normal);
+    const auto first = static_cast<uint32_t>(3 * i);
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  scene.meshes.push_back(std::move(mesh));
+  SceneInstance instance;
+  instance.mesh = static_cast<int>(scene.meshes.size()) - 1;
+  instance.material = material;
+  scene.instances.push_back(instance);
+}
+
 /// Regular polygon with `sides` sides whose area is that of the disk of this radius.
 inline std::vector<glm::vec3> disk_corners(float y, float radius, int sides, bool faces_up) {
   const double step = 2 * M_PI / sides;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "lucarium/scene/device/degenerate_triangle.h"
+
 namespace lucarium::bundle {
 namespace {
 
@@ -17,20 +19,25 @@ struct Box {
   double diagonal() const { return high.x < low.x ? 0.0 : static_cast<double>(glm::length(high - low)); }
 };
 
-/// A convex polygon of few corners in cells.
+/// A convex polygon of few corners: where they lie in the cells, and in space.
 struct Polygon {
-  glm::dvec2 corners[8];
+  struct Corner {
+    glm::dvec2 uv;
+    glm::dvec3 position;
+  };
+  Corner corners[8];
   int count = 0;
 };
 
-/// What of a polygon lies where sign (x[axis] - edge) >= 0 (Sutherland and Hodgman).
+/// What of a polygon lies where sign (uv[axis] - edge) >= 0 (Sutherland and Hodgman).
 Polygon cut(const Polygon& polygon, int axis, double sign, double edge) {
   Polygon result;
   for (int i = 0; i < polygon.count; ++i) {
-    const glm::dvec2 a = polygon.corners[i], b = polygon.corners[(i + 1) % polygon.count];
-    const double da = sign * (a[axis] - edge), db = sign * (b[axis] - edge);
+    const Polygon::Corner &a = polygon.corners[i], &b = polygon.corners[(i + 1) % polygon.count];
+    const double da = sign * (a.uv[axis] - edge), db = sign * (b.uv[axis] - edge), at = da / (da - db);
     if (da >= 0) result.corners[result.count++] = a;
-    if ((da < 0) != (db < 0)) result.corners[result.count++] = a + da / (da - db) * (b - a);
+    if ((da < 0) != (db < 0))
+      result.corners[result.count++] = {a.uv + at * (b.uv - a.uv), a.position + at * (b.position - a.position)};
   }
   return result;
 }
@@ -45,22 +52,16 @@ void visit_corners(const AtlasTriangle& t, const glm::vec3 (&p)[3], const std::v
   };
   const glm::dvec2 low = glm::min(uv[0], glm::min(uv[1], uv[2])), high = glm::max(uv[0], glm::max(uv[1], uv[2]));
   const glm::ivec2 first(low), last(high);
-  const glm::dvec2 e1 = uv[1] - uv[0], e2 = uv[2] - uv[0];
-  const double area = e1.x * e2.y - e1.y * e2.x;
   for (int v = first.y; v <= last.y; ++v)
     for (int u = first.x; u <= last.x; ++u) {
-      const bool whole = first == last || area == 0;
-      if (whole) {
+      if (first == last) {
         for (const glm::vec3& corner : p) visit(texel(u, v), corner);
         continue;
       }
-      Polygon polygon{{uv[0], uv[1], uv[2]}, 3};
+      // Space goes along with the cuts: of a sliver's uv alone it could not be found again.
+      Polygon polygon{{{uv[0], p[0]}, {uv[1], p[1]}, {uv[2], p[2]}}, 3};
       polygon = cut(cut(cut(cut(polygon, 0, 1, u), 0, -1, u + 1), 1, 1, v), 1, -1, v + 1);
-      for (int i = 0; i < polygon.count; ++i) {
-        const glm::dvec2 d = polygon.corners[i] - uv[0];
-        const double b1 = (d.x * e2.y - d.y * e2.x) / area, b2 = (e1.x * d.y - e1.y * d.x) / area;
-        visit(texel(u, v), p[0] + static_cast<float>(b1) * (p[1] - p[0]) + static_cast<float>(b2) * (p[2] - p[0]));
-      }
+      for (int i = 0; i < polygon.count; ++i) visit(texel(u, v), glm::vec3(polygon.corners[i].position));
     }
 }
 
@@ -87,6 +88,7 @@ double largest_texel_extent(const SurfaceAtlas& atlas, const SceneBuffers& buffe
         return glm::vec3(vertices[v].position.x, vertices[v].position.y, vertices[v].position.z);
       };
       const glm::vec3 p[3] = {position(triangles[k].v0), position(triangles[k].v1), position(triangles[k].v2)};
+      if (is_degenerate(p[0], p[1], p[2])) continue;  // no ray ends there, however long it is
       visit_corners(records[k], p, table, visit);
     }
   };

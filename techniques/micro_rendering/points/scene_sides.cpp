@@ -5,6 +5,7 @@
 
 #include "lucarium/base/parallel.h"
 #include "lucarium/scene/animation.h"
+#include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/scene/device/texture_sampling.h"
 #include "micro_rendering/points/coverage.h"
@@ -187,9 +188,10 @@ std::vector<TreeSource> find_tree_sources(const Scene& scene, const SceneBuffers
       for (int k = 0; k < 3; ++k) {
         placed[k] = kind == TreeKind::resting ? vertices[index[k]].position.xyz()
                                               : mesh.positions[index[k] - record.world_vertex];
-        tree.low = glm::min(tree.low, placed[k]);
-        tree.high = glm::max(tree.high, placed[k]);
       }
+      // What deforms may gain an area.
+      if (kind != TreeKind::deforming && is_degenerate(placed[0], placed[1], placed[2])) continue;
+      for (const glm::vec3& p : placed) tree.low = glm::min(tree.low, p), tree.high = glm::max(tree.high, p);
       add_sides(tree, points, t, coverage[t], placed);
     }
   }

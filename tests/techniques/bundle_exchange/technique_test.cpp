@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "made_scene.h"
 #include "technique_rig.h"
 #include "tolerance.h"
 
@@ -223,4 +224,27 @@ TEST_CASE("a warm start follows what moves") {
   const auto fresh = session("bundle_exchange", std::move(lifted), -1, few_texels);
   fresh->run({.iterations = 24});
   CHECK(mean(indirect(*run)) == test::relative(mean(indirect(*fresh)), 0.03));
+}
+
+TEST_CASE("triangles that nothing hits change no bit of a picture, and slivers neither its film nor its light") {
+  const Scene room = load_scene("builtin:cornell");
+  const auto render = [](Scene scene) {
+    auto run = session("bundle_exchange", std::move(scene), 2, few_texels);
+    run->run({.iterations = 48});
+    return run;
+  };
+  const auto film = [](RenderSession& run) { return run.technique().counters().at("film_pixels"); };
+  const auto plain = render(room);
+  Scene with_lines = room, with_slivers = room;
+  // In the mesh of a wall and as a lamp of their own.
+  const int lamp = add_material(with_lines, emitter(1000));
+  add_threads(with_lines, 50, 0, 0);
+  add_threads(with_lines, 50, 0, lamp);
+  const auto lines = render(with_lines);
+  CHECK(film(*lines) == film(*plain));
+  CHECK(lines->resolve().image() == plain->resolve().image());
+  add_threads(with_slivers, 50, 1e-6f, 0);
+  const auto slivers = render(with_slivers);
+  CHECK(film(*slivers) == relative(film(*plain), 0.1));
+  CHECK(mean(indirect(*slivers)) == relative(mean(indirect(*plain)), 0.02));
 }

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "made_scene.h"
 #include "technique_fixture.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -326,4 +327,15 @@ TEST_CASE("layers to look inside: the chosen pixel's micro-buffer, level of the 
   CHECK(mean(film({{"inspect_x", "9"}, {"inspect_y", "21"}, {"gather_step", "2"}}).find("micro_buffer")->pixels) > 0);
   const Film interpolated = film({{"gather_step", "2"}});
   for (const float failed : interpolated.find("upsampling_failed")->pixels) CHECK((failed == 0 || failed == 1));
+}
+
+TEST_CASE("triangles that nothing hits change no bit of a picture") {
+  const Scene room = load_scene("builtin:cornell");
+  Scene with_lines = room;
+  const int lamp = add_material(with_lines, emitter(1000));
+  add_threads(with_lines, 50, 0, 0);
+  add_threads(with_lines, 50, 0, lamp);
+  for (const char* layer : {"direct", "indirect"})
+    CHECK(rendered_layer(with_lines, "micro_rendering", layer, 16, 2, 2, small) ==
+          rendered_layer(room, "micro_rendering", layer, 16, 2, 2, small));
 }

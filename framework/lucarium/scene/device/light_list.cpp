@@ -5,6 +5,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "lucarium/scene/device/alias_table.h"
+#include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/environment_tables.h"
 
 namespace lucarium {
@@ -45,6 +46,11 @@ double world_area(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
   return 0.5 * glm::length(glm::cross(u, v));
 }
 
+bool hit_by_rays(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
+  const auto at = [&](uint32_t v) { return glm::vec3(m * glm::vec4(mesh.positions[v], 1.f)); };
+  return !is_degenerate(at(t.x), at(t.y), at(t.z));
+}
+
 std::vector<AliasEntry> choice_table(const std::vector<Light>& lights, LightChoice choice) {
   const double n = static_cast<double>(lights.size());
   double sum = 0;
@@ -82,6 +88,7 @@ void LightListBuilder::add_triangles(const Scene& scene, LightList& list) {
       for (const glm::uvec3& t : mesh.triangles) radiance_[i].push_back(estimator.mean_radiance(mesh, t, material));
     }
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (!hit_by_rays(instance.world_from_object, mesh, mesh.triangles[t])) continue;
       const float area = static_cast<float>(world_area(instance.world_from_object, mesh, mesh.triangles[t]));
       const glm::vec3& radiance = radiance_[i][t];
       if (!(area > 0) || radiance == glm::vec3(0)) continue;

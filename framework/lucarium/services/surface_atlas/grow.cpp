@@ -57,7 +57,7 @@ uint32_t Grower::run() {
       tick_(double(i) / double(order.size()));
       until_tick = tick_interval;
     }
-    if (chart_of_[order[i]] == LUCARIUM_NONE) grow(order[i], charts++);
+    if (chart_of_[order[i]] == LUCARIUM_NONE && !mesh_.left_out[order[i]]) grow(order[i], charts++);
   }
   return charts;
 }
@@ -116,6 +116,7 @@ std::vector<uint32_t> join_small(const AtlasMesh& mesh, const std::vector<uint32
                                  double edge, std::vector<uint8_t>& small) {
   std::vector<Patch> patches(charts);
   for (uint32_t t = 0; t < chart_of.size(); ++t) {
+    if (mesh.left_out[t]) continue;
     Patch one;
     one.area = mesh.area[t];
     one.normal = mesh.area[t] * glm::dvec3(mesh.normal[t]);
@@ -127,7 +128,7 @@ std::vector<uint32_t> join_small(const AtlasMesh& mesh, const std::vector<uint32
   for (uint32_t c = 0; c < charts; ++c) small[c] = patches[c].small(edge);
   std::vector<std::tuple<float, uint32_t, uint32_t>> borders;  // minus length, sets
   for (uint32_t t = 0; t < chart_of.size(); ++t) {
-    if (!small[chart_of[t]]) continue;
+    if (mesh.left_out[t] || !small[chart_of[t]]) continue;
     for (int i = 0; i < 3; ++i) {
       const uint32_t other = mesh.neighbor[t][i];
       if (other == LUCARIUM_NONE || other < t || chart_of[other] == chart_of[t] || !small[chart_of[other]]) continue;
@@ -176,13 +177,14 @@ ChartSets join_small_charts(const AtlasMesh& mesh, const GrownCharts& grown, dou
   }
   sets.first.assign(sets.count() + 1, 0);
   for (const uint32_t chart : grown.chart_of) {
-    set_of.push_back(number[root[chart]]);
-    ++sets.first[set_of.back() + 1];
+    set_of.push_back(chart == LUCARIUM_NONE ? LUCARIUM_NONE : number[root[chart]]);
+    if (chart != LUCARIUM_NONE) ++sets.first[set_of.back() + 1];
   }
   std::partial_sum(sets.first.begin(), sets.first.end(), sets.first.begin());
   std::vector<uint32_t> next(sets.first.begin(), sets.first.end() - 1);
-  sets.triangles.resize(set_of.size());
-  for (uint32_t t = 0; t < set_of.size(); ++t) sets.triangles[next[set_of[t]]++] = t;
+  sets.triangles.resize(sets.first.back());
+  for (uint32_t t = 0; t < set_of.size(); ++t)
+    if (set_of[t] != LUCARIUM_NONE) sets.triangles[next[set_of[t]]++] = t;
   return sets;
 }
 

@@ -8,7 +8,7 @@
 
 namespace lucarium {
 
-/// Sets of triangles, one after the other; every triangle is in one set.
+/// Sets of triangles, one after the other; every triangle that is not left out is in one set.
 struct ChartSets {
   std::vector<uint32_t> triangles;
   std::vector<uint32_t> first;     ///< of each set in `triangles`, and the end
@@ -16,7 +16,7 @@ struct ChartSets {
   size_t count() const { return one_texel.size(); }
 };
 
-/// Per triangle its chart.
+/// Per triangle its chart, or LUCARIUM_NONE where it is left out.
 struct GrownCharts {
   std::vector<uint32_t> chart_of;
   uint32_t count = 0;

@@ -111,6 +111,7 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   AtlasLayout layout = join_parts(mesh, best, best_edge);
   link_seams(mesh, best, layout);
   fill_empty_cells(layout);
+  place_left_out(mesh, layout);
   sample_texels(mesh, layout, options.samples);
   return layout;
 }

@@ -51,6 +51,7 @@ struct AtlasLayout {
   std::vector<AtlasPiece> pieces;
   std::vector<AtlasSample> samples;  ///< per slot AtlasLayoutOptions::samples, uniform over its area; backs as fronts
   std::vector<AtlasChart> charts;
+  std::vector<uint32_t> left_out;  ///< triangles that rays cannot hit: in no texel, they look up one beside them
 };
 
 /// Lays out an atlas of uniform world-space density s² = (area of all reflecting sides) / texel_count. Throws

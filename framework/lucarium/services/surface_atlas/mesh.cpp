@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "lucarium/scene/device/degenerate_triangle.h"
+
 namespace lucarium {
 namespace {
 
@@ -30,6 +32,22 @@ void AtlasMesh::measure() {
     area[t] = std::isfinite(length) ? 0.5 * length : 0;  // what is not finite cannot be hit
     normal[t] = std::isfinite(length) && length > sliver_height * longest ? glm::vec3(n / length) : glm::vec3(0);
   }
+  leave_out();
+}
+
+void AtlasMesh::leave_out() {
+  const size_t count = geometry.triangles.size();
+  left_out.assign(count, 0);
+  for (size_t first = 0, last = 0; first < count; first = last) {
+    size_t hit = 0;
+    for (; last < count && geometry.instance[last] == geometry.instance[first]; ++last) {
+      const glm::uvec3& corners = geometry.triangles[last];
+      const auto& p = geometry.positions;
+      left_out[last] = is_degenerate(p[corners.x], p[corners.y], p[corners.z]) || !(area[last] > 0);  // or not finite
+      hit += !left_out[last];
+    }
+    if (hit == 0) left_out[first] = 0;
+  }
 }
 
 void AtlasMesh::weld() {
@@ -49,7 +67,9 @@ void AtlasMesh::weld() {
 void AtlasMesh::pair_edges() {
   neighbor.assign(triangle_count(), {LUCARIUM_NONE, LUCARIUM_NONE, LUCARIUM_NONE});
   hard.assign(triangle_count(), 0);
-  visit_edges(sorted_half_edges(welded), [this](const HalfEdge* first, const HalfEdge* last) {
+  std::vector<HalfEdge> edges = sorted_half_edges(welded);
+  std::erase_if(edges, [this](const HalfEdge& edge) { return left_out[edge.triangle] != 0; });
+  visit_edges(edges, [this](const HalfEdge* first, const HalfEdge* last) {
     if (last - first > 1) pair_group(first, last);
   });
 }

@@ -24,6 +24,9 @@ struct AtlasMesh {
   std::vector<uint8_t> hard;                      ///< bit i: edge i is a crease that charts do not cross
   std::vector<glm::vec3> normal;                  ///< unit; 0 for slivers, which have none to speak of
   std::vector<double> area;                       ///< [m²]
+  /// Rays cannot hit it: it has neither neighbours nor a chart. The first triangle of an instance of such triangles
+  /// alone stays, so that each instance has a texel.
+  std::vector<uint8_t> left_out;
 
   size_t triangle_count() const { return area.size(); }
   glm::dvec3 position(uint32_t triangle, int corner) const {
@@ -39,6 +42,7 @@ struct AtlasMesh {
 
  private:
   void measure();
+  void leave_out();
   void weld();
   void pair_edges();
   void pair_group(const HalfEdge* first, const HalfEdge* last);

@@ -10,10 +10,13 @@
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/device/emission.h"
+#include "lucarium/services/bvh/parts.h"
 #include "lucarium/services/surface_atlas/geometry.h"
 
 namespace lucarium {
 namespace {
+
+constexpr double kMissedArea = 0.01;  // of triangles without texels, above which an atlas is built again [s²]
 
 /// Area of all reflecting sides [m²].
 double scene_side_area(const Scene& scene) {
@@ -72,6 +75,8 @@ struct SurfaceAtlas::State {
 
   void build(const Scene& scene);
   void refuse_if_too_large(const Scene& scene) const;
+  /// Whether triangles that had no area when the atlas was built have some now, beyond what rounding gives them.
+  bool misses_area() const;
   void upload(const AtlasLayout& layout);
   void record();
   void run(Schedule& schedule) { scheduler.run_to_end(schedule); }
@@ -86,6 +91,7 @@ struct SurfaceAtlas::State {
   AtlasInfo info{};
   SurfaceAtlasReport report;
   std::vector<AtlasChart> charts;
+  std::vector<uint32_t> left_out;
   std::vector<uint8_t> two_sided;
   TypedBuffer<AtlasTriangle> triangles;
   TypedBuffer<uint32_t> table;
@@ -122,6 +128,7 @@ void SurfaceAtlas::State::build(const Scene& scene) {
   measure_texels(layout, report);
   info = layout.info;
   charts = std::move(layout.charts);
+  left_out = std::move(layout.left_out);
   upload(layout);
   ++generation;
   record();
@@ -132,6 +139,22 @@ void SurfaceAtlas::State::build(const Scene& scene) {
                  materials.bytes() + ranges.bytes() + pieces.bytes() + (options.samples > 0 ? samples.bytes() : 0);
   report.seconds = watch.seconds();
   if (options.progress) options.progress(1, "done");
+}
+
+bool SurfaceAtlas::State::misses_area() const {
+  if (left_out.empty()) return false;
+  WorldGeometry world;
+  world.read_all(buffers);
+  double area = 0;
+  for (const uint32_t t : left_out) {
+    const auto position = [&](uint32_t v) { return glm::dvec3(world.vertices[v].position.xyz()); };
+    const glm::dvec3 a = position(world.triangles[t].v0);
+    const double twice =
+        glm::length(glm::cross(position(world.triangles[t].v1) - a, position(world.triangles[t].v2) - a));
+    if (std::isfinite(twice)) area += 0.5 * twice;
+  }
+  const double edge = static_cast<double>(info.texel_edge);
+  return area > kMissedArea * edge * edge;
 }
 
 void SurfaceAtlas::State::upload(const AtlasLayout& layout) {
@@ -190,6 +213,7 @@ SurfaceAtlas::~SurfaceAtlas() = default;
 void SurfaceAtlas::refit(const Scene& scene, const SceneChange& change) {
   State& s = *state_;
   if (change.topology || two_sided_instances(scene) != s.two_sided) return s.build(scene);
+  if (change.geometry() && s.misses_area()) return s.build(scene);
   if (!change.geometry() && change.materials.empty()) return;
   if (s.scene_generation != s.buffers.generation()) s.record();
   if (change.geometry()) s.run(s.place);

@@ -43,9 +43,9 @@ class SurfaceAtlas {
   ~SurfaceAtlas();
 
   /// Follows a change; to be called after buffers.update(). Moved and deformed surfaces keep their texels: positions
-  /// follow, areas become Σ fraction × new triangle area. Materials are evaluated again. Changed topology, and
-  /// materials that became or ceased to be two-sided, rebuild the atlas: generation() then grows, and recorded
-  /// schedules that bind it must be recorded again.
+  /// follow, areas become Σ fraction × new triangle area. Materials are evaluated again. Changed topology,
+  /// materials that became or ceased to be two-sided, and triangles without texels that gain an area, rebuild the
+  /// atlas: generation() then grows, and recorded schedules that bind it must be recorded again.
   void refit(const Scene& scene, const SceneChange& change);
   uint64_t generation() const;
 

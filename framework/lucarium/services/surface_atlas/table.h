@@ -20,6 +20,10 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
 /// Gives empty cells along smooth seams (dihedral angle below 60 degrees) the texels behind them, for interpolation.
 void link_seams(const AtlasMesh& mesh, std::span<const AtlasPart> parts, AtlasLayout& layout);
 
+/// Fills AtlasLayout::left_out and gives those triangles a texel to look up: that of a triangle which they touch, else
+/// of the first one in their instance.
+void place_left_out(const AtlasMesh& mesh, AtlasLayout& layout);
+
 /// Gives the cells that are still empty the texel of the nearest one (in steps along the axes), so that no look-up,
 /// however coarsely uv was interpolated, finds nothing.
 void fill_empty_cells(AtlasLayout& layout);

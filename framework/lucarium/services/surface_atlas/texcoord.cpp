@@ -53,6 +53,7 @@ class TexcoordCheck {
   double run() {
     double area = 0, uv_area = 0;
     for (uint32_t t = first_; t < last_; ++t) {
+      if (mesh_.left_out[t]) continue;
       area += mesh_.area[t];
       uv_area += 0.5 * std::fabs(uv(t).twice());
     }
@@ -97,6 +98,7 @@ class TexcoordCheck {
     double off = 0;
     uint32_t worst = first_;
     for (uint32_t t = first_; t < last_; ++t) {
+      if (mesh_.left_out[t]) continue;
       const auto [least, most] = stretch(t);
       if (least >= scale / most_off && most <= scale * most_off) continue;
       off += mesh_.area[t];
@@ -123,7 +125,8 @@ class TexcoordCheck {
   void check_overlap() const {
     dvec2 low(INFINITY), high(-INFINITY);
     for (uint32_t t = first_; t < last_; ++t)
-      for (const dvec2& p : uv(t).corner) low = glm::min(low, p), high = glm::max(high, p);
+      if (!mesh_.left_out[t])
+        for (const dvec2& p : uv(t).corner) low = glm::min(low, p), high = glm::max(high, p);
     const int cells = std::clamp(static_cast<int>(std::sqrt(double(last_ - first_))), 1, 2048);
     const dvec2 scale = double(cells) / glm::max(high - low, dvec2(1e-30));
     const auto range = [&](uint32_t t, glm::ivec2& from, glm::ivec2& to) {
@@ -135,7 +138,7 @@ class TexcoordCheck {
     };
     std::vector<std::vector<uint32_t>> grid(size_t(cells) * cells);
     for (uint32_t t = first_; t < last_; ++t) {
-      if (uv(t).twice() == 0) continue;
+      if (mesh_.left_out[t] || uv(t).twice() == 0) continue;
       glm::ivec2 from, to;
       range(t, from, to);
       for (int y = from.y; y <= to.y; ++y) {

@@ -153,6 +153,27 @@ TEST_CASE("awkward triangles keep texels") {
   }
 }
 
+TEST_CASE("triangles that nothing hits neither take texels nor make others longer") {
+  std::vector<glm::vec3> corners;
+  add_floor(corners, 0, 0, 1, 1);
+  const AtlasLayout plain = lay_out(soup(corners), 400);
+  for (int i = 0; i < 50; ++i) {
+    const float y = 0.02f * float(i);
+    corners.insert(corners.end(), {{0, y, 0}, {0.3f, y, 0}, {1, y, 0}});  // the first is along an edge of the floor
+    corners.insert(corners.end(), {{0, 0, y}, {1, y, 1}, {0, 0, y}});     // its diagonal
+    corners.insert(corners.end(), {{NAN, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  }
+  const AtlasGeometry g = soup(corners);
+  const AtlasLayout layout = lay_out(g, 400);
+  CHECK(layout.info.texel_count == plain.info.texel_count);
+  CHECK(layout.info.texel_edge == plain.info.texel_edge);
+  CHECK(same_bytes(layout.texels, plain.texels));
+  CHECK(same_bytes(layout.table, plain.table));
+  CHECK(same_bytes(layout.pieces, plain.pieces));
+  for (uint32_t t = 0; t < g.triangles.size(); ++t)
+    CHECK(layout.table[atlas_cell(layout.triangles[t], 0.3f, 0.3f)] < layout.info.texel_count);
+}
+
 TEST_CASE("triangle soup: a texel each where there are enough") {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(-1.f, 1.f);

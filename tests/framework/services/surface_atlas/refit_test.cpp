@@ -118,3 +118,21 @@ TEST_CASE("a change of material is seen; one of its sides rebuilds") {
   CHECK(context.atlas->generation() == 2);
   CHECK(2 * context.atlas->info().double_sided_count == slots_of_material());
 }
+
+TEST_CASE("triangles that had no area get texels when they gain one") {
+  Scene scene = make_builtin_scene("cornell");
+  const size_t instance = scene.instances.size() - 1;
+  const glm::mat4 whole = scene.instances[instance].world_from_object;
+  scene.instances[instance].world_from_object = whole * glm::scale(glm::mat4(1), glm::vec3(0, 1, 1));
+  AtlasContext context(scene, 4000);
+  const uint64_t generation = context.atlas->generation();
+  const glm::mat4 flat = context.scene.instances[instance].world_from_object;
+  SceneChange change;
+  change.moved_instances = {static_cast<int>(instance)};
+  change.previous_world_from_object = {flat};
+  context.scene.instances[instance].world_from_object = whole;
+  context.buffers.update(context.scene, change);
+  context.atlas->refit(context.scene, change);
+  CHECK(context.atlas->generation() == generation + 1);
+  check_follows(context);
+}

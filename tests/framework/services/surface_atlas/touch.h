@@ -41,6 +41,8 @@ inline TexelPolygons polygons_by_texel(const AtlasGeometry& g, const AtlasLayout
     for (const glm::dvec2& b : barycentrics) result.corners.push_back(a + b.x * e1 + b.y * e2);
   };
   for (uint32_t t = 0; t < g.triangles.size(); ++t) {
+    const glm::uvec3& v = g.triangles[t];
+    if (is_degenerate(g.positions[v.x], g.positions[v.y], g.positions[v.z])) continue;  // never looks anything up
     const AtlasTriangle& r = layout.triangles[t];
     const glm::dvec2 a(r.u0, r.v0), e1 = glm::dvec2(r.u1, r.v1) - a, e2 = glm::dvec2(r.u2, r.v2) - a;
     const std::vector<glm::dvec2> whole = {{0, 0}, {1, 0}, {0, 1}};
