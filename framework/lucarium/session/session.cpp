@@ -282,8 +282,9 @@ IterationResult RenderSession::last() const { return state_->last; }
 
 IterationResult RenderSession::iterate() {
   State& s = *state_;
+  const uint64_t cancelled = s.scheduler.cancelled_runs();
   call_technique(s.type.info(), [&] { s.timed(s.clocks.iterate, [&] { s.last = s.technique->iterate(); }); });
-  ++s.iterations;
+  if (s.scheduler.cancelled_runs() == cancelled) ++s.iterations;  // a cancelled iteration has changed nothing
   return s.last;
 }
 

@@ -52,7 +52,7 @@ class RenderSession {
   /// Iterates until the budget is used up, converged or interrupted, or `on_progress`, called after each iteration,
   /// returns false. Returns whether it was interrupted.
   bool run(const RenderBudget& budget, const std::function<bool(const IterationResult&)>& on_progress = {});
-  uint64_t iterations() const;
+  uint64_t iterations() const;  ///< whole ones: one that was cancelled does not count
   IterationResult last() const;
 
   /// Starts anew from zero samples with another seed; the clocks run on.

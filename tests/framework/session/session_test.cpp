@@ -207,6 +207,18 @@ TEST_CASE("all buffers together may exceed the limit for one, and only what is u
   CHECK(constant == SceneBuffers::estimate_bytes(scene) + technique->estimate_bytes(scene, settings));
 }
 
+TEST_CASE("a cancelled iteration is not counted") {
+  RenderSession session = make_session();
+  session.run({.iterations = 2});
+  session.scheduler().set_cancel([] { return true; });
+  session.iterate();
+  CHECK(session.iterations() == 2);
+  CHECK(session.resolve().metadata.at("iterations") == "2");
+  session.scheduler().set_cancel([] { return false; });
+  session.iterate();
+  CHECK(session.iterations() == 3);
+}
+
 TEST_CASE("a change that is refused leaves scene, settings and picture as they were") {
   Scene scene = load_scene("builtin:cornell");
   scene.nodes.emplace_back();

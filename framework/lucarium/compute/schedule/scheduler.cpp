@@ -85,6 +85,7 @@ struct KernelScheduler::State {
   std::function<bool()> cancelled = interrupt_requested;
   RunLog log;
   ApiCalls calls;
+  uint64_t cancelled_runs = 0;
 
   bool overlaps(const Schedule::State& schedule) const {
     if (!device->overlap_queue() || schedule.memory->debug()) return false;
@@ -111,6 +112,7 @@ struct KernelScheduler::State {
     try {
       const RunResult result = run.execute();
       if (result == RunResult::cancelled) {
+        ++cancelled_runs;
         device->finish();
         ++calls.waits;
         log.settle(0, calls);
@@ -227,5 +229,7 @@ void KernelScheduler::reset_profile() {
 }
 
 const ApiCalls& KernelScheduler::api_calls() const { return state_->calls; }
+
+uint64_t KernelScheduler::cancelled_runs() const { return state_->cancelled_runs; }
 
 }  // namespace lucarium

@@ -74,6 +74,8 @@ class KernelScheduler {
   void reset_profile();
   /// Made so far (tests count them): a replay sets arguments only where a variable or a slice changed.
   const ApiCalls& api_calls() const;
+  /// Runs that ended with RunResult::cancelled so far.
+  uint64_t cancelled_runs() const;
 
  private:
   RunResult replay(Schedule& schedule, bool cancellable);
