@@ -44,10 +44,13 @@ int run(int argc, char** argv) {
   return action();
 }
 
+/// Before the constructors of the libraries, which take most of the start: from the program's first moment on.
+void install_first(int, char**, char**) { install_interrupt_handler(); }
+[[gnu::section(".preinit_array"), gnu::used]] void (*const run_first)(int, char**, char**) = install_first;
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  install_interrupt_handler();
   end_with_parent();
   try {
     const int code = run(argc, argv);

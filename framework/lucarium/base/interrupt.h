@@ -3,10 +3,10 @@
 
 namespace lucarium {
 
-/// For the first line of main(): SIGINT, SIGTERM and SIGHUP end the process with one line of error and the exit code of
-/// `interrupted`. While there is nothing to keep they do so at once, whatever the process is at: kernels that compile,
-/// images that are decoded. While a KeepOnInterrupt lives they set a flag instead, and a second one ends the process.
-/// A SIGHUP that was ignored at the start (nohup) stays ignored.
+/// For the first moment of a program: SIGINT, SIGTERM and SIGHUP end the process with one line of error and the exit
+/// code of `interrupted`. While there is nothing to keep they do so at once, whatever the process is at: kernels that
+/// compile, images that are decoded. While a KeepOnInterrupt lives they set a flag instead, and a second one ends the
+/// process. A SIGHUP that was ignored at the start (nohup) stays ignored.
 void install_interrupt_handler();
 
 /// Whether the user asked to stop. Long loops keep what they have and return.
