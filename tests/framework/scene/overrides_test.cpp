@@ -238,6 +238,7 @@ TEST_CASE("text that looks like a camera's place is not taken for a name") {
     CAPTURE(wrong);
     CHECK(message(wrong).find("it is not EYE:TARGET or EYE:TARGET:VFOV") != std::string::npos);
   }
+  CHECK(message("0,0,1:0,0,0:x").find("the vertical field of view must be between") != std::string::npos);
 }
 
 TEST_CASE("sidecar errors name file, line and key") {
