@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+// For C++ only.
 #pragma once
+#if !defined(__OPENCL_C_VERSION__) && !defined(__OPENCL_VERSION__)
 #include <cstdint>
 #include <string_view>
 
@@ -24,3 +26,5 @@ LUCARIUM_OPENCL_TYPE(double, "double");
 #undef LUCARIUM_OPENCL_TYPE
 
 }  // namespace lucarium
+
+#endif
