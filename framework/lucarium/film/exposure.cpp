@@ -8,8 +8,8 @@ namespace lucarium {
 namespace {
 
 constexpr double percentile = 0.9;
-constexpr float darkest = 0.25f, brightest = 1;  // linear; 0.25 is 0.54 in sRGB
-constexpr float most_stops = 100;                // 2^±100 is a finite float
+constexpr float darkest = 0.2f, brightest = 1;  // linear; 0.2 is 0.48 in sRGB
+constexpr float most_stops = 100;               // 2^±100 is a finite float
 
 }  // namespace
 
