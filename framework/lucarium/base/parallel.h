@@ -83,6 +83,7 @@ class ForkJoin {
         });
       } catch (const std::system_error&) {  // no more threads to be had
         first();
+        free_.fetch_add(1);
       }
       second();
       if (other.valid()) other.get();

@@ -30,6 +30,7 @@ void ComparisonRunner::get_references(size_t scene) {
       }
       measure_reference(reference);
     } catch (const Error& error) {
+      if (error.error_class() == ErrorClass::interrupted) throw;
       if (spec_.scenes.size() == 1 && entry.references.size() == 1) throw;
       reference.failure = error.what();
       say(fmt::format("{}: no reference: {}", entry.name, reference.failure));
