@@ -17,7 +17,8 @@ endif()
 # [HEADERS header...]). EXECUTABLE for targets that are compiled as executables (-fPIE), else as libraries (-fPIC).
 function(lucarium_precompiled_family name)
   cmake_parse_arguments(A "EXECUTABLE" "" "LINK;HEADERS" ${ARGN})
-  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp CONTENT "int main() {}\n")
+  # Without a main: an executable takes that of what it links.
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp CONTENT "namespace {}\n")
   if(A_EXECUTABLE)
     add_executable(${name} ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
   else()
