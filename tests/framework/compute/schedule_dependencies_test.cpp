@@ -12,7 +12,7 @@ using namespace lucarium;
 namespace {
 
 using Steps = std::vector<std::vector<MemoryAccess>>;
-constexpr bool read = false, write = true;
+constexpr bool kRead = false, kWrite = true;
 
 std::set<std::pair<int, int>> pairs(const std::vector<Dependency>& dependencies) {
   std::set<std::pair<int, int>> result;
@@ -48,7 +48,7 @@ Steps random_steps(std::mt19937& random, int count) {
 }  // namespace
 
 TEST_CASE("the three hazards are found and told apart") {
-  const Steps steps = {{{0, 0, 8, write}}, {{0, 0, 8, read}}, {{0, 0, 8, write}}, {{0, 0, 8, write}}};
+  const Steps steps = {{{0, 0, 8, kWrite}}, {{0, 0, 8, kRead}}, {{0, 0, 8, kWrite}}, {{0, 0, 8, kWrite}}};
   const std::vector<Dependency> found = derive_dependencies(steps);
   REQUIRE(found.size() == 4);
   CHECK(found[0].from == 0);
@@ -64,7 +64,7 @@ TEST_CASE("the three hazards are found and told apart") {
 
 TEST_CASE("reads do not order each other and disjoint ranges do not meet") {
   const Steps steps = {
-      {{0, 0, 16, write}}, {{0, 0, 8, read}}, {{0, 8, 16, read}}, {{0, 0, 8, write}}, {{0, 8, 16, read}}};
+      {{0, 0, 16, kWrite}}, {{0, 0, 8, kRead}}, {{0, 8, 16, kRead}}, {{0, 0, 8, kWrite}}, {{0, 8, 16, kRead}}};
   const DependencyGraph graph = graph_of(steps);
   CHECK(pairs(graph.dependencies()) == std::set<std::pair<int, int>>{{0, 1}, {0, 2}, {1, 3}, {0, 4}});
   CHECK(graph.independent(1, 2));
