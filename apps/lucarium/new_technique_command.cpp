@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "commands.h"
-#include "lucarium/base/atomic_file.h"
-#include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/technique/plugin.h"
 

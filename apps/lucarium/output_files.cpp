@@ -3,8 +3,8 @@
 
 #include <unistd.h>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;

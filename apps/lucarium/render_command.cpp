@@ -7,8 +7,8 @@
 
 #include "commands.h"
 #include "curve_recorder.h"
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"

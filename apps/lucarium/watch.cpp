@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/interrupt.h"
-#include "lucarium/base/list_folder.h"
 #include "lucarium/base/terminal.h"
 
 namespace lucarium::app {

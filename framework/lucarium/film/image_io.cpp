@@ -14,8 +14,8 @@
 #include <set>
 #include <span>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/srgb.h"
 #include "lucarium/film/encoded_image.h"

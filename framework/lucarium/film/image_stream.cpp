@@ -10,8 +10,8 @@
 #include <cstring>
 #include <vector>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;

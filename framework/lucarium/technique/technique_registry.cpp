@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/list_folder.h"
+#include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/technique/library_file.h"
 #include "lucarium/technique/plugin.h"

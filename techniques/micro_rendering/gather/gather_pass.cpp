@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lucarium/base/embedded_files.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "lucarium/base/embedded_files.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
 

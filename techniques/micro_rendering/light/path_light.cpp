@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lucarium/base/embedded_files.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <glm/glm.hpp>
 
-#include "lucarium/base/embedded_files.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();

@@ -6,8 +6,8 @@
 #include <glm/glm.hpp>
 #include <numeric>
 
-#include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
-#include "lucarium/base/file_lock.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/file_lock.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/metrics/error_map.h"
 #include "test_support.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/film/image_io.h"
 
 namespace lucarium::test {

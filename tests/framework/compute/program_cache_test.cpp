@@ -10,7 +10,7 @@
 
 #include "compute_fixture.h"
 #include "file_size_limit.h"
-#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/program/source_library.h"
 

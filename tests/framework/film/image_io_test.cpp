@@ -8,8 +8,8 @@
 
 #include "file_size_limit.h"
 #include "hostile_images.h"
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "test_support.h"
 #include "tolerance.h"
 

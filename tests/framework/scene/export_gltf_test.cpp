@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "gltf_builder.h"
-#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/scene/gltf/export.h"
 #include "lucarium/scene/load/frame_camera.h"

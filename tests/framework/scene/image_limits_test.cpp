@@ -7,8 +7,8 @@
 
 #include "gltf_builder.h"
 #include "hostile_images.h"
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/scene/image/environment_file.h"
 #include "lucarium/scene/image/image_decode.h"
 #include "scene_support.h"

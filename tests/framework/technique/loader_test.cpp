@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/technique/plugin.h"
 #include "test_support.h"
 

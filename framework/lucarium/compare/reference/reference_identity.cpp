@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "lucarium/base/atomic_file.h"
-#include "lucarium/base/embedded_files.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/hash.h"
 #include "lucarium/version.h"
 

@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "lucarium/base/atomic_file.h"
-#include "lucarium/base/embedded_files.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/compare/report/report_images.h"
 #include "lucarium/compare/results/result_folder.h"
 

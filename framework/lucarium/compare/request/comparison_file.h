@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/base/json_file.h"
+#include "lucarium/base/files/json_file.h"
 #include "lucarium/compare/request/comparison_spec.h"
 
 namespace lucarium {

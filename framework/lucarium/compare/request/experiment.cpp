@@ -6,7 +6,7 @@
 #include <set>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/list_folder.h"
+#include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/compare/request/comparison_file.h"

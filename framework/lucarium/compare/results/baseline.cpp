@@ -5,8 +5,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/compare/results/summary.h"
 #include "lucarium/statistics/student_t.h"
 

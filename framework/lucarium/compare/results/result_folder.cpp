@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
-#include "lucarium/base/list_folder.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/list_folder.h"
 #include "lucarium/compare/request/comparison_file.h"
 
 namespace lucarium {

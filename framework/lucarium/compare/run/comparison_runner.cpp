@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
-#include "lucarium/base/file_lock.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/piece.h"

@@ -25,8 +25,8 @@
 #include <mutex>
 #include <set>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/log.h"
 #include "lucarium/compute/device/cache_folder.h"
 #include "lucarium/compute/device/pocl_folder.h"

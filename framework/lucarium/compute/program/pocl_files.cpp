@@ -5,8 +5,8 @@
 #include <map>
 #include <mutex>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/compute/device/pocl_folder.h"
 
 namespace lucarium {

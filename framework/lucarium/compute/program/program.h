@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lucarium/base/embedded_files.h"
+#include "lucarium/base/files/embedded_files.h"
 #include "lucarium/compute/device/device.h"
 #include "lucarium/compute/device/kernel_signature.h"
 #include "lucarium/compute/program/source_library.h"

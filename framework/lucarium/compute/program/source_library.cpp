@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <set>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/compute/program/program.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "lucarium/base/embedded_files.h"
+#include "lucarium/base/files/embedded_files.h"
 
 namespace lucarium {
 

@@ -13,8 +13,8 @@
 #include <set>
 #include <tuple>
 
-#include "lucarium/base/atomic_file.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/film/image_stream.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/version.h"

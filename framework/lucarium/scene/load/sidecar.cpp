@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/json_file.h"
+#include "lucarium/base/files/json_file.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/scene/load/scene_overrides.h"
 

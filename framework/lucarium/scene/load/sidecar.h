@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/base/json_file.h"
+#include "lucarium/base/files/json_file.h"
 #include "lucarium/scene/load/load_scene.h"
 
 namespace lucarium {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/base/atomic_file.h"
+#include "lucarium/base/files/atomic_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>

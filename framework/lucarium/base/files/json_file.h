@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/base/json_lines.h"
+#include "lucarium/base/files/json_lines.h"
 
 namespace lucarium {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/base/file_lock.h"
+#include "lucarium/base/files/file_lock.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/interrupt.h"
-#include "lucarium/base/list_folder.h"
 
 namespace lucarium {
 namespace {

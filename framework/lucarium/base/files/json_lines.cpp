@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/base/json_lines.h"
+#include "lucarium/base/files/json_lines.h"
 
 #include <fstream>
 #include <iterator>
