@@ -30,9 +30,24 @@ struct PathIntegratorOptions {
   uint32_t samples_per_iteration = 1;  ///< per pixel
 };
 
-/// Wavefront path tracer over any Intersector (docs/path_tracing.md): camera paths → closest hit → shade (emission with
-/// MIS, light sample, BSDF sample) → shadow rays → add → compact. Deterministic: every path owns its sums, and a
-/// pixel's paths are added in sample order.
+/// Wavefront path tracer over any Intersector (docs/techniques/path_tracing.md). An iteration is made of batches: whole
+/// samples of all pixels where they fit into batch_paths, else ranges of pixels. A batch runs three recorded schedules:
+///
+///   generate  generate_camera_paths                       rays, throughput 1, layer sums 0
+///   bounce    closest hit        Intersector              rays -> hits
+///     ^       shade_surface      emission with MIS, light sample, BSDF sample, roulette
+///     |       shadow rays        Intersector (any hit)
+///     |       add_unoccluded_light
+///     |       compact paths      Primitives               the paths that go on, in their order
+///     +------ advance_paths, and the number of paths left is read back
+///   finish    accumulate_layers, accumulate_replicate     paths -> pixels, in sample order
+///
+/// Deterministic: every path owns its sums, and a pixel's paths are added in sample order, with Neumaier's compensated
+/// sum. No ray is traced that can bring nothing: no shadow ray for a black or delta surface or a layer that is not
+/// wanted, no last segment where nothing that it could hit emits.
+///
+/// A cancelled iteration leaves no trace: the last schedule of a batch runs to its end once begun, and where an
+/// iteration has several batches the sums are copied before it and copied back.
 class PathIntegrator {
  public:
   /// `path_set.max_bounces` is the limit; the frame's is not read.
