@@ -9,10 +9,25 @@
 
 namespace lucarium::bundle {
 
-/// How open the parts of slots are: which share of the rays that leave a part goes farther than `open_gap`. A texel has
-/// one radiance; what of it is seen, and lights others, are its open parts, so that it is to be theirs: every part
-/// counts by its openness, in what is received as in what is sent. Measured by rays of bundles (probe_rows.cl), one
-/// bundle at a time.
+/// How open the parts of slots are: a(x), the share of the rays from place x that go farther than a gap g, `open_gap`.
+///
+/// A texel has one radiance, but brightness and visibility vary together within it: places close to an occluder are
+/// both darker and seen less. A ray from x reaches far receivers with probability a(x), so what they get of a texel of
+/// area A, and what the plain mean gives them, are
+///
+///   ∫ a L dx  and  ∫ a dx · ∫ L dx / A,
+///
+/// which is too little wherever a and L grow together. The mean weighted by a, ∫ a L dx / ∫ a dx, is right; likewise
+/// for what the texel receives, since its open places are what is displayed and sent on. So each ray counts by the a of
+/// the part that receives it, each light sample by that of its point, and areas in errors and interpolation by the mean
+/// of a. The balance of power sums rays as they are weighted and needs no areas. This is the projection of L on
+/// constants in the inner product ∫ a u v dx: uniform fields stay exact, and so does the balance.
+///
+/// The price: rays shorter than g get the radiance that is right for far receivers, so places close to an occluder
+/// receive too much; they count little in the result.
+///
+/// Measured by rays of bundles (probe_rows.cl), one bundle at a time, for the parts of slot_parts.clh. Two or so rays
+/// per part suffice, and two bits to store it, rounded at random: the mean needs a to be right on average only.
 class SlotOpenness {
  public:
   struct Options {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium_ray_bench: rays per second of the hierarchy beside Embree's, on the same triangles and the same rays, in
 // turns within one run. Ratios are medians over the rounds of processor time against processor time, thread against
-// thread; docs/performance.md explains the table.
+// thread; docs/measurements/ray_tracing.md explains the table.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
