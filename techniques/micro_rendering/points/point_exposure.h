@@ -19,6 +19,14 @@ MicroLeaf leaf_of(const SampledPoint& point);
 
 /// Which sides of points anything sees (interior_walks.h). What moves hides nothing, since it may move away, nor do
 /// MASK and BLEND surfaces, since they are there for some rays only.
+///
+/// Points inside solids get no light and would do harm: their discs reach beyond the line where two solids meet, nodes
+/// that hold them and their lit neighbours show the mean of both, and nodes may gather where it is dark. So they are
+/// left out.
+///
+/// Where no walk from a point's back escapes, only the inside of a solid sees that back, and it is transparent.
+/// Otherwise a gather that looks through a gap between front discs would hit a black back, instead of an empty pixel
+/// that is filled as a hole.
 class PointExposure {
  public:
   /// `intersector`: of the whole scene; `sources`: all trees; `contact`: see InteriorRule.

@@ -41,6 +41,11 @@ struct ForestTree {
 
 /// The scene as trees of discs on the device: points are placed and ordered on the host once, nodes derived and
 /// refitted on the device. Owner of all memory: `owner`.
+///
+/// What no animation moves is one tree. Each animated instance has its own: a rigid one lies in its object's space and
+/// moves by its matrix alone, one that is skinned, morphed or stretched is refitted. Its points are placed and ordered
+/// on the mesh at rest, so that a frame does not depend on the frames before, unless a pose loosens the tree: then it
+/// is ordered as it stands, also when a run begins there.
 class PointForest {
  public:
   /// Throws Error{interrupted}.
