@@ -182,7 +182,8 @@ def rectangle(mesh):
 
 
 def make_rectangle_light(name, corner, u, v, radiance):
-    """Cycles' own area light: of lamps that are meshes it takes samples with too little light (docs/validation.md)."""
+    """Cycles' own area light: of lamps that are meshes it takes samples with too little light
+    (docs/measurements/validation.md)."""
     light = bpy.data.lights.new(name, "AREA")
     light.shape, light.size, light.size_y = "RECTANGLE", np.linalg.norm(u), np.linalg.norm(v)
     largest = float(radiance.max())
