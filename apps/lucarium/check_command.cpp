@@ -91,11 +91,8 @@ int check(const CheckArguments& arguments) {
   options.full = arguments.full;
   options.only = arguments.only;
   options.program = fs::read_symlink("/proc/self/exe");
-  for (const fs::path& folder : arguments.folders)
-    options.arguments.insert(options.arguments.end(), {"--technique-path", folder.string()});
-  options.device_arguments = arguments.device.words();
-  const std::vector<std::string> cache = arguments.device.cache_words();
-  options.device_arguments.insert(options.device_arguments.end(), cache.begin(), cache.end());
+  options.technique_folders = arguments.folders;
+  options.device = arguments.device.resolved();
   const bool table = !arguments.output.json && !arguments.output.quiet;
   Progress progress("check", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
   options.on_check = [&](size_t index, size_t count, const std::string& name) {

@@ -23,8 +23,8 @@ const CLI::App& chosen_command(const CLI::App& program) {
 std::string unknown_command(const CLI::App& program, const std::vector<std::string>& arguments) {
   if (&chosen_command(program) != &program || arguments.empty() || arguments.front().starts_with("-")) return "";
   std::vector<std::string> commands;
-  for (const CLI::App* sub : program.get_subcommands([](const CLI::App*) { return true; }))
-    commands.push_back(sub->get_name());
+  const auto is_shown = [](const CLI::App* sub) { return !sub->get_group().empty(); };
+  for (const CLI::App* sub : program.get_subcommands(is_shown)) commands.push_back(sub->get_name());
   return fmt::format("unknown command '{}'{}", arguments.front(), suggest_name(arguments.front(), commands));
 }
 
@@ -160,6 +160,7 @@ Option Command::add_flag(const std::string& names, Value& value, const std::stri
 template Option Command::add_flag(const std::string&, bool&, const std::string&);
 template Option Command::add_flag(const std::string&, std::string&, const std::string&);
 
+void Command::hide() { app_->group(""); }
 void Command::callback(const std::function<void()>& chosen) { app_->callback(chosen); }
 
 CommandLine::CommandLine(const std::string& name, const std::string& text, const std::string& version)

@@ -61,6 +61,7 @@ class Command {
   /// "--profile{-}" gives a text that --profile=TEXT replaces.
   template <class Value>
   Option add_flag(const std::string& names, Value& value, const std::string& text);
+  void hide();                                         ///< from --help
   void callback(const std::function<void()>& chosen);  ///< called when the command was chosen and all is well
 
  private:

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "command_line.h"
+#include "lucarium/job/job.h"
 
 namespace lucarium::app {
 
@@ -21,5 +22,10 @@ void add_techniques_command(Command program, Action& action);
 void add_devices_command(Command program, Action& action);
 void add_check_command(Command program, Action& action);
 void add_new_technique_command(Command program, Action& action);
+void add_job_command(Command program, Action& action);
+
+// What the commands of these names do, with a job's settings instead of options. Each returns the exit code.
+int render(const Job& job, const RenderWork& work);
+int reference(const Job& job, const ReferenceWork& work);
 
 }  // namespace lucarium::app

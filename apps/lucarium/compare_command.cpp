@@ -8,8 +8,6 @@
 #include "lucarium/base/terminal.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
-#include "lucarium/compute/device/cache_folder.h"
-#include "lucarium/compute/device/program_cache.h"
 #include "options.h"
 
 namespace lucarium::app {
@@ -73,12 +71,8 @@ ComparisonSpec wanted_comparison(const CompareArguments& arguments) {
                 arguments.comparison.string());
   }
   ComparisonSpec spec = arguments.comparison.empty() ? spec_of(arguments) : read_comparison(arguments.comparison);
-  const std::vector<std::string> device = arguments.device.words();
+  const std::vector<std::string> device = arguments.device.in_comparison();
   spec.device_arguments.insert(spec.device_arguments.end(), device.begin(), device.end());
-  spec.folder_arguments = arguments.device.cache_words();
-  for (const fs::path& path : arguments.technique.folders) {
-    spec.folder_arguments.insert(spec.folder_arguments.end(), {"--technique-path", fs::absolute(path).string()});
-  }
   return spec;
 }
 
@@ -106,8 +100,7 @@ int compare(CompareArguments arguments) {
   const ComparisonSpec spec = wanted_comparison(arguments);
   ComparisonOptions& options = arguments.options;
   for (const std::string& gate : arguments.gates) options.gates.push_back(parse_gate(gate));
-  options.program = fs::read_symlink("/proc/self/exe");
-  options.cache_dir = resolve_cache_dir(arguments.device.resolved());
+  arguments.device.apply_to(options, arguments.technique.folders);
   if (!arguments.output.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   const TechniqueRegistry registry(arguments.technique.folders);
   if (arguments.dry_run) {

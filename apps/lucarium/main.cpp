@@ -40,6 +40,7 @@ int run(int argc, char** argv) {
   app::add_devices_command(program, action);
   app::add_check_command(program, action);
   app::add_new_technique_command(program, action);
+  app::add_job_command(program, action);
   if (const std::optional<int> done = line.parse(argc, argv)) return *done;
   return action();
 }

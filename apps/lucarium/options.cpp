@@ -6,13 +6,18 @@
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/request_limits.h"
+#include "lucarium/compare/request/device_arguments.h"
+#include "lucarium/compute/device/cache_folder.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/services/path_set.h"
 
 namespace lucarium::app {
+namespace fs = std::filesystem;
+
 namespace {
 
-uint32_t parse_uint(const std::string& text, const std::string& whole, const char* what) {
+uint32_t parse_uint(const std::string& text, const std::string& whole, const std::string& what) {
   uint32_t value = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc() || end != text.data() + text.size())
@@ -39,11 +44,17 @@ void add_technique_path(Command command, std::vector<std::filesystem::path>& fol
 void DeviceArguments::add_to(Command command) {
   command.add_option("--device", options.selector,
                      "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
-  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")->check(in_range(0, 4096));
+  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")
+      ->check(in_range(0, most_threads));
   command.add_option("--cache-dir", options.cache_dir, "folder of compiled kernels and references");
   command.add_flag("--no-cache", no_cache, "compile every kernel anew");
   command.add_option("--memory-limit", memory_limit, "most device memory to use, as 500M or 2G");
   command.add_option("--allocation-limit", allocation_limit, "most device memory of one buffer");
+}
+
+void DeviceArguments::take(const DeviceOptions& given) {
+  options = given;
+  no_cache = !given.use_cache;
 }
 
 DeviceOptions DeviceArguments::resolved() const {
@@ -54,20 +65,15 @@ DeviceOptions DeviceArguments::resolved() const {
   return result;
 }
 
-std::vector<std::string> DeviceArguments::words() const {
-  std::vector<std::string> list;
-  if (!options.selector.empty()) list.insert(list.end(), {"--device", options.selector});
-  if (options.threads > 0) list.insert(list.end(), {"--threads", std::to_string(options.threads)});
-  if (!memory_limit.empty()) list.insert(list.end(), {"--memory-limit", memory_limit});
-  if (!allocation_limit.empty()) list.insert(list.end(), {"--allocation-limit", allocation_limit});
-  return list;
+std::vector<std::string> DeviceArguments::in_comparison() const {
+  return write_device_arguments(options.selector, options.threads, memory_limit, allocation_limit);
 }
 
-std::vector<std::string> DeviceArguments::cache_words() const {
-  std::vector<std::string> list;
-  if (!options.cache_dir.empty()) list.insert(list.end(), {"--cache-dir", options.cache_dir.string()});
-  if (no_cache) list.push_back("--no-cache");
-  return list;
+void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<fs::path>& technique_folders) const {
+  comparison.program = fs::read_symlink("/proc/self/exe");
+  comparison.cache_dir = resolve_cache_dir(options);
+  comparison.use_cache = !no_cache;
+  for (const fs::path& folder : technique_folders) comparison.technique_folders.push_back(fs::absolute(folder));
 }
 
 void SceneArguments::add_to(Command command) {
@@ -91,7 +97,13 @@ void SceneArguments::add_to(Command command) {
   command.add_option("--animation", overrides.animation, "name or index");
   command.add_flag("--no-sidecar", no_sidecar, "ignore FILE.lucarium.json beside the scene");
   command.add_option("--texture-size", import.max_texture_size, "larger textures are halved until they fit [pixels]")
-      ->check(in_range(1u, 65536u));
+      ->check(in_range(1u, largest_texture_size));
+}
+
+void SceneArguments::take(const Job& job) {
+  overrides = job.overrides;
+  import = job.import;
+  no_sidecar = !job.overrides.use_sidecar;
 }
 
 SceneOverrides SceneArguments::resolved() const {
@@ -123,11 +135,10 @@ RenderSettings ImageArguments::settings() const {
   } else if (pixel_sampling == "centre") {
     result.pixel_sampling = 1;
   } else {
-    result.pixel_sampling =
-        parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: jitter, centre, or n from 2 to 16");
-    if (result.pixel_sampling < 2 || result.pixel_sampling > 16) {
-      throw_error(ErrorClass::usage, "--pixel-sampling {} is not jitter, centre, or n from 2 to 16", pixel_sampling);
-    }
+    const std::string modes = fmt::format("jitter, centre, or n from 2 to {}", finest_pixel_grid);
+    result.pixel_sampling = parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: " + modes);
+    if (result.pixel_sampling < 2 || result.pixel_sampling > finest_pixel_grid)
+      throw_error(ErrorClass::usage, "--pixel-sampling {} is not {}", pixel_sampling, modes);
   }
   return result;
 }
@@ -185,12 +196,22 @@ void OutputArguments::apply() const {
   set_log_level(quiet ? LogLevel::error : verbose ? LogLevel::info : LogLevel::warning);
 }
 
+RenderSettings settings_of(const Job& job) {
+  RenderSettings settings;
+  settings.width = job.width;
+  settings.height = job.height;
+  settings.max_bounces = job.max_bounces;
+  settings.pixel_sampling = job.pixel_sampling;
+  settings.seed = job.seed;
+  return settings;
+}
+
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
-  constexpr const char* what = "a --size: pixels as WIDTHxHEIGHT, from 1 to 32768 each";
+  const std::string what = fmt::format("a --size: pixels as WIDTHxHEIGHT, from 1 to {} each", largest_image_side);
   const size_t x = text.find('x');
   if (x == std::string::npos) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
   const uint32_t width = parse_uint(text.substr(0, x), text, what), height = parse_uint(text.substr(x + 1), text, what);
-  if (width == 0 || height == 0 || width > 32768 || height > 32768)
+  if (width == 0 || height == 0 || width > largest_image_side || height > largest_image_side)
     throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
   return {width, height};
 }

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "command_line.h"
+#include "lucarium/compare/run/comparison.h"
 #include "lucarium/compute/device/device.h"
+#include "lucarium/job/job.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/technique/plugin.h"
@@ -20,12 +22,13 @@ struct DeviceArguments {
   bool no_cache = false;
   std::string memory_limit, allocation_limit;
   void add_to(Command command);
+  void take(const DeviceOptions& given);  ///< instead of options
   /// With the texts parsed; throws Error{usage}.
   DeviceOptions resolved() const;
-  /// As words that give another lucarium process the same device.
-  std::vector<std::string> words() const;
-  /// As words that give it the same cache.
-  std::vector<std::string> cache_words() const;
+  /// As a comparison file states it ("device_arguments"), without what is this machine's.
+  std::vector<std::string> in_comparison() const;
+  /// What is this machine's: the program, its caches, and where it looks for plug-ins.
+  void apply_to(ComparisonOptions& comparison, const std::vector<std::filesystem::path>& technique_folders) const;
 };
 
 /// --camera, --environment, --light, --exposure, --material, --at, --animation, --no-sidecar, --texture-size
@@ -34,6 +37,7 @@ struct SceneArguments {
   ImportOptions import;
   bool no_sidecar = false;
   void add_to(Command command);
+  void take(const Job& job);  ///< instead of options
   Scene load(const std::string& source) const;
   SceneOverrides resolved() const;
 };
@@ -73,6 +77,9 @@ struct OutputArguments {
 
 /// --technique-path: folders that are there, searched before all others.
 void add_technique_path(Command command, std::vector<std::filesystem::path>& folders);
+
+/// Settings of a job, without a camera.
+RenderSettings settings_of(const Job& job);
 
 /// "1920x1080" → {1920, 1080}.
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text);

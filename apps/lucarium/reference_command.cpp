@@ -28,6 +28,7 @@ struct ReferenceArguments {
   DeviceArguments device;
   SceneArguments overrides;
   ImageArguments image;
+  RenderSettings settings;  ///< of `image`, or of a job
   TechniqueArguments technique;
   OutputArguments output;
   ReferenceGoal goal;
@@ -130,7 +131,7 @@ bool extend(const ReferenceArguments& arguments, RenderSession& session, const R
   });
 }
 
-int reference(ReferenceArguments arguments) {
+int render_reference(ReferenceArguments arguments) {
   arguments.output.apply();
   if (arguments.file.extension() != ".exr")
     throw_error(ErrorClass::usage, "{}: the name must end in .exr", arguments.file.string());
@@ -142,7 +143,7 @@ int reference(ReferenceArguments arguments) {
   Scene scene = arguments.overrides.load(arguments.scene);
   require_light(scene);
   for (const std::string& warning : scene.warnings) log_warning("{}", warning);
-  RenderSettings settings = arguments.image.settings();
+  RenderSettings settings = arguments.settings;
   settings.camera = scene.cameras.front();
   const TechniqueRegistry registry(arguments.technique.folders);
   const PathSet path_set = wanted_path_set(arguments, registry, scene, settings);
@@ -179,6 +180,22 @@ int reference(ReferenceArguments arguments) {
 
 }  // namespace
 
+int reference(const Job& job, const ReferenceWork& work) {
+  ReferenceArguments arguments;
+  arguments.scene = job.scene;
+  arguments.device.take(job.device);
+  arguments.overrides.take(job);
+  arguments.settings = settings_of(job);
+  arguments.technique.folders = job.technique_folders;
+  arguments.output.json = true;
+  arguments.goal.relmse = work.relmse;
+  arguments.goal.samples = work.samples;
+  arguments.path_set = work.path_set;
+  arguments.file = work.output;
+  arguments.extend = true;
+  return render_reference(std::move(arguments));
+}
+
 void add_reference_command(Command program, Action& action) {
   auto arguments = std::make_shared<ReferenceArguments>();
   arguments->image.seed = 0x5eed;  // not one of the small numbers that the runs it is compared with use
@@ -199,7 +216,12 @@ void add_reference_command(Command program, Action& action) {
   command.add_flag("--overwrite", arguments->overwrite, "replace the file");
   arguments->device.add_to(command);
   arguments->output.add_to(command);
-  command.callback([arguments, &action] { action = [arguments] { return reference(*arguments); }; });
+  command.callback([arguments, &action] {
+    action = [arguments] {
+      arguments->settings = arguments->image.settings();
+      return render_reference(*arguments);
+    };
+  });
 }
 
 }  // namespace lucarium::app

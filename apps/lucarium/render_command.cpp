@@ -38,6 +38,7 @@ struct RenderArguments {
   DeviceArguments device;
   SceneArguments overrides;
   ImageArguments image;
+  RenderSettings settings;  ///< of `image`, or of a job
   TechniqueArguments technique;
   OutputArguments output;
   std::vector<fs::path> files;
@@ -271,7 +272,7 @@ WatchedInputs watched_inputs(const RenderArguments& arguments) {
           technique_folders(arguments.technique.folders), kernel_path_roots()};
 }
 
-int render(RenderArguments arguments) {
+int render_picture(RenderArguments arguments) {
   const auto start = std::chrono::steady_clock::now();
   arguments.output.apply();
   if (arguments.files.empty() && !arguments.output.json) {
@@ -285,7 +286,7 @@ int render(RenderArguments arguments) {
     throw_error(ErrorClass::usage, "give --at or --frames, not both");
   const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments, frames);
   if (arguments.watch) return render_and_watch(watched_inputs(arguments));
-  RenderSettings settings = arguments.image.settings();
+  RenderSettings settings = arguments.settings;
   const TechniqueRegistry registry(arguments.technique.folders);
   const TechniqueArguments::Spec& spec = arguments.technique.specs.front();
   const TechniqueType& type = registry.find(spec.name);
@@ -323,6 +324,25 @@ int render(RenderArguments arguments) {
 }
 
 }  // namespace
+
+int render(const Job& job, const RenderWork& work) {
+  RenderArguments arguments;
+  arguments.scene = job.scene;
+  arguments.device.take(job.device);
+  arguments.overrides.take(job);
+  arguments.settings = settings_of(job);
+  arguments.technique.specs = {{work.technique, work.parameters}};
+  arguments.technique.folders = job.technique_folders;
+  arguments.output.json = arguments.output.quiet = true;
+  if (!work.output.empty()) arguments.files = {work.output};
+  arguments.overwrite = true;
+  arguments.budget.compute_seconds = work.compute_seconds;
+  arguments.budget.iterations = work.iterations;
+  arguments.budget.relmse = work.relmse;
+  arguments.reference = work.reference;
+  arguments.curve = work.curve;
+  return render_picture(std::move(arguments));
+}
 
 void add_render_command(Command program, Action& action) {
   auto arguments = std::make_shared<RenderArguments>();
@@ -367,7 +387,12 @@ void add_render_command(Command program, Action& action) {
                    "time per pass: a table, or --profile=FILE.json, FILE.trace.json (Perfetto)");
   arguments->device.add_to(command);
   arguments->output.add_to(command);
-  command.callback([arguments, &action] { action = [arguments] { return render(*arguments); }; });
+  command.callback([arguments, &action] {
+    action = [arguments] {
+      arguments->settings = arguments->image.settings();
+      return render_picture(*arguments);
+    };
+  });
 }
 
 }  // namespace lucarium::app

@@ -9,8 +9,6 @@
 #include "lucarium/base/terminal.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
-#include "lucarium/compute/device/cache_folder.h"
-#include "lucarium/compute/device/program_cache.h"
 #include "lucarium/technique/technique_folders.h"
 #include "options.h"
 
@@ -59,14 +57,10 @@ std::vector<Experiment> wanted_experiments(const ReproduceArguments& arguments, 
   if (slash != std::string::npos) names = {arguments.wanted.substr(slash + 1)};
   std::vector<Experiment> experiments;
   for (const std::string& name : names) experiments.push_back(read_experiment(paper, name, !arguments.full));
-  const std::vector<std::string> device = arguments.device.words();
+  const std::vector<std::string> device = arguments.device.in_comparison();
   for (Experiment& experiment : experiments) {
     std::vector<std::string>& words = experiment.comparison.device_arguments;
     words.insert(words.end(), device.begin(), device.end());
-    std::vector<std::string>& folders = experiment.comparison.folder_arguments;
-    folders = arguments.device.cache_words();
-    for (const fs::path& folder : arguments.folders)
-      folders.insert(folders.end(), {"--technique-path", fs::absolute(folder).string()});
   }
   return experiments;
 }
@@ -96,8 +90,7 @@ int reproduce_wanted(ReproduceArguments arguments) {
   const std::vector<Experiment> experiments = wanted_experiments(arguments, papers);
   const TechniqueRegistry registry(arguments.folders);
   ComparisonOptions& options = arguments.options;
-  options.program = fs::read_symlink("/proc/self/exe");
-  options.cache_dir = resolve_cache_dir(arguments.device.resolved());
+  arguments.device.apply_to(options, arguments.folders);
   if (!arguments.output.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   if (arguments.dry_run) {
     for (const Experiment& experiment : experiments) {

@@ -4,6 +4,7 @@
   format    clang-format would change nothing
   width     no line is wider than 120 columns (tables and code blocks of pages excepted)
   folders   folders include each other in one direction, and in the order of ORDER
+  options   no string of the library is an option of the program: it starts it with a job file
   links     every relative link of a page and every path that a page or comment names exists
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
@@ -16,12 +17,14 @@ import sys
 WIDTH = 120
 SOURCES = ('.cpp', '.h', '.cl', '.clh')
 TEXTS = SOURCES + ('.md', '.txt', '.cmake', '.py', '.js', '.css', '.html')
+# Comparison files state the device in these words, whatever the program's options are called.
+WORDS_OF_FILES = ('framework/lucarium/compare/request/device_arguments.cpp',)
 ROOTS = ('framework', 'kernels', 'techniques')  # of include names
 GENERATED = ('docs/techniques.md',)  # by `lucarium techniques --markdown`, from texts that are checked where they stand
 
 # Each folder may include those before it.
 ORDER = ['kernels/lucarium'] + ['framework/lucarium/' + folder for folder in (
-    'base', 'compute', 'film', 'scene', 'services', 'technique', 'session', 'metrics', 'statistics', 'compare',
+    'base', 'compute', 'film', 'scene', 'services', 'technique', 'session', 'job', 'metrics', 'statistics', 'compare',
     'conformance')] + ['techniques', 'apps']
 
 
@@ -77,6 +80,21 @@ def place(folder):
     """Where a folder stands in ORDER."""
     ranks = [i for i, known in enumerate(ORDER) if folder == known or folder.startswith(known + '/')]
     return ranks[0] if ranks else None
+
+
+def check_options():
+    declared = set()
+    for file in tracked(('.cpp',)):
+        if file.startswith('apps/'):
+            for names in re.findall(r'add_(?:option|option_function|flag|budget)\w*\(\s*"(-[^"{]+)', read(file)):
+                declared.update(names.split(','))
+    for file in tracked(SOURCES):
+        if not file.startswith('framework/') or file in WORDS_OF_FILES:
+            continue
+        for number, line in enumerate(read(file).split('\n'), 1):
+            for word in re.findall(r'"(--?[a-z][a-z-]*)=?(?:\{\})?"', line):
+                if word in declared:
+                    yield f'{file}:{number}: {word} is an option of the program (framework/lucarium/job)'
 
 
 def circles(edges):
@@ -155,7 +173,8 @@ def glob_exists(pattern):
     return bool(glob.glob(pattern))
 
 
-RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'links': check_links}
+RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'options': check_options,
+         'links': check_links}
 
 
 def main():

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -88,10 +89,36 @@ class LineSplitter {
   std::string partial_;
 };
 
-pid_t spawn(std::vector<std::string> arguments, const Pipe& out, const Pipe& err) {
+/// A file in memory, opened at its beginning.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {
+    while (file_ >= 0 && !bytes.empty()) {
+      const ssize_t count = ::write(file_, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) fail();
+      bytes.remove_prefix(static_cast<size_t>(count));
+    }
+    if (file_ < 0 || ::lseek(file_, 0, SEEK_SET) != 0) fail();
+  }
+  ~MemoryFile() { ::close(file_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  int descriptor() const { return file_; }
+
+ private:
+  [[noreturn]] void fail() const {
+    const int reason = errno;
+    if (file_ >= 0) ::close(file_);
+    throw_error(ErrorClass::internal, "cannot make a file in memory: {}", std::strerror(reason));
+  }
+  int file_;
+};
+
+pid_t spawn(std::vector<std::string> arguments, const MemoryFile& in, const Pipe& out, const Pipe& err) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, in.descriptor(), STDIN_FILENO);
   posix_spawn_file_actions_adddup2(&actions, out.write_end, STDOUT_FILENO);
   posix_spawn_file_actions_adddup2(&actions, err.write_end, STDERR_FILENO);
   std::vector<std::string> variables = child_environment();
@@ -129,10 +156,11 @@ struct Child {
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& arguments,
-                      const std::function<void(std::string_view)>& on_error_line) {
+                      const std::function<void(std::string_view)>& on_error_line, std::string_view input) {
   const Stopwatch watch;
+  const MemoryFile in(input);
   Pipe out, err;
-  Child child(spawn(arguments, out, err));
+  Child child(spawn(arguments, in, out, err));
   Pipe::close_end(out.write_end);
   Pipe::close_end(err.write_end);
 

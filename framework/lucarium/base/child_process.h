@@ -17,11 +17,11 @@ struct ChildResult {
   size_t peak_memory_bytes = 0;         ///< resident set, from getrusage
 };
 
-/// Runs a program to its end with standard input closed. Lines of its standard error are handed to `on_error_line` as
-/// they come; when that throws, the child is killed. An interrupt of this process is passed on to it once. Throws
-/// Error{internal} when it cannot be started or listened to.
+/// Runs a program to its end. Its standard input is a file that holds `input`. Lines of its standard error are handed
+/// to `on_error_line` as they come; when that throws, the child is killed. An interrupt of this process is passed on to
+/// it once. Throws Error{internal} when it cannot be started or listened to.
 ChildResult run_child(const std::vector<std::string>& arguments,
-                      const std::function<void(std::string_view)>& on_error_line = {});
+                      const std::function<void(std::string_view)>& on_error_line = {}, std::string_view input = {});
 
 /// In a program that run_child() started: asks to be interrupted when the parent ends, however it ends, so that nothing
 /// goes on rendering for nobody. Call it after install_interrupt_handler().

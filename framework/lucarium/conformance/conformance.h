@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "lucarium/compute/device/device.h"
 #include "lucarium/technique/plugin.h"
 
 namespace lucarium {
@@ -32,8 +33,8 @@ struct ConformanceOptions {
   bool full = false;              ///< at the technique's defaults instead of its check_parameters; may take hours
   std::vector<std::string> only;  ///< run the checks whose names begin with one of these; empty: all
   std::filesystem::path program;  ///< lucarium, for checks that need a process of their own; empty: they are skipped
-  std::vector<std::string> arguments;         ///< for that program: --technique-path
-  std::vector<std::string> device_arguments;  ///< the same, where the program uses the device under test
+  std::vector<std::filesystem::path> technique_folders = {};  ///< where that program looks for plug-ins first
+  DeviceOptions device = {};                                  ///< of the device under test, for that program
   std::function<void(size_t index, size_t count, const std::string& name)> on_check = {};  ///< before each, from 0
   std::function<void(const CheckResult&)> on_result = {};                                  ///< as they come
 };

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
 #include "lucarium/conformance/checks.h"
 #include "lucarium/film/image_io.h"
+#include "lucarium/job/run_job.h"
 
 namespace lucarium::check {
 namespace fs = std::filesystem;
@@ -37,21 +37,22 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-/// Words that render a small picture of builtin:cornell with the technique under test into `output`.
-std::vector<std::string> render_words(const CheckContext& context, const fs::path& output, const char* size,
-                                      uint64_t iterations) {
+/// A small picture of builtin:cornell with the technique under test, `side`² pixels large.
+Job small_picture(const CheckContext& context, const fs::path& output, uint32_t side, uint64_t iterations) {
   const RenderSettings settings = context.settings(context.plain_scene());
-  std::vector<std::string> words = {context.options.program.string(), "render", "builtin:cornell", "-t",
-                                    context.type.info().name};
-  for (const auto& [name, value] : context.options.parameters) words.insert(words.end(), {"-p", name + "=" + value});
-  words.insert(words.end(), context.options.arguments.begin(), context.options.arguments.end());
-  const std::string sampling = settings.pixel_sampling == 0   ? "jitter"
-                               : settings.pixel_sampling == 1 ? "centre"
-                                                              : std::to_string(settings.pixel_sampling);
-  words.insert(words.end(), {"--size", size, "--iterations", std::to_string(iterations),
-                             fmt::format("--max-bounces={}", settings.max_bounces), "--pixel-sampling", sampling,
-                             "--quiet", "-o", output.string()});
-  return words;
+  Job job;
+  job.scene = "builtin:cornell";
+  job.width = job.height = side;
+  job.max_bounces = settings.max_bounces;
+  job.pixel_sampling = settings.pixel_sampling;
+  job.technique_folders = context.options.technique_folders;
+  RenderWork work;
+  work.technique = context.type.info().name;
+  work.parameters = context.options.parameters;
+  work.iterations = iterations;
+  work.output = output;
+  job.work = work;
+  return job;
 }
 
 std::string last_word(const ChildResult& result) {
@@ -110,12 +111,12 @@ Outcome check_threads(CheckContext& context) {
   RenderSession counted = context.session(context.plain_scene());
   context.run_short(counted);
   std::vector<Picture> pictures;
-  for (const char* threads : {"1", "2"}) {
+  for (const int threads : {1, 2}) {
     const fs::path file = folder.path() / fmt::format("{}.exr", threads);
-    std::vector<std::string> words = render_words(context, file, "32x32", counted.iterations());
-    words.insert(words.end(), context.options.device_arguments.begin(), context.options.device_arguments.end());
-    words.insert(words.end(), {"--threads", threads});
-    const ChildResult result = run_child(words);
+    Job job = small_picture(context, file, 32, counted.iterations());
+    job.device = context.options.device;
+    job.device.threads = threads;
+    const ChildResult result = run_job({context.options.program.string()}, job);
     if (result.exit_code != 0) return verdict_of(false, fmt::format("with {} threads: {}", threads, last_word(result)));
     pictures.push_back(picture_of(read_image(file)));
   }
@@ -130,14 +131,14 @@ Outcome check_oclgrind(CheckContext& context) {
     return {Verdict::skipped, "not together with the sanitizers of this build"};
   const TemporaryFolder folder;
   // Unoptimized, kernels hold no compiler intrinsics that the interpreter does not know; the scalar traversal is short.
-  std::vector<std::string> words = {"/usr/bin/env",    "LUCARIUM_BVH=scalar", oclgrind.string(),
-                                    "--build-options", "-cl-opt-disable",     "--data-races"};
-  const std::vector<std::string> render = render_words(context, folder.path() / "a.exr", "4x4", 2);
-  words.insert(words.end(), render.begin(), render.end());
-  words.emplace_back("--no-cache");
+  const std::vector<std::string> interpreted = {
+      "/usr/bin/env", "LUCARIUM_BVH=scalar",           oclgrind.string(), "--build-options", "-cl-opt-disable",
+      "--data-races", context.options.program.string()};
+  Job job = small_picture(context, folder.path() / "a.exr", 4, 2);
+  job.device.use_cache = false;
   size_t errors = 0;
   std::string first, unknown;
-  const ChildResult result = run_child(words, [&](std::string_view line) {
+  const ChildResult result = run_job(interpreted, job, [&](std::string_view line) {
     if (line.find("Undefined external function") != std::string_view::npos) unknown = line;
     for (const char* sign : {"Invalid read", "Invalid write", "data race"}) {
       if (line.find(sign) == std::string_view::npos) continue;

@@ -8,6 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/file_lock.h"
+#include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/metrics/error_map.h"
 #include "test_support.h"
@@ -130,6 +131,19 @@ TEST_CASE("a comparison file ran code: device_arguments passed any word on") {
   CHECK(contains(with_words("\"--threads\""), "device_arguments/0: --threads needs a value"));
   CHECK(with_words("\"--device\", \"cpu\", \"--threads=2\", \"--memory-limit\", \"1G\", \"--allocation-limit=500M\"") ==
         "accepted");
+}
+
+TEST_CASE("device_arguments say what was written, in either form") {
+  DeviceOptions device;
+  REQUIRE(!read_device_arguments(write_device_arguments("cpu", 2, "1.5G", "500M"), device));
+  CHECK(device.selector == "cpu");
+  CHECK(device.threads == 2);
+  CHECK(device.memory_limit_bytes == size_t{3} << 29);
+  CHECK(device.allocation_limit_bytes == size_t{500} << 20);
+  REQUIRE(!read_device_arguments({"--threads=3"}, device));
+  CHECK(device.threads == 3);  // the last one counts, and the others stay
+  CHECK(device.selector == "cpu");
+  CHECK(write_device_arguments("", 0, "", "").empty());
 }
 
 TEST_CASE("a fallback environment that is no colour was taken for a file and found out when a scene needed it") {

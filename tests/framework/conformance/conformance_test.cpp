@@ -28,7 +28,7 @@ std::vector<CheckResult> check_plugin(const std::string& name, const Parameters&
   options.only = only;
   options.full = full;
   options.program = std::getenv("LUCARIUM_TEST_PROGRAM");
-  options.arguments = {"--technique-path", plugin_folder(name).string()};
+  options.technique_folders = {plugin_folder(name)};
   return check_technique(test::test_device(), registry, registry.find(name), options);
 }
 

@@ -3,17 +3,17 @@
 #include "lucarium/compare/request/comparison_file.h"
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/request_limits.h"
 #include "lucarium/compare/request/comparison_spec.h"
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/load/sidecar.h"
+#include "lucarium/services/path_set.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
-
-constexpr uint32_t largest_size = 32768;  // pixels a side
 
 class ComparisonReader {
  public:
@@ -32,8 +32,10 @@ class ComparisonReader {
     each("budgets", [&](const json& value, const std::string& at) { spec.budgets.push_back(budget(value, at)); });
     if (root.contains("seeds")) spec.seeds = static_cast<uint32_t>(bounded("seeds", 1, 1000));
     if (root.contains("size")) read_size(root["size"], spec);
-    if (root.contains("max_bounces")) spec.max_bounces = static_cast<int>(bounded("max_bounces", -1, 4095));
-    if (root.contains("pixel_sampling")) spec.pixel_sampling = static_cast<uint32_t>(bounded("pixel_sampling", 0, 16));
+    if (root.contains("max_bounces"))
+      spec.max_bounces = static_cast<int>(bounded("max_bounces", -1, PathSet::kMaxBounces));
+    if (root.contains("pixel_sampling"))
+      spec.pixel_sampling = static_cast<uint32_t>(bounded("pixel_sampling", 0, finest_pixel_grid));
     if (root.contains("reference")) spec.reference = reference(root["reference"]);
     if (root.contains("fallback_environment")) {
       spec.fallback_environment = file_.text(root["fallback_environment"], place("fallback_environment"));
@@ -44,7 +46,8 @@ class ComparisonReader {
     if (root.contains("device_arguments")) {
       each("device_arguments",
            [&](const json& value, const std::string& at) { spec.device_arguments.push_back(file_.text(value, at)); });
-      if (const auto mistake = check_device_arguments(spec.device_arguments)) {
+      DeviceOptions unused;
+      if (const auto mistake = read_device_arguments(spec.device_arguments, unused)) {
         file_.fail(fmt::format("{}/{}", place("device_arguments"), mistake->index), mistake->what);
       }
     }
@@ -104,7 +107,8 @@ class ComparisonReader {
     }
     if (value.contains("texture_size")) {
       const uint64_t size = file_.count(value["texture_size"], pointer + "/texture_size");
-      if (size < 1 || size > 65536) file_.fail(pointer + "/texture_size", "must be from 1 to 65536");
+      if (size < 1 || size > largest_texture_size)
+        file_.fail(pointer + "/texture_size", fmt::format("must be from 1 to {}", largest_texture_size));
       result.import.max_texture_size = static_cast<uint32_t>(size);
     }
     return result;
@@ -161,8 +165,8 @@ class ComparisonReader {
   void read_size(const json& value, ComparisonSpec& spec) const {
     if (!value.is_array() || value.size() != 2) file_.fail(place("size"), "must be [width, height]");
     const uint64_t width = file_.count(value[0], place("size/0")), height = file_.count(value[1], place("size/1"));
-    if (width < 1 || height < 1 || width > largest_size || height > largest_size) {
-      file_.fail(place("size"), fmt::format("must be from 1 to {} pixels a side", largest_size));
+    if (width < 1 || height < 1 || width > largest_image_side || height > largest_image_side) {
+      file_.fail(place("size"), fmt::format("must be from 1 to {} pixels a side", largest_image_side));
     }
     spec.width = static_cast<uint32_t>(width);
     spec.height = static_cast<uint32_t>(height);

@@ -56,8 +56,7 @@ struct ComparisonSpec {
   uint32_t pixel_sampling = 0;
   ReferenceRequest reference;
   std::string fallback_environment;           ///< for scenes without any light; empty: such a scene is an error
-  std::vector<std::string> device_arguments;  ///< --device X, --threads N, … (check_device_arguments())
-  std::vector<std::string> folder_arguments;  ///< --technique-path X, --cache-dir X: this machine's, in no file
+  std::vector<std::string> device_arguments;  ///< words; read_device_arguments() understands them
 
   /// JSON (schema lucarium-comparison-1) that is kept with the results; parse_comparison() is its inverse.
   std::string to_json() const;

@@ -37,11 +37,13 @@ std::optional<double> find_reached(const std::vector<Snapshot>& snapshots, doubl
 
 }  // namespace
 
-std::vector<std::string> budget_words(const ComparisonBudget& budget) {
-  if (budget.seconds > 0) return {"--compute-time", fmt::format("{}", budget.seconds), "--curve"};
-  if (budget.iterations > 0) return {"--iterations", std::to_string(budget.iterations), "--curve"};
-  return {"--compute-time", fmt::format("{}", budget.limit_seconds), "--until-relmse",
-          fmt::format("{}", budget.relmse)};
+RenderWork work_within(const ComparisonBudget& budget) {
+  RenderWork work;
+  work.compute_seconds = budget.seconds > 0 ? budget.seconds : budget.limit_seconds;
+  work.iterations = budget.iterations;
+  work.relmse = budget.relmse;
+  work.curve = budget.relmse <= 0;
+  return work;
 }
 
 std::string piece_stem(size_t scene, size_t variant, size_t budget, uint32_t seed) {

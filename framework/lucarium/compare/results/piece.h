@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "lucarium/compare/results/comparison_result.h"
+#include "lucarium/job/job.h"
 
 namespace lucarium {
 
-/// Arguments of `lucarium render` that give it the budget, with the error curve that belongs to it.
-std::vector<std::string> budget_words(const ComparisonBudget& budget);
+/// A rendering within the budget, with the error curve that belongs to it.
+RenderWork work_within(const ComparisonBudget& budget);
 
 /// File name of a piece below the result folder, without extension: "pieces/scene1-variant2-budget1-seed3".
 std::string piece_stem(size_t scene, size_t variant, size_t budget, uint32_t seed);

@@ -21,9 +21,11 @@ struct ComparisonOptions {
   std::optional<Experiment> experiment;  ///< what is to be read off the results
   std::filesystem::path baseline;        ///< folder of an earlier run
   ReportOptions report;
-  std::filesystem::path program;  ///< the lucarium executable that renders the pieces
-  std::filesystem::path cache_dir;
-  std::function<void(const std::string&)> progress;  ///< one line for people
+  std::filesystem::path program;                         ///< the lucarium executable that renders the pieces
+  std::filesystem::path cache_dir;                       ///< of references and compiled kernels
+  bool use_cache = true;                                 ///< of compiled kernels
+  std::vector<std::filesystem::path> technique_folders;  ///< where the pieces look for plug-ins first
+  std::function<void(const std::string&)> progress;      ///< one line for people
 };
 
 /// Runs what is missing, keeps results.json, the CSVs and report.html up to date as pieces come, and returns the

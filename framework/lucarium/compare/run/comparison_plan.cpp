@@ -5,32 +5,13 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/reference/reference_identity.h"
+#include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/session/session.h"
 
 namespace lucarium {
 namespace {
-
-/// Overrides as words of the command line.
-std::vector<std::string> override_words(const SceneOverrides& overrides, const ImportOptions& import) {
-  std::vector<std::string> list;
-  // "=" keeps values that begin with a minus sign from being read as options.
-  const auto add = [&list](const char* option, const std::string& value) {
-    list.push_back(fmt::format("{}={}", option, value));
-  };
-  if (overrides.camera) add("--camera", *overrides.camera);
-  if (overrides.environment) add("--environment", *overrides.environment);
-  for (const std::string& light : overrides.lights) add("--light", light);
-  if (overrides.exposure) add("--exposure", exposure_text(*overrides.exposure));
-  for (const std::string& material : overrides.materials) add("--material", material);
-  if (overrides.at_seconds) add("--at", fmt::format("{}", *overrides.at_seconds));
-  if (overrides.animation) add("--animation", *overrides.animation);
-  if (!overrides.use_sidecar) list.push_back("--no-sidecar");
-  if (import.max_texture_size != ImportOptions().max_texture_size)
-    add("--texture-size", std::to_string(import.max_texture_size));
-  return list;
-}
 
 RenderSettings settings_of(const ComparisonSpec& spec, const Scene& scene) {
   RenderSettings settings;
@@ -52,7 +33,7 @@ Scene load(const ComparisonSpec& spec, const ComparisonScene& request, ScenePlan
     scene.warnings.push_back("no light in the file: lit by a uniform environment of " + spec.fallback_environment);
   }
   require_light(scene);
-  plan.scene_words = override_words(overrides, request.import);
+  plan.overrides = overrides;
   return scene;
 }
 
@@ -122,20 +103,23 @@ ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& request,
   return plan;
 }
 
-std::vector<std::string> scene_command(const ComparisonSpec& spec, const ScenePlan& plan, const std::string& source,
-                                       const std::filesystem::path& program, const char* command, uint64_t seed) {
-  std::vector<std::string> words = {program.string(), command,
-                                    source,           "--json",
-                                    "--seed",         std::to_string(seed),
-                                    "--size",         fmt::format("{}x{}", spec.width, spec.height)};
-  if (spec.pixel_sampling != 0) {
-    words.insert(words.end(),
-                 {"--pixel-sampling", spec.pixel_sampling == 1 ? "centre" : std::to_string(spec.pixel_sampling)});
-  }
-  words.insert(words.end(), plan.scene_words.begin(), plan.scene_words.end());
-  words.insert(words.end(), spec.device_arguments.begin(), spec.device_arguments.end());
-  words.insert(words.end(), spec.folder_arguments.begin(), spec.folder_arguments.end());
-  return words;
+Job scene_job(const ComparisonSpec& spec, const ComparisonScene& scene, const ScenePlan& plan,
+              const ComparisonOptions& options, uint64_t seed) {
+  Job job;
+  job.scene = scene.source;
+  job.overrides = plan.overrides;
+  job.import = scene.import;
+  job.width = spec.width;
+  job.height = spec.height;
+  job.pixel_sampling = spec.pixel_sampling;
+  job.max_bounces = spec.max_bounces;
+  job.seed = seed;
+  if (const auto mistake = read_device_arguments(spec.device_arguments, job.device))
+    throw_error(ErrorClass::usage, "device_arguments/{}: {}", mistake->index, mistake->what);
+  job.device.cache_dir = options.cache_dir;
+  job.device.use_cache = options.use_cache;
+  job.technique_folders = options.technique_folders;
+  return job;
 }
 
 }  // namespace lucarium

@@ -4,13 +4,14 @@
 #include <vector>
 
 #include "lucarium/compare/run/comparison.h"
+#include "lucarium/job/job.h"
 
 namespace lucarium {
 
 /// One scene of a comparison, looked at before anything is rendered.
 struct ScenePlan {
   SceneResult result;                        ///< all but what the references turn out to be
-  std::vector<std::string> scene_words;      ///< arguments that give another lucarium process the same scene
+  SceneOverrides overrides;                  ///< the scene's, with the fallback environment where it is needed
   std::vector<std::string> reference_files;  ///< names in the cache, one per reference
   size_t pieces = 0;                         ///< variants that are not refused
   bool automatic_exposure = false;           ///< none is stated: the first reference decides
@@ -24,8 +25,8 @@ inline constexpr uint64_t reference_seed = 0x5eed;
 /// Error for mistakes in the comparison itself (unknown technique or parameter).
 ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& scene, const TechniqueRegistry& registry);
 
-/// Command line of the run of one piece, or of its reference (variant-independent): program, command, scene, settings.
-std::vector<std::string> scene_command(const ComparisonSpec& spec, const ScenePlan& plan, const std::string& source,
-                                       const std::filesystem::path& program, const char* command, uint64_t seed);
+/// The job of one piece, or of a reference: scene, image and device; what is to be done with them is not set.
+Job scene_job(const ComparisonSpec& spec, const ComparisonScene& scene, const ScenePlan& plan,
+              const ComparisonOptions& options, uint64_t seed);
 
 }  // namespace lucarium

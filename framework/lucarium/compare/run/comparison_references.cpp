@@ -11,6 +11,7 @@
 #include "lucarium/compare/run/reference_file.h"
 #include "lucarium/film/exposure.h"
 #include "lucarium/film/image_io.h"
+#include "lucarium/job/run_job.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -73,12 +74,10 @@ void ComparisonRunner::measure_reference(ReferenceResult& reference) {
 
 /// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
 ChildResult ComparisonRunner::run_reference(size_t scene, size_t index, const fs::path& cached) {
-  std::vector<std::string> command =
-      scene_command(spec_, plans_[scene], spec_.scenes[scene].source, options_.program, "reference", reference_seed);
-  command.insert(command.end(), {"--path-set", result_.scenes[scene].references[index].path_set, "--extend", "--spp",
-                                 std::to_string(spec_.reference.samples), "--output", cached.string()});
-  if (spec_.reference.relmse > 0) command.insert(command.end(), {"--error", fmt::format("{}", spec_.reference.relmse)});
-  return run_child(command, [&](std::string_view line) {
+  Job job = scene_job(spec_, spec_.scenes[scene], plans_[scene], options_, reference_seed);
+  job.work = ReferenceWork{result_.scenes[scene].references[index].path_set, spec_.reference.samples,
+                           spec_.reference.relmse, cached};
+  return run_job({options_.program.string()}, job, [&](std::string_view line) {
     if (!interrupt_requested()) say("  " + std::string(line));  // its advice how to go on is not that of a comparison
   });
 }

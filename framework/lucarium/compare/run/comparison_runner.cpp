@@ -17,6 +17,7 @@
 #include "lucarium/compare/results/result_folder.h"
 #include "lucarium/compare/results/summary.h"
 #include "lucarium/film/image_io.h"
+#include "lucarium/job/run_job.h"
 #include "lucarium/version.h"
 
 namespace lucarium {
@@ -230,16 +231,15 @@ PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, size_t bud
   PieceResult piece{scene, variant, budget, seed};
   const std::string stem = piece_stem(scene, variant, budget, seed);
   const fs::path image = options_.folder / (stem + ".exr");
-  std::vector<std::string> command =
-      scene_command(spec_, plans_[scene], spec_.scenes[scene].source, options_.program, "render", seed);
-  const std::vector<std::string> limits = budget_words(spec_.budgets[budget]);
-  command.insert(command.end(), limits.begin(), limits.end());
-  command.insert(
-      command.end(),
-      {"--overwrite", "--max-bounces", std::to_string(spec_.max_bounces), "-t", spec_.variants[variant].words(),
-       "--reference", (options_.folder / reference_of(scene, variant).image).string(), "--output", image.string(),
-       "--quiet", fmt::format("--exposure={}", result_.scenes[scene].exposure)});
-  const ChildResult child = run_child(command);
+  Job job = scene_job(spec_, spec_.scenes[scene], plans_[scene], options_, seed);
+  job.overrides.exposure = result_.scenes[scene].exposure;
+  RenderWork work = work_within(spec_.budgets[budget]);
+  work.technique = spec_.variants[variant].technique;
+  work.parameters = spec_.variants[variant].parameters;
+  work.reference = options_.folder / reference_of(scene, variant).image;
+  work.output = image;
+  job.work = work;
+  const ChildResult child = run_job({options_.program.string()}, job);
   if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) set_interrupt_requested(true);
   if (child.exit_code != 0) {
     std::error_code ignored;

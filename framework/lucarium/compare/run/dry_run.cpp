@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "lucarium/base/byte_size.h"
-#include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/compare/reference/reference_image.h"
@@ -16,6 +15,7 @@
 #include "lucarium/compare/run/comparison_plan.h"
 #include "lucarium/compare/run/reference_file.h"
 #include "lucarium/film/image_io.h"
+#include "lucarium/job/run_job.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -33,10 +33,13 @@ struct Rate {
   bool leads = false;             ///< its work proper, of which it knows the amount, has not begun
 };
 
-Rate measure_rate(std::vector<std::string> command, const std::string& technique, int max_bounces, int iterations) {
-  command.insert(command.end(), {"--iterations", std::to_string(iterations), "--max-bounces",
-                                 std::to_string(max_bounces), "-t", technique, "--quiet"});
-  const ChildResult child = run_child(command);
+Rate measure_rate(const std::filesystem::path& program, Job job, const TechniqueVariant& variant, uint64_t iterations) {
+  RenderWork work;
+  work.technique = variant.technique;
+  work.parameters = variant.parameters;
+  work.iterations = iterations;
+  job.work = work;
+  const ChildResult child = run_job({program.string()}, job);
   Rate rate;
   if (child.exit_code != 0) {
     rate.failure = child.last_words.empty() ? describe_end(child) : child.last_words.back();
@@ -56,10 +59,10 @@ Rate measure_rate(std::vector<std::string> command, const std::string& technique
 }
 
 /// On one iteration, or on as many as lead to the work whose amount the technique knows.
-Rate measure_variant(const std::vector<std::string>& command, const std::string& technique, int max_bounces) {
+Rate measure_variant(const std::filesystem::path& program, const Job& job, const TechniqueVariant& variant) {
   Rate rate;
-  for (const int iterations : {1, 16, 64}) {
-    rate = measure_rate(command, technique, max_bounces, iterations);
+  for (const uint64_t iterations : {1, 16, 64}) {
+    rate = measure_rate(program, job, variant, iterations);
     if (!rate.leads) break;
   }
   return rate;
@@ -126,10 +129,6 @@ class DryRun {
     for (size_t variant = 0; variant < spec_.variants.size(); ++variant) add_variant(scene, plan, variant);
   }
 
-  std::vector<std::string> command(const ComparisonScene& scene, const ScenePlan& plan) const {
-    return scene_command(spec_, plan, scene.source, options_.program, "render", 1);
-  }
-
   void add_reference(const ComparisonScene& scene, const ScenePlan& plan, size_t index) {
     const std::string set = plan.result.references[index].path_set;
     text_ += fmt::format("  reference {}: {}; ", index + 1, describe_path_set(set));
@@ -139,12 +138,10 @@ class DryRun {
     }
     const uint64_t have = cached_samples(options_.cache_dir / "references" / plan.reference_files[index]);
     const uint64_t missing = spec_.reference.samples > have ? spec_.reference.samples - have : 0;
-    std::string technique = "path_tracing";
-    for (const auto& [name, value] : reference_parameters(PathSet::parse(set))) {
-      technique += fmt::format("{}{}={}", technique == "path_tracing" ? ":" : ",", name, value);
-    }
-    const Rate rate =
-        missing > 0 ? measure_rate(command(scene, plan), technique, PathSet::parse(set).max_bounces, 1) : Rate();
+    Job job = scene_job(spec_, scene, plan, options_, 1);
+    job.max_bounces = PathSet::parse(set).max_bounces;
+    const TechniqueVariant path_tracing{"path_tracing", reference_parameters(PathSet::parse(set)), ""};
+    const Rate rate = missing > 0 ? measure_rate(options_.program, job, path_tracing, 1) : Rate();
     const double seconds = rate.iteration_seconds * static_cast<double>(missing) / reference_batch;
     seconds_ += seconds;
     open_ended_ |= missing > 0 && spec_.reference.relmse > 0;
@@ -159,7 +156,8 @@ class DryRun {
       text_ += fmt::format("does not run: {}\n", variant.refused);
       return;
     }
-    const Rate rate = measure_variant(command(scene, plan), spec_.variants[index].words(), spec_.max_bounces);
+    const Rate rate =
+        measure_variant(options_.program, scene_job(spec_, scene, plan, options_, 1), spec_.variants[index]);
     if (!rate.failure.empty()) {
       text_ += fmt::format("fails: {}\n", rate.failure);
       return;

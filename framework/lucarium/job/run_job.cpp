@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/job/run_job.h"
+
+#include "lucarium/job/job_file.h"
+
+namespace lucarium {
+
+ChildResult run_job(std::vector<std::string> program, const Job& job,
+                    const std::function<void(std::string_view)>& on_error_line) {
+  program.insert(program.end(), {job_command, "/dev/stdin"});
+  return run_child(program, on_error_line, job_json(job));
+}
+
+}  // namespace lucarium
