@@ -5,6 +5,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/services/layered_raster/state.h"
 
 namespace lucarium {
@@ -18,6 +19,18 @@ constexpr const char* fewer_triangles = "use a scene with fewer triangles";
 constexpr const char* smaller_film = "lower the film's resolution";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
+
+/// Per block of 16 triangles, those (bits) that have an area.
+std::vector<uint32_t> drawn_triangles(const SceneBuffers& scene, uint32_t count) {
+  const std::vector<Triangle> triangles = scene.scene_triangles.download();
+  const std::vector<Vertex> vertices = scene.scene_vertices.download();
+  std::vector<uint32_t> result(divide_up(std::max(1u, count), 16), 0);
+  for (uint32_t i = 0; i < count; ++i) {
+    const Triangle& t = triangles[i];
+    if (!is_degenerate(vertices[t.v0], vertices[t.v1], vertices[t.v2])) result[i / 16] |= 1u << i % 16;
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -61,15 +74,19 @@ void LayeredRaster::State::follow() {
     geometry =
         TypedBuffer<float>(scheduler.device(), owner, "de-indexed triangles",
                            size_t{LAYERED_BLOCK_WORDS} * divide_up(std::max(1u, triangles), 16), fewer_triangles);
+    drawn = {};
+    drawn = TypedBuffer<uint32_t>(scheduler.device(), owner, "drawn triangles", divide_up(std::max(1u, triangles), 16),
+                                  fewer_triangles);
     ScheduleRecorder recorder = scheduler.record("gather triangles", owner);
     PassBuilder pass = recorder.pass("gather triangles", program, "layered_gather_triangles");
     scene.bind(pass, program, "layered_gather_triangles");
     pass.global(divide_up(std::max(1u, triangles), 16))
         .local(1)
-        .arg("triangles", triangles)
+        .arg("layered_drawn", drawn)
         .arg("layered_geometry", geometry);
     gather = recorder.compile();
   }
+  drawn.upload(drawn_triangles(scene, triangles));
   scheduler.run_to_end(gather);  // cancelled, it would leave triangles of zeros that nothing would gather again
 }
 
@@ -197,7 +214,7 @@ size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOption
   const size_t blocks = (std::max<size_t>(1, triangles) + 15) / 16,
                pixels = size_t{options.max_width} * options.max_height;
   const size_t tiles = size_t{divide_up(options.max_width, lanes)} * divide_up(options.max_height, LAYERED_TILE_ROWS);
-  const size_t per_block = (LAYERED_BLOCK_WORDS + 16 + 1) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord);
+  const size_t per_block = (LAYERED_BLOCK_WORDS + 16 + 2) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord);
   const size_t pairs = 2 * triangles + layers * tiles;  // a triangle lies in a tile, or in all that it covers
   const size_t bins = (size_t{chunks} + 1) * (tiles + 16) + pairs;
   const size_t fragments = stored ? pixels * (sizeof(uint32_t) + layers * sizeof(LayeredFragment)) : 0;

@@ -4,10 +4,12 @@
 #include "lucarium/services/layered_raster/project.clh"
 
 // De-indexed positions in blocks of 16 triangles, component by component, so that set-up is all vector loads.
+// layered_drawn: per block, the triangles (bits) that have an area; the others would get one where corners are snapped,
+// and have fragments though no ray hits them.
 __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __global const Vertex* scene_vertices,
                                        __global const Triangle* scene_triangles,
                                        __global const Instance* scene_instances,
-                                       __global const Material* scene_materials, uint triangles,
+                                       __global const Material* scene_materials, __global const uint* layered_drawn,
                                        __global float* layered_geometry) {
   const uint block = get_global_id(0);
   __global float* out = layered_geometry + block * LAYERED_BLOCK_WORDS;
@@ -15,7 +17,7 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
     const uint index = block * 16u + lane;
     float4 p[3] = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
     uint flags = 0u;
-    if (index < triangles) {
+    if (layered_drawn[block] >> lane & 1u) {
       const Triangle triangle = scene_triangles[index];
       p[0] = scene_vertices[triangle.v0].position;
       p[1] = scene_vertices[triangle.v1].position;

@@ -45,6 +45,7 @@ struct LayeredRaster::State {
   Program program;
   mutable std::map<std::pair<std::string, uint32_t>, Program> consumers;
   TypedBuffer<float> geometry;  ///< blocks of 16 de-indexed triangles
+  TypedBuffer<uint32_t> drawn;  ///< per block, those that have an area (bits)
   Schedule gather;
   uint32_t triangles = 0;
   bool alpha = false;

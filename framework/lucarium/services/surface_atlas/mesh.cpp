@@ -36,18 +36,17 @@ void AtlasMesh::measure() {
 }
 
 void AtlasMesh::leave_out() {
-  const size_t count = geometry.triangles.size();
+  const uint32_t count = static_cast<uint32_t>(geometry.triangles.size());
   left_out.assign(count, 0);
-  for (size_t first = 0, last = 0; first < count; first = last) {
-    size_t hit = 0;
-    for (; last < count && geometry.instance[last] == geometry.instance[first]; ++last) {
-      const glm::uvec3& corners = geometry.triangles[last];
-      const auto& p = geometry.positions;
-      left_out[last] = is_degenerate(p[corners.x], p[corners.y], p[corners.z]) || !(area[last] > 0);  // or not finite
-      hit += !left_out[last];
-    }
-    if (hit == 0) left_out[first] = 0;
+  uint32_t hit = 0;
+  for (uint32_t t = 0; t < count; ++t) {
+    const glm::uvec3& corners = geometry.triangles[t];
+    const auto& p = geometry.positions;
+    left_out[t] = is_degenerate(p[corners.x], p[corners.y], p[corners.z]) || !(area[t] > 0);  // or not finite
+    hit += !left_out[t];
+    if (left_out[t]) area[t] = 0;  // not what rounding gives it
   }
+  if (hit == 0 && count > 0) left_out[0] = 0;
 }
 
 void AtlasMesh::weld() {

@@ -24,8 +24,8 @@ struct AtlasMesh {
   std::vector<uint8_t> hard;                      ///< bit i: edge i is a crease that charts do not cross
   std::vector<glm::vec3> normal;                  ///< unit; 0 for slivers, which have none to speak of
   std::vector<double> area;                       ///< [m²]
-  /// Rays cannot hit it: it has neither neighbours nor a chart. The first triangle of an instance of such triangles
-  /// alone stays, so that each instance has a texel.
+  /// Rays cannot hit it: it has neither area nor neighbours nor a chart. Where all are such, the first one stays, so
+  /// that there is a texel.
   std::vector<uint8_t> left_out;
 
   size_t triangle_count() const { return area.size(); }

@@ -180,8 +180,10 @@ void place_left_out(const AtlasMesh& mesh, AtlasLayout& layout) {
   std::vector<uint32_t> at_vertex(mesh.geometry.positions.size(), LUCARIUM_NONE);  // by welded vertex
   std::vector<uint32_t> in_instance(mesh.geometry.two_sided.size(), LUCARIUM_NONE);
   const auto keep_first = [](uint32_t& place, uint32_t t) { place = std::min(place, t); };
+  uint32_t any = LUCARIUM_NONE;
   for (uint32_t t = 0; t < count; ++t) {
     if (mesh.left_out[t]) continue;
+    keep_first(any, t);
     for (int i = 0; i < 3; ++i) keep_first(at_vertex[mesh.welded[t][i]], t);
     keep_first(in_instance[mesh.geometry.instance[t]], t);
   }
@@ -189,6 +191,7 @@ void place_left_out(const AtlasMesh& mesh, AtlasLayout& layout) {
     uint32_t beside = LUCARIUM_NONE;
     for (int i = 0; i < 3; ++i) keep_first(beside, at_vertex[mesh.welded[t][i]]);
     if (beside == LUCARIUM_NONE) beside = in_instance[mesh.geometry.instance[t]];
+    if (beside == LUCARIUM_NONE) beside = any;
     AtlasTriangle& record = layout.triangles[t];
     record = {0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0};
     record.base = atlas_cell(layout.triangles[beside], 1.f / 3, 1.f / 3);

@@ -21,7 +21,7 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
 void link_seams(const AtlasMesh& mesh, std::span<const AtlasPart> parts, AtlasLayout& layout);
 
 /// Fills AtlasLayout::left_out and gives those triangles a texel to look up: that of a triangle which they touch, else
-/// of the first one in their instance.
+/// of the first one in their instance, else of the first of all.
 void place_left_out(const AtlasMesh& mesh, AtlasLayout& layout);
 
 /// Gives the cells that are still empty the texel of the nearest one (in steps along the axes), so that no look-up,

@@ -81,6 +81,22 @@ TEST_CASE("a closed mesh has as many fronts as backs in every pixel, in turns") 
   }
 }
 
+TEST_CASE("triangles without area have no fragments, wherever their corners are snapped to") {
+  constexpr uint32_t size = 100;
+  Random random(3);
+  Soup lines;
+  for (int i = 0; i < 60; ++i) {
+    glm::vec3 corners[3] = {random.in_cube(0.6f)};
+    for (int k = 1; k < 3; ++k) {
+      corners[k] = corners[0];
+      corners[k][i % 3] = random.uniform(-0.6f, 0.6f);
+    }
+    lines.add_triangle(corners[0], corners[1], corners[2]);
+  }
+  LayeredScene scene(scene_of(lines), {.max_width = size, .max_height = size});
+  for (int i = 0; i < 20; ++i) CHECK(scene.store(view_along(random.direction(), 1.1f, size)).fragments.empty());
+}
+
 TEST_CASE("fans about pixel centres cover each pixel once") {
   for (const uint32_t spokes : {3u, 4u, 8u, 17u, 100u}) {
     CAPTURE(spokes);
