@@ -6,6 +6,8 @@
   folders   folders include each other in one direction, and in the order of ORDER
   options   no string of the library is an option of the program: it starts it with a job file
   links     every relative link of a page and every path that a page or comment names exists
+  pages     pages but those of measurements have at most 5 numbers in 100 words of their sentences; a technique's page
+            has at most 120 lines
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
 import os
@@ -20,6 +22,9 @@ TEXTS = SOURCES + ('.md', '.txt', '.cmake', '.py', '.js', '.css', '.html')
 # Comparison files state the device in these words, whatever the program's options are called.
 WORDS_OF_FILES = ('framework/lucarium/compare/request/device_arguments.cpp',)
 ROOTS = ('framework', 'kernels', 'techniques')  # of include names
+MEASUREMENTS = 'docs/measurements/'
+NUMBERS = 5  # in 100 words of a page's sentences
+TECHNIQUE_LINES = 120
 GENERATED = ('docs/techniques.md',)  # by `lucarium techniques --markdown`, from texts that are checked where they stand
 
 # Each folder may include those before it.
@@ -58,14 +63,35 @@ def check_width():
     for file in tracked(TEXTS):
         if file in GENERATED:
             continue
-        code = False
-        for number, line in enumerate(read(file).split('\n'), 1):
-            if file.endswith('.md'):
-                code ^= line.lstrip().startswith('```')
-                if code or line.lstrip().startswith('|') or line.startswith('    '):
-                    continue
+        text = read(file)
+        for number, line in page_lines(text) if file.endswith('.md') else enumerate(text.split('\n'), 1):
             if len(line) > WIDTH:
                 yield f'{file}:{number}: {len(line)} columns'
+
+
+def page_lines(text):
+    """(number, line) of a page, without tables and code blocks."""
+    code = False
+    for number, line in enumerate(text.split('\n'), 1):
+        fence = line.lstrip().startswith('```')
+        code ^= fence
+        if not (code or fence or line.lstrip().startswith('|') or line.startswith('    ')):
+            yield number, line
+
+
+def check_pages():
+    for file in tracked('.md'):
+        text = read(file)
+        lines = text.count('\n')
+        if re.fullmatch(r'docs/techniques/\w+\.md', file) and lines > TECHNIQUE_LINES:
+            yield f'{file}: {lines} lines, more than {TECHNIQUE_LINES}: measurements go to {MEASUREMENTS}'
+        if file in GENERATED or file.startswith(MEASUREMENTS):
+            continue
+        sentences = '\n'.join(line for _, line in page_lines(text))
+        sentences = re.sub(r'\]\([^)]*\)', ']', re.sub(r'`[^`]*`', 'code', sentences))
+        words, numbers = len(sentences.split()), len(re.findall(r'(?<![\w.])\d', sentences))
+        if 100 * numbers > NUMBERS * words:
+            yield f'{file}: {numbers} numbers in {words} words: they go to {MEASUREMENTS}, or into a table'
 
 
 def included(file, name):
@@ -174,7 +200,7 @@ def glob_exists(pattern):
 
 
 RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'options': check_options,
-         'links': check_links}
+         'links': check_links, 'pages': check_pages}
 
 
 def main():
