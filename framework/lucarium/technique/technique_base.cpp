@@ -14,31 +14,46 @@ void TechniqueLifeCycle::prepare(const TechniqueContext& context) {
 }
 
 void TechniqueLifeCycle::rebuild() {
-  built_ = false;
-  build();
-  scene_generation_ = scene_buffers().generation();
-  if (uses_bvh_) bvh_generation_ = bvh().generation();
-  restart_samples();
-  built_ = true;
-  interrupted_ = false;
+  attempt([&] {
+    built_ = false;
+    build();
+    scene_generation_ = scene_buffers().generation();
+    if (uses_bvh_) bvh_generation_ = bvh().generation();
+    samples_ = 0;
+    restart();
+    built_ = true;
+    interrupted_ = false;
+  });
 }
 
 void TechniqueLifeCycle::restart_samples() {
-  samples_ = 0;
-  restart();
+  attempt([&] {
+    samples_ = 0;
+    restart();
+  });
+}
+
+void TechniqueLifeCycle::attempt(const std::function<void()>& part) {
+  try {
+    part();
+  } catch (const Error& error) {
+    built_ = false;
+    interrupted_ = error.error_class() == ErrorClass::interrupted;
+    throw;
+  } catch (...) {
+    built_ = interrupted_ = false;
+    throw;
+  }
 }
 
 void TechniqueLifeCycle::update(const SceneChange& change) {
   if (!change.any()) return;
   try {
-    if (!follow(change) || !built_) rebuild();
-  } catch (const Error& error) {
-    built_ = false;  // what follow() began is not whole either
-    interrupted_ = error.error_class() == ErrorClass::interrupted;
+    attempt([&] {  // what follow() began is not whole either
+      if (!follow(change) || !built_) rebuild();
+    });
+  } catch (const Error&) {
     if (!interrupted_) throw;
-  } catch (...) {
-    built_ = interrupted_ = false;
-    throw;
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -69,6 +70,8 @@ class TechniqueLifeCycle : public Technique {
 
  private:
   void rebuild();
+  /// Runs a part of the life cycle. Where it throws, nothing is built any more, and why is remembered.
+  void attempt(const std::function<void()>& part);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1, samples_ = 0;
   bool built_ = false, uses_bvh_ = false;

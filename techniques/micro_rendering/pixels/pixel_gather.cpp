@@ -37,7 +37,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
       height_(height),
       sub_images_(width, height,
                   parameters.gather_step > 1
-                      ? static_cast<uint32_t>(parameters.gather_step)
+                      ? SubImages::stride_within(width, height, static_cast<uint32_t>(parameters.gather_step))
                       : SubImages::stride_for(width, height, static_cast<uint32_t>(parameters.batch_gathers))),
       forest_(forest),
       gather_(gather),

@@ -61,3 +61,19 @@ TEST_CASE("the stride is the least power of two that makes sub-images small enou
   CHECK(SubImages::stride_for(100, 10, 999) == 2);
   CHECK(SubImages::stride_for(100, 10, 249) == 4);
 }
+
+TEST_CASE("a step larger than the image leaves no sub-image empty: pixels have neighbours within the image") {
+  struct Size {
+    uint32_t width, height;
+  };
+  for (const auto& [width, height] : {Size{5, 7}, Size{64, 3}, Size{1, 1}, Size{24, 24}}) {
+    CAPTURE(width);
+    const SubImages images(width, height, SubImages::stride_within(width, height, 8));
+    CHECK(images.stride() == std::min({width, height, 8u}));
+    for (uint32_t frame = 0; frame < images.count(); ++frame) {
+      const SubImage sub = images.lattice(frame);
+      CHECK((sub.width > 0 && sub.height > 0));
+      CHECK((sub.offset_x < width && sub.offset_y < height));
+    }
+  }
+}

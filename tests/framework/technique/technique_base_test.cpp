@@ -27,7 +27,7 @@ class Counting : public TechniqueBase<Options> {
   size_t estimate_bytes(const Scene&, const RenderSettings&) const override { return 0; }
 
   int compiled = 0, builds = 0, restarts = 0, followed = 0;
-  bool cancels = false, builds_fail = false, is_interrupted = false;
+  bool cancels = false, builds_fail = false, is_interrupted = false, restarts_fail = false;
   uint32_t last_seed = 0;
   using TechniqueBase::built;
   using TechniqueBase::samples;
@@ -45,6 +45,7 @@ class Counting : public TechniqueBase<Options> {
   }
   void restart() override {
     ++restarts;
+    if (restarts_fail) throw Error(ErrorClass::device, "no memory");
     last_seed = frame().seed;
   }
   bool step() override { return !cancels; }
@@ -142,4 +143,43 @@ TEST_CASE("an interrupted update is left to the next iteration, and says so") {
   }
   t.is_interrupted = false;
   CHECK(t.iterate().samples == 1);
+}
+
+TEST_CASE("a second failure says what it was: not an interrupt any more, or one now") {
+  Rig rig;
+  Counting& t = rig.technique;
+  const auto shown = [&] {
+    Film film(4, 4);
+    try {
+      t.resolve(film);
+    } catch (const Error& error) {
+      return error.error_class();
+    }
+    return ErrorClass::internal;
+  };
+  t.is_interrupted = true;
+  t.update(lights_changed());
+  CHECK(shown() == ErrorClass::interrupted);
+  t.is_interrupted = false, t.builds_fail = true;
+  SUBCASE("iterate") { CHECK_THROWS_WITH_AS(t.iterate(), "no memory", Error); }
+  SUBCASE("reset") { CHECK_THROWS_WITH_AS(t.reset(5), "no memory", Error); }
+  SUBCASE("warm-up") { CHECK_THROWS_WITH_AS(t.warm_up(), "no memory", Error); }
+  CHECK(shown() == ErrorClass::input);
+  t.is_interrupted = true;
+  CHECK_THROWS_WITH_AS(t.iterate(), "interrupted", Error);
+  CHECK(shown() == ErrorClass::interrupted);
+}
+
+TEST_CASE("a technique that could not be restarted is built anew") {
+  Rig rig;
+  Counting& t = rig.technique;
+  t.iterate();
+  t.restarts_fail = true;
+  CHECK_THROWS_WITH_AS(t.reset(5), "no memory", Error);
+  CHECK_FALSE(t.built());
+  Film film(4, 4);
+  CHECK_THROWS_AS(t.resolve(film), Error);
+  t.restarts_fail = false;
+  CHECK(t.iterate().samples == 1);
+  CHECK(t.builds == 2);
 }

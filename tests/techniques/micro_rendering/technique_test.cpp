@@ -339,3 +339,12 @@ TEST_CASE("triangles that nothing hits change no bit of a picture") {
     CHECK(rendered_layer(with_lines, "micro_rendering", layer, 16, 2, 2, small) ==
           rendered_layer(room, "micro_rendering", layer, 16, 2, 2, small));
 }
+
+TEST_CASE("a gather_step above the image's size is the image's size, and reads nothing beside the image") {
+  const auto at_step = [](const char* step) {
+    Parameters parameters = small;
+    parameters.emplace_back("gather_step", step);
+    return indirect_light(load_scene("builtin:cornell"), "micro_rendering", 4, 1, 3, parameters);
+  };
+  CHECK(at_step("8") == at_step("4"));
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/services/sub_images/sub_images.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace lucarium {
@@ -17,6 +18,10 @@ uint32_t SubImages::stride_for(uint32_t width, uint32_t height, uint32_t pixels)
   uint32_t stride = 1;
   while (uint64_t{divide_up(width, stride)} * divide_up(height, stride) > pixels) stride *= 2;
   return stride;
+}
+
+uint32_t SubImages::stride_within(uint32_t width, uint32_t height, uint32_t wanted) {
+  return std::max(1u, std::min({width, height, wanted}));
 }
 
 uint32_t SubImages::capacity() const { return divide_up(width_, stride_) * divide_up(height_, stride_); }

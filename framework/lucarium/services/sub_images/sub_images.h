@@ -16,6 +16,9 @@ class SubImages {
   SubImages(uint32_t width, uint32_t height, uint32_t stride);
   /// The least power of two at which no sub-image has more than `pixels`.
   static uint32_t stride_for(uint32_t width, uint32_t height, uint32_t pixels);
+  /// A wanted stride, no larger than either side: none of the sub-images is empty. For pixels that are interpolated
+  /// from one of them, which have no neighbour in an empty one.
+  static uint32_t stride_within(uint32_t width, uint32_t height, uint32_t wanted);
 
   uint32_t stride() const { return stride_; }
   uint32_t count() const { return stride_ * stride_; }
