@@ -20,8 +20,8 @@ enum class LightChoice {
 inline constexpr double even_light_share = 0.1;
 
 /// scene_lights, scene_light_table and scene_triangle_lights: first the punctual lights in their order, then emissive
-/// triangles in world order, last the environment. Entries that emit nothing are left out,
-/// as are triangles that rays cannot hit.
+/// triangles in world order, last the environment. Entries that emit nothing are left out (of a textured triangle:
+/// black over the whole footprint), as are triangles that rays cannot hit.
 struct LightList {
   std::vector<Light> lights;
   std::vector<AliasEntry> table;
