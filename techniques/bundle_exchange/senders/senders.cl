@@ -59,10 +59,10 @@ __kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
 
 // One work-item. Scaled by
 //   s = (sum V c e_dir + P) / sum (W - V c) e_S,
-// what is delivered is what receivers hold: s sum W e_S = sum V c (e_dir + s e_S) + P. P is what specular lobes deliver
-// of what receivers hold (specular: of S, sum of w L, sum of w over all rays). It is not scaled, though part of it is
-// light that slots held: that delays what s does, and no more while P is small. Where it is not, s is 1. Clamped, since
-// a few directions may hold anything.
+// what is delivered is what receivers hold: s sum W e_S = sum V c (e_dir + s e_S) + P. P is the power that specular
+// lobes deliver: received in the batch less sent diffusely (specular: of S, sum of w L, sum of w over all rays). It is
+// not scaled, although some of it is light that slots held. This only slows the correction down while P is small; if P
+// is large, s = 1. Clamped, since the sums over a few directions may be anything.
 __kernel void balance_scale(uint count, __global const float4* restrict chunks,
                             __global const float4* restrict specular, __global float4* restrict scale) {
   float4 delivered = (float4)(0.0f), held = (float4)(0.0f);

@@ -272,7 +272,10 @@ void PixelGather::resolve(Film& film) const {
   if (inspect_ != LUCARIUM_NONE) resolve_micro_buffer(film);
 }
 
-/// The micro-buffer in the upper left corner of a layer, enlarged as far as the image allows.
+/// The micro-buffer in the upper left corner of a layer, enlarged as far as the image allows: radiances [cd/m²] towards
+/// the point, as seen in the last frame, holes included; 0 where a micro-pixel is empty. Of a surface with two lobes it
+/// is the buffer of the larger one. Left to right and top to bottom are the two coordinates of the lobe's map, no
+/// compass directions (warp=nusselt: the unit disc in its square, seen along the normal).
 void PixelGather::resolve_micro_buffer(Film& film) const {
   const std::vector<float4> buffer = kept_micro_buffer_.download();
   const auto edge = static_cast<uint32_t>(parameters_.largest_edge());
