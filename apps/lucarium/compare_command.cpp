@@ -112,7 +112,7 @@ int compare(CompareArguments arguments) {
   if (arguments.output.json) print_result("{}", result.to_json());
   if (!arguments.output.quiet) {
     if (result.baseline) print_note("{}", result.baseline->table(result));
-    print_note("report: {}\n", (options.folder / "report.html").string());
+    if (fs::path page = options.folder / "report.html"; fs::exists(page)) print_note("report: {}\n", page.string());
   }
   if (result.interrupted) {
     log_warning("interrupted: finished pieces are kept; continue with --resume");

@@ -4,6 +4,7 @@
 
 #include "commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/base/terminal.h"
@@ -101,7 +102,9 @@ int reproduce_wanted(ReproduceArguments arguments) {
   }
   if (options.folder.empty()) throw_error(ErrorClass::usage, "where to? add --output FOLDER");
   bool complete = true;
+  const KeepOnInterrupt keep_experiments;
   for (const Experiment& experiment : experiments) {
+    throw_if_interrupted(experiment.id().c_str());
     if (options.progress) options.progress(fmt::format("{}: {}", experiment.id(), experiment.title));
     const ComparisonResult result = run_experiment(experiment, registry, options);
     if (result.interrupted) {

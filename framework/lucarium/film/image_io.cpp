@@ -193,8 +193,7 @@ std::string encode_png(uint32_t width, uint32_t height, const std::vector<float>
 }
 
 Film read_image(const fs::path& file) {
-  std::error_code failure;
-  if (!fs::is_regular_file(file, failure)) throw_error(ErrorClass::input, "{}: no such file", file.string());
+  require_regular_file(file);
   check_encoded(file);
   const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string());
   if (!in) throw_error(ErrorClass::input, "{}: not a readable image: {}", file.string(), OIIO::geterror());

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every class of mistake: its exit code, one line that says what to do, and nothing written.
+#include <sys/stat.h>
+
 #include <fstream>
 #include <iterator>
 
@@ -209,6 +211,23 @@ TEST_CASE("input: exit code 3") {
                 "--environment");
   check_refused("diff /nonexistent/a.exr " + broken, 3, "/nonexistent/a.exr: no such file");
   CHECK(count_files(folder.path()) == 1);
+}
+
+TEST_CASE("a pipe in the place of a file was waited for, for ever") {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder.path() / "pipe").string(), scene = (folder.path() / "a.glb").string();
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  REQUIRE(run_lucarium("scene builtin:cornell --export " + scene).exit_code == 0);
+  std::filesystem::remove(scene + ".lucarium.json");
+  REQUIRE(::mkfifo((scene + ".lucarium.json").c_str(), 0600) == 0);
+  for (const std::string& arguments :
+       {"compare --comparison " + pipe + " -o " + (folder.path() / "out").string(), "job " + pipe, "scene " + scene,
+        "scene builtin:cornell --environment " + pipe, "scene " + pipe, "diff " + pipe + " " + pipe}) {
+    CAPTURE(arguments);
+    const ProgramResult result = run_program(lucarium_program() + " " + arguments, 30);
+    CHECK(result.exit_code == 3);
+    CHECK((contains(result.err, "is a pipe or a device") || contains(result.err, "is not a regular file")));
+  }
 }
 
 TEST_CASE("device: exit code 4") {

@@ -88,10 +88,18 @@ void write_file_atomically(const fs::path& target, std::string_view bytes) {
   });
 }
 
-std::string read_file(const fs::path& path, uintmax_t limit_bytes) {
+void require_regular_file(const fs::path& path) {
   std::error_code failure;
-  if (!fs::exists(path, failure)) throw_error(ErrorClass::input, "{}: no such file", path.string());
-  if (fs::is_directory(path, failure)) throw_error(ErrorClass::input, "{}: is a folder, not a file", path.string());
+  const fs::file_status status = fs::status(path, failure);
+  if (!fs::exists(status)) throw_error(ErrorClass::input, "{}: no such file", path.string());
+  if (fs::is_directory(status)) throw_error(ErrorClass::input, "{}: is a folder, not a file", path.string());
+  if (!fs::is_regular_file(status))
+    throw_error(ErrorClass::input, "{}: is a pipe or a device, not a file", path.string());
+}
+
+std::string read_file(const fs::path& path, uintmax_t limit_bytes) {
+  require_regular_file(path);
+  std::error_code failure;
   const uintmax_t size = fs::file_size(path, failure);
   if (failure) throw_error(ErrorClass::input, "{}: {}", path.string(), failure.message());
   if (size > limit_bytes) {

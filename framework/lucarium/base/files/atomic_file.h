@@ -16,6 +16,10 @@ void write_file_atomically(const std::filesystem::path& target,
 /// The same for bytes already in memory.
 void write_file_atomically(const std::filesystem::path& target, std::string_view bytes);
 
+/// Throws Error{input} for what is not there, and for folders, pipes and devices: reading them fails, or waits for
+/// ever. Whoever opens a file to read it asks this first.
+void require_regular_file(const std::filesystem::path& path);
+
 /// Whole file as bytes; throws Error{input} with path and reason. Files above `limit_bytes` are refused.
 std::string read_file(const std::filesystem::path& path, uintmax_t limit_bytes = uintmax_t{1} << 32);
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/base/files/json_lines.h"
 
-#include <fstream>
 #include <iterator>
 #include <set>
 #include <stdexcept>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 
 namespace lucarium {
 
@@ -104,9 +104,7 @@ int JsonWithLines::line(const std::string& pointer) const {
 }
 
 JsonWithLines read_json_with_lines(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw_error(ErrorClass::input, "{}: cannot be opened", file.string());
-  const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const std::string text = read_file(file);
   JsonWithLines result;
   int line = 1;
   try {

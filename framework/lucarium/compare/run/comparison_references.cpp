@@ -120,7 +120,8 @@ bool ComparisonRunner::render_reference(size_t scene, size_t index) {
     fs::remove(cached, ignored);
     child = run_reference(scene, index, cached);
   }
-  if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) {
+  // The signal that reached this process may have reached the child before it could answer to it.
+  if (child.exit_code == static_cast<int>(ErrorClass::interrupted) || (child.signal != 0 && interrupt_requested())) {
     set_interrupt_requested(true);
     return false;
   }

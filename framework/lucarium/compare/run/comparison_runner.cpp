@@ -65,20 +65,32 @@ void ComparisonRunner::say(const std::string& line) const {
 }
 
 ComparisonResult ComparisonRunner::run() {
-  const FolderLock lock(options_.folder);
-  check_folder();
+  {
+    const DelayInterrupt until_gone;  // the folder, if it was made for the lock
+    const FolderLock asked(options_.folder);
+    check_folder();
+  }
+  // Scenes take their time, and an interrupt ends the process at once: nothing is held meanwhile.
   for (const ComparisonScene& scene : spec_.scenes) {
+    throw_if_interrupted("planning");
     plans_.push_back(plan_scene(spec_, scene, registry_));
     result_.scenes.push_back(plans_.back().result);
     if (!plans_.back().result.failure.empty()) say(fmt::format("{}: {}", scene.label(), plans_.back().result.failure));
   }
   check_reference_file();
-  prepare_folder();  // only now, so that a mistake leaves nothing that stands in the way of the corrected command
   const KeepOnInterrupt keep_pieces;
+  const FolderLock lock(options_.folder);
+  check_folder();  // again: another run may have been quicker
+  throw_if_interrupted("planning");
+  prepare_folder();  // only now, so that a mistake leaves nothing that stands in the way of the corrected command
   for (size_t scene = 0; scene < spec_.scenes.size() && !interrupt_requested(); ++scene) {
     if (!result_.scenes[scene].failure.empty()) continue;
     get_references(scene);
     choose_exposure(scene);
+  }
+  if (interrupt_requested()) {  // without all references there are no conclusions; what there was before stays
+    result_.interrupted = true;
+    return result_;
   }
   load_finished_pieces();
   result_.interrupted = !run_missing_pieces();

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/log.h"
 #include "lucarium/film/image_stream.h"
 #include "lucarium/scene/import_options.h"
@@ -53,9 +54,7 @@ glm::ivec3 color_channels(const OIIO::ImageSpec& spec) {
 
 Environment load_environment(const std::filesystem::path& file, const ImportOptions& options) {
   const std::string name = file.string();
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored))
-    throw_error(ErrorClass::input, "{}: there is no such file", name);
+  require_regular_file(file);
   const Kind kind = sniff(file);
   if (kind == Kind::unknown) {
     throw_error(ErrorClass::input, "{}: this is neither a Radiance .hdr nor an OpenEXR .exr file", name);

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// Interrupts of a comparison at moments that its own lines tell; the runs are processes of the program.
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/compare/run/comparison.h"
+#include "test_support.h"
+
+using namespace lucarium;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// One run of one scene at a size that takes no time.
+struct SmallComparison {
+  test::TemporaryFolder folder;
+  TechniqueRegistry registry;
+  ComparisonSpec spec;
+  ComparisonOptions options;
+
+  SmallComparison() {
+    spec.scenes.resize(1);
+    spec.scenes[0].source = "builtin:cornell";
+    spec.variants = {{"path_tracing", {}, ""}};
+    spec.budgets = {{0, 1, 0, 0}};
+    spec.seeds = 1;
+    spec.width = spec.height = 8;
+    spec.max_bounces = 0;
+    spec.reference.samples = 32;
+    options.folder = folder.path() / "results";
+    options.cache_dir = folder.path() / "cache";
+    options.program = std::getenv("LUCARIUM_TEST_PROGRAM");
+    // References of its own, but compiled kernels of all tests.
+    const fs::path programs = fs::path(std::getenv("LUCARIUM_CACHE_DIR")) / "programs";
+    fs::create_directories(programs);
+    fs::create_directories(options.cache_dir);
+    fs::create_directory_symlink(fs::absolute(programs), options.cache_dir / "programs");
+  }
+  ~SmallComparison() { set_interrupt_requested(false); }
+
+  ComparisonResult run() const { return run_comparison(spec, registry, options); }
+  std::string results() const { return read_file(options.folder / "results.json"); }
+};
+
+/// The class of the error with which a comparison ends.
+ErrorClass end_of(const SmallComparison& comparison) {
+  try {
+    comparison.run();
+  } catch (const Error& error) {
+    return error.error_class();
+  }
+  FAIL("it ended without an error");
+  return ErrorClass::internal;
+}
+
+}  // namespace
+
+TEST_CASE("Ctrl-C between two experiments that replace results deleted those of the next one") {
+  SmallComparison comparison;
+  REQUIRE(comparison.run().pieces.size() == 1);
+  const std::string before = comparison.results();
+  comparison.options.overwrite = true;
+  set_interrupt_requested(true);  // while the experiment before it ended
+  CHECK(end_of(comparison) == ErrorClass::interrupted);
+  CHECK(comparison.results() == before);
+  CHECK(fs::exists(comparison.options.folder / "pieces/scene1-variant1-budget1-seed1.exr"));
+}
+
+TEST_CASE("Ctrl-C while a resumed comparison renders a reference ended it with an error about a missing image") {
+  SmallComparison comparison;
+  comparison.spec.seeds = 2;  // so that a bias is measured against the reference
+  REQUIRE(comparison.run().pieces.size() == 2);
+  const std::string before = comparison.results();
+  fs::remove(comparison.options.folder / "references/scene1-set1.exr");
+  fs::remove_all(comparison.options.cache_dir / "references");
+  comparison.options.resume = true;
+  comparison.options.progress = [](const std::string& line) {
+    if (line.find("reference 1 of 1") != std::string::npos) set_interrupt_requested(true);
+  };
+  CHECK(comparison.run().interrupted);
+  CHECK(comparison.results() == before);
+
+  set_interrupt_requested(false);
+  comparison.options.progress = {};
+  const ComparisonResult resumed = comparison.run();
+  CHECK(!resumed.interrupted);
+  CHECK(resumed.pieces.size() == 2);
+}
+
+TEST_CASE("a comparison that is interrupted while it plans left an empty folder with a lock") {
+  SmallComparison comparison;
+  comparison.spec.scenes.resize(2);
+  comparison.spec.scenes[1].source = "/nonexistent.glb";  // told in the middle of planning
+  bool told = false;
+  comparison.options.progress = [&](const std::string& line) {
+    if (line.find("/nonexistent.glb") == std::string::npos || told) return;
+    told = true;
+    CHECK(!fs::exists(comparison.options.folder));
+    set_interrupt_requested(true);
+  };
+  CHECK(end_of(comparison) == ErrorClass::interrupted);
+  CHECK(told);
+  CHECK(!fs::exists(comparison.options.folder));
+}
