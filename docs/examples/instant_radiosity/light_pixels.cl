@@ -20,7 +20,7 @@ bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* sur
 
 // reflected: the light [lx] of one virtual light, reflected towards the eye by the BSDF there [cd/m²].
 void add_light(const Scene* scene, uint i, float3 light, float3 direction, float random,
-               LIGHT_SUM_PARAMETERS uint none) {
+               LIGHT_SUM_PARAMETERS uint samples) {
   if (is_black(light)) return;
   const GBufferPoint point = seen[i];
   const Surface surface = gbuffer_surface(scene, point);

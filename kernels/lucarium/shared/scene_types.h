@@ -115,7 +115,7 @@ LUCARIUM_STRUCT_END(AliasEntry, 16)
 
 // Whole-scene facts.
 LUCARIUM_STRUCT_BEGIN(SceneInfo)
-float4 bounds_min;          // world space; w unused
+float4 bounds_min;          // world space; w: reach of lamps [m], 0: there are none (LightList)
 float4 bounds_max;          // w: radius of the bounding sphere about the centre [m]
 float4 environment_factor;  // xyz: radiance multiplier (the constant radiance when width is 0); w unused
 float4 environment_row0;    // world → environment rotation rows

@@ -8,8 +8,8 @@
   const AtlasInfo atlas_info, __global const AtlasSample *restrict atlas_samples, \
       __global const uint *restrict levels, const uint first, const uint slots, const uint turn,
 #define LIGHT_POINT_ARGUMENTS atlas_info, atlas_samples, levels, first, slots, turn,
-#define LIGHT_SUM_PARAMETERS __global float4 *restrict samples,
-#define LIGHT_SUM_ARGUMENTS samples,
+#define LIGHT_SUM_PARAMETERS __global float4 *restrict sums,
+#define LIGHT_SUM_ARGUMENTS sums,
 #define LIGHT_POINT_STREAM 0x64697265u
 #include "lucarium/services/light_at_points/light_at_points.clh"
 
@@ -25,8 +25,9 @@ bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* sur
 }
 
 void add_light(const Scene* scene, uint i, float3 light, float3 direction, float random,
-               LIGHT_SUM_PARAMETERS uint none) {
-  samples[i] = (float4)(light, 1.0f);
+               LIGHT_SUM_PARAMETERS uint samples) {
+  const float4 before = samples ? (float4)(0.0f) : sums[i];
+  sums[i] = before + (float4)(light, (float)samples);
 }
 
 // Each counts by the openness of its point.

@@ -37,7 +37,7 @@ SlotLight::SlotLight(Device& device, KernelScheduler& scheduler, const Program& 
   };
   const LightAtPoints light(device, scene, intersector, program, chunk_, bind_points, "bundle_exchange", kFewerTexels);
   light.record_samples(
-      sample, round_, sample_seed_, [&](PassBuilder& pass) { pass.arg("samples", samples_); }, kinds);
+      sample, round_, sample_seed_, [&](PassBuilder& pass) { pass.arg("sums", samples_); }, kinds);
   sample_ = sample.compile();
   ScheduleRecorder scatter = scheduler_->record("light slots", "bundle_exchange");
   scatter_first_ = scatter.variable("first", 0u);

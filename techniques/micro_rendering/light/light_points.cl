@@ -43,7 +43,7 @@ bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* sur
 
 // Weighted so that the samples of one frame make a mean.
 void add_light(const Scene* scene, uint i, float3 light, float3 direction, float random,
-               LIGHT_SUM_PARAMETERS uint none) {
+               LIGHT_SUM_PARAMETERS uint samples) {
   irradiance[i] += (float4)(weight * light, 0.0f);
 #if MICRO_DYNAMIC
   if (!is_black(direction)) keep_light_sample(leaf_lights + i, direction, weight * light, random);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/scene/device/light_list.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
@@ -65,6 +66,14 @@ std::vector<AliasEntry> choice_table(const std::vector<Light>& lights, LightChoi
   return make_alias_table(weights);
 }
 
+float lamp_reach(const LightList& list) {
+  float square = 0;
+  for (size_t i = 0; i < list.lights.size(); ++i)
+    if (list.lights[i].kind == LUCARIUM_LIGHT_TRIANGLE)
+      square = std::max(square, list.lights[i].position.w / (pi * list.table[i].pmf));
+  return std::sqrt(square);
+}
+
 }  // namespace
 
 glm::vec3 light_flux(const SceneLight& light, float scene_radius) {
@@ -122,6 +131,7 @@ LightList LightListBuilder::build(const Scene& scene, float scene_radius, LightC
     }
   }
   list.table = choice_table(list.lights, choice);
+  list.reach = lamp_reach(list);
   return list;
 }
 

@@ -27,6 +27,9 @@ struct LightList {
   std::vector<AliasEntry> table;
   std::vector<uint> triangle_lights;
   uint environment_light = LUCARIUM_NONE;
+  /// From this distance on no light sample of a triangle brings a point more than pi times its radiance: the largest
+  /// sqrt(A / pi P) of area A and probability P [m]; of one lamp alone the radius of the disc of its area. 0: none.
+  float reach = 0;
 };
 
 /// Makes light lists of one scene; remembers the mean radiance of textured triangles between them, since only a change

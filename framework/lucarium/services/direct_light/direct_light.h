@@ -28,8 +28,8 @@ class DirectLight {
   /// G-buffer. Returns false when cancelled; nothing has then been added.
   bool accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,
                            uint32_t sample_index, uint32_t seed);
-  /// Adds one sample per point to `irradiance` (float4, xyz sum [lx], w count); light sampling only, which suffices for
-  /// a cosine-weighted receiver. Returns false when cancelled; nothing has then been added.
+  /// Adds one sample per point to `irradiance` (float4, xyz sum [lx], w count), as LightAtPoints does. Returns false
+  /// when cancelled; nothing has then been added.
   bool accumulate_irradiance(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance,
                              uint32_t sample_index, uint32_t seed);
   /// Compiles what the same call will launch.

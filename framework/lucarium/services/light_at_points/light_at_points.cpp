@@ -5,6 +5,7 @@
 #include <bit>
 #include <utility>
 
+#include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/shared/ray.h"
@@ -47,10 +48,10 @@ PassBuilder LightAtPoints::point_pass(ScheduleRecorder& recorder, const std::str
   return pass;
 }
 
-void LightAtPoints::record_add(ScheduleRecorder& recorder, const Shadows& shadows, const Variable<uint32_t>& number,
-                               const Bind& bind_sums) const {
-  PassBuilder add = recorder.pass("add light at points", program_, "add_light_at_points");
-  scene_.bind(add, program_, "add_light_at_points");
+PassBuilder LightAtPoints::add_pass(ScheduleRecorder& recorder, const char* kernel, const Shadows& shadows,
+                                    const Variable<uint32_t>& number, const Bind& bind_sums) const {
+  PassBuilder add = recorder.pass("add light at points", program_, kernel);
+  scene_.bind(add, program_, kernel);
   bind_sums(add);
   add.global(points_)
       .local(kLocalSize)
@@ -59,32 +60,27 @@ void LightAtPoints::record_add(ScheduleRecorder& recorder, const Shadows& shadow
       .arg("shadow_rays", shadows.rays)
       .arg("shadow_light", shadows.light)
       .arg("occluded", shadows.occluded);
+  return add;
 }
 
 void LightAtPoints::record_samples(ScheduleRecorder& recorder, const Variable<uint32_t>& sample_index,
-                                   const Variable<uint32_t>& seed, const Bind& bind_sums, uint32_t kinds,
-                                   const Hits* hits) const {
+                                   const Variable<uint32_t>& seed, const Bind& bind_sums, uint32_t kinds) const {
   const Shadows found = shadows(recorder);
-  PassBuilder sample = point_pass(recorder, "sample light at points", "sample_light_at_points");
-  sample.slice(kPointsPerSlice)
+  const BufferRef lamp_rays = recorder.transient<Ray>("rays to lamps", points_, remedy_);
+  const BufferRef lamps = recorder.transient<Hit>("hits of lamps", points_, remedy_);
+  point_pass(recorder, "sample light at points", "sample_light_at_points")
+      .slice(kPointsPerSlice)
       .arg("sample_index", sample_index)
       .arg("seed", seed)
       .arg("kinds", kinds)
       .arg("shadow_rays", found.rays)
-      .arg("shadow_light", found.light);
-  BufferRef lamp_rays, lamps;
-  if (hits) {
-    lamp_rays = recorder.transient<Ray>("rays to lamps", points_, remedy_);
-    lamps = recorder.transient<Hit>("hits of lamps", points_, remedy_);
-    sample.arg("hits", hits->on).arg("lamp_rays", lamp_rays);
-  }
+      .arg("shadow_light", found.light)
+      .arg("lamp_rays", lamp_rays);
   intersector_.record_any(recorder, "shadow rays of points", found.rays, found.occluded, count_, 0, points_);
-  if (hits) intersector_.record_closest(recorder, "rays to lamps", lamp_rays, lamps, count_, 0, points_);
-  record_add(recorder, found, sample_index, bind_sums);
-  if (!hits) return;
-  PassBuilder add = point_pass(recorder, "add lamps that points see", "add_light_hits");
-  bind_sums(add);
-  add.arg("number", sample_index).arg("kinds", kinds).arg("lamp_rays", lamp_rays).arg("hits", lamps);
+  intersector_.record_closest(recorder, "rays to lamps", lamp_rays, lamps, count_, 0, points_);
+  PassBuilder add = add_pass(recorder, "add_light_at_points", found, sample_index, bind_sums);
+  bind_points_(add);
+  add.arg("lamp_rays", lamp_rays).arg("lamps", lamps);
 }
 
 void LightAtPoints::record_virtual_light(ScheduleRecorder& recorder, const BufferRef& virtual_lights,
@@ -100,11 +96,14 @@ void LightAtPoints::record_virtual_light(ScheduleRecorder& recorder, const Buffe
       .arg("shadow_rays", found.rays)
       .arg("shadow_light", found.light);
   intersector_.record_any(recorder, "rays to virtual lights", found.rays, found.occluded, count_, 0, points_);
-  record_add(recorder, found, light, bind_sums);
+  add_pass(recorder, "add_virtual_light_at_points", found, light, bind_sums);
 }
 
 void LightAtPoints::record_photon_density(ScheduleRecorder& recorder, const TypedBuffer<VirtualLight>& photons,
                                           const Variable<float>& cell, uint32_t nearest, const Bind& bind_sums) const {
+  if (nearest < 2 || nearest > LIGHT_MAX_PHOTONS)
+    throw_error(ErrorClass::internal, "LightAtPoints: nearest is {}; a density is estimated from 2 to {} photons",
+                nearest, LIGHT_MAX_PHOTONS);
   const Program sorting(device_, SourceLibrary(),
                         {"services/photons", {"lucarium/services/light_at_points/sort_photons.cl"}, {}});
   const auto count = static_cast<uint32_t>(photons.count());
@@ -141,8 +140,8 @@ void LightAtPoints::record_photon_density(ScheduleRecorder& recorder, const Type
       .arg("nearest", nearest);
 }
 
-size_t LightAtPoints::estimate_bytes(size_t points, bool hits) {
-  return points * (sizeof(Ray) + sizeof(float4) + sizeof(uint32_t) + (hits ? sizeof(Ray) + sizeof(Hit) : 0));
+size_t LightAtPoints::estimate_bytes(size_t points) {
+  return points * (2 * sizeof(Ray) + sizeof(float4) + sizeof(uint32_t) + sizeof(Hit));
 }
 
 }  // namespace lucarium

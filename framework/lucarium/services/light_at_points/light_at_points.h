@@ -19,8 +19,8 @@ namespace lucarium {
 ///                       "my technique", "use fewer points");
 ///   light.record_samples(recorder, sample, seed, [&](PassBuilder& pass) { pass.arg("sums", sums); });
 ///
-/// What is added changes in the last passes of a recording, so that a cancelled run has changed nothing unless it was
-/// cancelled between those; one pass without LIGHT_POINT_HITS.
+/// What is added changes in the last pass of a recording alone, so that a cancelled run has changed nothing; but for
+/// photons, whose pass is sliced: light may have been added to some of the points, and sums must begin anew.
 class LightAtPoints {
  public:
   using Bind = std::function<void(PassBuilder&)>;
@@ -31,30 +31,24 @@ class LightAtPoints {
   LightAtPoints(Device& device, const SceneBuffers& scene, const Intersector& intersector, const Program& program,
                 uint32_t points, Bind bind_points, const std::string& owner, const std::string& remedy);
 
-  /// Rays beside light samples that may hit lamps and sky, joined by MIS; of a program with LIGHT_POINT_HITS. `on`: 0
-  /// where the scene has nothing to hit.
-  struct Hits {
-    Variable<uint32_t> on;
-  };
   /// One sample of the lights of some kinds (bits 1 << LUCARIUM_LIGHT_*) at every point. `bind_sums` binds
-  /// LIGHT_SUM_PARAMETERS.
+  /// LIGHT_SUM_PARAMETERS. However near a lamp is, a sample brings 2 pi times its radiance at most.
   void record_samples(ScheduleRecorder& recorder, const Variable<uint32_t>& sample_index,
-                      const Variable<uint32_t>& seed, const Bind& bind_sums, uint32_t kinds = kAllLights,
-                      const Hits* hits = nullptr) const;
+                      const Variable<uint32_t>& seed, const Bind& bind_sums, uint32_t kinds = kAllLights) const;
   /// The light of virtual_lights[light] (VirtualLight) at every point, its geometry term bounded by `max_geometry`
   /// [1/m²].
   void record_virtual_light(ScheduleRecorder& recorder, const BufferRef& virtual_lights,
                             const Variable<uint32_t>& light, const Variable<uint32_t>& seed,
                             const Variable<float>& max_geometry, const Bind& bind_sums) const;
 
-  /// The irradiance of `photons` (VirtualLight, arriving flux) about every point, estimated from the `nearest` of them,
-  /// LIGHT_MAX_PHOTONS at most, and those nearer than `cell` [m]; twice the radius that is expected to hold so many is
-  /// a good one. Of a program that includes photon_density.clh.
+  /// The irradiance of `photons` (VirtualLight, arriving flux) about every point, estimated from the `nearest` of them
+  /// (2 to LIGHT_MAX_PHOTONS, else Error{internal}), and those nearer than `cell` [m]; twice the radius that is
+  /// expected to hold so many is a good one. Of a program that includes photon_density.clh.
   void record_photon_density(ScheduleRecorder& recorder, const TypedBuffer<VirtualLight>& photons,
                              const Variable<float>& cell, uint32_t nearest, const Bind& bind_sums) const;
 
   /// Device memory of a recording, unshared [bytes].
-  static size_t estimate_bytes(size_t points, bool hits = false);
+  static size_t estimate_bytes(size_t points);
 
  private:
   struct Shadows {
@@ -62,8 +56,8 @@ class LightAtPoints {
   };
   Shadows shadows(ScheduleRecorder& recorder) const;
   PassBuilder point_pass(ScheduleRecorder& recorder, const std::string& name, const char* kernel) const;
-  void record_add(ScheduleRecorder& recorder, const Shadows& shadows, const Variable<uint32_t>& number,
-                  const Bind& bind_sums) const;
+  PassBuilder add_pass(ScheduleRecorder& recorder, const char* kernel, const Shadows& shadows,
+                       const Variable<uint32_t>& number, const Bind& bind_sums) const;
 
   Device& device_;
   const SceneBuffers& scene_;

@@ -17,6 +17,6 @@ bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* sur
 }
 
 void add_light(const Scene* scene, uint i, float3 light, float3 direction, float random,
-               LIGHT_SUM_PARAMETERS uint none) {
-  irradiance[i] += (float4)(light, 1.0f);
+               LIGHT_SUM_PARAMETERS uint samples) {
+  irradiance[i] += (float4)(light, (float)samples);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/services/light_paths/light_paths.h"
 
+#include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/ray.h"
 
@@ -68,6 +69,11 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
 void LightPaths::record_virtual_lights(ScheduleRecorder& recorder, const Variable<uint32_t>& run,
                                        const Variable<uint32_t>& seed, const TypedBuffer<VirtualLight>& lights,
                                        uint32_t first, bool reflected) const {
+  if (first > options_.vertices)
+    throw_error(ErrorClass::internal, "LightPaths: first is {}, but paths have {} vertices", first, options_.vertices);
+  if (lights.count() < virtual_lights(first))
+    throw_error(ErrorClass::internal, "LightPaths: lights has {} elements, vertices from number {} on fill {}",
+                lights.count(), first, virtual_lights(first));
   const Program program(device_, SourceLibrary(),
                         {"services/light_paths", {"lucarium/services/light_paths/store_virtual_lights.cl"}, {}});
   recorder.fill_zero("no virtual lights", lights);

@@ -47,7 +47,8 @@ class LightPaths {
 
   /// Records a run that fills `lights` with the vertices from number `first` on, those of one number after the other;
   /// black where a path has none, or none that is diffuse. `reflected`: what the vertices reflect (virtual lights),
-  /// instead of what arrives there (photons).
+  /// instead of what arrives there (photons). Error{internal} where `first` is more than the vertices of a path, or
+  /// `lights` is shorter than virtual_lights(first).
   void record_virtual_lights(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
                              const TypedBuffer<VirtualLight>& lights, uint32_t first, bool reflected) const;
   /// Elements of such a buffer.

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// LightAtPoints at single points: lamps that nearly touch them, and light inside of coloured volumes.
+#include "lucarium/services/light_at_points/light_at_points.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "device_fixture.h"
+#include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
+#include "lucarium/scene/builtin/builder.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/light_paths/light_paths.h"
+#include "lucarium/shared/surface_point.h"
+#include "made_scene.h"
+#include "test_support.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// The middle of a horizontal rectangle that a scene begins with: that of its first triangle's longest side, from its
+/// first to its third corner.
+SurfacePoint middle(float y) {
+  SurfacePoint point{};
+  point.position = float4(0, y, 0, 0);
+  point.normal = float4(0, 1, 0, 0);
+  point.v = 0.5f;
+  return point;
+}
+
+/// Many copies of one point in a scene.
+struct PointRig {
+  PointRig(Scene s, const SurfacePoint& point, uint32_t copies)
+      : scene(std::move(s)),
+        count(copies),
+        buffers(*test_device(), scene),
+        bvh(*test_device(), scene, buffers),
+        scheduler(test_device()),
+        points(*test_device(), "test", "points", std::vector<SurfacePoint>(copies, point)),
+        sums(*test_device(), "test", "sums", copies),
+        program(*test_device(), SourceLibrary(),
+                {"test/surface_points", {"lucarium/services/light_at_points/surface_points.cl"}, {}}),
+        light(
+            *test_device(), buffers, bvh, program, copies, [this](PassBuilder& pass) { pass.arg("points", points); },
+            "test", "use fewer points") {}
+
+  LightAtPoints::Bind bind_sums() {
+    return [this](PassBuilder& pass) { pass.arg("irradiance", sums); };
+  }
+  std::vector<float4> run(Schedule& schedule) {
+    sums.fill_zero();
+    REQUIRE(scheduler.run(schedule) == RunResult::done);
+    scheduler.finish();
+    return sums.download();
+  }
+  /// Single samples of the light at the points, `samples` of each [lx].
+  std::vector<double> samples(uint32_t samples, uint32_t seed_value = 1) {
+    ScheduleRecorder recorder = scheduler.record("direct light", "test");
+    const Variable<uint32_t> sample = recorder.variable("sample", 0u), seed = recorder.variable("seed", seed_value);
+    light.record_samples(recorder, sample, seed, bind_sums());
+    Schedule schedule = recorder.compile();
+    std::vector<double> all;
+    for (uint32_t k = 0; k < samples; ++k) {
+      schedule.set(sample, k);
+      for (const float4& e : run(schedule)) {
+        CHECK(e.w == 1);
+        all.push_back(double{e.y});
+      }
+    }
+    return all;
+  }
+
+  Scene scene;
+  uint32_t count;
+  SceneBuffers buffers;
+  Bvh bvh;
+  KernelScheduler scheduler;
+  TypedBuffer<SurfacePoint> points;
+  TypedBuffer<float4> sums;
+  Program program;
+  LightAtPoints light;
+};
+
+struct Spread {
+  double mean = 0, variance = 0, most = 0;
+};
+Spread spread(const std::vector<double>& values) {
+  Spread result;
+  for (const double v : values) {
+    result.mean += v / static_cast<double>(values.size());
+    result.most = std::max(result.most, v);
+  }
+  for (const double v : values)
+    result.variance += (v - result.mean) * (v - result.mean) / static_cast<double>(values.size());
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a lamp that nearly touches a point: no sample of it brings more than its radiance allows") {
+  // A square lamp of half side a, height h above the point: E = pi L F, and F from four corner rectangles. Light
+  // samples alone would bring up to L A / h^2 = 2500 L, and have a variance of L^2 A / 3 h^2 = 800 L^2.
+  const double a = 0.5, h = 0.02, x = a / h, root = std::sqrt(1 + x * x);
+  const double expected = pi * 4 / (2 * pi) * 2 * (x / root) * std::atan(x / root);
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  add_horizontal(scene, 0, static_cast<float>(h), 0, 1, 1, false, add_material(scene, emitter(1)));
+  PointRig rig(std::move(scene), middle(0), 1024);
+  const std::vector<double> one = rig.samples(16, 1), other = rig.samples(16, 2);
+  for (const std::vector<double>* samples : {&one, &other}) {
+    const Spread found = spread(*samples);
+    MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.most);
+    CHECK(found.mean == test::relative(expected, 0.01));
+    CHECK(found.most <= 2 * pi * 1.0001);
+    CHECK(found.variance < 1);
+  }
+}
+
+TEST_CASE("a small portal a centimetre away, a lamp elsewhere: samples of both are bounded, and no light is lost") {
+  // The portal has a fortieth of the samples for each triangle, since the lamp has the power: L A / P h^2 would be
+  // 2000 L. It begins above the point, hides the half of the lamp beyond, and each is two corner rectangles.
+  const auto corner = [](double a, double b, double height) {  // E of radiance 1
+    const double x = a / height, y = b / height, rx = std::sqrt(1 + x * x), ry = std::sqrt(1 + y * y);
+    return 0.5 * (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry));
+  };
+  const double portal = 3, lamp = 20;
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 10, 10, true, add_material(scene, lambert(0.5f)));
+  add_horizontal(scene, 0.05f, 0.01f, 0, 0.1f, 0.1f, false, add_material(scene, emitter(static_cast<float>(portal))));
+  add_horizontal(scene, 0, 3, 0, 4, 4, false, add_material(scene, emitter(static_cast<float>(lamp))));
+  const double expected = portal * 2 * corner(0.1, 0.05, 0.01) + lamp * 2 * corner(2, 2, 3);
+  PointRig rig(std::move(scene), middle(0), 1024);
+  for (const uint32_t seed : {1u, 2u}) {
+    const Spread found = spread(rig.samples(16, seed));
+    MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.most);
+    CHECK(found.mean == test::relative(expected, 0.02));
+    CHECK(found.most <= 2 * pi * lamp * 1.0001);
+    CHECK(found.variance < expected * expected);
+  }
+}
+
+TEST_CASE("virtual lights within a tinted block: its walls get what the way has left") {
+  // Attenuation (1/4, 1/2, 1) over 1 m, the way from a light to the block's bottom; that of a light without a block.
+  const auto scene = [](bool block) {
+    Scene result;
+    SceneMaterial glass = lambert(1);
+    glass.roughness = 0;
+    glass.transmission = glass.thickness = 1;
+    glass.attenuation_distance = 1;
+    glass.attenuation_color = glm::vec3(0.25f, 0.5f, 1);
+    const int floor = add_material(result, block ? glass : lambert(0.5f));
+    add_horizontal(result, 0, 0, 0, 4, 4, !block, floor);
+    if (block) add_horizontal(result, 0, 2, 0, 4, 4, true, floor);
+    return result;
+  };
+  for (const bool block : {false, true}) {
+    CAPTURE(block);
+    PointRig rig(scene(block), middle(0), 64);
+    const auto bits = [](uint32_t word) {
+      float value;
+      std::memcpy(&value, &word, sizeof value);
+      return value;
+    };
+    VirtualLight above{};  // looks down, (0, -1, 0) as pack_direction has it
+    above.position = float4(0, 1, 0, bits(32767u));
+    above.flux = float4(5, 5, 5, bits(32767u));
+    const TypedBuffer<VirtualLight> lights(*test_device(), "test", "lights", std::vector<VirtualLight>{above});
+    ScheduleRecorder recorder = rig.scheduler.record("virtual light", "test");
+    const Variable<uint32_t> index = recorder.variable("light", 0u), seed = recorder.variable("seed", 1u);
+    const Variable<float> bound = recorder.variable("bound", 1e30f);
+    rig.light.record_virtual_light(recorder, lights, index, seed, bound, rig.bind_sums());
+    Schedule schedule = recorder.compile();
+    for (const float4& e : rig.run(schedule)) {
+      CHECK(e.x == test::relative(5 / pi * (block ? 0.25 : 1), 1e-3));
+      CHECK(e.y == test::relative(5 / pi * (block ? 0.5 : 1), 1e-3));
+      CHECK(e.z == test::relative(5 / pi, 1e-3));
+    }
+  }
+}
+
+TEST_CASE("arguments that no recording can keep are named") {
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  PointRig rig(std::move(scene), middle(0), 64);
+  const TypedBuffer<VirtualLight> few(*test_device(), "test", "lights", 7);
+  ScheduleRecorder recorder = rig.scheduler.record("nothing", "test");
+  const Variable<float> cell = recorder.variable("cell", 1.f);
+  const Variable<uint32_t> run = recorder.variable("run", 0u), seed = recorder.variable("seed", 1u);
+  for (const uint32_t nearest : {0u, 1u, static_cast<uint32_t>(LIGHT_MAX_PHOTONS) + 1})
+    CHECK_THROWS_WITH_AS(rig.light.record_photon_density(recorder, few, cell, nearest, rig.bind_sums()),
+                         doctest::Contains("nearest"), Error);
+  const LightPaths paths(*test_device(), rig.buffers, rig.bvh, {.paths = 4, .vertices = 2}, "test");
+  CHECK_THROWS_WITH_AS(paths.record_virtual_lights(recorder, run, seed, few, 3, true), doctest::Contains("first is 3"),
+                       Error);
+  CHECK_THROWS_WITH_AS(paths.record_virtual_lights(recorder, run, seed, few, 0, true),
+                       doctest::Contains("lights has 7"), Error);
+  CHECK_NOTHROW(paths.record_virtual_lights(recorder, run, seed, few, 1, true));
+}
