@@ -33,12 +33,10 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   float3 light;
   Ray ray;
   const uint here = gbuffer_medium(point), behind = medium_behind(&scene, &surface, here);
-  if (sample_light_at(&scene, &surface, &bsdf, u, true, kinds,
+  if (sample_light_at(&scene, &surface, &bsdf, u, here, true, kinds,
                       make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light, &ray)) {
-    const uint medium = dot(surface.n_g, ray.direction.xyz) < 0.0f ? behind : here;
-    light *= point.throughput.xyz * medium_transmittance(&scene, medium, ray.direction.w);
     shadow_rays[i] = ray;
-    shadow_light[i] = (float4)(light, 0.0f);
+    shadow_light[i] = (float4)(point.throughput.xyz * light, 0.0f);
   }
 
   if (!(kinds & (1u << LUCARIUM_LIGHT_TRIANGLE | 1u << LUCARIUM_LIGHT_ENVIRONMENT))) return;  // nothing to be hit

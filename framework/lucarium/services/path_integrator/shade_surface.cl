@@ -68,10 +68,10 @@ void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const 
   Ray ray;
   const bool hits_compete = settings.flags & LUCARIUM_PATH_HIT_LIGHTS;
   const uint seed = path_ray_seed(settings, sampler, 2u * walk->state.segment);
-  if (!sample_light_at(scene, surface, bsdf, u, hits_compete, LUCARIUM_ALL_LIGHTS, seed, &light, &ray)) return;
-  const bool behind = dot(surface->n_g, ray.direction.xyz) < 0.0f;
-  const uint medium = behind ? medium_behind(scene, surface, walk->state.medium) : walk->state.medium;
-  light *= walk->throughput * medium_transmittance(scene, medium, ray.direction.w);
+  if (!sample_light_at(scene, surface, bsdf, u, walk->state.medium, hits_compete, LUCARIUM_ALL_LIGHTS, seed, &light,
+                       &ray))
+    return;
+  light *= walk->throughput;
   if (!is_contribution(light)) {
     walk->state.flags |= PATH_BAD;
     return;

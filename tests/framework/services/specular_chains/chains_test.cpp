@@ -191,3 +191,29 @@ TEST_CASE("a chain that meets a rough metal receives a point light's reflection 
     CHECK(two[2].x == test::relative(expected.x, 1e-3));
   }
 }
+
+TEST_CASE("a point light within a tinted block: chains into the block find what it leaves of both ways") {
+  // A rough metal at the bottom of 1 m of coloured air, a light in it; outside of it nothing is absorbed.
+  Scene scene;
+  add_square(scene, 0, true, add_metal(scene, "rough", glm::vec3(0.8f), 0.6f));
+  SceneMaterial air;
+  air.metallic = 0, air.roughness = 0, air.transmission = 1, air.thickness = 1, air.ior = 1;
+  air.attenuation_distance = 1;
+  air.attenuation_color = glm::vec3(0.25f, 0.5f, 1);
+  add_instance(scene, add_mesh(scene, MeshBuilder("block").box({-2, -2, -0.1f}, {2, 2, 1}).take()),
+               add_material(scene, air));
+  const glm::vec3 light(0.4f, 0.1f, 0.9f), point(0.25f, 0.1f, 0), way = glm::normalize(glm::vec3(0.3f, 0, -1));
+  add_light(scene, LightType::point, 3, light, light - glm::vec3(0, 0, 1));
+  ChainRig rig(scene, 512);
+  const auto found = rig.light(point - 2.f * way, way, settings(), false, true);
+  const std::vector<Vertex> v = SceneBuffers(*test_device(), scene).scene_vertices.download();
+  const std::vector<Triangle> t = SceneBuffers(*test_device(), scene).scene_triangles.download(0, 1);
+  const glm::vec3 a(v[t[0].v0].position.xyz()), e1 = v[t[0].v1].position.xyz() - a, e2 = v[t[0].v2].position.xyz() - a;
+  const glm::vec2 b = glm::inverse(glm::mat2{glm::vec2(e1), glm::vec2(e2)}) * glm::vec2(point - a);
+  const double length = double{1 / -way.z} + double{glm::distance(light, point)};
+  for (int c = 0; c < 3; ++c) {
+    CAPTURE(c);
+    const double expected = rig.reflected(b.x, b.y, way, light, 3)[c] * std::pow(std::array{0.25, 0.5, 1.0}[c], length);
+    CHECK(found[3][c] == test::relative(expected, 1e-3));
+  }
+}
