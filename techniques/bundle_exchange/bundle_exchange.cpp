@@ -26,9 +26,37 @@
 // to vertex it follows specular lobes only, since the atlas knows the diffuse light. So do rays from the pixels towards
 // the eye.
 //
-// Parts (bundle_parts): DirectionSequence and BundleView (ω, W, film), TexelInterior and slot_openness (what of
-// texels counts), bundle_transfer (a direction's exchange), sender_weights and slot_means (S, D, balance, error),
-// slot_light and camera_light (light samples, image), slot_hops and hop_tracer (specular chains).
+// Where the paper stands in the source (files below this folder; bundles/, layered_raster/, surface_atlas/ and
+// interior_surfaces/ are services of the framework):
+//
+//   equation 1, rendering equation           solved for both sides of all texels at once
+//   equation 2, sum over directions          senders/fold.cl: fold_batch(); base/exchange_layout.clh: slot_mean()
+//   equation 3, transfer of radiance         exchange/exchange_rows.cl: receive() (L_x cosθ);
+//                                            senders/senders.cl: make_senders() (f_r);
+//                                            term by term in exchange/exchange_texels.cl: exchange_texels()
+//   equation 4, transfer atlas               senders/ring.cl: ring_receive(), ring_send()
+//   figure 3, loop over directions           bundle_exchange.cpp: run_batch(), exchange_along()
+//   figure 5, self-localization              exchange/exchange_texels.cl: exchange_texels() (transfer=texel);
+//                                            layered_raster/fragment_list.clh: seen_fragment()
+//   section 4.1, texture atlases             surface_atlas/surface_atlas.h; sums in base/exchange_layout.clh
+//   section 4.2, k-buffer, sorting           layered_raster/layered_raster.h: every fragment, not the first k
+//   section 4.2, opposite sampling points    exchange/exchange_rows.cl: layered_ray_crosses()
+//   section 4.3, global ray directions       bundles/direction_sequence.cpp: point()
+//   section 5.1, direct illumination         exchange/begin_direction.cl: begin_direction();
+//                                            exchange/exchange_rows.cl: receive_end() (direct_mode=exchange)
+//   section 5.2, diffuse, ping-pong          senders/fold.cl: settle_bounce() (interleave=pingpong)
+//   section 5.3, final glossy bounce         pixels/pixel_gather.cl: gather_pixels() (pixel_rays=bundle);
+//                                            specular/hops.cl: begin_pixel_hops() (by rays)
+//   section 5.4, glossy interreflections     senders/slot_ring.h; specular/hops.cl: begin_slot_hops() (by rays)
+//   section 5.5, interleaved light transfer  senders/senders.cl: make_senders(); senders/fold.cl: fold_batch();
+//                                            senders/sender_weights.cpp: next()
+//   section 6.4, 8 and 1700 directions       senders/slot_means.cpp: direct_only(), reflecting() (direct_first)
+//   section 6.5, separate direct light       texels/slot_light.cl: light_point() (direct_mode=nee)
+//
+// Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/senders.cl:
+// balance_scale()), openness (texels/slot_openness.h), hidden surfaces (interior_surfaces/), specular chains
+// (specular/), the preview (senders/preview.cl) and the start from what is known (senders/slot_means.cpp:
+// start_from()).
 
 #include <fmt/format.h>
 
@@ -236,8 +264,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return true;
   }
 
-  /// The directions of this iteration. When texels have received enough, those that pixels gather along. False when
-  /// cancelled.
+  /// The directions of this iteration (figure 3 of the paper, the outer loop). When texels have received enough, those
+  /// that pixels gather along. False when cancelled.
   bool exchange_directions() {
     while (position() < step_.end && phase() != Phase::light) {
       const bool exchanging = next_batch() > 0;
@@ -262,8 +290,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return static_cast<uint32_t>(count);
   }
 
-  /// Directions of the batch, which share what senders know, up to its end or that of the iteration. Cancelled between
-  /// directions, it goes on with the next one.
+  /// Directions of the batch, which share what senders know, up to its end or that of the iteration; batches of one are
+  /// the interleaved light transfer of section 5.5. Cancelled between directions, it goes on with the next one.
   bool run_batch() {
     if (batch_.done == 0 && !begin_batch()) return false;
     PixelGather* gather = parts_->means.carries_all(directions_) ? parts_->camera.pixel_gather() : nullptr;
@@ -282,8 +310,9 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return true;
   }
 
-  /// The next direction of the batch; pixels gather along it (null: not), `first`: the first one since they last did.
-  /// False when cancelled while slots find what they send, which may be done again; sums are added to in one go.
+  /// The next direction of the batch (figure 3, the body of the loop); pixels gather along it (null: not), `first`: the
+  /// first one since they last did. False when cancelled while slots find what they send, which may be done again; sums
+  /// are added to in one go.
   bool exchange_along(PixelGather* gather, bool first) {
     const uint64_t index = position();
     const BundleDirection direction = sequence_.at(index);

@@ -3,6 +3,7 @@
 #include "lucarium/environment.clh"
 #include "lucarium/shared/layered_raster.h"
 
+// Environment maps as light sources (Hermes et al. 2010, section 5.1): nothing but the ends of rays has to know them.
 // ends: radiance that enters the scene along omega (out of -omega), and along -omega; all rays of a bundle have it.
 // Black unless emitted light is exchanged.
 __kernel void begin_direction(LUCARIUM_SCENE_PARAMETERS LayeredView view, float4 omega, uint emission,

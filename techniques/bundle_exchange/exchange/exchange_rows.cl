@@ -31,7 +31,9 @@ float end_weight(const Exchange* exchange, BundleSide side) {
   return exchange->weight * part_openness(exchange->openness, side.slot, side.part);
 }
 
-// A slot sees another, which counts the ray by `sender_weight`.
+// A slot sees another, which counts the ray by `sender_weight`: equation 3 (Hermes et al. 2010) from sender x to
+// receiver y. The cosine is implicit, since a slot is met by as many rays as it shows area to omega; f_r is in what x
+// sends (make_senders()), and 2π, for p = 1/(2π), in the weight.
 void receive(Exchange* exchange, uint receiver, float weight, uint sender, float sender_weight) {
   global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
   const global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
@@ -41,7 +43,8 @@ void receive(Exchange* exchange, uint receiver, float weight, uint sender, float
     to[2u * channel + 1u].xyz += weight * from[2u * channel].xyz;
 }
 
-// A slot sees the end of the ray: radiance `end` there, in the channel of emission.
+// A slot sees the end of the ray, where the environment is a light source like any (section 5.1): radiance `end` there,
+// in the channel of emission.
 void receive_end(Exchange* exchange, BundleSide side, float3 end) {
   if (side.slot == LUCARIUM_NONE) return;
   exchange->records[(size_t)side.slot * BUNDLE_RECORD + 1u] += end_weight(exchange, side) * (float4)(end, 1.0f);
@@ -58,6 +61,7 @@ void layered_ray_begins(Exchange* exchange, uint payload, bool front) {
   receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_near);
 }
 
+// Consecutive fragments of the pixel are opposite sampling points (section 4.2; x and y of figure 3). Both receive.
 void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
   const BundleSide near = fragment_side(exchange, gap.near, gap.near_front);
   const BundleSide far = fragment_side(exchange, gap.far, gap.far_front);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The exchange as in the paper: every slot's own point is projected into the film, finds itself among the fragments of
-// its pixel, and takes what the neighbour sends. One ray per slot and direction, weighted by its cosine, however many
-// film pixels the slot covers.
+// The exchange as in the paper (Hermes et al. 2010, section 4.2, figure 5): every slot's own point is projected into
+// the film, finds itself among the fragments of its pixel (self-localization), and takes what the neighbour, its
+// opposite sampling point, sends. One ray per slot and direction, weighted by its cosine, however many film pixels the
+// slot covers.
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/base/fragment_slot.clh"
 #include "bundle_exchange/texels/slot_parts.clh"
@@ -25,6 +26,7 @@ AtlasTexel jitter_texel(const global AtlasTriangle* atlas_triangles, const globa
   return texel;
 }
 
+// Equation 3 term by term: weight W = 1/p, cosθ of the receiver's normal; the sender's f_r is in its record.
 // weight: W. ends: radiance that enters along omega (the view's direction), and along -omega. Of the records, what
 // slots send is read, and each work-item adds to its own sums.
 __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
@@ -41,6 +43,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   LUCARIUM_SCENE_BIND(scene);
   const FragmentList list = {views, pixel_start, fragments};
   const bool front = atlas_slot_is_front(atlas_info, slot);
+  // Choose a point of the texel, another one for every direction, so that texels receive for all of their area.
   const float4 u = random_float4(views[0].seed, slot, 0x7465786cu);
   const AtlasTexel texel = jitter_texel(atlas_triangles, atlas_table, atlas_texels[slot],
                                         front ? slot : slot - atlas_info.double_sided_count, u.xy);
@@ -49,9 +52,11 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const float3 position =
       p0 + texel.b1 * (scene_vertices[t.v1].position.xyz - p0) + texel.b2 * (scene_vertices[t.v2].position.xyz - p0);
   const float3 normal = atlas_points[slot].normal.xyz;
+  // Find the point in its film pixel, and what it sees along the bundle.
   const ListedPoint point = listed_point(&list, position, texel.triangle, normal, front);
   const SeenFragment seen = seen_fragment(&list, &point, true);
   const uint sender = seen_slot(&scene, atlas_info, atlas_triangles, atlas_table, &list, &point, seen);
+  // Weight the ray by the cosine and by how open this part of the texel is.
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
   const uint part = slot_part(triangle.pitch, texel.triangle, atlas_uv(triangle, texel.b1, texel.b2));
   const float cosine = dot(normal, views[0].row_w.xyz), w = weight * fabs(cosine) * part_openness(openness, slot, part);
@@ -63,6 +68,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
         seen.fragment == LUCARIUM_NONE ? w * (float4)(end, 1.0f) : (float4)(0.0f, 0.0f, 0.0f, w * exposure[slot].y);
     return;
   }
+  // Receive what the opposite sampling point sends, in all channels.
   const global float4* from = records + (size_t)sender * BUNDLE_RECORD;
   to[0].w += w;
   to[1] += w * (float4)(from[0].xyz, 1.0f);

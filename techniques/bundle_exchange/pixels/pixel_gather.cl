@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last reflection towards the eye from the bundle itself: a pixel's point is looked up in the fragments of the
-// film, and reflects what its neighbour along the bundle sends. All pixels share the directions of the bundles.
+// The final glossy bounce of Hermes et al. 2010, section 5.3: the last reflection towards the eye from the bundle
+// itself. A pixel's point is looked up in the fragments of the film, and reflects what its neighbour along the bundle
+// sends. All pixels share the directions of the bundles.
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/base/fragment_slot.clh"
 #include "bundle_exchange/specular/pixel_lobes.clh"
@@ -22,8 +23,8 @@ void gather_light(global float4* gain, uint i, float3 share, const global float4
   gain[2u * i + 1u].xyz += share * more;
 }
 
-// Work-item i: pixel i. What is not found in its film pixel gets a ray. first: 1 where gains begin anew. shares: xyz
-// what of the light arrives at the eye.
+// Work-item i: pixel i. Equation 3 with the pixel's own f_r towards the eye (ω_{i+1} = ω_o). What is not found in its
+// film pixel gets a ray. first: 1 where gains begin anew. shares: xyz what of the light arrives at the eye.
 __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const AtlasTriangle* restrict atlas_triangles,
                             __global const uint* restrict atlas_table, __global const GBufferPoint* restrict points,
@@ -42,8 +43,10 @@ __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const Surface surface = gbuffer_surface(&scene, point);
     const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = bundle_part(full, whole, alpha_least);
     const float3 omega = views[0].row_w.xyz, in = dot(surface.n_g, omega) > 0.0f ? omega : -omega;
+    // Weight what comes along the bundle by lobe, cosine and W; the cosine is explicit, as every pixel has one sample.
     const float3 share = point.throughput.xyz * eval_bsdf(&bsdf, in) * weight;
     if (!is_black(share)) {
+      // Find the pixel's point among the fragments, and what faces it along the bundle.
       const FragmentList list = {views, pixel_start, fragments};
       const ListedPoint place =
           listed_point(&list, surface.position, point.triangle, surface.n_g, surface.flags & LUCARIUM_SURFACE_FRONT);

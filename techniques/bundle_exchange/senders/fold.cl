@@ -6,6 +6,8 @@
 
 float4 batch_statistics(float x, float n) { return (float4)(x * x, x * n, n * n, n); }
 
+// The sum over directions of equation 2 (Hermes et al. 2010), a batch at a time, as the two sums whose ratio
+// slot_mean() takes. The paper's receiver atlas is S, from which the next batch sends (section 5.5):
 // S = sender_scale S + sender_weight batch, D += display_weight batch (the channel of emission: D += batch).
 // visible: xy += sums of w, of rays that met a slot and of all. statistics: sums over batches of X^2, X N, N^2, N with
 // X = luminance of v sum w L (all channels of reflected light), N = v sum w, v display_weight, from which the variance
@@ -94,7 +96,8 @@ __kernel void make_display(uint slots, float share, __global const float* restri
 #endif
 }
 
-// End of a bounce that was computed alone: what it brought is kept, and is what the next one sends.
+// End of a bounce that was computed alone: what it brought is kept, and is what the next one sends. The exchange of
+// sender and receiver atlas after N directions (Hermes et al. 2010, section 5.2, ping-pong).
 __kernel void settle_bounce(uint slots, __global float4* restrict display, __global float4* restrict senders,
                             __global float4* restrict settled) {
   const uint slot = get_global_id(0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Glossy reflection from directions to directions: slots remember what the last directions of the sequence brought, and
-// send towards the next one what their specular lobe reflects of it. Equation 5 of the paper takes the one direction
-// before; a window of more of them varies less.
+// Glossy interreflections (Hermes et al. 2010, section 5.4): slots remember what the last directions of the sequence
+// brought, and send towards the next one what their specular lobe reflects of it. The transfer atlas of the paper
+// stores L_x f_r(y, ω_i, ω_{i+1}) cosθ (equation 4) of the one direction before; a window of more of them varies less.
 //
 // history: [direction modulo its length][channel][entry of the list of slots], xyz: sum of w L, w: sum of w.
 #include "bundle_exchange/base/exchange_layout.clh"
@@ -47,8 +47,8 @@ float3 ring_input(const global float4* record, uint output) {
   return light;
 }
 
-// Work-item i: what entry i has received from the direction that was exchanged last. before: sums of the batch up to
-// then.
+// Work-item i: what entry i has received from the direction that was exchanged last (L_x cosθ of equation 4, before
+// f_r is known). before: sums of the batch up to then.
 __kernel void ring_receive(uint count, RingStep turn, __global const uint* restrict list,
                            __global const float4* restrict records, __global float4* restrict before,
                            __global float4* restrict history) {
@@ -64,7 +64,8 @@ __kernel void ring_receive(uint count, RingStep turn, __global const uint* restr
   }
 }
 
-// Work-item i: adds to what entry i sends towards `omega` the light that it reflects of the last turn.known directions.
+// Work-item i: adds to what entry i sends towards `omega` the light that it reflects of the last turn.known directions:
+// equation 4, evaluated when `omega` = ω_{i+1} has come and not in advance, so that one record serves all later ones.
 // With f the specular lobe, L and w of the rays that came from them (their cosine is implicit), and a its albedo:
 //   by their share:  a Σ f w L / Σ f w        by themselves:  Σ f w L / (turn.known A),  A the slot's area times
 //   openness
@@ -84,16 +85,19 @@ __kernel void ring_send(__global const float* restrict scene_albedo_table,
   const Bsdf bsdf = slot_reflection(atlas_materials + slot, n_g, out);
   float3 light[BUNDLE_REFLECTED], share = (float3)(0.0f);
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] = (float3)(0.0f);
+  // Add what each remembered direction brought, latest first.
   for (uint m = 0u; m < turn.known; ++m) {
     const uint place = (turn.place + turn.length - 1u - m) % turn.length;
     const float3 axis = directions[place].xyz, in = dot(n_g, axis) > 0.0f ? axis : -axis;
     const float cosine = dot(bsdf.n_s, in);
     if (!(cosine > 1e-6f)) continue;
+    // Take the cosine out: rays hit a slot in proportion to it already.
     const float3 f = eval_bsdf(&bsdf, in) / cosine;
     const global float4* received = history + (size_t)place * BUNDLE_REFLECTED * count + i;
     for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] += f * received[(size_t)k * count].xyz;
     share += f * received[0].w;
   }
+  // Normalize the sum: by the rays expected, or by the lobe's share of those that came, which varies less.
   const float measure = (float)turn.known * albedo[slot].w / (turn.by_area ? 1.0f : atlas_texels[slot].area);
   float3 scale = (float3)(measure > 0.0f ? 1.0f / measure : 0.0f);
   if (turn.by_share) {

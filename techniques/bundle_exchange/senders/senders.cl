@@ -3,6 +3,10 @@
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/shared/slots.h"
 
+// Sets L_x of the next batch's equation 3 (Hermes et al. 2010): emission, and c times the irradiance over pi that is
+// known, which is the paper's f_r applied at the sender once instead of at every receiver. With the means read from S,
+// light of all path lengths so far travels at once (section 5.5, interleaved light transfer).
+//
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of
 // emission. scale[0]: of what a self-fed channel has received. feedback_share: of all that has been received. Clears
 // the sums of the exchange records. diffuse (BUNDLE_HOPS): what is sent, BUNDLE_REFLECTED channels per slot, for chains
@@ -20,6 +24,7 @@ __kernel void make_senders(uint slots, __global const float4* restrict albedo, _
   record[1] = (float4)(0.0f);
 #endif
   const float3 c = albedo[slot].xyz;
+  // Begin with direct light; a channel that feeds itself adds its own mean, later channels each send the one before.
   float3 held = direct_share * direct_mean(slot, light_samples, display);
 #ifdef BUNDLE_SELF_FED
   held += feedback_share * scale[0].xyz * slot_mean(senders[slot]);

@@ -8,9 +8,9 @@
 namespace lucarium::bundle {
 
 /// What glossy slots send: what they reflect, towards a bundle's direction, of the light that the directions before it
-/// have brought (the transfer atlas of the paper, section 5.4). Formulas: ring.cl. No rays are traced. Light of a
-/// direction is reflected by the next M ones only, so that every glossy bounce comes about M / 2 directions later. With
-/// M = 1 and unlimited bounces variance is infinite where 2π ∫ f² cos² > 1, f the lobe.
+/// have brought (the transfer atlas of the paper, section 5.4, equation 4). Formulas: ring.cl. No rays are traced.
+/// Light of a direction is reflected by the next M ones only, so that every glossy bounce comes about M / 2 directions
+/// later. With M = 1 and unlimited bounces variance is infinite where 2π ∫ f² cos² > 1, f the lobe.
 ///
 /// Pairs of successive directions must fill the product space: sequences that do not are biased (Halton points with a
 /// window of 1 lose much of the light).

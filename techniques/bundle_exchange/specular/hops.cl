@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chains of specular vertices: from slots towards a bundle's direction, and from what the camera sees. At every vertex
-// the atlas gives the diffuse light, so a chain only follows specular lobes. Each target has one chain at a time.
+// Chains of specular vertices: from slots towards a bundle's direction (for lobes too narrow for the transfer atlas of
+// Hermes et al. 2010, section 5.4), and from what the camera sees (section 5.3). At every vertex the atlas gives the
+// diffuse light, so a chain only follows specular lobes. Each target has one chain at a time.
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/shared/gain_layout.h"
 #include "bundle_exchange/specular/pixel_lobes.clh"
@@ -66,6 +67,7 @@ __kernel void begin_slot_hops(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   // The viewer stands where the slot's side can be seen from.
   surface.view = dot(surface.n_g, omega.xyz) > 0.0f ? omega.xyz : -omega.xyz;
   const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = specular_part(full);
+  // Begin the chain with the diffuse lobe left out: what the slot sends by it is known.
   SpecularChain chain =
       begin_chain(target, (float3)(1.0f / probabilities[target]), medium_at(&scene, &surface, LUCARIUM_NONE));
   Ray ray = inactive_ray(), shadow_ray = ray;

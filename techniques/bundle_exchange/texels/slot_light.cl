@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Direct irradiance of slots by light samples, a run of slots at a time.
+// Direct irradiance of slots by light samples, a run of slots at a time: the direct light that comes from another
+// method than the bundles (Hermes et al. 2010, section 6.5; there shadow maps).
 #include "bundle_exchange/texels/slot_points.clh"
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/scene.clh"
