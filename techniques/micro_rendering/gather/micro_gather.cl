@@ -29,8 +29,10 @@ void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const Mic
   }
 }
 
-// Results at the gathers' slots, see MicroStatistics (micro_types.h); every gather overwrites those of its lobes.
-// micro_buffer: of the slot settings.inspect, rows of MICRO_SIZE pixels; of the larger lobe.
+// The micro-rendering of Ritschel et al. 2009, section 3.2: one work-item builds the warp, cuts the hierarchy, casts
+// the post-traversal list and sums up, for one gather. Results at the gathers' slots, see MicroStatistics
+// (micro_types.h); every gather overwrites those of its lobes. micro_buffer: of the slot settings.inspect, rows of
+// MICRO_SIZE pixels; of the larger lobe.
 __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tree_count,
                         __global const uint4* restrict nodes, __global const half* restrict radiance,
                         __global const uint4* restrict clips, __global const float* restrict radiance_unit,
@@ -70,6 +72,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   node_light.leaf_lobes = leaf_lobes;
   node_light.inverse_unit = 1.0f / unit;
 #endif
+  // Find the gather's frame, turned at random against banding (section 2.3), and the micro-buffer of each lobe.
   const MicroPoint point = make_micro_point(gathers + i, settings.seed);
   const uint lobes = gathers[i].lobes;
   const float eta = gathers[i].eta;
@@ -77,6 +80,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
   MicroStatistics counts;
   counts.visits = counts.splats = counts.listed = counts.disc_tests = counts.holes = counts.flushes = counts.levels =
       counts.uneven = 0u;
+  // Loosen the cut where that of the frame before had nothing to resolve.
 #if MICRO_LEVELS
   const float4 level = levels[point.slot];
 #else
@@ -94,6 +98,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
 #endif
       continue;
     }
+    // Build Φ, draw, and sum up.
     const uint kind = lobe == MICRO_LOBE_SPECULAR && eta > 0.0f ? MICRO_LOBE_REFRACTED : lobe;
     make_micro_warp(kind, edges[lobe], half_value(lobes >> 16), eta, to_local(&point.basis, point.view), kappa, &warp);
 #if MICRO_ERROR_CUT
@@ -102,6 +107,8 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
     draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
     float3 grazing;
     const float4 light = micro_light(&warp, &point, &buffer, &node_light, &grazing, &counts);
+    // Store without the factors that vary from pixel to pixel: irradiance without the albedo, and the specular lobe in
+    // the two parts that f0 and f90 weight.
     if (lobe == MICRO_LOBE_DIFFUSE) {
       irradiance[point.slot] = (float4)(M_PI_F * unit * light.xyz, light.w);
     } else {

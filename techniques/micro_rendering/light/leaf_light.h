@@ -11,8 +11,8 @@
 namespace lucarium::micro {
 
 /// Light at the leaves of a forest: direct light by shadow rays, further bounces by gathering at nodes (Jacobi
-/// iteration) or by paths from the lights (Ritschel et al. 2009, section 4), and its means in the inner nodes. It comes
-/// in steps of about as much work as NodeGather::kBatch gathers or less, one light sample per leaf at least.
+/// iteration) or by paths from the lights (all of Ritschel et al. 2009, section 4), and its means in the inner nodes.
+/// It comes in steps of about as much work as NodeGather::kBatch gathers or less, one light sample per leaf at least.
 class LeafLight {
  public:
   /// `bounces`: scatterings before the last gather; 1 is direct light alone.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light at the leaves, and its means in the inner nodes.
+// Light at the leaves, and its means in the inner nodes (Ritschel et al. 2009, section 4; radiance is kept beside the
+// nodes, section 3.1).
 #include "lucarium/random.clh"
 #include "micro_rendering/tree/micro_node.clh"
 #include "micro_rendering/tree/micro_surface.clh"
@@ -91,7 +92,8 @@ __kernel void mr_store_radiance(__global const float4* restrict irradiance, __gl
   extremes[node] = (float4)(highest, highest, fmax(radius * radius, FLT_MIN), 0.0f);
 }
 
-// Inner nodes of levels [top, bottom), as mr_refit: means by area, and the range of what lies below.
+// The pull step of push-pull (Ritschel et al. 2009, section 4). Inner nodes of levels [top, bottom), as mr_refit: means
+// by area, and the range of what lies below.
 __kernel void mr_pull(__global const MicroTree* restrict trees, const uint tree, const uint top, const uint bottom,
                       __global half* restrict radiance, __global float4* restrict extremes) {
   const uint w = get_global_id(0);

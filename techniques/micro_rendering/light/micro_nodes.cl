@@ -13,7 +13,8 @@ bool is_bent(const global MicroTree* tree, const global uint4* heap, uint i, flo
   return i < (1u << tree->depth) && unpack_node(heap[i]).cone > cone;
 }
 
-// The node behind subtree i in preorder; of the same or a higher level.
+// The node behind subtree i in preorder; of the same or a higher level: a skip-pointer, from the number alone (Ritschel
+// et al. 2009, section 2.1).
 uint behind_subtree(uint i) {
   const uint next = i + 1u;
   return next >> (31u - clz(next & (0u - next)));
@@ -119,7 +120,8 @@ __kernel void mr_cut_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf*
   } while (31u - clz(i) > level);
 }
 
-// Leaf i: direct light and what its node of the cut has gathered.
+// The push step (Ritschel et al. 2009, section 4). Leaf i: direct light and what its node of the cut has gathered;
+// irradiance and not radiance is pushed, so that each leaf keeps its own albedo.
 __kernel void mr_push(const uint count, __global const uint* restrict leaf_slots,
                       __global const float4* restrict direct, __global const float4* restrict gathered,
                       __global float4* restrict irradiance) {

@@ -7,7 +7,8 @@
 
 namespace lucarium::micro {
 
-/// Irradiance gathered at the nodes of a cut (`jacobi_level`, `jacobi_cone`) and pushed to the leaves below them.
+/// Irradiance gathered at the nodes of a cut (`jacobi_level`, `jacobi_cone`) and pushed to the leaves below them: an
+/// iteration of "Multiple Bounces with Radiosity" (Ritschel et al. 2009, section 4).
 class NodeGather {
  public:
   NodeGather(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const PointForest& forest,

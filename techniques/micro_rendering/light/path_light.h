@@ -16,8 +16,9 @@ LightAtPoints light_at_points(Device& device, const SceneBuffers& scene, const I
 LightAtPoints::Bind bind_light_sums(const MicroParameters& parameters, float weight,
                                     const TypedBuffer<float4>& irradiance, const DynamicShading& shading);
 
-/// Light of several bounces at the leaves by paths from the lights: virtual point lights, or a photon map. Or at
-/// visible points, by virtual point lights.
+/// Light of several bounces at the leaves by paths from the lights: virtual point lights, or a photon map ("Multiple
+/// Bounces with Instant Radiosity" and "Photon Mapping" of Ritschel et al. 2009, section 4). Or at visible points, by
+/// virtual point lights.
 class PathLight {
  public:
   /// `bounces` as for LeafLight. `points`: of a G-buffer, which get the light instead of leaves; null: leaves do.

@@ -38,7 +38,7 @@ uint2 micro_buffer_sizes(const Scene* scene, const Bsdf* bsdf, uint size) {
   return (uint2)(d, s);
 }
 
-// 30-bit Morton code of a point of the scene.
+// 30-bit Morton code of a point of the scene: the space-filling curve of Ritschel et al. 2009, section 3.2.
 uint morton_of(const global SceneInfo* info, float3 position) {
   const float3 low = info->bounds_min.xyz, extent = info->bounds_max.xyz - low;
   const float scale = 1024.0f / fmax(max_component(extent), FLT_MIN);
@@ -50,6 +50,7 @@ uint morton_of(const global SceneInfo* info, float3 position) {
   return x.x | (x.y << 1) | (x.z << 2);
 }
 
+// Enumerates the gathers so that neighbours of the list compute alike cuts (Ritschel et al. 2009, section 3.2).
 // keys: Morton order of the points, or of the pixels; values: the slots. Slots are pixels, and behind `pixels` of them
 // the far sides of surfaces that transmit: entry i + capacity is that of entry i, where sides is 2.
 __kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const SubImage sub,
@@ -58,6 +59,7 @@ __kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
                            __global uint* restrict values) {
   const uint i = get_global_id(0);
   if (i >= capacity) return;
+  // Begin with no gather anywhere; work-items beyond the sub-image only fill up the list.
   for (uint side = 0; side < sides; ++side) {
     keys[i + side * capacity] = MICRO_NO_GATHER;
     values[i + side * capacity] = 0u;
@@ -74,6 +76,7 @@ __kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   const Surface surface = gbuffer_surface(&scene, points[pixel]);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   if (!has_rough_transmission(&bsdf)) return;
+  // Add a gather on the far side, where the surface transmits.
   values[i + capacity] = pixel + pixels;
   keys[i + capacity] = keys[i];
 }
@@ -97,6 +100,7 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
                            __global MicroGather* restrict gathers, __global uint* restrict gather_count) {
   const uint i = get_global_id(0);
   if (i >= count) return;
+  // Count the gathers: the last of the sorted keys that is one knows their number.
   const bool mine = keys[i] < MICRO_NO_GATHER;
   if (i == 0u && !mine) gather_count[0] = 0u;
   if (mine && (i + 1u == count || keys[i + 1u] >= MICRO_NO_GATHER)) gather_count[0] = i + 1u;
@@ -106,11 +110,13 @@ __kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint
   const bool through = values[i] >= pixels;
   const Surface surface = gbuffer_surface(&scene, points[pixel]);
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+  // Choose the edges of the micro-buffers.
   uint size = micro_size;
 #if MICRO_LEVELS
   if (needs_more(levels[pixel], adaptive)) size = larger;
 #endif
   const uint2 sizes = through ? (uint2)(0u, size) : micro_buffer_sizes(&scene, &bsdf, size);
+  // Write the gather; through a surface everything is mirrored to its far side.
   ushort alpha;
   vstore_half(bsdf.alpha, 0, (half*)&alpha);
   MicroGather gather;
@@ -134,6 +140,7 @@ float3 mirrored_view(const global GBufferPoint* point) {
   return 2.0f * dot(n, v) * n - v;
 }
 
+// Bilateral upsampling (Ritschel et al. 2009, section 2.4).
 // Results of all pixels between gathers, from the four around: irradiance by bilateral weights, the specular lobe only
 // from pixels whose lobe is as wide and points the same way. Where the weights sum to less than `least` the pixel gets
 // a key (as mr_list_keys) and gathers itself. With `least` 0 none does: where nothing agrees it takes what there is,
@@ -162,6 +169,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   if (x0 == (int)x && y0 == (int)y) return;
   const MicroStatistics none = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
   for (uint side = 0; side < sides; ++side) statistics[pixel + side * pixels] = none;
+  // Find which lobes the pixel needs, and how far its surface may differ from a gather's.
   const global GBufferPoint* point = points + pixel;
   if (point->state != LUCARIUM_GBUFFER_SURFACE) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -178,6 +186,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
 #if MICRO_GATHER_ENV
   float4 sky_diffuse = (float4)(0.0f), sky_all = (float4)(0.0f), sky_grazing = (float4)(0.0f);
 #endif
+  // Add the four gathers, by bilinear weights times the agreement of normals and planes.
   const float fx = (float)((int)x - x0) / (float)stride, fy = (float)((int)y - y0) / (float)stride;
   for (uint corner = 0u; corner < 4u; ++corner) {
     const int cx = x0 + (int)(corner & 1u) * stride, cy = y0 + (int)(corner >> 1) * stride;
@@ -196,6 +205,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
       sky_diffuse += weight * sky[3u * other];
 #endif
     }
+    // Take the specular lobe only from one as wide that points the same way.
     if (!glossy || !has_glossy_lobe(&lobe) || fabs(lobe.alpha - bsdf.alpha) > 0.1f * bsdf.alpha) continue;
     if (dot(mirrored, mirrored_view(points + other)) < same_way) continue;
     all += weight * (float4)(specular[2u * other].xyz, 1.0f);
@@ -205,6 +215,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
     sky_grazing += weight * sky[3u * other + 2u];
 #endif
   }
+  // Normalize by the weights.
   const bool needs_diffuse = luminance(bsdf.diffuse) > 0.0f;
   irradiance[pixel] = diffuse.w > 0.0f ? (float4)(diffuse.xyz / diffuse.w, 0.0f) : (float4)(0.0f);
   specular[2u * pixel] = all.w > 0.0f ? (float4)(all.xyz / all.w, 0.0f) : (float4)(0.0f);
@@ -217,6 +228,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   // What shines through is as sharp as what is mirrored, and is not interpolated.
   const bool through = sides == 2u && has_rough_transmission(&bsdf);
   if (!through && !(needs_diffuse && diffuse.w < least) && !(glossy && all.w < least)) return;
+  // Let the pixel gather itself in an additional pass, as the paper does where weights are nearly zero.
   failed[pixel] = 1u;
   keys[pixel] = morton ? morton_of(scene.scene_info, point->position.xyz) : pixel;
   if (through) keys[pixel + pixels] = keys[pixel];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points spread evenly over surfaces: best candidates in rounds (Mitchell 1991, stratified by area).
+// Points spread evenly over surfaces: best candidates in rounds (Mitchell 1991, stratified by area), as Ritschel et al.
+// 2009, section 2.1, ask for.
 #pragma once
 #include <cstdint>
 #include <functional>

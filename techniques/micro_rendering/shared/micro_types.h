@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the kernels of micro_rendering share with each other and with C++. Ritschel et al. 2009, section 3.1.
+// What the kernels of micro_rendering share with each other and with C++: the data structures of Ritschel et al. 2009,
+// section 3.1. Its node of 128 bits has centre and radius as 4 halfs, normal and albedo in 15 bits each, 8 bits of
+// cone.
 //
 // A tree has n = 2^depth leaves in heap order: root 1, children of i are 2i and 2i + 1, leaves n … 2n - 1; level l is
 // [2^l, 2^(l+1)). Node i of a tree is nodes[tree.first_node + i], its radiance radiance[tree.first_node + i]; leaf j is
@@ -10,13 +12,12 @@
 //   y   centre z (16 bits), half the radius as a half << 16
 //   z   octahedral normal 2 x 10 bits, cone half angle << 20 (8 bits, of pi / 255), flags << 28
 //   w   << 24: of a leaf on a two-sided triangle its side of a sheet (MICRO_SIDE), else 0; of an inner node the area
-//   that it
-//       shows along its axis over that of its surface [255]
+//       that it shows along its axis over that of its surface [255]
 // Radius and cone angle are rounded up by what centre and normal lost.
 //
-// radiance (half4, 8 B): x y z radiance towards the front [units of radiance_unit[0] cd/m²], mean over the leaves by
-// area;
-//   w: largest difference of any leaf's radiance (largest channel) below the node, for error-driven cuts.
+// radiance (half4, 8 B):
+//   xyz radiance towards the front [units of radiance_unit[0] cd/m²], mean over the leaves by area
+//   w   largest difference of any leaf's radiance (largest channel) below the node, for error-driven cuts.
 //
 // Grid coordinates: world coordinates moved, turned and scaled alike in all directions, so that the cube about the
 // tree's points becomes [0, 65535]^3. Angles are those of the world, so that a gather that maps its position and frame

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Leaves from the scene's triangles, and inner nodes from their children: spheres that contain spheres, cones that
-// contain cones. O(n), so that the hierarchy follows every deformation.
+// contain cones. O(n), so that the hierarchy follows every deformation (Ritschel et al. 2009, section 2.1, "Deforming
+// and Moving Geometry").
 #include "micro_rendering/tree/micro_node.clh"
 #include "micro_rendering/tree/micro_surface.clh"
 
@@ -79,7 +80,8 @@ uint4 pack_lines(const LeafLines* lines, float r, float least_area) {
   return (uint4)(words[0], words[1], words[2], words[3]);
 }
 
-// Leaf nodes of one tree, and the lines that bound their discs.
+// Leaf nodes of one tree, from barycentric weights (Ritschel et al. 2009, section 2.1), and the lines that bound their
+// discs.
 __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
                              __global const Vertex* restrict mesh_vertices,
                              __global const Triangle* restrict scene_triangles,
@@ -95,6 +97,7 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
   const MicroLeaf leaf = leaves[index];
   const Triangle triangle = scene_triangles[leaf_triangle(leaf)];
   __global const Instance* instance = scene_instances + triangle.instance;
+  // Find the triangle as it is now; a moving instance's tree is in object space, and only its matrix moves.
   float3 a, b, c;
   if (rules.object_space) {
     a = mesh_position(mesh_vertices, instance, triangle.v0);
@@ -112,6 +115,7 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
   const bool two_sided = shows_both_sides(scene_materials[instance->material].flags);
   const bool cullable = two_sided || rules.all_cullable || leaf.triangle & MICRO_LEAF_SOLID;
 
+  // Make the disc: its area grows as the triangle's does, which compensates for the points' changed density.
   MicroNode node;
   const float inverse_step = 1.0f / tree->origin_step.w;
   node.center = (a + weights.x * (b - a) + weights.y * (c - a) - tree->origin_step.xyz) * inverse_step;
@@ -123,6 +127,7 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
   const uint4 packed = pack_node(node);
   nodes[tree->first_node + (1u << tree->depth) + i] = packed;
 
+  // Bound it by the edges of its patch, measured from the packed disc, which is the one that is drawn.
   node = unpack_node(packed);
   const MicroPatch patch = patches[leaf_triangle(leaf)];
   const Basis basis = make_basis(node.normal);
@@ -142,7 +147,7 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
   clips[index] = lines.count > 0u ? pack_lines(&lines, node.radius, rules.least_area) : (uint4)(0u);
 }
 
-// The smallest sphere about both.
+// The smallest sphere about both (Ritschel et al. 2009, section 2.1).
 void merge_spheres(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
   const float3 between = b->center - a->center;
   const float d = length(between);
@@ -156,7 +161,7 @@ void merge_spheres(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
   sum->center = a->center + between * ((sum->radius - a->radius) / d);
 }
 
-// The narrowest cone about both.
+// The narrowest cone of normals about both (section 2.1).
 void merge_cones(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
   const float angle = angle_between(a->normal, b->normal);
   sum->normal = a->normal;
@@ -182,6 +187,7 @@ uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
   MicroNode sum;
   merge_spheres(&a, &b, &sum);
   merge_cones(&a, &b, &sum);
+  // Project the areas that the children show onto the common axis; leaves show all of theirs.
   const float shown_a = leaves ? 1.0f : (float)a.side / 255.0f, shown_b = leaves ? 1.0f : (float)b.side / 255.0f;
   const float shown = 0.5f * dot(shown_a * a.normal + shown_b * b.normal, sum.normal);
   sum.side = (uint)clamp(ceil(shown * 255.0f), MICRO_LEAST_SHOWN, 255.0f);
