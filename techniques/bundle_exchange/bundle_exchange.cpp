@@ -50,7 +50,7 @@
 //   section 5.4, glossy interreflections     senders/slot_ring.h; specular/hops.cl: begin_slot_hops() (by rays)
 //   section 5.5, interleaved light transfer  senders/senders.cl: make_senders(); senders/fold.cl: fold_batch();
 //                                            senders/sender_weights.cpp: next()
-//   section 6.4, 8 and 1700 directions       senders/slot_means.cpp: direct_only(), reflecting() (direct_first)
+//   section 6.4, direct light first          senders/slot_means.cpp: direct_only(), reflecting() (direct_first)
 //   section 6.5, separate direct light       texels/slot_light.cl: light_point() (direct_mode=nee)
 //
 // Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/senders.cl:

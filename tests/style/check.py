@@ -8,8 +8,12 @@
   links     every relative link of a page and every path that a page or comment names exists
   pages     pages but those of measurements have at most 5 numbers in 100 words of their sentences; a technique's page
             has at most 120 lines
+  citations every section, equation, figure and table of a paper of CITATIONS that the sources cite is in that list, in
+            full words ("section 2.3", "equation 4") so that a search finds it; what the list calls cited is cited at
+            the code too, beside the table of the paper; "FILE: function()" in comments names what exists
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
+import json
 import os
 import re
 import shutil
@@ -25,6 +29,7 @@ ROOTS = ('framework', 'kernels', 'techniques')  # of include names
 MEASUREMENTS = 'docs/measurements/'
 NUMBERS = 5  # in 100 words of a page's sentences
 TECHNIQUE_LINES = 120
+CITATIONS = 'tests/style/citations.json'
 GENERATED = ('docs/techniques.md',)  # by `lucarium techniques --markdown`, from texts that are checked where they stand
 
 # Each folder may include those before it.
@@ -199,8 +204,88 @@ def glob_exists(pattern):
     return bool(glob.glob(pattern))
 
 
+NUMBER = r'\d+(?:\.\d+)*'
+CITATION = re.compile(rf'\b(section|equation|figure|table)s?\s+({NUMBER}(?:(?:,? and |,? to |, ){NUMBER})*)', re.I)
+SHORT = re.compile(r'(?:§+|\b(?:secs?\.|sect\.|eqs?\.|eqns?\.|figs?\.|tabs?\.))\s*\d', re.I)
+WORK = re.compile(r'\b([A-Z][\w\-]+)(?: et al\.| and [A-Z][\w\-]+|, [A-Z][^.;]{0,80}?)?,? \(?(?:19|20)\d\d\b')
+# "folder/file.cl: one(), two()", beginning anywhere in a folder's path
+PLACE = re.compile(r'([\w/]+\.(?:clh|cl|cpp|h)):\s+(\w+\(\)(?:,\s+\w+\(\))*)')
+
+
+def comments(text):
+    """(number of the first line, text) of blocks of comment lines, and of comments behind code."""
+    block, first = [], 0
+    for number, line in enumerate(text.split('\n') + [''], 1):
+        whole = re.match(r'\s*///?<? ?(.*)', line)
+        if whole:
+            first = first or number
+            block.append(whole.group(1))
+            continue
+        if block:
+            yield first, '\n'.join(block)
+            block, first = [], 0
+        behind = re.search(r'//[/<]* ?(.*)', line)
+        if behind:
+            yield number, behind.group(1)
+
+
+def paper_items(kind, numbers):
+    for number in re.findall(NUMBER, numbers):
+        yield f'{kind.lower()} {number}'
+
+
+def check_places(file, first, text, sources):
+    for match in PLACE.finditer(text):
+        path, names = match.groups()
+        found = [f for f in sources if f.endswith('/' + path)]
+        near = [f for f in found if f.startswith('/'.join(file.split('/')[:2]) + '/')] or found
+        if not near:
+            yield f'{file}:{first}: names {path}, which does not exist'
+        for name in re.findall(r'\w+', names) if near else ():
+            if not any(re.search(rf'\b{name}\(', sources[f]) for f in near):
+                yield f'{file}:{first}: {path} has no {name}()'
+
+
+def check_citations():
+    papers = json.loads(read(CITATIONS))['papers']
+    sources = {f: read(f) for f in tracked(SOURCES)}
+    seen = [set() for _ in papers]
+    for file, source in sources.items():
+        own = next((p for p in papers if file.startswith(tuple(p['of']))), None)
+        for first, text in comments(source):
+            yield from check_places(file, first, text, sources)
+            flat = text.replace('\n', ' ')
+            works = [(m.start(), next((p for p in papers if m.group(1) in p['named']), None)) for m in
+                     WORK.finditer(flat)]
+            works += [(m.start(), own) for m in re.finditer(r'\b(?:the|its?) paper', flat) if own]
+            if own and SHORT.search(flat):
+                yield f'{file}:{first}: write "section", "equation" or "figure" in full, as others are searched for'
+            for match in CITATION.finditer(flat):
+                before = [w for w in sorted(works, key=lambda w: w[0]) if w[0] < match.start()]
+                paper = before[-1][1] if before else own
+                if not paper:
+                    continue
+                line = first + text.count('\n', 0, match.start())
+                for item in paper_items(*match.groups()):
+                    if item not in paper['items']:
+                        yield f'{file}:{line}: {item} is not in {CITATIONS} for "{paper["paper"]}"'
+                    elif file != paper['table']:
+                        seen[papers.index(paper)].add(item)
+    for paper, found in zip(papers, seen):
+        for item in paper['cited']:
+            if item not in found:
+                yield f'{paper["table"]}: the code cites {item} nowhere else ({paper["items"][item]})'
+    for file in tracked('.json'):
+        own = next((p for p in papers if file.startswith(tuple(p['of']))), None)
+        place = json.loads(read(file)).get('place') if own else None
+        for match in CITATION.finditer(place or ''):
+            for item in paper_items(*match.groups()):
+                if item not in own['items']:
+                    yield f'{file}: {item} is not in {CITATIONS} for "{own["paper"]}"'
+
+
 RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'options': check_options,
-         'links': check_links, 'pages': check_pages}
+         'links': check_links, 'pages': check_pages, 'citations': check_citations}
 
 
 def main():

@@ -33,7 +33,8 @@ struct DirectionOptions {
   bool permuted = false;  ///< whole blocks in random order
 };
 
-/// The sequence of directions of a run. Any index may be asked for; the same seed gives the same directions.
+/// The sequence of directions of a run (global ray directions: Hermes et al. 2010, section 4.3, which chooses Halton's
+/// sequence over Hammersley's). Any index may be asked for; the same seed gives the same directions.
 ///
 /// Directions are lines: uniform ones cover half of the sphere, so that what is stratified is twice as dense. An
 /// estimator that adds W f(ω) for both ends of each line has the mean ∫ f dω over the sphere, guided or not.
