@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "render_budget.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -50,7 +50,41 @@ std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budge
   return arguments.seconds > 0 ? "--time" : "--compute-time";
 }
 
+/// The option that is used up first.
+std::string time_option(const BudgetArguments& arguments) {
+  const bool wall = arguments.seconds > 0 && arguments.seconds <= planned_seconds(arguments);
+  return fmt::format("{} {:g}", wall ? "--time" : "--compute-time", planned_seconds(arguments));
+}
+
+/// After a budget that was too small: which one would have done.
+void tell_first_picture(const BudgetArguments& arguments, const RenderSession& session,
+                        std::chrono::steady_clock::time_point start) {
+  std::vector<std::string> enough;
+  const auto add = [&](const char* option, double seconds) {
+    enough.push_back(fmt::format("{} {:.2g}", option, 1.1 * seconds));
+  };
+  if (arguments.compute_seconds > 0) add("--compute-time", counted_seconds(session.clocks()));
+  if (arguments.seconds > 0)
+    add("--time", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (!enough.empty()) log_warning("there is a picture now: {} would have given it", fmt::join(enough, " and "));
+}
+
 }  // namespace
+
+double planned_seconds(const BudgetArguments& arguments) {
+  if (arguments.seconds > 0 && arguments.compute_seconds > 0)
+    return std::min(arguments.seconds, arguments.compute_seconds);
+  return std::max(arguments.seconds, arguments.compute_seconds);
+}
+
+void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique) {
+  if (!plan.changes.empty())
+    log_warning("{}: for {}: {}; the first whole picture would take about {:.2g} s otherwise", technique,
+                time_option(arguments), plan.changes_text(), plan.default_seconds);
+  if (plan.budget_seconds > 0 && !plan.fits())
+    log_warning("{}: {} is too short for a whole picture; about {:.2g} s would do", technique, time_option(arguments),
+                plan.sufficient_seconds);
+}
 
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
                                const std::function<std::optional<double>(RenderSession&)>& relmse,
@@ -86,6 +120,7 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
   if (!end.interrupted && nothing_yet()) {
     log_warning("the budget ended before there was any picture; going on to the first one");
     end.interrupted = session.run({}, [&](const IterationResult& now) { return on_progress(now) && nothing_yet(); });
+    if (!end.interrupted) tell_first_picture(arguments, session, start);
   }
   end.by = end.interrupted ? "Ctrl-C" : ended_by(arguments, budget, session, accurate);
   if (!session.last().converged) end.seconds_left = left.estimate();

@@ -18,6 +18,11 @@ struct BudgetArguments {
   double relmse = 0;           ///< of the image against a reference
 };
 
+/// The time for which parameters are planned; 0: they are not.
+double planned_seconds(const BudgetArguments& arguments);
+/// Says what was changed for that time, or that no change is enough.
+void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique);
+
 /// How a rendering went.
 struct RenderEnd {
   bool interrupted = false;

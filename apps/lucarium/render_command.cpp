@@ -144,6 +144,19 @@ ordered_json passes_json(RenderSession& session) {
   return json;
 }
 
+/// What was planned for a budget of time, or null.
+ordered_json plan_json(const BudgetPlan& plan) {
+  if (plan.budget_seconds <= 0) return nullptr;
+  ordered_json json = {{"budget_seconds", plan.budget_seconds},
+                       {"default_seconds", plan.default_seconds},
+                       {"expected_seconds", plan.expected_seconds},
+                       {"sufficient_seconds", plan.sufficient_seconds},
+                       {"changes", ordered_json::array()}};
+  for (const BudgetPlan::Change& change : plan.changes)
+    json["changes"].push_back({{"parameter", change.parameter}, {"from", change.from}, {"to", change.to}});
+  return json;
+}
+
 ordered_json summary_json(RenderSession& session, const Film& film, const RenderEnd& end, double load_seconds,
                           double total_seconds, float exposure, const std::vector<fs::path>& files) {
   const MemoryAccount& memory = session.scheduler().device().memory();
@@ -174,6 +187,7 @@ ordered_json summary_json(RenderSession& session, const Film& film, const Render
   json["device_memory_bytes"] = memory.by_owner();
   json["peak_device_memory_bytes"] = memory.peak_bytes();
   json["passes"] = passes_json(session);
+  json["plan"] = plan_json(session.plan());
   json["counters"] = session.technique().counters();
   json["limitations"] = session.limitations();
   json["warnings"] = session.scene().warnings;
@@ -209,7 +223,8 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session,
     Film film = session.resolve();
     const bool first_unfinished = session.last().samples == 0 && session.last().visible;
     if (first_unfinished && !end.interrupted)
-      log_warning("the budget ended within the first sample per pixel: a coarse picture");
+      log_warning("the budget ended within the first sample per pixel{}: a coarse picture, or one without all light",
+                  session.last().phase.empty() ? "" : fmt::format(", in the stage '{}'", session.last().phase));
     const bool not_begun = session.last().progress == 0 && !session.last().phase.empty() && !session.last().converged;
     if (not_begun && !end.interrupted && !first_unfinished)
       log_warning("the budget ended in the stage '{}', before {} had begun its work proper: light is missing",
@@ -301,12 +316,15 @@ int render_picture(RenderArguments arguments) {
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
   auto preparing = std::make_unique<Progress>(
       "preparing", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
-  RenderSession session(device, std::move(scene), type, settings, spec.parameters,
-                        [&preparing](double fraction, const std::string& stage) {
-                          if (preparing) preparing->update(fraction, stage);
-                        });
+  RenderSession session(
+      device, std::move(scene), type, settings, spec.parameters,
+      [&preparing](double fraction, const std::string& stage) {
+        if (preparing) preparing->update(fraction, stage);
+      },
+      planned_seconds(arguments.budget));
   preparing.reset();
   const KeepOnInterrupt keep_pictures;
+  tell_plan(arguments.budget, session.plan(), spec.name);
   for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
 
   ordered_json summaries = ordered_json::array();
@@ -361,11 +379,11 @@ void add_render_command(Command program, Action& action) {
   command
       .add_option("--time", arguments->budget.seconds,
                   "seconds from the start of the program: loading, kernels and preparing count; of a later frame, from "
-                  "the one before")
+                  "the one before; parameters that are not given are lowered where that is too short")
       ->check(positive_number());
   command
       .add_option("--compute-time", arguments->budget.compute_seconds,
-                  "seconds of preparing and iterating, without loading and compiling")
+                  "seconds of preparing and iterating, without loading and compiling; lowers parameters too")
       ->check(positive_number());
   command.add_option("--reference", arguments->reference, "image to measure the error against; for --json");
   command.add_flag("--curve", arguments->curve, "with --reference: the error also at times t*2^(i/2)");

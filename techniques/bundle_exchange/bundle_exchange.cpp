@@ -66,6 +66,7 @@
 #include <utility>
 
 #include "bundle_exchange/bundle_parts.h"
+#include "bundle_exchange/cost.h"
 #include "bundle_exchange/declaration.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
@@ -96,6 +97,13 @@ class BundleExchange : public TechniqueBase<Parameters> {
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
     return bundle::estimate_bytes(make_plan(parameters_, scene, settings), parameters_, scene, settings);
   }
+
+  double estimate_seconds(const Scene& scene, const RenderSettings& settings,
+                          const ComputePower& power) const override {
+    return bundle::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
+  }
+
+  std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return bundle::savings(); }
 
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
@@ -157,10 +165,10 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   // ---- what is made for a scene
 
-  void compile() override { guide_ = make_guide(); }
+  void compile() override { guide_ = make_guide(parameters_, scene()); }
 
   bool follow(const SceneChange& change) override {
-    if (change.environment || change.topology) guide_ = make_guide();
+    if (change.environment || change.topology) guide_ = make_guide(parameters_, scene());
     if (!parts_) return false;
     if (change.only_camera()) {
       step_ = {};
@@ -381,11 +389,6 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (kept.atlas->generation() == generation) known_ = std::move(known);
     if (touches_surfaces(change)) kept.exposure = nullptr, kept.openness = nullptr;
     kept_ = std::move(kept);
-  }
-
-  std::shared_ptr<const EnvironmentGuide> make_guide() const {
-    const auto& environment = scene().environment;
-    return environment && parameters_.env_guiding > 0 ? make_environment_guide(&*environment) : nullptr;
   }
 
   bool has_ring() const { return parts_->specular && parts_->specular->has_ring(); }

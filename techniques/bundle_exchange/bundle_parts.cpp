@@ -38,9 +38,10 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       exposure(kept.exposure ? std::move(kept.exposure)
                              : std::make_unique<TexelInterior>(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas,
                                                                kOwner, "lower texels")),
-      openness(kept.openness ? std::move(kept.openness)
-                             : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas,
-                                                              SlotOpenness::Options{p.pixel_size, p.open_gap})),
+      openness(kept.openness
+                   ? std::move(kept.openness)
+                   : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas,
+                                                    SlotOpenness::Options{p.pixel_size, p.open_gap, p.open_rays})),
       slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, *openness, plan.light_kinds),
       means(*c.device, c.scheduler, program, *atlas, openness->shares(), slot_light.light_samples(), plan.channels, p),
       preview(plan.preview ? std::make_unique<SlotPreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),

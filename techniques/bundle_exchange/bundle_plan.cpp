@@ -67,6 +67,10 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   return plan;
 }
 
+std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters, const Scene& scene) {
+  return scene.environment && parameters.env_guiding > 0 ? make_environment_guide(&*scene.environment) : nullptr;
+}
+
 size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene,
                       const RenderSettings& settings) {
   const size_t slots = plan.atlas.texel_count * 5 / 4;

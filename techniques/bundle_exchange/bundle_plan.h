@@ -17,6 +17,9 @@ struct BundlePlan {
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
+/// What directions are drawn by, or null: by nothing.
+std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters, const Scene& scene);
+
 /// Whether some material may reflect or transmit otherwise than diffusely.
 bool has_specular_lobes(const Scene& scene);
 

@@ -63,6 +63,7 @@
 #include "lucarium/services/eye_light/eye_light.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
+#include "micro_rendering/cost.h"
 #include "micro_rendering/declaration.h"
 #include "micro_rendering/gather/gather_pass.h"
 #include "micro_rendering/light/leaf_light.h"
@@ -90,6 +91,13 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     return micro::estimate_bytes(parameters_, scene, settings);
   }
 
+  double estimate_seconds(const Scene& scene, const RenderSettings& settings,
+                          const ComputePower& power) const override {
+    return micro::estimate_seconds(parameters_, scene, settings, power);
+  }
+
+  std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return micro::savings(); }
+
   void prepare(const TechniqueContext& context) override {
     TechniqueBase::prepare(context);
     if (forest_) forest_->warn_of_details();
@@ -112,16 +120,24 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
  protected:
   // ---- a frame: light at the points, a G-buffer, gathers at its pixels
 
-  /// One batch of gathers; before the first of a frame the G-buffer. True when it ends a frame.
+  /// One batch of gathers; before the first of a frame the G-buffer. True when it ends a frame. Where light at the
+  /// points takes several iterations, the first frame's direct light comes with the first of them: there is something
+  /// to see then.
   bool step() override {
-    if (!light_points() || !gather_batch()) return false;
+    if (!light_points()) return false;
+    if (!points_lit()) {
+      if (frame_index() == 0) see_directly();
+      return false;
+    }
+    if (!gather_batch()) return false;
+    seen_ = false;
     batch_ = (batch_ + 1) % batches();
     return batch_ == 0;
   }
 
   IterationResult state() const override {
     IterationResult result = TechniqueBase::state();
-    result.visible = batch_ > 0;
+    result.visible = batch_ > 0 || seen_;
     result.phase = points_lit() ? "gather" : "light";
     return result;
   }
@@ -133,6 +149,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
 
   void restart() override {
     batch_ = 0;
+    seen_ = false;
     eye_light_->set_frame(frame());
     if (!pixels_) return;
     pixels_->set_camera(frame().camera);
@@ -185,21 +202,27 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   /// Whether the points have the light of this frame. With final_gather=off they need none.
   bool points_lit() const { return !leaf_light_ || virtual_lights_ || leaf_light_->lit(frame_index(), seed()); }
 
-  /// Light of the frame at the points, worth batch_gathers gathers at most. False when cancelled or when some is
-  /// missing.
+  /// Light of the frame at the points, worth batch_gathers gathers at most: some may be missing. False when cancelled.
   bool light_points() {
-    for (double work = 0; !points_lit(); work += leaf_light_->last_work()) {
-      if (work > 0 && work >= parameters_.batch_gathers) return false;
+    for (double work = 0; !points_lit() && work < parameters_.batch_gathers; work += leaf_light_->last_work())
       if (!leaf_light_->step(frame_index(), seed())) return false;
-    }
     return true;
+  }
+
+  /// Emission and direct light of a frame before its gathers, unless they are there. When cancelled the sums are as
+  /// before.
+  void see_directly() {
+    const uint32_t index = frame_index();
+    if (seen_ || !eye_light_->see(index) || !eye_light_->sample(index)) return;
+    eye_light_->commit();
+    seen_ = true;
   }
 
   /// One batch of a frame, before its first one G-buffer and direct light. False when cancelled: the sums are as
   /// before.
   bool gather_batch() {
     const uint32_t index = frame_index();
-    const bool first = batch_ == 0;
+    const bool first = batch_ == 0 && !seen_;
     if (first && !eye_light_->see(index)) return false;
     if (virtual_lights_ ? !show_virtual_lights() : pixels_ && !pixels_->gather(batch_, index, seed())) return false;
     if (first && !eye_light_->sample(index)) return false;
@@ -256,6 +279,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   }
 
   uint32_t batch_ = 0;         ///< of the frame, the next one
+  bool seen_ = false;          ///< see_directly() is done, the gathers are not begun
   bool transmits_ = false;     ///< some surface is rough and lets light through
   bool keeps_forest_ = false;  ///< build() follows a change that the forest could follow
   std::map<std::string, double> counted_before_;

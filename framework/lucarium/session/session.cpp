@@ -142,6 +142,7 @@ struct RenderSession::State {
   IterationResult last;
   uint64_t iterations = 0;
   OnPreparing on_preparing;
+  BudgetPlan plan;
 
   State(std::shared_ptr<Device> d, Scene s, TechniqueType t, RenderSettings r, OnPreparing p)
       : type(std::move(t)),
@@ -239,8 +240,10 @@ struct RenderSession::State {
     timed(clocks.prepare, [&] { technique->update(change); });
   }
 
-  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters) {
+  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters, double seconds) {
     technique->parameters().set_all(parameters);
+    if (seconds > 0)
+      plan = plan_budget(*technique, parameters, scene, settings, compute_power(device->info()), seconds);
     limitations = technique->limitations(scene, settings);
     const size_t bytes = needed_bytes(type.info(), *technique, scene, settings);
     const MemoryAccount& memory = device->memory();
@@ -261,12 +264,12 @@ struct RenderSession::State {
 RenderSession::RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type,
                              RenderSettings settings,
                              const std::vector<std::pair<std::string, std::string>>& parameters,
-                             OnPreparing on_preparing) {
+                             OnPreparing on_preparing, double seconds) {
   check_settings(type.info(), settings);
   state_ =
       std::make_unique<State>(std::move(device), std::move(scene), type, std::move(settings), std::move(on_preparing));
   state_->technique = type.create();
-  call_technique(type.info(), [&] { state_->prepare(parameters); });
+  call_technique(type.info(), [&] { state_->prepare(parameters, seconds); });
 }
 
 RenderSession::~RenderSession() = default;
@@ -277,6 +280,7 @@ const RenderSettings& RenderSession::settings() const { return state_->settings;
 KernelScheduler& RenderSession::scheduler() { return state_->scheduler; }
 const RenderSession::Clocks& RenderSession::clocks() const { return state_->clocks; }
 const std::vector<std::string>& RenderSession::limitations() const { return state_->limitations; }
+const BudgetPlan& RenderSession::plan() const { return state_->plan; }
 uint64_t RenderSession::iterations() const { return state_->iterations; }
 IterationResult RenderSession::last() const { return state_->last; }
 
@@ -354,6 +358,7 @@ Film RenderSession::resolve() {
                                                  {"device", device.name},
                                                  {"driver", device.driver_version},
                                                  {"version", LUCARIUM_VERSION}};
+  if (!s.plan.changes.empty()) metadata["planned"] = s.plan.changes_text();
   metadata.merge(film.metadata);
   film.metadata = std::move(metadata);
   return film;

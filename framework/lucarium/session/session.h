@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "lucarium/technique/budget_plan.h"
 #include "lucarium/technique/plugin.h"
 
 namespace lucarium {
@@ -36,9 +37,11 @@ class RenderSession {
   using OnPreparing = std::function<void(double fraction, const std::string& stage)>;
 
   /// Applies `parameters` (name, value), checks capabilities and memory, uploads the scene, prepares and warms up.
-  /// `on_preparing` is kept, for later changes of the scene.
+  /// `on_preparing` is kept, for later changes of the scene. `seconds`: how long rendering may take; parameters that
+  /// are not given are then planned for that (technique/budget_plan.h). 0: they have their defaults.
   RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
-                const std::vector<std::pair<std::string, std::string>>& parameters = {}, OnPreparing on_preparing = {});
+                const std::vector<std::pair<std::string, std::string>>& parameters = {}, OnPreparing on_preparing = {},
+                double seconds = 0);
   ~RenderSession();
 
   Technique& technique();
@@ -47,6 +50,7 @@ class RenderSession {
   KernelScheduler& scheduler();
   const Clocks& clocks() const;
   const std::vector<std::string>& limitations() const;
+  const BudgetPlan& plan() const;  ///< of `seconds`
 
   IterationResult iterate();
   /// Iterates until the budget is used up, converged or interrupted, or `on_progress`, called after each iteration,
@@ -64,8 +68,9 @@ class RenderSession {
   /// The same for any change: `edit` alters a copy of the scene and says what it altered.
   void change_scene(const std::function<SceneChange(Scene&)>& edit);
 
-  /// Film with layers and metadata (technique, parameters, scene hash, samples, seconds, seed, device, driver,
-  /// version). Throws Error{technique} for NaN or infinite values, naming the first; negative ones are a warning.
+  /// Film with layers and metadata (technique, parameters, those that were planned, scene hash, samples, seconds,
+  /// seed, device, driver, version). Throws Error{technique} for NaN or infinite values, naming the first; negative
+  /// ones are a warning.
   Film resolve();
 
  private:

@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 5u
+#define LUCARIUM_ABI_VERSION 6u
 
 namespace lucarium {
 

@@ -14,6 +14,7 @@
 #include "lucarium/scene/scene.h"
 #include "lucarium/services/path_set.h"
 #include "lucarium/technique/capabilities.h"
+#include "lucarium/technique/cost.h"
 #include "lucarium/technique/parameters.h"
 
 namespace lucarium {
@@ -78,6 +79,12 @@ class Technique {
   virtual std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const = 0;
   /// Device bytes it will allocate, stated before it does.
   virtual size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const = 0;
+  /// Seconds until the first picture with all its light, with the current parameters on an idle machine: prepare() and
+  /// the first iterations, without upload, BVH and compilation. A model of its work, so that a budget of time can be
+  /// planned (budget_plan.h): the same arguments, the same seconds. 0: too little to plan for.
+  virtual double estimate_seconds(const Scene&, const RenderSettings&, const ComputePower&) const { return 0; }
+  /// Parameters that a plan may lower, in the order in which they take turns.
+  virtual std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const { return {}; }
 
   /// Compiles programs, allocates, records schedules; short. Long precomputation is made of iterations, or tells its
   /// progress and ends soon with Error{interrupted} when interrupt_requested() (base/interrupt.h).

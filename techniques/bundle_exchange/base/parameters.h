@@ -24,6 +24,7 @@ struct Parameters {
   int texels = 0;
   float pixel_size = 0.5f;
   float open_gap = 2;
+  int open_rays = 256;
   DirectMode direct_mode = DirectMode::nee;
   int direct_first = 8;
   float gain_exp = 0.5f;
@@ -68,6 +69,8 @@ struct Parameters {
     v.number("open_gap", open_gap, 0.f, 16.f, "texel edges",
              "rays that go farther tell how open a part of a texel is, and what it counts in the texel's mean; 0: all "
              "alike");
+    v.number("open_rays", open_rays, 128, 4096, "rays",
+             "of a texel, if it faced all directions, by which that is measured; of at least 32 bundles");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
     v.number("direct_first", direct_first, 0, 100000, "directions",

@@ -15,8 +15,7 @@ namespace lucarium::bundle {
 namespace {
 
 constexpr uint32_t kMostCells = 1u << BUNDLE_PART;
-constexpr double kRaysPerTexel =
-    256;  // if it faced all directions: about two per part, of few of which the mean is right too
+constexpr double kFewestBundles = 32, kMostBundles = 1024;
 constexpr uint64_t kSeed = 0x6f70656e;  // not that of a run, whose directions then are others
 const char* const kOwner = "bundle_exchange";
 const char* const kFewerTexels = "lower texels";
@@ -64,8 +63,9 @@ void SlotOpenness::begin(Device& device, KernelScheduler& scheduler, const Progr
   probes.scheduler = &scheduler;
   probes.bounds = scene.bounds();
   probes.pixel = safe_pixel_;
-  probes.count = static_cast<uint64_t>(
-      std::clamp(std::ceil(kRaysPerTexel * options_.pixel_size * options_.pixel_size), 32.0, 1024.0));
+  // About two rays per part by default: of few, the mean is right too.
+  const double bundles = std::ceil(double{options_.pixel_size} * options_.pixel_size * options_.rays);
+  probes.count = static_cast<uint64_t>(std::clamp(bundles, kFewestBundles, kMostBundles));
   probes.only_hidden = options_.open_gap <= 0;
   probes.hidden = exposure.hidden();
   probes.counts = TypedBuffer<uint32_t>(device, kOwner, "probes of slots", size_t{slots} * SLOT_PARTS, kFewerTexels);

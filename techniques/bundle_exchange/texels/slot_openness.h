@@ -33,6 +33,7 @@ class SlotOpenness {
   struct Options {
     float pixel_size = 0.5f;  ///< edge of a film pixel in texel edges
     float open_gap = 2;       ///< in texel edges; 0: all rays are open
+    int rays = 256;           ///< of a texel that faces all directions
   };
   SlotOpenness(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const Options& options);
   ~SlotOpenness();

@@ -36,6 +36,12 @@ bool is_unfinished(const PieceResult& piece) {
          json::parse(piece.render_summary).value("partial", false);
 }
 
+/// What was lowered for a budget of time, "points_log2 18 -> 15"; empty: nothing.
+std::string planned_changes(const PieceResult& piece) {
+  if (!piece.failure.empty() || piece.render_summary.empty()) return "";
+  return json::parse(piece.render_summary).value("planned", "");
+}
+
 }  // namespace
 
 ComparisonResult run_comparison(const ComparisonSpec& spec, const TechniqueRegistry& registry,
@@ -235,6 +241,12 @@ void ComparisonRunner::add_piece(PieceResult piece) {
     result_.scenes[piece.scene].warnings.push_back(
         fmt::format("{}, {}, seed {}: the budget ended too early; light is missing, or the picture is coarse",
                     spec_.variants[piece.variant].label(), spec_.budgets[piece.budget].label(), piece.seed));
+  }
+  if (const std::string changes = planned_changes(piece); !changes.empty()) {
+    std::vector<std::string>& warnings = result_.scenes[piece.scene].warnings;
+    const std::string line = fmt::format("{}, {}: lowered for the budget: {}", spec_.variants[piece.variant].label(),
+                                         spec_.budgets[piece.budget].label(), changes);
+    if (std::find(warnings.begin(), warnings.end(), line) == warnings.end()) warnings.push_back(line);
   }
   result_.pieces.push_back(std::move(piece));
 }

@@ -30,14 +30,17 @@ struct Rate {
   double counted_seconds = 0;  ///< of them, those that a budget of seconds counts
   double iteration_seconds = 0;
   double own_seconds = INFINITY;  ///< of iterating until the technique ends by itself, by its own account
+  std::string planned;            ///< what was lowered for the budget
   bool leads = false;             ///< its work proper, of which it knows the amount, has not begun
 };
 
-Rate measure_rate(const std::filesystem::path& program, Job job, const TechniqueVariant& variant, uint64_t iterations) {
+Rate measure_rate(const std::filesystem::path& program, Job job, const TechniqueVariant& variant, uint64_t iterations,
+                  double seconds) {
   RenderWork work;
   work.technique = variant.technique;
   work.parameters = variant.parameters;
   work.iterations = iterations;
+  work.compute_seconds = seconds;
   job.work = work;
   const ChildResult child = run_job({program.string()}, job);
   Rate rate;
@@ -51,6 +54,7 @@ Rate measure_rate(const std::filesystem::path& program, Job job, const Technique
   rate.start_seconds = child.seconds - iterate_seconds;
   for (const char* clock : {"upload_seconds", "bvh_seconds", "prepare_seconds"})
     rate.counted_seconds += clocks.at(clock).get<double>();
+  rate.planned = summary.value("planned", "");
   const json& left = summary.at("seconds_left");
   if (summary.at("converged")) rate.own_seconds = iterate_seconds;
   if (left.is_number()) rate.own_seconds = iterate_seconds + left.get<double>();
@@ -59,10 +63,11 @@ Rate measure_rate(const std::filesystem::path& program, Job job, const Technique
 }
 
 /// On one iteration, or on as many as lead to the work whose amount the technique knows.
-Rate measure_variant(const std::filesystem::path& program, const Job& job, const TechniqueVariant& variant) {
+Rate measure_variant(const std::filesystem::path& program, const Job& job, const TechniqueVariant& variant,
+                     double seconds) {
   Rate rate;
   for (const uint64_t iterations : {1, 16, 64}) {
-    rate = measure_rate(program, job, variant, iterations);
+    rate = measure_rate(program, job, variant, iterations, seconds);
     if (!rate.leads) break;
   }
   return rate;
@@ -129,6 +134,14 @@ class DryRun {
     for (size_t variant = 0; variant < spec_.variants.size(); ++variant) add_variant(scene, plan, variant);
   }
 
+  /// The longest budget of time, for which parameters are planned as in a run; 0: none.
+  double longest_seconds() const {
+    double longest = 0;
+    for (const ComparisonBudget& budget : spec_.budgets)
+      longest = std::max({longest, budget.seconds, budget.limit_seconds});
+    return longest;
+  }
+
   void add_reference(const ComparisonScene& scene, const ScenePlan& plan, size_t index) {
     const std::string set = plan.result.references[index].path_set;
     text_ += fmt::format("  reference {}: {}; ", index + 1, describe_path_set(set));
@@ -141,7 +154,7 @@ class DryRun {
     Job job = scene_job(spec_, scene, plan, options_, 1);
     job.max_bounces = PathSet::parse(set).max_bounces;
     const TechniqueVariant path_tracing{"path_tracing", reference_parameters(PathSet::parse(set)), ""};
-    const Rate rate = missing > 0 ? measure_rate(options_.program, job, path_tracing, 1) : Rate();
+    const Rate rate = missing > 0 ? measure_rate(options_.program, job, path_tracing, 1, 0) : Rate();
     const double seconds = rate.iteration_seconds * static_cast<double>(missing) / reference_batch;
     seconds_ += seconds;
     open_ended_ |= missing > 0 && spec_.reference.relmse > 0;
@@ -156,8 +169,8 @@ class DryRun {
       text_ += fmt::format("does not run: {}\n", variant.refused);
       return;
     }
-    const Rate rate =
-        measure_variant(options_.program, scene_job(spec_, scene, plan, options_, 1), spec_.variants[index]);
+    const Rate rate = measure_variant(options_.program, scene_job(spec_, scene, plan, options_, 1),
+                                      spec_.variants[index], longest_seconds());
     if (!rate.failure.empty()) {
       text_ += fmt::format("fails: {}\n", rate.failure);
       return;
@@ -173,6 +186,7 @@ class DryRun {
         format_bytes(variant.device_bytes), rate.start_seconds, rate.iteration_seconds,
         std::isfinite(rate.own_seconds) ? fmt::format(", at most {:.3g} s until it ends by itself", rate.own_seconds)
                                         : "");
+    if (!rate.planned.empty()) text_ += fmt::format("    lowered for the budget: {}\n", rate.planned);
     for (const std::string& limitation : variant.limitations) text_ += fmt::format("    {}\n", limitation);
   }
 

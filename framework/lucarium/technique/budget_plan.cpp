@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/technique/budget_plan.h"
+
+#include <algorithm>
+#include <set>
+
+namespace lucarium {
+namespace {
+
+constexpr double picture_share = 0.5;      // of the budget, for the first whole picture
+constexpr double least_saving = 0.1;       // of the time, that a smaller value must be worth
+constexpr double start_seconds = 1;        // of the program: devices, compiled kernels from the cache
+constexpr double triangle_seconds = 3e-6;  // of a core: reading, upload and BVH; measured on builtin:atrium
+
+/// Names of the parameters that are the user's: those given, and those that a given preset sets.
+std::set<std::string> given_names(Technique& technique, const std::vector<std::pair<std::string, std::string>>& given) {
+  std::set<std::string> names;
+  for (const auto& [name, value] : given) {
+    names.insert(name);
+    for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
+      if (entry.info.name != name) continue;
+      for (const ParameterPreset& preset : entry.presets) {
+        if (preset.name != value) continue;
+        for (const auto& assignment : preset.values) names.insert(assignment.first);
+      }
+    }
+  }
+  return names;
+}
+
+/// The way down from the parameters as they are to the least ones: the same for every budget.
+class Savings {
+ public:
+  Savings(Technique& technique, const std::set<std::string>& given, const Scene& scene, const RenderSettings& settings,
+          const ComputePower& power)
+      : technique_(technique),
+        scene_(scene),
+        settings_(settings),
+        power_(power),
+        path_set_(technique.path_set(scene, settings).to_string()),
+        savings_(technique.savings(scene, settings)),
+        next_(savings_.size(), 0) {
+    std::erase_if(savings_, [&](const ParameterSaving& saving) { return given.contains(saving.parameter); });
+    seconds_ = estimate();
+  }
+
+  double seconds() const { return seconds_; }
+
+  /// One value lower, of the parameters in turn. False when nothing is worth it any more.
+  bool step() { return step(false) || step(true); }
+
+ private:
+  double estimate() const {
+    return start_seconds + triangle_seconds * static_cast<double>(scene_.triangle_count()) / power_.host +
+           technique_.estimate_seconds(scene_, settings_, power_);
+  }
+
+  bool step(bool last_resort) {
+    for (size_t tried = 0; tried < savings_.size(); ++tried) {
+      const size_t i = (turn_ + tried) % savings_.size();
+      if (savings_[i].last_resort != last_resort || !lower(i)) continue;
+      turn_ = (i + 1) % savings_.size();
+      return true;
+    }
+    return false;
+  }
+
+  /// Gives parameter `i` its next value that saves time, if that is worth it. Light paths stay what they are: an image
+  /// is compared with the reference of the parameters that were asked for.
+  bool lower(size_t i) {
+    const ParameterSaving& saving = savings_[i];
+    ParameterTable& parameters = technique_.parameters();
+    const std::string before = parameters.get(saving.parameter);
+    for (; next_[i] < saving.values.size(); ++next_[i]) {
+      parameters.set(saving.parameter, saving.values[next_[i]]);
+      const double seconds = estimate();
+      if (seconds <= (1 - least_saving) * seconds_ && technique_.path_set(scene_, settings_).to_string() == path_set_) {
+        seconds_ = seconds;
+        ++next_[i];
+        return true;
+      }
+      parameters.set(saving.parameter, before);
+      if (seconds < seconds_) return false;  // it may be worth more when others have become cheap
+    }
+    return false;
+  }
+
+  Technique& technique_;
+  const Scene& scene_;
+  const RenderSettings& settings_;
+  const ComputePower& power_;
+  const std::string path_set_;
+  std::vector<ParameterSaving> savings_;
+  std::vector<size_t> next_;  ///< of a saving's values
+  size_t turn_ = 0;
+  double seconds_ = 0;
+};
+
+std::vector<std::pair<std::string, std::string>> values_of(Technique& technique) {
+  std::vector<std::pair<std::string, std::string>> values;
+  for (const ParameterTable::Entry& entry : technique.parameters().entries())
+    if (entry.presets.empty()) values.emplace_back(entry.info.name, entry.get());
+  return values;
+}
+
+}  // namespace
+
+std::string BudgetPlan::changes_text() const {
+  std::string text;
+  for (const Change& change : changes)
+    text += fmt::format("{}{} {} -> {}", text.empty() ? "" : ", ", change.parameter, change.from, change.to);
+  return text;
+}
+
+BudgetPlan plan_budget(Technique& technique, const std::vector<std::pair<std::string, std::string>>& given,
+                       const Scene& scene, const RenderSettings& settings, const ComputePower& power, double seconds) {
+  BudgetPlan plan;
+  if (technique.estimate_seconds(scene, settings, power) <= 0) return plan;
+  const auto before = values_of(technique);
+  Savings savings(technique, given_names(technique, given), scene, settings, power);
+  plan.budget_seconds = seconds;
+  plan.default_seconds = savings.seconds();
+  while (savings.seconds() > picture_share * seconds && savings.step()) {
+  }
+  plan.expected_seconds = savings.seconds();
+  const auto planned = values_of(technique);
+  for (size_t i = 0; i < before.size(); ++i)
+    if (planned[i] != before[i]) plan.changes.push_back({before[i].first, before[i].second, planned[i].second});
+  while (savings.step()) {
+  }
+  plan.sufficient_seconds = savings.seconds() / picture_share;
+  for (const auto& [name, value] : planned) technique.parameters().set(name, value);
+  return plan;
+}
+
+}  // namespace lucarium

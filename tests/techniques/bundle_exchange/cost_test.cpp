@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The time that bundle_exchange names, and how savings lower it.
+#include "bundle_exchange/cost.h"
+
+#include <doctest/doctest.h>
+
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/technique/budget_plan.h"
+#include "technique_rig.h"
+
+using namespace lucarium;
+using namespace lucarium::bundle;
+
+TEST_CASE("fewer texels and rays take less time, and a budget gets those that it can pay") {
+  const Scene scene = load_scene("builtin:cornell");
+  RenderSettings settings;
+  const TechniqueRegistry registry;
+  const auto planned = [&](double seconds) {
+    const auto technique = registry.find("bundle_exchange").create();
+    const BudgetPlan plan = plan_budget(*technique, {}, scene, settings, {2, 2}, seconds);
+    return std::pair(plan, technique->parameters().get("texels"));
+  };
+  const auto [rich, automatic] = planned(1000);
+  CHECK(rich.changes.empty());
+  CHECK(automatic == "0");
+  const auto [poor, texels] = planned(3);
+  CHECK(poor.expected_seconds < rich.expected_seconds / 3);
+  CHECK(std::stoi(texels) >= 4096);
+  CHECK(std::stoi(texels) < 262144);
+  Parameters parameters;
+  const auto seconds = [&] {
+    return estimate_seconds(make_plan(parameters, scene, settings), parameters, scene, settings, ComputePower());
+  };
+  const double whole = seconds();
+  parameters.open_rays = 128;
+  const double fewer_rays = seconds();
+  CHECK(fewer_rays < whole);
+  parameters.open_gap = 0;  // nothing to measure
+  CHECK(seconds() < fewer_rays);
+}
