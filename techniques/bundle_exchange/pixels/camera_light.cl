@@ -23,6 +23,7 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
   const GBufferPoint point = points[i];
+  // Add what the pixel has gathered: by rays, and as a mean over directions by bundles.
   float3 once = gathered[2u * i].xyz, reflected = gathered[2u * i + 1u].xyz;
   const float directions = bundled[2u * i].w;
   if (directions > 0.0f) {
@@ -30,6 +31,7 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     reflected += bundled[2u * i + 1u].xyz / directions;
   }
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE) {
+    // Look up the irradiance around the point, and reflect it by the pixel's own albedo.
     const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
                                        point.u, point.v, point.normal.w == 0.0f);
     const Surface surface = gbuffer_surface(&scene, point);

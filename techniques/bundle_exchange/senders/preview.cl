@@ -58,6 +58,7 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
   const uint home = atlas_cell(triangle, atlas_uv(triangle, texel.b1, texel.b2));
   const float own_variance = variance[slot];
   const bool known = own_variance >= 0.0f;
+  // Add the neighbours that the surface joins to the slot, on the same side, as far as noise explains the difference.
   float own = luminance(indirect[slot].xyz), weight = 0.0f, squares = 0.0f;
   float3 sum = (float3)(0.0f), direct_sum = (float3)(0.0f);
 #ifdef BUNDLE_EXCHANGED
@@ -87,6 +88,7 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
     squares += w * w * other_variance;
     weight += w;
   }
+  // Normalize; the variance of a weighted mean goes by squared weights.
   const float scale = weight > 0.0f ? 1.0f / weight : 0.0f, found = weight > 0.0f ? 1.0f : 0.0f;
   next_indirect[slot] = (float4)(scale * sum, found);
 #ifdef BUNDLE_EXCHANGED

@@ -23,6 +23,7 @@ __kernel void finish_openness(uint slots, AtlasInfo atlas_info, __global const A
                               __global uint* restrict points) {
   const uint slot = get_global_id(0);
   if (slot >= slots) return;
+  // Sum up the rays over the parts.
   const global uint* own = counts + (size_t)slot * SLOT_PARTS;
   uint rays = 0u, backs = 0u, near = 0u;
   for (uint part = 0u; part < SLOT_PARTS; ++part) {
@@ -34,6 +35,7 @@ __kernel void finish_openness(uint slots, AtlasInfo atlas_info, __global const A
   const bool closed = near + backs == rays;
   const float mean = closed ? 1.0f : 1.0f - (float)near / (float)(rays - backs), counted = exposure[slot].y;
   const bool partly = exposure[slot].x < 1.0f;  // some of it is hidden
+  // Find how open each part is: of its rays that meet no backs, the share that goes far; the slot's mean without any.
   float total = 0.0f;
   for (uint word = 0u; word < SLOT_PART_WORDS; ++word) {
     uint levels = 0u;
@@ -50,6 +52,7 @@ __kernel void finish_openness(uint slots, AtlasInfo atlas_info, __global const A
   }
   // Slots that no ray has met are too small to matter.
   share[slot] = rays > 0u ? total / (float)(SLOT_MOST_OPEN * rays) : exposure[slot].x;
+  // Give the slot's random points the openness of the parts in which they lie.
   uint of_points = 0u;
   for (uint k = 0u; k < SLOT_POINTS; ++k) {
     if (hidden[slot] >> k & 1u) continue;

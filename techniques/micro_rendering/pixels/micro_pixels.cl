@@ -269,6 +269,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
   const uint pixel = sub_image_pixel(sub, i);
   float3 light = (float3)(0.0f);
   if (points[pixel].state == LUCARIUM_GBUFFER_SURFACE) {
+    // Reflect and transmit what was gathered, by the pixel's own material.
     const Surface surface = gbuffer_surface(&scene, points[pixel]);
     const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
     const float3 throughput = points[pixel].throughput.xyz;
@@ -284,6 +285,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
 #endif
     const MicroStatistics s = statistics[pixel];
 #if MICRO_LEVELS
+    // Follow the mean and its variance over the frames: what the next cut may err by, and where more is needed.
     if (s.visits > 0u) {
       const float2 now =
           (float2)(M_1_PI_F * max_component(irradiance[pixel].xyz),
@@ -295,6 +297,7 @@ __kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPo
       levels[pixel] = (float4)(mean, before.z + squares, s.uneven ? frames : -frames);
     }
 #endif
+    // Add to the inspection layers.
     const MicroStatistics shown = s.visits > 0u ? s : statistics[sub_image_neighbour(lattice, pixel)];
     looks[pixel] += (float4)((float)shown.levels / (float)max(shown.splats + shown.listed, 1u), (float)shown.listed,
                              (float)shown.visits, (float)failed[pixel]);

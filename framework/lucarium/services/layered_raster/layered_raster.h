@@ -33,12 +33,13 @@ struct LayeredStoreOptions {
   uint32_t list_capacity = 8;  ///< linked_list: nodes per pixel at first; more when they do not suffice
 };
 
-/// Rasterizes the scene's world triangles: all fragments of every pixel in depth order, or only the nearest. Vertices
-/// are snapped to 1/256 pixel; coverage is exact from there (integer edge functions, top-left rule), so that meshes are
-/// watertight and no fragment is ever dropped. Triangles without area, which rays never hit, have none. MASK discards
-/// fragments, BLEND keeps them with probability alpha, decided by triangle, pixel and LayeredView::seed. Order: depth
-/// to 1/2²² of the film's range, then fronts that face along the view first, then by triangle (clipped triangles after
-/// others). Results do not depend on the number of threads.
+/// Rasterizes the scene's world triangles: all fragments of every pixel in depth order (an A-buffer, Carpenter 1984),
+/// or only the nearest (a k-buffer, Bavoil et al. 2007). Vertices are snapped to 1/256 pixel; coverage is exact from
+/// there (integer edge functions, top-left rule), so that meshes are watertight and no fragment is ever dropped.
+/// Triangles without area, which rays never hit, have none. MASK discards fragments, BLEND keeps them with probability
+/// alpha, decided by triangle, pixel and LayeredView::seed. Order: depth to 1/2²² of the film's range, then fronts that
+/// face along the view first, then by triangle (clipped triangles after others). Results do not depend on the number of
+/// threads.
 ///
 /// Consumers either walk over sorted fragments while they are in registers (record_tiles(),
 /// framework/lucarium/services/layered_raster/tiles.clh), or read a stored A-buffer (record_stored()).

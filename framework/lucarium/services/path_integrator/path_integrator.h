@@ -30,8 +30,9 @@ struct PathIntegratorOptions {
   uint32_t samples_per_iteration = 1;  ///< per pixel
 };
 
-/// Wavefront path tracer over any Intersector (docs/techniques/path_tracing.md). An iteration is made of batches: whole
-/// samples of all pixels where they fit into batch_paths, else ranges of pixels. A batch runs three recorded schedules:
+/// Wavefront path tracer (Laine, Karras, Aila 2013) over any Intersector (docs/techniques/path_tracing.md). An
+/// iteration is made of batches: whole samples of all pixels where they fit into batch_paths, else ranges of pixels. A
+/// batch runs three recorded schedules:
 ///
 ///   generate  generate_camera_paths                       rays, throughput 1, layer sums 0
 ///   bounce    closest hit        Intersector              rays -> hits

@@ -119,6 +119,7 @@ bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, con
   }
   if (sample.transmitted) walk->state.medium = medium_behind(scene, surface, walk->state.medium);
   const bool eye_side = walk->state.scatterings == 0u;
+  // End the path by Russian roulette (Arvo and Kirk 1990), by what it may still bring.
   if (eye_side ? walk->state.segment >= settings.eye_roulette_start
                : walk->state.scatterings >= settings.roulette_start) {
     // Facets of glass keep light for thousands of events without loss: a bound below 1 would make its variance

@@ -8,8 +8,9 @@
 namespace lucarium {
 
 /// stride × stride interleaved sub-images of an image, each every stride-th pixel of every stride-th row; together they
-/// hold each pixel once. For techniques whose iterations compute a part of the picture, or that compute some pixels and
-/// interpolate the others. Kernels find the pixels with sub_image.clh.
+/// hold each pixel once (interleaved sampling: Keller and Heidrich 2001). For techniques whose iterations compute a
+/// part of the picture, or that compute some pixels and interpolate the others. Kernels find the pixels with
+/// sub_image.clh.
 class SubImages {
  public:
   SubImages() = default;
