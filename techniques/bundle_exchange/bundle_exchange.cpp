@@ -29,12 +29,12 @@
 // Where the paper stands in the source (files below this folder; bundles/, layered_raster/, surface_atlas/ and
 // interior_surfaces/ are services of the framework):
 //
-//   equation 1, rendering equation           solved for both sides of all texels at once
-//   equation 2, sum over directions          senders/fold.cl: fold_batch(); base/exchange_layout.clh: slot_mean()
-//   equation 3, transfer of radiance         exchange/exchange_rows.cl: receive() (L_x cosθ);
+//   equation 1 (Eq. 1), rendering equation   solved for both sides of all texels at once
+//   equation 2 (Eq. 2), sum over directions  senders/fold.cl: fold_batch(); base/exchange_layout.clh: slot_mean()
+//   equation 3 (Eq. 3), transfer             exchange/exchange_rows.cl: receive() (L_x cosθ);
 //                                            senders/senders.cl: make_senders() (f_r);
 //                                            term by term in exchange/exchange_texels.cl: exchange_texels()
-//   equation 4, transfer atlas               senders/ring.cl: ring_receive(), ring_send()
+//   equation 4 (Eq. 4), transfer atlas       senders/ring.cl: ring_receive(), ring_send()
 //   figure 3, loop over directions           bundle_exchange.cpp: run_batch(), exchange_along()
 //   figure 5, self-localization              exchange/exchange_texels.cl: exchange_texels() (transfer=texel);
 //                                            layered_raster/fragment_list.clh: seen_fragment()

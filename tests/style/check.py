@@ -9,8 +9,9 @@
   pages     pages but those of measurements have at most 5 numbers in 100 words of their sentences; a technique's page
             has at most 120 lines
   citations every section, equation, figure and table of a paper of CITATIONS that the sources cite is in that list, in
-            full words ("section 2.3", "equation 4") so that a search finds it; what the list calls cited is cited at
-            the code too, beside the table of the paper; "FILE: function()" in comments names what exists
+            full words ("section 2.3", "equation 4") so that a search finds it, beside which the head of the technique
+            may have "Eq. 4"; what the list calls cited is cited at the code too; "FILE: function()" in comments names
+            what exists
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
 import json
@@ -205,8 +206,9 @@ def glob_exists(pattern):
 
 
 NUMBER = r'\d+(?:\.\d+)*'
-CITATION = re.compile(rf'\b(section|equation|figure|table)s?\s+({NUMBER}(?:(?:,? and |,? to |, ){NUMBER})*)', re.I)
-SHORT = re.compile(r'(?:§+|\b(?:secs?\.|sect\.|eqs?\.|eqns?\.|figs?\.|tabs?\.))\s*\d', re.I)
+CITATION = re.compile(rf'(§+|\b(?:section|equation|figure|table)s?(?=\s)|\b(?:sec|sect|eq|eqn|fig|tab)s?\.)\s*'
+                      rf'({NUMBER}(?:(?:,? and |,? to |, ){NUMBER})*)', re.I)
+KINDS = {'§': 'section', 's': 'section', 'e': 'equation', 'f': 'figure', 't': 'table'}
 WORK = re.compile(r'\b([A-Z][\w\-]+)(?: et al\.| and [A-Z][\w\-]+|, [A-Z][^.;]{0,80}?)?,? \(?(?:19|20)\d\d\b')
 # "folder/file.cl: one(), two()", beginning anywhere in a folder's path
 PLACE = re.compile(r'([\w/]+\.(?:clh|cl|cpp|h)):\s+(\w+\(\)(?:,\s+\w+\(\))*)')
@@ -231,7 +233,7 @@ def comments(text):
 
 def paper_items(kind, numbers):
     for number in re.findall(NUMBER, numbers):
-        yield f'{kind.lower()} {number}'
+        yield f'{KINDS[kind[0].lower()]} {number}'
 
 
 def check_places(file, first, text, sources):
@@ -258,14 +260,14 @@ def check_citations():
             works = [(m.start(), next((p for p in papers if m.group(1) in p['named']), None)) for m in
                      WORK.finditer(flat)]
             works += [(m.start(), own) for m in re.finditer(r'\b(?:the|its?) paper', flat) if own]
-            if own and SHORT.search(flat):
-                yield f'{file}:{first}: write "section", "equation" or "figure" in full, as others are searched for'
             for match in CITATION.finditer(flat):
                 before = [w for w in sorted(works, key=lambda w: w[0]) if w[0] < match.start()]
                 paper = before[-1][1] if before else own
                 if not paper:
                     continue
                 line = first + text.count('\n', 0, match.start())
+                if file != paper['table'] and not match.group(1).isalpha():
+                    yield f'{file}:{line}: {match.group(0)}: write section, equation or figure in full'
                 for item in paper_items(*match.groups()):
                     if item not in paper['items']:
                         yield f'{file}:{line}: {item} is not in {CITATIONS} for "{paper["paper"]}"'
