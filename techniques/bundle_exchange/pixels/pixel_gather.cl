@@ -76,6 +76,7 @@ __kernel void gather_missed(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   LUCARIUM_SCENE_BIND(scene);
   const Hit hit = hits[i];
   const float3 in = rays[i].direction.xyz;
+  // Find the texel side that the ray met, or the end of the bundle.
   uint slot = LUCARIUM_NONE;
   float3 end = (float3)(0.0f);
   if (hit.triangle == LUCARIUM_NO_HIT) {

@@ -53,6 +53,7 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
   if (slot >= slots) return;
   const uint doubles = atlas_info.double_sided_count;
   const bool front = slot < doubles || slot >= 2u * doubles;
+  // Find the slot's own cell, from which neighbours are counted.
   const AtlasTexel texel = atlas_texels[slot];
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
   const uint home = atlas_cell(triangle, atlas_uv(triangle, texel.b1, texel.b2));

@@ -66,8 +66,8 @@ __kernel void ring_receive(uint count, RingStep turn, __global const uint* restr
 
 // Work-item i: adds to what entry i sends towards `omega` the light that it reflects of the last turn.known directions:
 // equation 4, evaluated when `omega` = ω_{i+1} has come and not in advance, so that one record serves all later ones.
-// With f the specular lobe, L and w of the rays that came from them (their cosine is implicit), and a its albedo:
-//   by their share:  a Σ f w L / Σ f w        by themselves:  Σ f w L / (turn.known A),  A the slot's area times
+// With f the specular lobe, L and w of the rays that came from them (their cosine is implicit), and ρ its albedo:
+//   by their share:  ρ Σ f w L / Σ f w        by themselves:  Σ f w L / (turn.known A),  A the slot's area times
 //   openness
 // albedo: w is A. diffuse: what the slot sends otherwise; null where turn.onto says that the record holds it.
 __kernel void ring_send(__global const float* restrict scene_albedo_table,

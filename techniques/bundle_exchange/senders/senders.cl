@@ -42,8 +42,8 @@ __kernel void make_senders(uint slots, __global const float4* restrict albedo, _
 #define BALANCE_MOST_SPECULAR 0.2f
 
 // Numerator and denominator of the balance over a chunk of slots (balance_scale), but for specular light:
-//   xyz: sum V c e_dir, w: sum W             xyz: sum (W - V c) e_S, w: sum W e_S, of the three colours
-// V: what other slots count of a slot's rays, W: what it counts itself (visible).
+//   xyz: sum V c e_dir, w: sum U             xyz: sum (U - V c) e_S, w: sum U e_S, of the three colours
+// V: what other slots count of a slot's rays, U: what it counts itself (visible).
 __kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
                              __global const float4* restrict light_samples, __global const float4* restrict senders,
                              __global const float4* restrict display, __global const float2* restrict visible,
@@ -63,8 +63,8 @@ __kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
 }
 
 // One work-item. Scaled by
-//   s = (sum V c e_dir + P) / sum (W - V c) e_S,
-// what is delivered is what receivers hold: s sum W e_S = sum V c (e_dir + s e_S) + P. P is the power that specular
+//   s = (sum V c e_dir + P) / sum (U - V c) e_S,
+// what is delivered is what receivers hold: s sum U e_S = sum V c (e_dir + s e_S) + P. P is the power that specular
 // lobes deliver: received in the batch less sent diffusely (specular: of S, sum of w L, sum of w over all rays). It is
 // not scaled, although some of it is light that slots held. This only slows the correction down while P is small; if P
 // is large, s = 1. Clamped, since the sums over a few directions may be anything.

@@ -98,6 +98,7 @@ __kernel void begin_pixel_hops(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
   if (point.state == LUCARIUM_GBUFFER_SURFACE) {
     const Surface surface = gbuffer_surface(&scene, point);
     const Bsdf full = make_bsdf(&scene, &surface, 0u);
+    // Keep the lobes that are neither looked up in the atlas nor gathered by bundles.
     Bsdf bsdf = full;
     if (!whole) bsdf = lobe_is_wide(&full, alpha_most) ? black_bsdf(&surface) : specular_part(full);
     SpecularChain chain = begin_chain(i, point.throughput.xyz, gbuffer_medium(point));

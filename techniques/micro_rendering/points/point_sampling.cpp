@@ -176,6 +176,7 @@ SampledSurface sample_surface(const std::vector<SurfaceSide>& sides, uint32_t co
   const auto sample = [&](uint32_t first, uint32_t i, uint32_t strata) {
     SampledPoint best, candidate;
     float best_distance = 0;
+    // Draw candidates within the part, and keep the one farthest from all points so far (best candidate).
     for (uint32_t k = 0; k < kCandidates; ++k) {
       for (uint32_t attempt = 0; attempt < kRejections; ++attempt) {
         const uint4 r = hash_uint4({seed, first + i, k, attempt});
