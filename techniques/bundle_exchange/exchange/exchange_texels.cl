@@ -26,9 +26,9 @@ AtlasTexel jitter_texel(const global AtlasTriangle* atlas_triangles, const globa
   return texel;
 }
 
-// Equation 3 term by term: weight W = 1/p, cosθ of the receiver's normal; the sender's f_r is in its record.
-// weight: W. ends: radiance that enters along omega (the view's direction), and along -omega. Of the records, what
-// slots send is read, and each work-item adds to its own sums.
+// Equation 3 term by term: weight W = 1/p, cosθ of the receiver's normal; f_r follows when the slot sends
+// (make_senders()). weight: W. ends: radiance that enters along omega (the view's direction), and along -omega. Of the
+// records, what slots send is read, and each work-item adds to its own sums.
 __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global const AtlasTriangle* restrict atlas_triangles,
                               __global const uint* restrict atlas_table,

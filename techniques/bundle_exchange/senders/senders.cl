@@ -4,8 +4,8 @@
 #include "bundle_exchange/shared/slots.h"
 
 // Sets L_x of the next batch's equation 3 (Hermes et al. 2010): emission, and c times the irradiance over pi that is
-// known, which is the paper's f_r applied at the sender once instead of at every receiver. With the means read from S,
-// light of all path lengths so far travels at once (section 5.5, interleaved light transfer).
+// known: f_r of a receiver, which the paper applies at every transfer, is applied once, when the receiver sends. With
+// the means read from S, light of all path lengths so far travels at once (section 5.5, interleaved light transfer).
 //
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of
 // emission. scale[0]: of what a self-fed channel has received. feedback_share: of all that has been received. Clears
