@@ -36,6 +36,9 @@ void add_radiometric_checks(std::vector<Check>& list, const CheckContext& contex
   for (const MaterialKind material : all_kinds<MaterialKind>())
     list.push_back({"reference/material/" + name_of(material), agrees,
                     [material, light](CheckContext& c) { return check_reference(c, material, light); }});
+  list.push_back({"reference/sky", agrees, check_sky});
+  list.push_back({"reference/sides", agrees, check_sides});
+  list.push_back({"reference/lobes", agrees, check_lobes});
 }
 
 std::vector<Check> make_list(const CheckContext& context) {

@@ -2,6 +2,7 @@
 #include "lucarium/conformance/check_scenes.h"
 
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "lucarium/base/error.h"
 #include "lucarium/scene/builtin/builder.h"
@@ -37,6 +38,23 @@ void add_white_sky(Scene& scene, float radiance) {
   scene.environment->factor = glm::vec3(radiance);
 }
 
+/// A sky that differs from end to end along every axis, each in a colour of its own: 1 + 0.8 of one coordinate of the
+/// direction. Light that comes from a wrong direction, or the wrong end of a ray, has another colour.
+void add_uneven_sky(Scene& scene) {
+  Environment sky;
+  sky.name = "uneven";
+  sky.width = 64;
+  sky.height = 32;
+  for (uint32_t row = 0; row < sky.height; ++row) {
+    for (uint32_t column = 0; column < sky.width; ++column) {
+      const double theta = pi * (row + 0.5) / sky.height, phi = 2 * pi * (column + 0.5) / sky.width;
+      const glm::dvec3 d(std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi));
+      sky.radiance.push_back(glm::vec3(1.0 + 0.8 * d));
+    }
+  }
+  scene.environment = sky;
+}
+
 /// A square lamp at height y that shines down.
 void add_lamp(Scene& scene, float y, float half, float radiance) {
   add_instance(
@@ -64,12 +82,12 @@ void add_picture_light(Scene& scene, LightKind kind) {
       break;
     }
     case LightKind::directional: add_light(scene, LightType::directional, {0, 3, 0}, {0.5f, -1, -0.4f}, 4); break;
-    case LightKind::environment: add_white_sky(scene, 1); break;
+    case LightKind::environment: add_uneven_sky(scene); break;
     case LightKind::emissive: add_lamp(scene, 2.5f, 0.6f, 12); break;
   }
 }
 
-/// An upright square about the z axis with texture coordinates and tangents; facing +z.
+/// An upright square about the z axis with texture coordinates and tangents; facing +z, where the camera is.
 Mesh make_screen() {
   Mesh mesh = MeshBuilder("screen")
                   .quad({-0.7f, 0.1f, 0.3f}, {0.7f, 0.1f, 0.3f}, {0.7f, 1.5f, 0.3f}, {-0.7f, 1.5f, 0.3f})
@@ -219,6 +237,56 @@ Scene make_material_scene(MaterialKind material, LightKind light) {
   add_object(scene, material);
   const Mesh low = MeshBuilder("low box").box({-1.3f, 0, -0.6f}, {-0.8f, 0.4f, 0.2f}).take();
   add_instance(scene, add_mesh(scene, low), add_lambert(scene, "low box", {0.2f, 0.6f, 0.3f}));
+  add_picture_light(scene, light);
+  look_at_middle(scene);
+  return scene;
+}
+
+Scene make_sky_scene(const std::vector<MaterialKind>& materials) {
+  Scene scene;
+  scene.source = "check:sky";
+  add_floor(scene, 3, add_lambert(scene, "floor", glm::vec3(0.6f)));
+  const Mesh box = MeshBuilder("box").box({-0.45f, 0.05f, -0.45f}, {0.45f, 1.05f, 0.45f}).take();
+  float x = -0.6f;
+  for (const MaterialKind kind : materials) {
+    // Turned, so that none of its faces shows what another axis would.
+    const glm::mat4 place = glm::rotate(glm::translate(glm::mat4(1), {x, 0, 0}), 0.5f, {0, 1, 0});
+    add_instance(scene, add_mesh(scene, box), add_material(scene, kind), place);
+    x += 1.2f;
+  }
+  add_uneven_sky(scene);
+  look_at_middle(scene);
+  return scene;
+}
+
+Scene make_sides_scene(const std::vector<MaterialKind>& sheets) {
+  Scene scene;
+  scene.source = "check:sides";
+  add_floor(scene, 3, add_lambert(scene, "floor", glm::vec3(0.6f)));
+  const Mesh screen = make_screen();
+  const auto add_turned = [&](int material, const glm::vec3& place, float angle, float size) {
+    const glm::mat4 turned = glm::rotate(glm::translate(glm::mat4(1), place), angle, {0, 1, 0});
+    add_instance(scene, add_mesh(scene, screen), material, glm::scale(turned, glm::vec3(size)));
+  };
+  const int lamp = add_emitter(scene, "lamp", glm::vec3(3));
+  scene.materials[lamp].double_sided = true;
+  const auto back = static_cast<float>(pi);
+  add_turned(lamp, {0, 0, -0.4f}, back, 0.6f);
+  float side = -1;
+  for (const MaterialKind kind : sheets) {
+    add_turned(add_textured(scene, kind), {0.75f * side, 0, 0.1f}, back - 0.5f * side, 0.6f);
+    side = -side;
+  }
+  look_at_middle(scene);
+  return scene;
+}
+
+Scene make_lobes_scene(LightKind light) {
+  Scene scene;
+  scene.source = "check:lobes-" + name_of(light);
+  add_floor(scene, 3, add_dielectric(scene, "coated floor", glm::vec3(0.5f), 0));
+  const Mesh box = MeshBuilder("box").box({-0.5f, 0.05f, -0.5f}, {0.5f, 1.05f, 0.5f}).take();
+  add_instance(scene, add_mesh(scene, box), add_dielectric(scene, "coated box", {0.7f, 0.4f, 0.2f}, 0));
   add_picture_light(scene, light);
   look_at_middle(scene);
   return scene;

@@ -22,9 +22,22 @@ LitFloor make_lit_floor(LightKind light);
 /// The inside of a closed box whose walls all shine with radiance 1 and reflect `albedo`: n scatterings add albedo^n.
 Scene make_shining_box();
 
-/// A mirror floor under a white sky, or two boxes of the named material on a diffuse floor under lamps of the named
-/// kinds; for comparisons with the reference.
+// ---- for comparisons with the reference
+
+/// A box or a screen of the named material on a diffuse floor, beside a diffuse box, under a lamp of the named kind or
+/// an uneven sky.
 Scene make_material_scene(MaterialKind material, LightKind light);
+
+/// Boxes of two materials that the uneven sky is seen in, or through.
+Scene make_sky_scene(const std::vector<MaterialKind>& materials);
+
+/// A two-sided lamp and two-sided sheets, all seen from behind.
+Scene make_sides_scene(const std::vector<MaterialKind>& sheets);
+
+/// A box on a floor, both diffuse below a smooth coat: opaque, with an ideal and a diffuse lobe together.
+Scene make_lobes_scene(LightKind light);
+
+// ----
 
 /// Boxes on a floor for scene changes: instance 0 the floor, 1 a box that may move, 2 one that may deform. Lit by the
 /// named kind of light.

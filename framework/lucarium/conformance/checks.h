@@ -35,5 +35,8 @@ Outcome check_light(CheckContext& context, LightKind light);
 Outcome check_furnace(CheckContext& context);
 Outcome check_shining_box(CheckContext& context);
 Outcome check_reference(CheckContext& context, MaterialKind material, LightKind light);
+Outcome check_sky(CheckContext& context);
+Outcome check_sides(CheckContext& context);
+Outcome check_lobes(CheckContext& context);
 
 }  // namespace lucarium::check

@@ -40,18 +40,18 @@ std::vector<std::vector<float>> reference_images(CheckContext& context, const Sc
   return images;
 }
 
-}  // namespace
+/// Those of the kinds that the technique claims.
+std::vector<MaterialKind> claimed(const CheckContext& context, std::vector<MaterialKind> kinds) {
+  std::erase_if(kinds, [&](MaterialKind kind) { return !context.claims(kind); });
+  return kinds;
+}
 
-Outcome check_reference(CheckContext& context, MaterialKind material, LightKind light) {
-  if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
-  if (!context.claims(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
-  if (!context.claims(material)) return {Verdict::not_claimed, "does not claim this kind of material"};
+Outcome compare_with_reference(CheckContext& context, const Scene& scene) {
   const auto& types = context.registry.types();
   const auto reference =
       std::find_if(types.begin(), types.end(), [](const TechniqueType& t) { return t.info().name == reference_name; });
   if (reference == types.end()) return {Verdict::skipped, "the technique path_tracing is not there"};
 
-  const Scene scene = make_material_scene(material, light);
   const std::unique_ptr<Technique> technique = context.type.create();
   technique->parameters().set_all(context.options.parameters);
   const PathSet set = technique->path_set(scene, context.settings(scene));
@@ -59,6 +59,36 @@ Outcome check_reference(CheckContext& context, MaterialKind material, LightKind 
       compare_blocks(technique_images(context, scene), reference_images(context, scene, set, *reference), 32, 32);
   if (test.noise > largest_noise) return {Verdict::skipped, "too noisy to tell: " + test.describe(context.can().bias)};
   return verdict_of(test.passes(context.can().bias), test.describe(context.can().bias));
+}
+
+}  // namespace
+
+Outcome check_reference(CheckContext& context, MaterialKind material, LightKind light) {
+  if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
+  if (!context.claims(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
+  if (!context.claims(material)) return {Verdict::not_claimed, "does not claim this kind of material"};
+  return compare_with_reference(context, make_material_scene(material, light));
+}
+
+Outcome check_sky(CheckContext& context) {
+  if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
+  if (!context.claims(LightKind::environment)) return {Verdict::not_claimed, "does not claim this kind of light"};
+  const auto materials = claimed(context, {MaterialKind::mirror, MaterialKind::refraction});
+  if (materials.empty()) return {Verdict::not_claimed, "claims neither mirrors nor glass"};
+  return compare_with_reference(context, make_sky_scene(materials));
+}
+
+Outcome check_sides(CheckContext& context) {
+  if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
+  if (!context.claims(LightKind::emissive)) return {Verdict::not_claimed, "does not claim this kind of light"};
+  return compare_with_reference(context, make_sides_scene(claimed(context, {MaterialKind::mask, MaterialKind::blend})));
+}
+
+Outcome check_lobes(CheckContext& context) {
+  if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
+  const auto lobes = claimed(context, {MaterialKind::diffuse, MaterialKind::mirror});
+  if (lobes.size() < 2) return {Verdict::not_claimed, "does not claim both kinds of material"};
+  return compare_with_reference(context, make_lobes_scene(context.any_light()));
 }
 
 }  // namespace lucarium::check

@@ -103,6 +103,21 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("the sky of the wrong direction, sheets with one side, and a coat that reflects nothing fail their check") {
+  const std::pair<const char*, std::vector<const char*>> wrong[] = {
+      {"turned_sky", {"reference/light/environment", "reference/sky"}},
+      {"one_sided", {"reference/sides"}},
+      {"no_coat", {"reference/lobes"}}};
+  for (const auto& [fault, checks] : wrong) {
+    for (const char* check : checks) {
+      CAPTURE(fault);
+      CAPTURE(check);
+      CHECK(verdict("faulty", {{"fault", fault}}, check) == Verdict::failed);
+      CHECK(verdict("faulty", {}, check) == Verdict::passed);
+    }
+  }
+}
+
 TEST_CASE("checks run at the settings that a technique names for them, unless the user has others or asks for all") {
   const auto finite = [](const Parameters& parameters, bool full) {
     return check_plugin("faulty_declaration", parameters, {"finite"}, full).front().verdict;

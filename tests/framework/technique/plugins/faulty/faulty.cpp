@@ -36,7 +36,10 @@ enum class Fault {
   slow,
   traces,
   deaf_to_cancel,
-  outside
+  outside,
+  turned_sky,
+  one_sided,
+  no_coat
 };
 
 struct FaultyParameters {
@@ -63,7 +66,10 @@ struct FaultyParameters {
               {"slow", Fault::slow},
               {"traces", Fault::traces},
               {"deaf_to_cancel", Fault::deaf_to_cancel},
-              {"outside", Fault::outside}},
+              {"outside", Fault::outside},
+              {"turned_sky", Fault::turned_sky},
+              {"one_sided", Fault::one_sided},
+              {"no_coat", Fault::no_coat}},
              "which promise is broken");
     v.number("gain", gain, 0.f, 10.f, "", "factor of all light");
     if (fault == Fault::undocumented) v.number("unnamed", unnamed, 0, 1, "", "");
@@ -168,9 +174,25 @@ class Faulty : public Technique {
     integrator_.reset();
     PathIntegratorOptions options;
     options.path_set = path_set(context_->scene, context_->settings);
-    integrator_ = std::make_unique<PathIntegrator>(*context_->device, context_->scheduler, context_->scene_buffers,
-                                                   context_->bvh(), make_frame(context_->settings), options, "faulty");
+    if (is(Fault::turned_sky) || is(Fault::one_sided) || is(Fault::no_coat)) make_wrong_scene();
+    integrator_ = std::make_unique<PathIntegrator>(
+        *context_->device, context_->scheduler, wrong_buffers_ ? *wrong_buffers_ : context_->scene_buffers,
+        wrong_bvh_ ? *wrong_bvh_ : context_->bvh(), make_frame(context_->settings), options, "faulty");
     integrator_->reset(used_seed());
+  }
+
+  /// What a technique makes of a scene that takes the sky from the opposite direction, surfaces for one-sided, or the
+  /// ideal lobe of a coat for nothing.
+  void make_wrong_scene() {
+    wrong_scene_ = context_->scene;
+    if (is(Fault::turned_sky) && wrong_scene_.environment) wrong_scene_.environment->environment_from_world *= -1.f;
+    for (SceneMaterial& material : wrong_scene_.materials) {
+      if (is(Fault::one_sided)) material.double_sided = false;
+      if (is(Fault::no_coat) && material.metallic == 0 && material.transmission == 0) material.ior = 1;
+    }
+    wrong_bvh_.reset();
+    wrong_buffers_ = std::make_unique<SceneBuffers>(*context_->device, wrong_scene_);
+    wrong_bvh_ = std::make_unique<Bvh>(*context_->device, wrong_scene_, *wrong_buffers_);
   }
 
   void leak() {
@@ -197,6 +219,9 @@ class Faulty : public Technique {
   Program program_;
   TypedBuffer<float> values_;
   Schedule outside_;
+  Scene wrong_scene_;
+  std::unique_ptr<SceneBuffers> wrong_buffers_;
+  std::unique_ptr<Bvh> wrong_bvh_;
   std::unique_ptr<PathIntegrator> integrator_;
 };
 
