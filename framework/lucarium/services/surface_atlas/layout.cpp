@@ -18,7 +18,9 @@ namespace {
 
 constexpr int attempts = 4;               // at texel edges, until the wanted count is met
 constexpr double count_tolerance = 1.08;  // within which a count counts as met
-constexpr size_t parts = 64;              // independent of the number of threads, and so is the result
+constexpr double free_slivers =
+    1. / 8;                   // of the wanted count: texels of slivers that other texels need not make up for
+constexpr size_t parts = 64;  // independent of the number of threads, and so is the result
 
 void check(const AtlasLayoutOptions& options) {
   if (options.texel_edge < 0 || !std::isfinite(options.texel_edge) ||
@@ -99,7 +101,10 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
     std::vector<AtlasPart> placed = place_charts(
         mesh, sets, settings, threads, [&](double done) { watch.at(0.9 - share * (2 - done), "placing charts"); });
     absorb_fragments(mesh, settings, placed);
-    const double ratio = options.texel_edge > 0 ? 1 : double(slot_count(placed)) / double(options.texel_count);
+    const SlotCount count = slot_count(placed, settings.edge);
+    const double wanted = double(options.texel_count);
+    const double charged = double(count.all) - std::min(double(count.slivers), free_slivers * wanted);
+    const double ratio = options.texel_edge > 0 ? 1 : charged / wanted;
     const double off = std::fabs(std::log(std::max(ratio, 1e-9)));
     const bool better = off < best_off;
     const bool worth_another = ratio > 0 && off > std::log(count_tolerance) && off < 0.9 * best_off;

@@ -25,11 +25,12 @@ struct AtlasGeometry {
 
 /// How a layout is made. Either a wanted number of slots or a texel edge.
 struct AtlasLayoutOptions {
-  uint64_t texel_count = 1'000'000;  ///< wanted slots (reflecting sides of texels); met within about 13 %
-  double texel_edge = 0;             ///< [m]; above 0 it replaces texel_count
-  double merge_threshold = 0.25;     ///< texels below this share of s² join a neighbour, 0: none do
-  uint32_t samples = 0;              ///< random points per slot (AtlasLayout::samples)
-  unsigned threads = 0;              ///< 0: all of the machine. The result does not depend on it.
+  uint64_t texel_count =
+      1'000'000;                  ///< wanted slots (reflecting sides of texels); met within about 13 %, slivers aside
+  double texel_edge = 0;          ///< [m]; above 0 it replaces texel_count
+  double merge_threshold = 0.25;  ///< texels below this share of s² join a neighbour, 0: none do
+  uint32_t samples = 0;           ///< random points per slot (AtlasLayout::samples)
+  unsigned threads = 0;           ///< 0: all of the machine. The result does not depend on it.
   std::function<void(double fraction, const std::string& stage)> progress;  ///< called from the building thread
   std::function<bool()> cancelled;  ///< asked often; when it says so, Error{interrupted} is thrown
 };

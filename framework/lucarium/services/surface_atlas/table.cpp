@@ -10,6 +10,8 @@ namespace lucarium {
 
 namespace {
 
+constexpr double sliver_area = 1. / 64;  // of a texel [s²]
+
 /// uv relative to the triangle's integer minimum, which goes into the base.
 AtlasTriangle make_record(const ChartTriangle& triangle, const PlacedChart& chart, uint32_t first_cell) {
   const glm::dvec2 minimum = glm::floor(glm::min(triangle.uv[0], glm::min(triangle.uv[1], triangle.uv[2])));
@@ -107,17 +109,22 @@ class Joiner {
 
 }  // namespace
 
-uint64_t slot_count(std::span<const AtlasPart> parts) {
-  uint64_t sum = 0;
+SlotCount slot_count(std::span<const AtlasPart> parts, double edge) {
+  SlotCount sum;
   for (const AtlasPart& part : parts) {
-    for (const PlacedChart& chart : part.charts)
-      if (chart.absorbed_by == LUCARIUM_NONE) sum += uint64_t{chart.texel_count} * (chart.two_sided ? 2 : 1);
+    for (const PlacedChart& chart : part.charts) {
+      if (chart.absorbed_by != LUCARIUM_NONE) continue;
+      const uint64_t sides = chart.two_sided ? 2 : 1;
+      sum.all += sides * chart.texel_count;
+      for (uint32_t i = chart.first_texel; i < chart.first_texel + chart.texel_count; ++i)
+        if (part.texels[i].area < sliver_area * edge * edge) sum.slivers += sides;
+    }
   }
   return sum;
 }
 
 AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, double edge) {
-  const uint64_t slots = slot_count(parts);
+  const uint64_t slots = slot_count(parts, edge).all;
   uint64_t both = 0, cells = 0, pieces = 0, charts = 0;
   for (const AtlasPart& part : parts) {
     for (const PlacedChart& chart : part.charts) {

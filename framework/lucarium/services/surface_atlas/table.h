@@ -11,8 +11,11 @@ namespace lucarium {
 /// and 2 s from its sample position, normals within 75 degrees.
 void absorb_fragments(const AtlasMesh& mesh, const ChartSettings& settings, std::vector<AtlasPart>& parts);
 
-/// Slots that these parts make.
-uint64_t slot_count(std::span<const AtlasPart> parts);
+/// Slots that these parts make; of them those of slivers, less than s²/64 in area.
+struct SlotCount {
+  uint64_t all = 0, slivers = 0;
+};
+SlotCount slot_count(std::span<const AtlasPart> parts, double edge);
 
 /// Numbers texels (double-sided ones first) and cells over all parts, in order, and writes the look-up records.
 AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, double edge);
