@@ -9,12 +9,14 @@
 #include "bundle_exchange/senders/slot_preview.h"
 #include "bundle_exchange/shared/slots.h"
 #include "bundle_exchange/specular/slot_specular.h"
+#include "bundle_exchange/texels/slot_light.h"
 #include "bundle_exchange/texels/slot_openness.h"
 #include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bundles/direction_sequence.h"
 #include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/direct_light/direct_light.h"
 
 const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
@@ -76,6 +78,26 @@ class BundleRig {
   }
   /// xyz: sum of w L of channel 0, w: sum of w, over all that was run.
   const std::vector<glm::dvec4>& sums() const { return sums_; }
+  /// Per slot: what others counted of the rays along which they saw it, over all that was run since send().
+  std::vector<double> counted() const {
+    std::vector<double> result;
+    const std::vector<float4> values = means_.records().download();
+    for (uint32_t slot = 0; slot < slots(); ++slot) result.push_back(values[size_t{slot} * 2 * channels_.count].w);
+    return result;
+  }
+  /// E/π of every slot by `rounds` light samples of its points.
+  std::vector<double> sampled_light(uint32_t rounds) {
+    bundle::SlotLight light(*device_, scheduler_, program_, buffers_, bvh_, atlas_, openness_, DirectLight::kAllLights);
+    light.reset(1);
+    for (uint32_t i = 0; i < rounds; ++i) {
+      light.sample();
+      light.commit();
+    }
+    scheduler_.finish();
+    std::vector<double> result = red(light.light_samples());
+    for (double& value : result) value /= 3.14159265358979323846;
+    return result;
+  }
 
   // ---- as the technique does it
 
@@ -211,12 +233,13 @@ class BundleRig {
     SourceLibrary library;
     library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
-    return Program(device, library,
-                   {"bundle_exchange/test",
-                    {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl",
-                     "bundle_exchange/specular/hops.cl", "bundle_exchange/senders/ring.cl",
-                     "bundle_exchange/texels/slot_openness.cl", "bundle_exchange/senders/preview.cl"},
-                    defines});
+    return Program(
+        device, library,
+        {"bundle_exchange/test",
+         {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl", "bundle_exchange/specular/hops.cl",
+          "bundle_exchange/senders/ring.cl", "bundle_exchange/texels/slot_openness.cl",
+          "bundle_exchange/texels/slot_light.cl", "bundle_exchange/senders/preview.cl"},
+         defines});
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;

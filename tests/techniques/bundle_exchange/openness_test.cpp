@@ -11,72 +11,90 @@ using namespace lucarium::bundle;
 
 namespace {
 
-constexpr float kEdge = 0.53f;  // x of the slab's side, within texels of the floor
+constexpr float kEdge = 0.53f;  // x (or z) of the slab's side, within texels of the floor
 
-/// A floor of a square metre under a sky of radiance 1, and just above it a slab that covers all x < kEdge.
-Scene floor_and_slab() {
+/// A floor of a square metre under a sky of radiance 1 (or 1 + w_y), and just above it a slab that covers all x < kEdge
+/// (or z).
+Scene floor_and_slab(bool along_z = false, bool even = true) {
   Scene scene;
   const int white = add_lambert(scene, "white", glm::vec3(0.5f));
   add_instance(scene, add_mesh(scene, MeshBuilder("floor").box_face({0, 0, 0}, {1, 1, 1}, 1, 0, true).take()), white);
+  const glm::vec3 low(-0.5f, 0.001f, -0.5f),
+      high = along_z ? glm::vec3(1.5f, 0.002f, kEdge) : glm::vec3(kEdge, 0.002f, 1.5f);
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side)
-      add_instance(
-          scene,
-          add_mesh(
-              scene,
-              MeshBuilder("slab").box_face({-0.5f, 0.001f, -0.5f}, {kEdge, 0.002f, 1.5f}, axis, side, false).take()),
-          white);
+      add_instance(scene, add_mesh(scene, MeshBuilder("slab").box_face(low, high, axis, side, false).take()), white);
   Environment sky;
-  sky.width = 2, sky.height = 1;
-  sky.radiance.assign(2, glm::vec3(1));
+  sky.width = 64, sky.height = 32;
+  for (uint32_t j = 0; j < sky.height; ++j)
+    sky.radiance.insert(
+        sky.radiance.end(), sky.width,
+        glm::vec3(even ? 1.f
+                       : 1 + std::cos(3.14159265f * (static_cast<float>(j) + 0.5f) / static_cast<float>(sky.height))));
   scene.environment = sky;
   return scene;
 }
 
 /// Of the floor's texels that the slab's side crosses: irradiance over π, by what each counts; and their number.
 struct Crossed {
-  double mean = 0, counted = 0, area = 0;
+  double mean = 0, counted = 0, area = 0, sampled = 0;
   int texels = 0;
 };
-Crossed light_of_crossed(float open_gap) {
+Crossed light_of_crossed(const Scene& scene, float open_gap, bool along_z = false, uint32_t light_samples = 0) {
   Channels channels;
   channels.emission = true;
   Parameters parameters;
   parameters.open_gap = open_gap;
-  test::BundleRig rig(floor_and_slab(), 320, 0.5f, channels, parameters);
+  test::BundleRig rig(scene, 320, 0.5f, channels, parameters);
   rig.send([](uint32_t) { return glm::vec3(0); });
   rig.run(make_sequence(parameters, 3), 512);
   const std::vector<glm::dvec4> sums = rig.sums();
   const std::vector<float> openness = rig.openness();
   const std::vector<AtlasTexel> texels = rig.texels();
   const std::vector<SurfacePoint> points = rig.points();
+  const std::vector<double> sampled =
+      light_samples > 0 ? rig.sampled_light(light_samples) : std::vector<double>(rig.slots());
   Crossed result;
   for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
     if (rig.instance_of(texels[slot].triangle) != 0) continue;
-    const double edge = std::sqrt(double{texels[slot].area}), x = points[slot].position.x;
-    if (std::abs(x - double{kEdge}) > 0.3 * edge) continue;
+    const double edge = std::sqrt(double{texels[slot].area}),
+                 across = along_z ? points[slot].position.z : points[slot].position.x;
+    if (std::abs(across - double{kEdge}) > 0.3 * edge) continue;
     const double counted = double{texels[slot].area} * double{openness[slot]};
     result.mean += counted * sums[slot].x / sums[slot].w;
+    result.sampled += counted * sampled[slot];
     result.counted += counted;
     result.area += texels[slot].area;
     ++result.texels;
   }
   result.mean /= result.counted;
+  result.sampled /= result.counted;
   return result;
 }
 
 }  // namespace
 
 TEST_CASE("texels half under a slab have the light of their open half") {
-  const Crossed plain = light_of_crossed(0), open = light_of_crossed(2);
-  MESSAGE("all parts alike: ", plain.mean, ", by openness: ", open.mean, ", counted: ", open.counted / open.area,
-          ", texels: ", open.texels);
-  REQUIRE(open.texels > 4);
-  // The floor has 1 where it is open and 0 under the slab, hence a texel its open share.
-  CHECK(plain.mean == test::relative(open.counted / open.area, 0.1));
-  // Parts of a quarter texel's width that the side crosses are between: (n + f^2) / (n + f) of n whole ones and f of
-  // one.
-  CHECK(open.mean > 0.93);
-  CHECK(open.mean < 1.0001);
-  CHECK(plain.mean < 0.8);
+  for (const bool along_z : {false, true}) {
+    CAPTURE(along_z);
+    const Scene scene = floor_and_slab(along_z);
+    const Crossed plain = light_of_crossed(scene, 0, along_z), open = light_of_crossed(scene, 2, along_z);
+    MESSAGE("all parts alike: ", plain.mean, ", by openness: ", open.mean, ", counted: ", open.counted / open.area,
+            ", texels: ", open.texels);
+    REQUIRE(open.texels > 4);
+    // The floor has 1 where it is open and 0 under the slab, hence a texel its open share.
+    CHECK(plain.mean == test::relative(open.counted / open.area, 0.1));
+    // Parts of a quarter texel's width that the side crosses are between: (n + f^2) / (n + f) of n whole ones and f of
+    // one.
+    CHECK(open.mean > 0.93);
+    CHECK(open.mean < 1.0001);
+    CHECK(plain.mean < 0.8);
+  }
+}
+
+TEST_CASE("texels half under a slab: light samples and bundles bring the same of an uneven sky") {
+  const Crossed found = light_of_crossed(floor_and_slab(false, false), 2, false, 512);
+  MESSAGE("by bundles ", found.mean, ", by light samples ", found.sampled, ", all open 5/3");
+  CHECK(found.mean == test::relative(5. / 3, 0.07));
+  CHECK(found.sampled == test::relative(found.mean, 0.02));
 }

@@ -38,11 +38,13 @@ Parameters ring(int window, GlossyNorm norm) {
   return parameters;
 }
 
-/// Mean indirect E/π of the box's walls.
-double mean_light(const Scene& scene, const Parameters& parameters, int bounces, int directions, bool phong) {
+/// Mean indirect E/π of the box's walls. direct: irradiance that diffuse lobes reflect.
+double mean_light(const Scene& scene, const Parameters& parameters, int bounces, int directions, bool phong,
+                  float direct = 0) {
   std::map<std::string, std::string> defines;
   if (phong) defines["LUCARIUM_PHONG"] = "";
   test::BundleRig rig(scene, 600, 0.5f, glossy_channels(bounces), parameters, defines);
+  if (direct > 0) rig.set_direct(direct);
   rig.solve(make_sequence(parameters, 3, nullptr, true), static_cast<uint64_t>(directions));
   return rig.mean(rig.indirect());
 }
@@ -77,4 +79,19 @@ TEST_CASE("metal walls: chains of rays and the ring agree") {
             test::relative(expected, test::full_run() ? 0.005 : 0.015));
     }
   }
+}
+
+TEST_CASE("walls of a diffuse and a glossy lobe together: chains of rays and the ring agree") {
+  Scene scene;
+  const int plastic = add_dielectric(scene, "plastic", glm::vec3(0.5f), 0.7f);
+  scene.materials[plastic].ior = 2.5f;
+  scene.materials[plastic].emissive_factor = glm::vec3(1);
+  scene = test::box_scene({plastic, plastic, plastic, plastic, plastic, plastic}, std::move(scene));
+  Parameters chains;
+  chains.hop_share = 1;
+  const double expected = mean_light(scene, chains, 1, 256, false, 3.14159265f),
+               glossy = mean_light(scene, chains, 1, 256, false);
+  CHECK(glossy > 0.1 * expected);
+  CHECK(glossy < 0.5 * expected);
+  CHECK(mean_light(scene, ring(32, GlossyNorm::self), 1, 2048, false, 3.14159265f) == test::relative(expected, 0.01));
 }

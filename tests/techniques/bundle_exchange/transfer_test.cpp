@@ -89,3 +89,33 @@ TEST_CASE("both transfers fill a furnace alike, and see the sides of a double-si
   rig.solve(make_sequence(parameters, 1), 512);
   CHECK(rig.mean(rig.indirect()) == test::relative(1, 0.002));  // 1 = 0.5 (1 + 1)
 }
+
+TEST_CASE("texels of a double-sided plate look into the sky on their side: 5 pi / 3 above, pi / 3 below") {
+  Scene scene;
+  const int white = add_lambert(scene, "white", glm::vec3(0.5f));
+  scene.materials[white].double_sided = true;
+  add_instance(scene, add_mesh(scene, MeshBuilder("plate").quad({0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}).take()),
+               white);
+  Environment sky;
+  sky.width = 256, sky.height = 128;
+  for (uint32_t j = 0; j < sky.height; ++j)
+    sky.radiance.insert(sky.radiance.end(), sky.width,
+                        glm::vec3(static_cast<float>(1 + std::cos(kPi * (j + 0.5) / sky.height))));
+  scene.environment = sky;
+  for (const bool emission : {true, false}) {  // without it, the sky's light comes by light samples alone
+    CAPTURE(emission);
+    Channels channels;
+    channels.emission = emission;
+    test::BundleRig rig(scene, 128, 0.5f, channels, by_texels());
+    rig.send([](uint32_t) { return glm::vec3(0); });
+    rig.run(make_sequence(by_texels(), 3), 512);
+    const std::vector<SurfacePoint> points = rig.points();
+    double received[2] = {}, weight[2] = {};
+    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
+      received[points[slot].normal.y > 0] += rig.sums()[slot].x;
+      weight[points[slot].normal.y > 0] += rig.sums()[slot].w;
+    }
+    for (const int up : {0, 1})
+      CHECK(received[up] / weight[up] == test::relative(emission ? (up ? 5. / 3 : 1. / 3) : 0., 0.005));
+  }
+}
