@@ -20,6 +20,7 @@ constexpr float kThin = 0.5f;     // thickness of a sheet over its longest exten
 constexpr float kOpposed = 0.5f;  // cosine beyond which normals belong to one of its sides
 constexpr int kHeights = 32;      // steps in which gaps between layers are looked for
 constexpr int kGap = 6;           // fewest empty ones between two layers
+constexpr float kLean = 1e-3f;    // of planes that part points against the axis
 constexpr float kFlat = 1e-3f;    // thickness over longest extent below which a sheet has one layer
 
 /// What a thin sheet is parted by: points below `height` along `normal`, or those that face against it.
@@ -90,6 +91,7 @@ void split(std::span<Item> items, ForkJoin& fork_join) {
   for (const Item& item : items) low = glm::min(low, item.position), high = glm::max(high, item.position);
   const glm::vec3 extent = high - low;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3, second = extent[u] >= extent[v] ? u : v;
   const Sheet sheet = find_sheet(items, axis, extent[axis]);
   if (sheet.two_sided || sheet.layered) {
     // Along the one part and back along the other: where they hold different numbers of points, what is mixed lies
@@ -99,7 +101,9 @@ void split(std::span<Item> items, ForkJoin& fork_join) {
       return sheet.first(item) ? -x : x;
     });
   } else {
-    partition_at_median(items, [axis](const Item& item) { return item.position[axis]; });
+    // Where the median falls within a layer across the axis, its points are parted along the layer, not at random: two
+    // halves over the same place, each with the discs of half its area, would leave holes.
+    partition_at_median(items, [=](const Item& item) { return item.position[axis] + kLean * item.position[second]; });
   }
   const size_t half = items.size() / 2;
   const auto left = items.first(half), right = items.subspan(half);

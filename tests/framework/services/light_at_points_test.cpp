@@ -4,9 +4,10 @@
 
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <numbers>
+#include <random>
 
 #include "device_fixture.h"
 #include "lucarium/base/error.h"
@@ -18,6 +19,8 @@
 #include "made_scene.h"
 #include "test_support.h"
 #include "tolerance.h"
+
+const lucarium::EmbeddedSources& test_services_kernels();
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -36,22 +39,27 @@ SurfacePoint middle(float y) {
   return point;
 }
 
-/// Many copies of one point in a scene.
+/// Points in a scene.
 struct PointRig {
   PointRig(Scene s, const SurfacePoint& point, uint32_t copies)
+      : PointRig(std::move(s), std::vector<SurfacePoint>(copies, point)) {}
+  PointRig(Scene s, const std::vector<SurfacePoint>& list)
       : scene(std::move(s)),
-        count(copies),
         buffers(*test_device(), scene),
         bvh(*test_device(), scene, buffers),
         scheduler(test_device()),
-        points(*test_device(), "test", "points", std::vector<SurfacePoint>(copies, point)),
-        sums(*test_device(), "test", "sums", copies),
-        program(*test_device(), SourceLibrary(),
-                {"test/surface_points", {"lucarium/services/light_at_points/surface_points.cl"}, {}}),
+        points(*test_device(), "test", "points", list),
+        sums(*test_device(), "test", "sums", list.size()),
+        program(make_program()),
         light(
-            *test_device(), buffers, bvh, program, copies, [this](PassBuilder& pass) { pass.arg("points", points); },
-            "test", "use fewer points") {}
+            *test_device(), buffers, bvh, program, static_cast<uint32_t>(list.size()),
+            [this](PassBuilder& pass) { pass.arg("points", points); }, "test", "use fewer points") {}
 
+  static Program make_program() {
+    SourceLibrary library;
+    library.add(test_services_kernels());
+    return Program(*test_device(), library, {"test/photon_points", {"test_services/photon_points.cl"}, {}});
+  }
   LightAtPoints::Bind bind_sums() {
     return [this](PassBuilder& pass) { pass.arg("irradiance", sums); };
   }
@@ -79,7 +87,6 @@ struct PointRig {
   }
 
   Scene scene;
-  uint32_t count;
   SceneBuffers buffers;
   Bvh bvh;
   KernelScheduler scheduler;
@@ -121,6 +128,14 @@ TEST_CASE("a lamp that nearly touches a point: no sample of it brings more than 
     CHECK(found.mean == test::relative(expected, 0.01));
     CHECK(found.most <= 2 * pi * 1.0001);
     CHECK(found.variance < 1);
+    // Points and samples are apart: means over 16 samples of a point, and over 1024 points of a sample.
+    std::vector<double> of_points(1024), of_samples(16);
+    for (size_t i = 0; i < samples->size(); ++i) {
+      of_points[i % 1024] += (*samples)[i] / 16;
+      of_samples[i / 1024] += (*samples)[i] / 1024;
+    }
+    CHECK(spread(of_points).variance < 2 * found.variance / 16);
+    CHECK(spread(of_samples).variance < 4 * found.variance / 1024);
   }
 }
 
@@ -164,14 +179,9 @@ TEST_CASE("virtual lights within a tinted block: its walls get what the way has 
   for (const bool block : {false, true}) {
     CAPTURE(block);
     PointRig rig(scene(block), middle(0), 64);
-    const auto bits = [](uint32_t word) {
-      float value;
-      std::memcpy(&value, &word, sizeof value);
-      return value;
-    };
     VirtualLight above{};  // looks down, (0, -1, 0) as pack_direction has it
-    above.position = float4(0, 1, 0, bits(32767u));
-    above.flux = float4(5, 5, 5, bits(32767u));
+    above.position = float4(0, 1, 0, std::bit_cast<float>(32767u));
+    above.flux = float4(5, 5, 5, std::bit_cast<float>(32767u));
     const TypedBuffer<VirtualLight> lights(*test_device(), "test", "lights", std::vector<VirtualLight>{above});
     ScheduleRecorder recorder = rig.scheduler.record("virtual light", "test");
     const Variable<uint32_t> index = recorder.variable("light", 0u), seed = recorder.variable("seed", 1u);
@@ -183,6 +193,64 @@ TEST_CASE("virtual lights within a tinted block: its walls get what the way has 
       CHECK(e.y == test::relative(5 / pi * (block ? 0.5 : 1), 1e-3));
       CHECK(e.z == test::relative(5 / pi, 1e-3));
     }
+  }
+}
+
+namespace {
+
+/// pack_direction of packing.clh.
+uint32_t packed(const glm::vec3& n) {
+  glm::vec2 p = glm::vec2(n) / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+  if (n.z < 0) p = {std::copysign(1 - std::abs(p.y), p.x), std::copysign(1 - std::abs(p.x), p.y)};
+  const auto steps = [](float x) { return static_cast<uint32_t>(std::lround((x + 1) * 32767)); };
+  return steps(p.x) | steps(p.y) << 16;
+}
+
+}  // namespace
+
+TEST_CASE("the density of photons on a sphere is that of their number, to 0.3 %") {
+  // N photons of flux 1 at random places of a sphere: N / 4 pi R^2 everywhere, and a disc of radius r about a point
+  // cuts exactly pi r^2 out of the sphere. Both ways: from the nearest photons, and from all within a cell that holds
+  // fewer.
+  const double radius = 2;
+  Scene scene;
+  add_triangles(scene, sphere_triangles(glm::vec3(0), static_cast<float>(radius), 5, true),
+                add_material(scene, lambert(0.5f)));
+  const uint32_t count = 1 << 17, places = 1 << 14;
+  std::vector<VirtualLight> list;
+  std::vector<SurfacePoint> points;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (uint32_t i = 0; i < count + places; ++i) {
+    const float z = 2 * uniform(random) - 1, phi = 2 * static_cast<float>(pi) * uniform(random),
+                s = std::sqrt(1 - z * z);
+    const glm::vec3 n(s * std::cos(phi), s * std::sin(phi), z);
+    if (i < count) {
+      VirtualLight photon{};
+      const float bits = std::bit_cast<float>(packed(-n));
+      photon.position = float4(static_cast<float>(radius) * n, bits);
+      photon.flux = float4(1, 1, 1, bits);
+      list.push_back(photon);
+    } else {
+      SurfacePoint point{};
+      point.position = float4(static_cast<float>(radius) * n, 0);
+      point.normal = float4(-n, 0);
+      points.push_back(point);
+    }
+  }
+  PointRig rig(std::move(scene), points);
+  const TypedBuffer<VirtualLight> photons(*test_device(), "test", "photons", list);
+  const double expected = count / (4 * pi * radius * radius);
+  for (const auto& [nearest, in_cell] : {std::pair{32u, 64.}, std::pair{128u, 32.}}) {
+    CAPTURE(nearest);
+    ScheduleRecorder recorder = rig.scheduler.record("density", "test");
+    const Variable<float> cell = recorder.variable("cell", static_cast<float>(std::sqrt(in_cell / (pi * expected))));
+    rig.light.record_photon_density(recorder, photons, cell, nearest, rig.bind_sums());
+    Schedule schedule = recorder.compile();
+    double mean = 0;
+    for (const float4& e : rig.run(schedule)) mean += double{e.y} / places;
+    MESSAGE("density ", mean / expected);
+    CHECK(mean == test::relative(expected, 3e-3));
   }
 }
 

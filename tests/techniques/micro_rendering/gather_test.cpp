@@ -120,6 +120,40 @@ TEST_CASE("in a half-lit sphere every point gets the mean; the nearest-node spla
   CHECK(nearest_bright / 1.5 < 1.09);
 }
 
+TEST_CASE("gathers and frames are jittered apart: their mean over n of either errs by about 1 / sqrt(n)") {
+  // Many gathers at one point of a half-lit room, whose nodes are few and sharply bounded.
+  test::SyntheticForest forest;
+  forest.add(test::cube_inside(1 << 12, 1, [](const dvec3& p) { return dvec3(p.x > 0.13 ? 2 : 0); }), 24);
+  const auto buffers = forest.upload();
+  const std::vector<test::GatherPoint> points(64, {dvec3(0.1, 0.2, -1), dvec3(0, 0, 1)});
+  test::GatherRun run(forest, buffers, points, gather_program());
+  constexpr int frames = 16;
+  std::vector<double> frame_means(frames), point_means(points.size());
+  double mean = 0, squares = 0;
+  const double count = frames * static_cast<double>(points.size());
+  for (int frame = 0; frame < frames; ++frame) {
+    run.run(test::default_settings(static_cast<uint32_t>(frame)));
+    const std::vector<float4> irradiance = run.result().irradiance;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double e = double{irradiance[i].x};
+      mean += e / count, squares += e * e / count;
+      frame_means[frame] += e / static_cast<double>(points.size()), point_means[i] += e / frames;
+    }
+  }
+  const double variance = squares - mean * mean;
+  const auto variance_of = [&](const std::vector<double>& means) {
+    double sum = 0;
+    for (const double m : means) sum += (m - mean) * (m - mean) / static_cast<double>(means.size());
+    return sum;
+  };
+  MESSAGE("deviation " << std::sqrt(variance) / mean << ", over points "
+                       << variance_of(frame_means) * static_cast<double>(points.size()) / variance << ", over frames "
+                       << variance_of(point_means) * frames / variance);
+  CHECK(variance > 0);
+  CHECK(variance_of(frame_means) * static_cast<double>(points.size()) < 4 * variance);
+  CHECK(variance_of(point_means) * frames < 2 * variance);
+}
+
 TEST_CASE("light behind a thin wall does not leak") {
   // A wall without thickness, dark below and lit on its back, which is a tree of its own, under a lit ceiling.
   test::SyntheticForest forest;

@@ -284,6 +284,31 @@ TEST_CASE("nodes in corners gather where they are bent: leaves of a wall do not 
   CHECK(level.floor > 0.05);
 }
 
+TEST_CASE("every leaf of a sphere gets I / R^2 of a lamp in the middle, however many samples it takes") {
+  Scene scene = make_hollow_sphere();
+  scene.lights.emplace_back();
+  scene.lights.back().intensity = glm::vec3(3, 2, 1);
+  Device& device = *test::test_device();
+  KernelScheduler scheduler(device.shared_from_this());
+  SceneBuffers buffers(device, scene);
+  Bvh bvh(device, scene, buffers);
+  MicroParameters parameters;
+  parameters.points_log2 = 12;
+  const PointForest forest(device, scheduler, scene, buffers, {.points_log2 = parameters.points_log2}, "test");
+  const GatherPass gather(device, parameters, micro::GatherAt::nodes);
+  for (const int samples : {1, 4}) {
+    CAPTURE(samples);
+    parameters.light_samples = samples;
+    LeafLight light(device, scheduler, scene, buffers, bvh, forest, gather, parameters, 1, "test");
+    REQUIRE(light.receive(0, 1));
+    scheduler.finish();
+    for (const float4& e : light.received().download()) {
+      REQUIRE(e.x == test::relative(3, 0.01));  // facets lie up to 0.2 % within the sphere
+      REQUIRE(e.z == test::relative(1, 0.01));
+    }
+  }
+}
+
 TEST_CASE("a bright portal close to a wall: no leaf has more light than it radiates, with one sample as with many") {
   // A cube of 2 m; 1 cm before its left wall a square portal of 20 cm that shines at the wall (its normal is -x).
   Scene scene;
