@@ -65,7 +65,7 @@ class BsdfProbe {
   template <class Bind>
   void run(const std::string& kernel, size_t items, size_t group, Bind bind) const {
     run_kernel(program_, kernel, items, group, [&](PassBuilder& pass) {
-      buffers_.bind(pass, program_, kernel);
+      buffers_.bind(pass);
       bind(pass);
     });
   }

@@ -35,12 +35,12 @@ Emissions emit(const SceneBuffers& buffers, uint count, uint kinds = all_kinds) 
   const auto lights = test_buffer<uint>(count);
   const auto weights = test_buffer<float2>(count);
   run_kernel(emission_program(), "sample_emissions", count, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, emission_program(), "sample_emissions");
+    buffers.bind(pass);
     pass.arg("kinds", kinds).arg("seed", 3u).arg("count", count).arg("origins", origins);
     pass.arg("directions", directions).arg("fluxes", fluxes).arg("lights", lights);
   });
   run_kernel(emission_program(), "find_emission_pdfs", count, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, emission_program(), "find_emission_pdfs");
+    buffers.bind(pass);
     pass.arg("count", count).arg("origins", origins).arg("directions", directions).arg("lights", lights);
     pass.arg("pdfs", pdfs).arg("weights", weights);
   });
@@ -350,7 +350,7 @@ TEST_CASE("emission brings to a receiver what light samples find there") {
     constexpr uint cells = 24;
     const auto values = test_buffer<float>(cells * cells);
     run_kernel(emission_program(), "light_receiver", cells * cells, 64, [&](PassBuilder& pass) {
-      buffers.bind(pass, emission_program(), "light_receiver");
+      buffers.bind(pass);
       pass.arg("cells", cells).arg("samples", 512u).arg("values", values);
     });
     double flux = 0;
@@ -370,7 +370,7 @@ TEST_CASE("directions of spots can be mapped back") {
     const auto squares = test_buffer<float2>(n), inverses = test_buffer<float2>(n);
     const auto directions = test_buffer<float4>(n);
     run_kernel(emission_program(), "sample_spots", n, 64, [&](PassBuilder& pass) {
-      buffers.bind(pass, emission_program(), "sample_spots");
+      buffers.bind(pass);
       pass.arg("count", n).arg("squares", squares).arg("directions", directions).arg("inverses", inverses);
     });
     const auto s = squares.download(), inverse = inverses.download();

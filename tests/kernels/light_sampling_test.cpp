@@ -37,7 +37,7 @@ TEST_CASE("light samples follow the density with which met light is weighted") {
     const SceneBuffers buffers(*test_device(), scene);
     const auto masses = test_buffer<float>(columns * rows);
     run_kernel(light_program(), "integrate_light_density", columns * rows, 1, [&](PassBuilder& pass) {
-      buffers.bind(pass, light_program(), "integrate_light_density");
+      buffers.bind(pass);
       pass.arg("position", float4(position, 0.f)).arg("columns", static_cast<uint>(columns));
       pass.arg("rows", static_cast<uint>(rows)).arg("masses", masses);
     });
@@ -108,7 +108,7 @@ TEST_CASE("dim lights among a quarter of a million are chosen no more often than
   const uint n = 1 << 22;
   const auto lights = test_buffer<uint>(n);
   run_kernel(light_program(), "choose_lights_at_random", n, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, light_program(), "choose_lights_at_random");
+    buffers.bind(pass);
     pass.arg("count", n).arg("lights", lights);
   });
   const auto table = buffers.scene_light_table.download();
@@ -136,7 +136,7 @@ TEST_CASE("lights are chosen as the table says; kinds can be left out") {
   const auto lights = test_buffer<uint>(n);
   const auto pmfs = test_buffer<float>(n);
   run_kernel(light_program(), "choose_lights", n, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, light_program(), "choose_lights");
+    buffers.bind(pass);
     pass.arg("count", n).arg("lights", lights).arg("pmfs", pmfs);
   });
   const auto table = buffers.scene_light_table.download();

@@ -73,7 +73,7 @@ inline LightSamples sample(const SceneBuffers& buffers, const glm::vec3& positio
   const auto directions = test_buffer<float4>(count), radiances = test_buffer<float4>(count),
              ends = test_buffer<float4>(count);
   run_kernel(light_program(), "sample_lights", count, 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, light_program(), "sample_lights");
+    buffers.bind(pass);
     pass.arg("position", float4(position, 0.f)).arg("kinds", kinds).arg("seed", seed).arg("count", count);
     pass.arg("ray_seed", ray_seed);
     pass.arg("directions", directions).arg("radiances", radiances).arg("ends", ends);
@@ -86,7 +86,7 @@ inline std::vector<float4> meet(const SceneBuffers& buffers, const glm::vec3& po
                                 const std::vector<float4>& directions) {
   const auto rays = test_buffer(directions), values = test_buffer<float4>(directions.size());
   run_kernel(light_program(), "meet_lights", directions.size(), 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, light_program(), "meet_lights");
+    buffers.bind(pass);
     pass.arg("position", float4(position, 0.f)).arg("directions", rays);
     pass.arg("count", static_cast<uint>(directions.size())).arg("values", values);
   });

@@ -19,7 +19,7 @@ namespace {
 std::vector<float4> illuminate(const SceneBuffers& buffers, const std::vector<float4>& positions) {
   const auto points = test_buffer(positions), values = test_buffer<float4>(positions.size());
   run_kernel(light_program(), "illuminate_points", positions.size(), 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, light_program(), "illuminate_points");
+    buffers.bind(pass);
     pass.arg("positions", points).arg("count", static_cast<uint>(positions.size())).arg("values", values);
   });
   return values.download();
@@ -71,7 +71,7 @@ TEST_CASE("the environment is looked up as its definition says") {
   directions.resize(4160, directions[0]);
   const auto rays = test_buffer(directions), values = test_buffer<float4>(directions.size());
   run_kernel(light_program(), "lookup_environment", directions.size(), 64, [&](PassBuilder& pass) {
-    buffers.bind(pass, light_program(), "lookup_environment");
+    buffers.bind(pass);
     pass.arg("directions", rays).arg("count", static_cast<uint>(directions.size())).arg("values", values);
   });
   const auto got = values.download();

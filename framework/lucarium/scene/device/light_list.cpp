@@ -52,20 +52,6 @@ bool hit_by_rays(const glm::mat4& m, const Mesh& mesh, const glm::uvec3& t) {
   return !is_degenerate(at(t.x), at(t.y), at(t.z));
 }
 
-std::vector<AliasEntry> choice_table(const std::vector<Light>& lights, LightChoice choice) {
-  const double n = static_cast<double>(lights.size());
-  double sum = 0;
-  for (const Light& light : lights) sum += static_cast<double>(light.intensity.w);
-  std::vector<double> weights;
-  weights.reserve(lights.size());
-  for (const Light& light : lights) {
-    const bool even = choice == LightChoice::uniform || !(sum > 0);
-    weights.push_back(
-        even ? 1 : (1 - even_light_share) * static_cast<double>(light.intensity.w) / sum + even_light_share / n);
-  }
-  return make_alias_table(weights);
-}
-
 float lamp_reach(const LightList& list) {
   float square = 0;
   for (size_t i = 0; i < list.lights.size(); ++i)
@@ -75,6 +61,25 @@ float lamp_reach(const LightList& list) {
 }
 
 }  // namespace
+
+std::vector<AliasEntry> light_choice_table(const std::vector<Light>& lights, LightChoice choice,
+                                           const std::function<bool(const Light&)>& is_included) {
+  double power = 0, count = 0;
+  for (const Light& light : lights) {
+    if (!is_included(light)) continue;
+    power += double{light.intensity.w};
+    count += 1;
+  }
+  const bool even = choice == LightChoice::uniform || !(power > 0);
+  std::vector<double> weights;
+  weights.reserve(lights.size());
+  for (const Light& light : lights) {
+    const double weight =
+        even ? 1 : (1 - even_light_share) * double{light.intensity.w} / power + even_light_share / count;
+    weights.push_back(is_included(light) ? weight : 0);
+  }
+  return make_alias_table(weights);
+}
 
 glm::vec3 light_flux(const SceneLight& light, float scene_radius) {
   if (light.type == LightType::point) return 4 * pi * light.intensity;
@@ -130,7 +135,7 @@ LightList LightListBuilder::build(const Scene& scene, float scene_radius, LightC
       list.lights.push_back(entry);
     }
   }
-  list.table = choice_table(list.lights, choice);
+  list.table = light_choice_table(list.lights, choice, [](const Light&) { return true; });
   list.reach = lamp_reach(list);
   return list;
 }

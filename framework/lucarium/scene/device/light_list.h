@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <functional>
 #include <vector>
 
 #include "lucarium/scene/device/emission.h"
@@ -18,6 +19,11 @@ enum class LightChoice {
 /// lamp next to the eye is found at no less than a tenth of its uniform rate, at a cost of at most 1/0.9 in the
 /// variance of the bright ones.
 inline constexpr double even_light_share = 0.1;
+
+/// The alias table from which one light is drawn per vertex: of those that are included, the others have probability 0.
+/// Meaningless when none is included.
+std::vector<AliasEntry> light_choice_table(const std::vector<Light>& lights, LightChoice choice,
+                                           const std::function<bool(const Light&)>& is_included);
 
 /// scene_lights, scene_light_table and scene_triangle_lights: first the punctual lights in their order, then emissive
 /// triangles in world order, last the environment. Entries that emit nothing are left out (of a textured triangle:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/services/direct_light/light_mixture.h"
 
-#include "lucarium/scene/device/alias_table.h"
 #include "lucarium/scene/device/light_list.h"
 
 namespace lucarium {
@@ -17,20 +16,7 @@ bool includes_light(const PathSet& set, uint32_t kind) {
 }
 
 std::vector<AliasEntry> make_light_mixture(const std::vector<Light>& lights, LightChoice choice, const PathSet& set) {
-  double power = 0, count = 0;
-  for (const Light& light : lights)
-    if (includes_light(set, light.kind)) {
-      power += double{light.intensity.w};
-      count += 1;
-    }
-  std::vector<double> weights;
-  for (const Light& light : lights) {
-    const bool even = choice == LightChoice::uniform || !(power > 0);
-    const double by_power = even ? 0 : double{light.intensity.w} / power;
-    const double share = even ? 1 : even_light_share;
-    weights.push_back(includes_light(set, light.kind) ? (1 - share) * by_power + share / count : 0.0);
-  }
-  return make_alias_table(weights);
+  return light_choice_table(lights, choice, [&set](const Light& light) { return includes_light(set, light.kind); });
 }
 
 }  // namespace lucarium
