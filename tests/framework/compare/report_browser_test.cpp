@@ -25,11 +25,21 @@ test::ProgramResult look_at(const std::filesystem::path& folder) {
                            540);
 }
 
+/// Gives the second scene a reference that none of its techniques has, before the one that all have.
+void add_foreign_reference(const std::filesystem::path& folder) {
+  nlohmann::ordered_json results = nlohmann::ordered_json::parse(read_file(folder / "results.json"));
+  nlohmann::ordered_json& scene = results["scenes"][1];
+  scene["references"].push_back(scene["references"][0]);
+  for (nlohmann::ordered_json& variant : scene["variants"]) variant["reference"] = 1;
+  write_file_atomically(folder / "results.json", results.dump());
+}
+
 }  // namespace
 
 TEST_CASE("report in a browser: controls, keys, light, dark and print work, and the console stays empty") {
   const test::TemporaryFolder folder;
   test::write_report_example(folder.path());
+  add_foreign_reference(folder.path());
   for (const bool link : {false, true}) {
     if (link && !test::full_run()) break;
     CAPTURE(link);

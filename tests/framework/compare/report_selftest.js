@@ -118,6 +118,9 @@
     tabs[1].click();
     await drawn();
     check('another scene is shown', document.querySelector('#scene h2').textContent === tabs[1].textContent);
+    const shown = name => select(name).selectedOptions[0].textContent;
+    check('a technique stands beside its own reference',
+          shown('Left').endsWith('reference 2') && shown('Right').endsWith('technique_1'));
     [...document.querySelectorAll('nav button')].pop().click();
     check('a scene that failed says why', /no such file/.test(document.getElementById('scene').innerText));
     document.querySelectorAll('nav button')[0].click();

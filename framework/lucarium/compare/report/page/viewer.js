@@ -2,6 +2,16 @@
 // The pictures of one scene and budget. What is shown is state; draw() paints all of it. Coordinates of the view are
 // pixels of the unreduced image.
 
+// Positions of the two pictures that are seen first: the first technique, and on its left the reference of its light.
+function openingPair(sources) {
+  const technique = sources.findIndex(source => source.variant !== undefined);
+  const truth = technique < 0 ?
+      -1 :
+      sources.findIndex(
+          source => source.variant === undefined && source.reference === sources[technique].reference);
+  return truth < 0 ? [0, Math.min(1, sources.length - 1)] : [truth, technique];
+}
+
 class Viewer {
   constructor(scene, budget) {
     this.scene = scene;
@@ -19,9 +29,9 @@ class Viewer {
     this.painted = new Map();
     this.errors = new Map();
     this.listeners = [];
-    const all = this.sources();
-    this.left = {source: 0, as: 'image'};
-    this.right = {source: Math.min(1, all.length - 1), as: 'image'};
+    const [left, right] = openingPair(this.sources());
+    this.left = {source: left, as: 'image'};
+    this.right = {source: right, as: 'image'};
     this.canvas = h('canvas', {class: 'viewer-canvas', tabindex: '0', role: 'img'});
     new ResizeObserver(() => this.draw()).observe(this.canvas);
   }
