@@ -5,6 +5,8 @@
 
 #include "commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/conformance/conformance.h"
@@ -104,13 +106,24 @@ int check(const CheckArguments& arguments) {
     progress.clear();
     if (table) print_row(result);
   };
+  const KeepOnInterrupt keep_results;
   const std::vector<CheckResult> results = check_technique(device, registry, type, options);
+  const bool cut = interrupt_requested();
+  if (cut && results.empty()) throw_error(ErrorClass::interrupted, "interrupted before the first check was done");
   const size_t failed = count(results, Verdict::failed);
-  if (arguments.output.json) print_result("{}\n", to_json(results, type, options, *device).dump(2));
+  if (arguments.output.json) {
+    ordered_json json = to_json(results, type, options, *device);
+    json["interrupted"] = cut;
+    print_result("{}\n", json.dump(2));
+  }
   if (table) {
     print_result("{}: {} passed, {} failed, {} skipped, {} not claimed\n", type.info().name,
                  count(results, Verdict::passed), failed, count(results, Verdict::skipped),
                  count(results, Verdict::not_claimed));
+  }
+  if (cut) {
+    log_warning("interrupted: {} checks were done, the others are missing", results.size());
+    return static_cast<int>(ErrorClass::interrupted);
   }
   return failed > 0 ? exit_failed : 0;
 }

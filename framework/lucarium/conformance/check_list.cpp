@@ -125,7 +125,9 @@ std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const T
   for (size_t i = 0; i < list.size(); ++i) {
     if (interrupt_requested()) return results;
     if (options.on_check) options.on_check(i, list.size(), list[i].name);
-    keep(run_check(list[i], context));
+    CheckResult result = run_check(list[i], context);
+    if (interrupt_requested()) return results;  // one that was cut short says nothing
+    keep(std::move(result));
   }
   if (results.empty()) throw_error(ErrorClass::usage, "no check has a name that begins with {}", options.only.front());
   return results;

@@ -44,8 +44,8 @@ std::vector<std::pair<std::string, std::string>> effective_parameters(const Tech
                                                                       const ConformanceOptions& options);
 
 /// Runs the conformance kit (docs/conformance.md) on one technique. What a technique throws fails the check it happened
-/// in and no other. Stops early, with what there is, when an interrupt is requested. Throws Error{usage} for parameters
-/// that the technique refuses, or when `only` matches nothing.
+/// in and no other. Stops early when an interrupt is requested, with the checks that were done by then. Throws
+/// Error{usage} for parameters that the technique refuses, or when `only` matches nothing.
 std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const TechniqueRegistry& registry,
                                          const TechniqueType& type, const ConformanceOptions& options);
 

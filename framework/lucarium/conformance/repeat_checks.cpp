@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
 #include "lucarium/conformance/checks.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/job/run_job.h"
@@ -94,7 +95,7 @@ Outcome check_observing(CheckContext& context) {
   const Scene scene = context.plain_scene();
   RenderSession plain = context.session(scene), observed = context.session(scene);
   const Picture expected = context.run_short(plain);
-  while (observed.iterations() < plain.iterations()) {
+  while (observed.iterations() < plain.iterations() && !interrupt_requested()) {
     observed.technique().warm_up();
     observed.iterate();
     const std::string twice = difference(context.picture(observed), context.picture(observed));

@@ -9,6 +9,7 @@
 
 #include "device_fixture.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
 #include "test_support.h"
 
 using namespace lucarium;
@@ -139,6 +140,20 @@ TEST_CASE("every check is announced before it runs, with how many there are") {
   check_technique(test::test_device(), registry, registry.find("constant"), options);
   CHECK(heard == std::vector<std::string>{"1/3 declaration", "declaration", "2/3 parameters", "parameters",
                                           "3/3 light/spot", "light/spot"});
+}
+
+TEST_CASE("a check that an interrupt cut short counted as failed, and the rest as if there were none") {
+  const TechniqueRegistry registry({plugin_folder("constant")});
+  ConformanceOptions options;
+  options.only = {"declaration", "parameters", "repeat/seed", "repeat/observing"};
+  for (const size_t cut : {0, 1, 2, 3}) {
+    options.on_check = [&](size_t index, size_t, const std::string&) { set_interrupt_requested(index == cut); };
+    const std::vector<CheckResult> results =
+        check_technique(test::test_device(), registry, registry.find("constant"), options);
+    set_interrupt_requested(false);
+    CHECK(results.size() == cut);
+    for (const CheckResult& result : results) CHECK(result.verdict == Verdict::passed);
+  }
 }
 
 TEST_CASE("Oclgrind finds a kernel that writes outside its buffer") {
