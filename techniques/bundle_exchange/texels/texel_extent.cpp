@@ -13,11 +13,9 @@ namespace {
 constexpr size_t kMostCorners = 1024;
 constexpr double kLookUp = 1.001;  // cells end where a look-up may round to, 1e-4 of them beyond their edges
 
-struct Box {
-  glm::vec3 low{1e30f}, high{-1e30f};
-  void add(const glm::vec3& p) { low = glm::min(low, p), high = glm::max(high, p); }
-  double diagonal() const { return high.x < low.x ? 0.0 : static_cast<double>(glm::length(high - low)); }
-};
+double box_diagonal(const Bounds& box) {
+  return box.empty() ? 0.0 : static_cast<double>(glm::length(box.max - box.min));
+}
 
 /// A convex polygon of few corners: where they lie in the cells, and in space.
 struct Polygon {
@@ -92,12 +90,12 @@ double largest_texel_extent(const SurfaceAtlas& atlas, const SceneBuffers& buffe
       visit_corners(records[k], p, table, visit);
     }
   };
-  std::vector<Box> boxes(atlas.info().texel_count);
+  std::vector<Bounds> boxes(atlas.info().texel_count);
   visit_all([&](uint32_t texel, const glm::vec3& p) { boxes[texel].add(p); });
   double result = 0;
   std::unordered_map<uint32_t, std::vector<glm::vec3>> large;  // texels whose box is longer than the limit
   for (uint32_t texel = 0; texel < boxes.size(); ++texel) {
-    const double diagonal = kLookUp * boxes[texel].diagonal();
+    const double diagonal = kLookUp * box_diagonal(boxes[texel]);
     if (diagonal > limit)
       large[texel];
     else
@@ -109,8 +107,8 @@ double largest_texel_extent(const SurfaceAtlas& atlas, const SceneBuffers& buffe
     if (found != large.end() && found->second.size() <= kMostCorners) found->second.push_back(p);
   });
   for (const auto& [texel, points] : large)
-    result = std::max(
-        result, points.size() > kMostCorners ? kLookUp * boxes[texel].diagonal() : kLookUp * largest_distance(points));
+    result = std::max(result, points.size() > kMostCorners ? kLookUp * box_diagonal(boxes[texel])
+                                                           : kLookUp * largest_distance(points));
   return result;
 }
 

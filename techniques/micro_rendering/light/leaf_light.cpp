@@ -12,7 +12,6 @@ const lucarium::EmbeddedSources& micro_rendering_kernels();
 namespace lucarium::micro {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 constexpr double kLeavesPerGather = 1024;  // of which a shadow ray each takes about as long as one gather
 const char* const kRemedy = "lower points_log2";
 // Apart from the gathers at pixels, which get the seed itself.
@@ -79,7 +78,6 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
   const BufferRef extremes = recorder.transient<float4>("extremes of nodes", size_t{2} * leaves, kRemedy);
   recorder.pass("brightness of leaves", program_, "mr_leaf_brightness")
       .global(leaves)
-      .local(kLocalSize)
       .arg("irradiance", irradiance)
       .arg("leaf_albedo", forest_.leaf_albedo)
       .arg("count", leaves)
@@ -90,7 +88,6 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
     const ForestTree& tree = forest_.trees()[t];
     recorder.pass("store radiance", program_, "mr_store_radiance")
         .global(tree.leaves())
-        .local(kLocalSize)
         .arg("irradiance", irradiance)
         .arg("leaf_albedo", forest_.leaf_albedo)
         .arg("brightest", brightest)
@@ -123,7 +120,6 @@ void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extreme
     const ForestTree& tree = forest_.trees()[t];
     recorder.pass("choose leaves", program_, "mr_choose_leaves")
         .global(tree.leaves())
-        .local(kLocalSize)
         .arg("leaf_lights", shading_.leaf_lights)
         .arg("trees", forest_.tree_records)
         .arg("tree", t)
@@ -150,11 +146,7 @@ void LeafLight::record_lobes() {
   ScheduleRecorder recorder = scheduler_.record("lobes of leaves", owner_);
   PassBuilder pass = recorder.pass("lobes of leaves", program_, "mr_leaf_lobes");
   scene_.bind(pass, program_, "mr_leaf_lobes");
-  pass.global(leaves)
-      .local(kLocalSize)
-      .arg("leaves", forest_.leaves)
-      .arg("count", leaves)
-      .arg("leaf_lobes", shading_.leaf_lobes);
+  pass.global(leaves).arg("leaves", forest_.leaves).arg("count", leaves).arg("leaf_lobes", shading_.leaf_lobes);
   lobes_schedule_ = recorder.compile();
 }
 

@@ -11,7 +11,6 @@ const lucarium::EmbeddedSources& micro_rendering_kernels();
 namespace lucarium::micro {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 constexpr uint32_t kFewestLevels = 6;  // of a small tree's level that gathers
 constexpr uint32_t kMost = 2;          // times as many nodes as the level alone has
 const char* const kRemedy = "lower jacobi_level";
@@ -126,7 +125,6 @@ void NodeGather::add_push(ScheduleRecorder& recorder, const BufferRef& direct, c
   const uint32_t leaves = forest_.leaf_count();
   recorder.pass("push", program_, "mr_push")
       .global(leaves)
-      .local(kLocalSize)
       .arg("count", leaves)
       .arg("leaf_slots", leaf_slots_)
       .arg("direct", direct)

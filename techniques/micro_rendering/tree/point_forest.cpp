@@ -29,7 +29,6 @@ constexpr double kContact = 0.01;        // of a disc's radius: fronts that are 
 constexpr double kMostPilots = 1 << 14;  // points that tell how much of a tree is exposed
 constexpr double kBent = 30;  // degrees that the normals of a pair of leaves are off their mean, for fine details
 constexpr uint32_t kPlacingSeed = 1;  // every run of a scene has the same points
-constexpr size_t kLocalSize = 64;
 const char* const kRemedy = "lower points_log2";
 const char* const kDerivation = "points and hierarchy";
 
@@ -251,11 +250,7 @@ void PointForest::derive_albedo() {
   ScheduleRecorder recorder = scheduler_.record("albedo of leaves", owner_);
   PassBuilder pass = recorder.pass("albedo of leaves", program_, "mr_leaf_albedo");
   buffers_.bind(pass, program_, "mr_leaf_albedo");
-  pass.global(leaf_count_)
-      .local(kLocalSize)
-      .arg("leaves", leaves)
-      .arg("count", leaf_count_)
-      .arg("leaf_albedo", leaf_albedo);
+  pass.global(leaf_count_).arg("leaves", leaves).arg("count", leaf_count_).arg("leaf_albedo", leaf_albedo);
   Schedule schedule = recorder.compile();
   scheduler_.run_to_end(schedule);
 }
@@ -281,7 +276,6 @@ void PointForest::derive(const std::vector<size_t>& which) {
     PassBuilder leaf_pass = recorder.pass("update leaves", program_, "mr_leaf_update");
     buffers_.bind(leaf_pass, program_, "mr_leaf_update");
     leaf_pass.global(tree.leaves())
-        .local(kLocalSize)
         .arg("mesh_vertices", buffers_.scene_mesh_vertices)
         .arg("leaves", leaves)
         .arg("trees", tree_records)

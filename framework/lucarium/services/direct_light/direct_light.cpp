@@ -12,7 +12,6 @@
 namespace lucarium {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 const char* const kFewerPoints = "use fewer points at once";
 /// Schedules that are kept for each kind of points: two, for callers that fill two buffers in turn. One more costs its
 /// transients, and the memory of buffers that nobody else may hold any longer.
@@ -95,7 +94,6 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   PassBuilder sample = recorder.pass("sample direct light", program, "sample_direct_radiance");
   scene.bind(sample, program, "sample_direct_radiance");
   sample.global(count)
-      .local(kLocalSize)
       .arg("points", points)
       .arg("count", count)
       .arg("sample_index", recorded.sample_index)
@@ -110,7 +108,6 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   PassBuilder add = recorder.pass("add direct light", program, "add_direct_radiance");
   scene.bind(add, program, "add_direct_radiance");
   add.global(count)
-      .local(kLocalSize)
       .arg("count", count)
       .arg("kinds", kinds)
       .arg("shadow_light", shadow_light)

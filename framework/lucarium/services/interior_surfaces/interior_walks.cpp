@@ -2,11 +2,7 @@
 #include "lucarium/services/interior_surfaces/interior_walks.h"
 
 namespace lucarium {
-namespace {
-
-constexpr size_t kLocalSize = 64;
-
-}  // namespace
+namespace {}  // namespace
 
 InteriorWalks::InteriorWalks(Device& device, const SceneBuffers& scene, const Intersector& intersector,
                              const InteriorRule& rule)
@@ -23,7 +19,6 @@ void InteriorWalks::record(ScheduleRecorder& recorder, const BufferRef& rays, co
     PassBuilder pass = recorder.pass("step walks", program_, "step_walks");
     scene_->bind(pass, program_, "step_walks");
     pass.global_by(counter)
-        .local(kLocalSize)
         .arg("walks", counter)
         .arg("number", step)
         .arg("last", step + 1 == rule_.steps ? 1u : 0u)

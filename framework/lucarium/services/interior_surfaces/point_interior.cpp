@@ -8,7 +8,6 @@
 namespace lucarium {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 constexpr size_t kAtOnce = 1 << 18;  // points
 
 }  // namespace
@@ -55,7 +54,6 @@ std::vector<uint8_t> PointInterior::walk(std::span<const InteriorPoint> points, 
   PassBuilder begin = recorder.pass("begin walks", walks_.program(), "begin_point_walks");
   walks_.scene().bind(begin, walks_.program(), "begin_point_walks");
   begin.global(count)
-      .local(kLocalSize)
       .arg("points", list)
       .arg("count", count)
       .arg("behind", side == Side::behind ? 1u : 0u)

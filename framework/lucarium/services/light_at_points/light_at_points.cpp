@@ -13,7 +13,6 @@
 namespace lucarium {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 constexpr size_t kPointsPerSlice = 1 << 16;
 constexpr size_t kEstimatesPerSlice = 1 << 12;
 
@@ -44,7 +43,7 @@ PassBuilder LightAtPoints::point_pass(ScheduleRecorder& recorder, const std::str
   PassBuilder pass = recorder.pass(name, program_, kernel);
   scene_.bind(pass, program_, kernel);
   bind_points_(pass);
-  pass.global(points_).local(kLocalSize).arg("count", points_);
+  pass.global(points_).arg("count", points_);
   return pass;
 }
 
@@ -54,7 +53,6 @@ PassBuilder LightAtPoints::add_pass(ScheduleRecorder& recorder, const char* kern
   scene_.bind(add, program_, kernel);
   bind_sums(add);
   add.global(points_)
-      .local(kLocalSize)
       .arg("count", points_)
       .arg("number", number)
       .arg("shadow_rays", shadows.rays)
@@ -113,7 +111,6 @@ void LightAtPoints::record_photon_density(ScheduleRecorder& recorder, const Type
   const BufferRef starts = recorder.transient<uint32_t>("first photons", size_t{mask} + 2, remedy_);
   recorder.pass("buckets of photons", sorting, "photon_keys")
       .global(count)
-      .local(kLocalSize)
       .arg("photons", photons)
       .arg("count", count)
       .arg("cell", cell)
@@ -123,7 +120,6 @@ void LightAtPoints::record_photon_density(ScheduleRecorder& recorder, const Type
   Primitives(device_).record_sort_pairs(recorder, "sort photons", keys, sorted, count, std::bit_width(mask + 1));
   recorder.pass("first photons", sorting, "photon_bucket_starts")
       .global(size_t{count} + 1)
-      .local(kLocalSize)
       .arg("keys", keys)
       .arg("count", count)
       .arg("mask", mask)

@@ -8,7 +8,6 @@
 namespace lucarium {
 namespace {
 
-constexpr size_t kLocalSize = 64;
 constexpr size_t kPathsPerSlice = 1 << 16;
 
 LightPathRules rules_of(const LightPathOptions& options) {
@@ -41,7 +40,6 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
   PassBuilder emit = recorder.pass("emit light paths", program, "emit_light_paths");
   scene_.bind(emit, program, "emit_light_paths");
   emit.global(paths)
-      .local(kLocalSize)
       .slice(kPathsPerSlice)
       .arg("rules", rules)
       .arg("frame", run)
@@ -53,7 +51,6 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
     PassBuilder advance = recorder.pass("vertices of light paths", program, "advance_light_paths");
     scene_.bind(advance, program, "advance_light_paths");
     advance.global(paths)
-        .local(kLocalSize)
         .slice(kPathsPerSlice)
         .arg("rules", rules)
         .arg("frame", run)
