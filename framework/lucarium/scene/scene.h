@@ -189,7 +189,7 @@ struct Scene {
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::optional<Environment> environment;
-  float exposure = 0;  ///< [stops], for previews
+  float exposure = 0;  ///< of pictures [stops]; 0: not stated, of which load_scene() makes NaN: automatic (exposure.h)
   double time = 0;     ///< at which it was evaluated [s]
   int animation = 0;   ///< that was evaluated, or none
 
