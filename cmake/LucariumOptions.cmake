@@ -6,7 +6,6 @@ endif()
 
 set(LUCARIUM_SANITIZE "" CACHE STRING "Comma-separated sanitizers, for instance address,undefined")
 option(LUCARIUM_MUTATION_TESTS "Add the mutation tests (ctest -L mutation; docs/validation.md)" OFF)
-option(LUCARIUM_CLANG_TIDY "Run clang-tidy on every source" OFF)
 option(LUCARIUM_FUZZ "Build the libFuzzer targets (needs clang++)" OFF)
 option(LUCARIUM_WERROR "Treat warnings as errors" OFF)
 option(LUCARIUM_CHECK_KERNELS "Syntax-check every OpenCL source with clang" ON)
@@ -20,11 +19,6 @@ target_compile_options(lucarium_build_flags INTERFACE
 if(LUCARIUM_SANITIZE)
   add_compile_options(-fsanitize=${LUCARIUM_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LUCARIUM_SANITIZE})
-endif()
-
-if(LUCARIUM_CLANG_TIDY)
-  find_program(CLANG_TIDY clang-tidy REQUIRED)
-  set(CMAKE_CXX_CLANG_TIDY ${CLANG_TIDY})
 endif()
 
 # Faster builds where the tools happen to be there; never needed. With precompiled headers ccache hits only when it may

@@ -9,10 +9,6 @@ set(LUCARIUM_PRECOMPILED <algorithm> <array> <chrono> <cmath> <cstdint> <cstring
   <limits> <map> <memory> <numeric> <optional> <set> <span> <string> <string_view> <tuple> <utility> <vector>
   <CL/cl.h> <fmt/format.h> <glm/glm.hpp>)
 
-if(LUCARIUM_CLANG_TIDY)
-  set(CMAKE_DISABLE_PRECOMPILE_HEADERS ON)  # clang-tidy cannot read what GCC wrote
-endif()
-
 # A target that others reuse the header of: lucarium_precompiled_family(name [EXECUTABLE] [LINK target...]
 # [HEADERS header...]). EXECUTABLE for targets that are compiled as executables (-fPIE), else as libraries (-fPIC).
 function(lucarium_precompiled_family name)

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""clang-tidy with the list of .clang-tidy: tidy.py BUILD recent|all, where BUILD holds compile_commands.json.
+  recent    the sources of the library, the techniques and the program that were committed last
+  all       all of them (25 processor minutes)
+Prints each warning once and exits with 1 if there is one, with 77 if clang-tidy or, for recent, git's history is absent.
+"""
+import concurrent.futures
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+RECENT = 16  # sources: about two processor minutes
+FOLDERS = ('framework/', 'techniques/', 'apps/')
+
+
+def skip(reason):
+    print('skipped: ' + reason)
+    sys.exit(77)
+
+
+def commands(build, root):
+    """The compile commands by source's name below `root`, without GCC's precompiled headers, which clang cannot read."""
+    with open(os.path.join(build, 'compile_commands.json'), encoding='utf8') as file:
+        entries = json.load(file)
+    result = {}
+    for entry in entries:
+        entry['command'] = re.sub(r'-include \S*cmake_pch\.hxx|-Winvalid-pch|-fpch-preprocess', '', entry['command'])
+        result.setdefault(os.path.relpath(entry['file'], root), entry)
+    return {name: entry for name, entry in result.items() if name.startswith(FOLDERS)}
+
+
+def committed_last(known):
+    log = subprocess.run(['git', 'log', '-n', '200', '--name-only', '--format='], capture_output=True, text=True)
+    if log.returncode:
+        skip('this is no checkout')
+    names = dict.fromkeys(name for name in log.stdout.split('\n') if name in known)
+    return list(names)[:RECENT]
+
+
+def main():
+    if len(sys.argv) != 3 or sys.argv[2] not in ('recent', 'all'):
+        sys.exit(__doc__)
+    tool = shutil.which('clang-tidy-14') or shutil.which('clang-tidy')
+    if not tool:
+        skip('clang-tidy is not installed')
+    build = os.path.abspath(sys.argv[1])
+    root = os.path.realpath(os.path.join(os.path.dirname(__file__), '../..'))
+    os.chdir(root)
+    known = commands(build, root)
+    names = sorted(known) if sys.argv[2] == 'all' else committed_last(known)
+    with tempfile.TemporaryDirectory() as folder:
+        with open(os.path.join(folder, 'compile_commands.json'), 'w', encoding='utf8') as file:
+            json.dump([known[name] for name in names], file)
+
+        def check(name):
+            run = subprocess.run([tool, '-p', folder, '--quiet', name], capture_output=True, text=True)
+            found = re.findall(r'^.*: (?:warning|error): .*$', run.stdout, re.M)
+            if run.returncode and not found:
+                found = [f'{name}: {os.path.basename(tool)} failed: {run.stderr.strip()[-300:]}']
+            return [line.replace(root + '/', '') for line in found]
+
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            warnings = dict.fromkeys(line for lines in pool.map(check, names) for line in lines)
+    print('\n'.join(warnings) if warnings else f'{len(names)} sources are clean')
+    sys.exit(1 if warnings else 0)
+
+
+main()
