@@ -5,8 +5,7 @@
 
 namespace lucarium {
 
-Error::Error(ErrorClass error_class, std::string message)
-    : std::runtime_error(std::move(message)), class_(error_class) {}
+Error::Error(ErrorClass error_class, const std::string& message) : std::runtime_error(message), class_(error_class) {}
 
 Error Error::with_context(std::string context) const {
   context += ": ";

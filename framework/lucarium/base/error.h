@@ -23,7 +23,7 @@ enum class ErrorClass : int {
 /// parameter, and what to do; callers that know more add context: outermost first when printed.
 class Error : public std::runtime_error {
  public:
-  Error(ErrorClass error_class, std::string message);
+  Error(ErrorClass error_class, const std::string& message);
 
   /// Returns this error with `context` put before the message ("reading scene.gltf").
   Error with_context(std::string context) const;

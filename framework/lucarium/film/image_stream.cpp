@@ -74,7 +74,7 @@ bool has_usable_strips(const OIIO::ImageSpec& spec) {
   return spec.tile_width > 0 || (rows >= 1 && rows <= (1 << 20));
 }
 
-bool read_single_rows(OIIO::ImageInput& input, int first_channel, int end_channel, OIIO::TypeDesc type,
+bool read_single_rows(OIIO::ImageInput& input, int first_channel, int end_channel, const OIIO::TypeDesc& type,
                       const std::function<void(size_t rows, const void* values)>& visit) {
   const OIIO::ImageSpec spec = input.spec();
   const size_t width = static_cast<size_t>(spec.width), pixel_bytes = static_cast<size_t>(spec.nchannels) * type.size();
@@ -91,7 +91,7 @@ bool read_single_rows(OIIO::ImageInput& input, int first_channel, int end_channe
 
 }  // namespace
 
-bool read_rows(OIIO::ImageInput& input, int first_channel, int end_channel, OIIO::TypeDesc type,
+bool read_rows(OIIO::ImageInput& input, int first_channel, int end_channel, const OIIO::TypeDesc& type,
                const std::function<void(size_t rows, const void* values)>& visit) {
   const OIIO::ImageSpec spec = input.spec();
   if (!has_usable_strips(spec)) return read_single_rows(input, first_channel, end_channel, type, visit);
@@ -116,7 +116,8 @@ bool read_rows(OIIO::ImageInput& input, int first_channel, int end_channel, OIIO
   return true;
 }
 
-void write_image_file(const fs::path& file, const OIIO::ImageSpec& spec, OIIO::TypeDesc type, const void* pixels) {
+void write_image_file(const fs::path& file, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type,
+                      const void* pixels) {
   write_file_atomically(file, [&](const fs::path& part) {
     CheckedFile stream(part);
     const std::unique_ptr<OIIO::ImageOutput> out = OIIO::ImageOutput::create(part.string());

@@ -48,7 +48,8 @@ Rate measure_rate(const std::filesystem::path& program, Job job, const Technique
     rate.failure = child.last_words.empty() ? describe_end(child) : child.last_words.back();
     return rate;
   }
-  const json summary = json::parse(child.out), clocks = summary.at("clocks");
+  const json summary = json::parse(child.out);
+  const json& clocks = summary.at("clocks");
   const double iterate_seconds = clocks.at("iterate_seconds");
   rate.iteration_seconds = iterate_seconds / summary.at("iterations").get<double>();
   rate.start_seconds = child.seconds - iterate_seconds;

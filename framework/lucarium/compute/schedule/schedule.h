@@ -138,9 +138,9 @@ class ScheduleRecorder {
   }
 
   template <class T>
-  Variable<T> variable(std::string name, const T& initial) {
+  Variable<T> variable(const std::string& name, const T& initial) {
     Variable<T> result;
-    result.index_ = add_variable(std::move(name), OpenClType<T>::name, &initial, sizeof(T), result.recording_);
+    result.index_ = add_variable(name, OpenClType<T>::name, &initial, sizeof(T), result.recording_);
     return result;
   }
 

@@ -53,7 +53,7 @@ Mesh column_shaft() {
       {{0.205f, 2.22f}, {0.228f, 2.235f}, {0.235f, 2.255f}, {0.228f, 2.275f}, {0.208f, 2.285f}},
       {{0.208f, 2.285f}, {0.212f, 2.36f}, {0.228f, 2.43f}, {0.262f, 2.49f}, {0.31f, 2.53f}},
       {{0.31f, 2.53f}, {0.335f, 2.545f}, {0.342f, 2.57f}, {0.34f, 2.60f}}};
-  constexpr size_t segments = flutes * segments_per_flute;
+  constexpr size_t segments = size_t{flutes} * segments_per_flute;
   MeshBuilder builder("column shaft");
   builder.revolve(base, segments);
 
