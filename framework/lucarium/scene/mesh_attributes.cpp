@@ -127,7 +127,7 @@ size_t repair_normals(Mesh& mesh) {
   return count;
 }
 
-void make_tangents(Mesh& mesh, std::vector<glm::vec2> uv) {
+void make_tangents(Mesh& mesh, const std::vector<glm::vec2>& uv) {
   // Split vertices that triangles of both orientations use.
   constexpr int8_t unseen = -1;
   std::vector<int8_t> side(mesh.positions.size(), unseen);

@@ -22,7 +22,7 @@ size_t repair_normals(Mesh& mesh);
 /// the sign for which w·(n × t) points along -v, up in the image. Vertices that mirrored and unmirrored triangles
 /// share are split. Approximates MikkTSpace, which glTF names as its default; it differs where MikkTSpace would split
 /// a vertex for another reason.
-void make_tangents(Mesh& mesh, std::vector<glm::vec2> uv);
+void make_tangents(Mesh& mesh, const std::vector<glm::vec2>& uv);
 
 /// Makes tangents unit-length and w ±1; those without a direction become an arbitrary one in the surface.
 void repair_tangents(Mesh& mesh);

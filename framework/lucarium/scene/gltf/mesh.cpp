@@ -224,7 +224,7 @@ void MeshImporter::finish_normals_and_tangents(const std::string& where, Mesh& m
     const TextureTransform transform = texture_transform(normal_map);
     std::vector<glm::vec2> uv = mesh.uv[normal_map.uv_set];
     for (glm::vec2& coordinates : uv) coordinates = transform(coordinates);
-    make_tangents(mesh, std::move(uv));
+    make_tangents(mesh, uv);
   }
   for (const TextureUse* use : {&material.base_color_texture, &material.metallic_roughness_texture, &normal_map,
                                 &material.emissive_texture, &material.transmission_texture}) {

@@ -160,7 +160,7 @@ class OverridesReader {
           text = edit.get<bool>() ? "true" : "false";
         else
           text = edit.is_string() ? edit.get<std::string>() : numbers(edit, pointer + "/" + key);
-        checked(pointer + "/" + key, [&] { check_material_value(key, text); });
+        checked(pointer + "/" + key, [&, &name_of = key] { check_material_value(name_of, text); });
         pairs.push_back(key + "=" + text);
       }
       if (!pairs.empty()) result.push_back(fmt::format("{}:{}", name, fmt::join(pairs, ",")));
