@@ -12,6 +12,7 @@
             full words ("section 2.3", "equation 4") so that a search finds it, beside which the head of the technique
             may have "Eq. 4"; what the list calls cited is cited at the code too; "FILE: function()" in comments names
             what exists
+  mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
 import json
@@ -286,8 +287,24 @@ def check_citations():
                     yield f'{file}: {item} is not in {CITATIONS} for "{own["paper"]}"'
 
 
+def check_mutants():
+    for file in tracked(('.json',)):
+        if not file.startswith('tests/mutation/'):
+            continue
+        area = json.loads(read(file))
+        checks = {check['name'] for check in area['checks']}
+        for mutant in area['mutants']:
+            sources = [path for path in (f'{root}/{mutant["file"]}' for root in ROOTS) if os.path.exists(path)]
+            found = sum(read(path).count(mutant['find']) for path in sources)
+            if found != 1:
+                yield f'{file}: "{mutant["name"]}" replaces text that {mutant["file"]} holds {found} times'
+            if mutant['caught_by'] not in checks:
+                yield f'{file}: "{mutant["name"]}" is caught by "{mutant["caught_by"]}", which is no check'
+
+
 RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'options': check_options,
-         'links': check_links, 'pages': check_pages, 'citations': check_citations}
+         'links': check_links, 'pages': check_pages, 'citations': check_citations,
+         'mutants': check_mutants}
 
 
 def main():
