@@ -3,8 +3,8 @@
 """clang-tidy with the list of .clang-tidy: tidy.py BUILD recent|all, where BUILD holds compile_commands.json.
   recent    the sources of the library, the techniques and the program that were committed last
   all       all of them (25 processor minutes)
-Prints each warning once and exits with 1 if there is one, with 77 if clang-tidy or, for recent, git's history is absent.
-"""
+Prints each warning once. Exits with 1 if there is one, with 77 where clang-tidy or, for recent, git's history is
+absent."""
 import concurrent.futures
 import json
 import os
@@ -24,7 +24,8 @@ def skip(reason):
 
 
 def commands(build, root):
-    """The compile commands by source's name below `root`, without GCC's precompiled headers, which clang cannot read."""
+    """The compile commands by source's name below `root`, without GCC's precompiled headers, which clang cannot
+    read."""
     with open(os.path.join(build, 'compile_commands.json'), encoding='utf8') as file:
         entries = json.load(file)
     result = {}
