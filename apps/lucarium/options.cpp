@@ -71,7 +71,7 @@ std::vector<std::string> DeviceArguments::in_comparison() const {
 
 void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<fs::path>& technique_folders) const {
   comparison.program = fs::read_symlink("/proc/self/exe");
-  comparison.cache_dir = resolve_cache_dir(options);
+  comparison.cache_dir = resolve_cache_dir(resolved());  // which refuses wrong limits, before anything is replaced
   comparison.use_cache = !no_cache;
   for (const fs::path& folder : technique_folders) comparison.technique_folders.push_back(fs::absolute(folder));
 }

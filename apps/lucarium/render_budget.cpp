@@ -50,10 +50,24 @@ std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budge
   return arguments.seconds > 0 ? "--time" : "--compute-time";
 }
 
+constexpr double start_seconds = 1;     // of the program: devices, the scene's file, kernels from the cache
+constexpr double least_seconds = 1e-3;  // what is planned for where the start takes all
+
+/// Whether --time is used up before --compute-time.
+bool is_wall_time(const BudgetArguments& arguments) {
+  return arguments.seconds > 0 &&
+         (arguments.compute_seconds <= 0 || arguments.seconds - start_seconds <= arguments.compute_seconds);
+}
+
 /// The option that is used up first.
 std::string time_option(const BudgetArguments& arguments) {
-  const bool wall = arguments.seconds > 0 && arguments.seconds <= planned_seconds(arguments);
-  return fmt::format("{} {:g}", wall ? "--time" : "--compute-time", planned_seconds(arguments));
+  return is_wall_time(arguments) ? fmt::format("--time {:g}", arguments.seconds)
+                                 : fmt::format("--compute-time {:g}", arguments.compute_seconds);
+}
+
+/// Two figures, and whole seconds from 10 on.
+std::string about(double seconds) {
+  return seconds < 10 ? fmt::format("{:.2g}", seconds) : fmt::format("{:.0f}", seconds);
 }
 
 /// After a budget that was too small: which one would have done.
@@ -61,7 +75,7 @@ void tell_first_picture(const BudgetArguments& arguments, const RenderSession& s
                         std::chrono::steady_clock::time_point start) {
   std::vector<std::string> enough;
   const auto add = [&](const char* option, double seconds) {
-    enough.push_back(fmt::format("{} {:.2g}", option, 1.1 * seconds));
+    enough.push_back(fmt::format("{} {}", option, about(1.1 * seconds)));
   };
   if (arguments.compute_seconds > 0) add("--compute-time", counted_seconds(session.clocks()));
   if (arguments.seconds > 0)
@@ -72,18 +86,17 @@ void tell_first_picture(const BudgetArguments& arguments, const RenderSession& s
 }  // namespace
 
 double planned_seconds(const BudgetArguments& arguments) {
-  if (arguments.seconds > 0 && arguments.compute_seconds > 0)
-    return std::min(arguments.seconds, arguments.compute_seconds);
-  return std::max(arguments.seconds, arguments.compute_seconds);
+  return is_wall_time(arguments) ? std::max(arguments.seconds - start_seconds, least_seconds)
+                                 : arguments.compute_seconds;
 }
 
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique) {
   if (!plan.changes.empty())
-    log_warning("{}: for {}: {}; the first whole picture would take about {:.2g} s otherwise", technique,
-                time_option(arguments), plan.changes_text(), plan.default_seconds);
+    log_warning("{}: for {}: {}; the first whole picture would take about {} s otherwise", technique,
+                time_option(arguments), plan.changes_text(), about(plan.default_seconds));
   if (plan.budget_seconds > 0 && !plan.fits())
-    log_warning("{}: {} is too short for a whole picture; about {:.2g} s would do", technique, time_option(arguments),
-                plan.sufficient_seconds);
+    log_warning("{}: {} is too short for a whole picture; about {} s would do", technique, time_option(arguments),
+                about(plan.sufficient_seconds + (is_wall_time(arguments) ? start_seconds : 0)));
 }
 
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,

@@ -108,7 +108,10 @@ int reproduce_wanted(ReproduceArguments arguments) {
     if (options.progress) options.progress(fmt::format("{}: {}", experiment.id(), experiment.title));
     const ComparisonResult result = run_experiment(experiment, registry, options);
     if (result.interrupted) {
-      log_warning("interrupted: finished pieces are kept; continue with --resume");
+      // --resume would take what was to be replaced for results of this run.
+      const bool old_left = options.overwrite && &experiment != &experiments.back();
+      log_warning("interrupted: finished pieces are kept; continue with --resume{}",
+                  old_left ? ", and run the experiments behind this one with --overwrite" : "");
       return static_cast<int>(ErrorClass::interrupted);
     }
     complete &= is_complete(result);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "bundle_exchange/texels/slot_openness.h"
+
 namespace lucarium::bundle {
 namespace {
 
@@ -28,7 +30,9 @@ double estimate_seconds(const BundlePlan& plan, const Parameters& parameters, co
   const double atlas = texels * kAtlasSeconds + triangles * kChartSeconds;
   double device = pixels * kPixelSeconds;
   if (settings.max_bounces != 0 || parameters.direct_mode == DirectMode::exchange) {
-    const double openness = parameters.open_gap > 0 ? parameters.open_rays * kOpennessSeconds : 0;
+    const double area = double{parameters.pixel_size} * parameters.pixel_size;
+    const double rays = SlotOpenness::bundles(parameters.pixel_size, parameters.open_rays) / area;
+    const double openness = parameters.open_gap > 0 ? rays * kOpennessSeconds : 0;
     const double light = parameters.direct_mode == DirectMode::nee ? kSlotLightSeconds : 0;
     const double directions = std::min<double>(parameters.directions, kFirstDirections);
     device += texels * (kHiddenSeconds + openness + light) +

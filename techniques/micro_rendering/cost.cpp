@@ -48,11 +48,13 @@ double estimate_seconds(const MicroParameters& parameters, const Scene& scene, c
   const double eye = pixels * (1 + parameters.direct_samples) / 2 * kPixelSeconds;
   const int count = bounces(parameters, settings);
   if (count == 0) return eye / power.device;
+  const double points = std::exp2(parameters.points_log2) * kPointSeconds / power.host;
+  if (parameters.shows_virtual_lights())
+    return points + (eye + pixels * parameters.vpls * count * kVirtualLightSeconds) / power.device;
   const double step = parameters.gather_step;
   const double gathered =
       pixels * (transmits(scene) ? 2 : 1) * std::min(1.0, 1 / (step * step) + (step > 1 ? kFailedInterpolation : 0));
-  return std::exp2(parameters.points_log2) * kPointSeconds / power.host +
-         (eye + light_seconds(parameters, count) + gathered * gather_seconds(parameters)) / power.device;
+  return points + (eye + light_seconds(parameters, count) + gathered * gather_seconds(parameters)) / power.device;
 }
 
 std::vector<ParameterSaving> savings() {

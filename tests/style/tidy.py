@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """clang-tidy with the list of .clang-tidy: tidy.py BUILD recent|all, where BUILD holds compile_commands.json.
-  recent    the sources of the library, the techniques and the program that were committed last
+  recent    the sources of the library, the techniques and the program that were changed or committed last
   all       all of them (25 processor minutes)
 Prints each warning once. Exits with 1 if there is one, with 77 where clang-tidy or, for recent, git's history is
 absent."""
@@ -39,7 +39,10 @@ def committed_last(known):
     log = subprocess.run(['git', 'log', '-n', '200', '--name-only', '--format='], capture_output=True, text=True)
     if log.returncode:
         skip('this is no checkout')
-    names = dict.fromkeys(name for name in log.stdout.split('\n') if name in known)
+    changed = subprocess.run(['git', 'diff', '--name-only', 'HEAD'], capture_output=True, text=True)
+    names = dict.fromkeys(name for name in (changed.stdout + log.stdout).split('\n') if name in known)
+    if not names:
+        skip('the history names no source')
     return list(names)[:RECENT]
 
 

@@ -9,21 +9,19 @@ namespace {
 
 constexpr double picture_share = 0.5;      // of the budget, for the first whole picture
 constexpr double least_saving = 0.1;       // of the time, that a smaller value must be worth
-constexpr double start_seconds = 1;        // of the program: devices, compiled kernels from the cache
-constexpr double triangle_seconds = 3e-6;  // of a core: reading, upload and BVH; measured on builtin:atrium
+constexpr double triangle_seconds = 3e-6;  // of a core: upload and BVH; measured on builtin:atrium
 
-/// Names of the parameters that are the user's: those given, and those that a given preset sets.
+/// Names of the parameters that are the user's: those given, and all where a preset is given, since it gives all.
 std::set<std::string> given_names(Technique& technique, const std::vector<std::pair<std::string, std::string>>& given) {
+  const std::vector<ParameterTable::Entry>& entries = technique.parameters().entries();
   std::set<std::string> names;
   for (const auto& [name, value] : given) {
     names.insert(name);
-    for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
-      if (entry.info.name != name) continue;
-      for (const ParameterPreset& preset : entry.presets) {
-        if (preset.name != value) continue;
-        for (const auto& assignment : preset.values) names.insert(assignment.first);
-      }
-    }
+    const bool preset = std::any_of(entries.begin(), entries.end(), [&](const ParameterTable::Entry& entry) {
+      return entry.info.name == name && !entry.presets.empty();
+    });
+    if (!preset) continue;
+    for (const ParameterTable::Entry& entry : entries) names.insert(entry.info.name);
   }
   return names;
 }
@@ -51,7 +49,7 @@ class Savings {
 
  private:
   double estimate() const {
-    return start_seconds + triangle_seconds * static_cast<double>(scene_.triangle_count()) / power_.host +
+    return triangle_seconds * static_cast<double>(scene_.triangle_count()) / power_.host +
            technique_.estimate_seconds(scene_, settings_, power_);
   }
 
@@ -65,24 +63,23 @@ class Savings {
     return false;
   }
 
-  /// Gives parameter `i` its next value that saves time, if that is worth it. Light paths stay what they are: an image
+  /// Gives parameter `i` its next value that saves enough time to be worth it. Light paths stay what they are: an image
   /// is compared with the reference of the parameters that were asked for.
   bool lower(size_t i) {
     const ParameterSaving& saving = savings_[i];
     ParameterTable& parameters = technique_.parameters();
     const std::string before = parameters.get(saving.parameter);
-    for (; next_[i] < saving.values.size(); ++next_[i]) {
-      parameters.set(saving.parameter, saving.values[next_[i]]);
+    for (size_t k = next_[i]; k < saving.values.size(); ++k) {
+      parameters.set(saving.parameter, saving.values[k]);
       const double seconds = estimate();
       if (seconds <= (1 - least_saving) * seconds_ && technique_.path_set(scene_, settings_).to_string() == path_set_) {
         seconds_ = seconds;
-        ++next_[i];
+        next_[i] = k + 1;
         return true;
       }
-      parameters.set(saving.parameter, before);
-      if (seconds < seconds_) return false;  // it may be worth more when others have become cheap
     }
-    return false;
+    parameters.set(saving.parameter, before);
+    return false;  // a value may be worth more when others have become cheap
   }
 
   Technique& technique_;

@@ -23,10 +23,10 @@ struct BudgetPlan {
   std::string changes_text() const;  ///< "points_log2 18 -> 15, micro_size 24 -> 16"; empty: nothing was changed
 };
 
-/// Plans for `seconds` and sets the parameters of `technique`, on which `given` are already set: what is given there,
-/// or by a preset in it, stays. The first whole picture is to take half of the budget at most; the other half is for
-/// more samples, and for machines that are busy. With less time no parameter gets a larger value. Depends on the
-/// arguments alone, never on a clock.
+/// Plans for `seconds` of upload, preparing and iterating and sets the parameters of `technique`, on which `given` are
+/// already set: what is given there, or by a preset in it, stays. The first whole picture is to take half of the budget
+/// at most; the other half is for more samples, and for machines that are busy. With less time no parameter gets a
+/// larger value. Depends on the arguments alone, never on a clock.
 BudgetPlan plan_budget(Technique& technique, const std::vector<std::pair<std::string, std::string>>& given,
                        const Scene& scene, const RenderSettings& settings, const ComputePower& power, double seconds);
 

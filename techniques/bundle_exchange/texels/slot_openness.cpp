@@ -54,6 +54,10 @@ SlotOpenness::SlotOpenness(Device& device, const SceneBuffers& buffers, const Su
 
 SlotOpenness::~SlotOpenness() = default;
 
+double SlotOpenness::bundles(float pixel_size, int rays) {
+  return std::clamp(std::ceil(double{pixel_size} * pixel_size * rays), kFewestBundles, kMostBundles);
+}
+
 void SlotOpenness::begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
                          const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& exposure,
                          const LayeredRaster& raster) {
@@ -64,8 +68,7 @@ void SlotOpenness::begin(Device& device, KernelScheduler& scheduler, const Progr
   probes.bounds = scene.bounds();
   probes.pixel = safe_pixel_;
   // About two rays per part by default: of few, the mean is right too.
-  const double bundles = std::ceil(double{options_.pixel_size} * options_.pixel_size * options_.rays);
-  probes.count = static_cast<uint64_t>(std::clamp(bundles, kFewestBundles, kMostBundles));
+  probes.count = static_cast<uint64_t>(bundles(options_.pixel_size, options_.rays));
   probes.only_hidden = options_.open_gap <= 0;
   probes.hidden = exposure.hidden();
   probes.counts = TypedBuffer<uint32_t>(device, kOwner, "probes of slots", size_t{slots} * SLOT_PARTS, kFewerTexels);

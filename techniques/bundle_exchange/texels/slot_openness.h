@@ -35,6 +35,8 @@ class SlotOpenness {
     float open_gap = 2;       ///< in texel edges; 0: all rays are open
     int rays = 256;           ///< of a texel that faces all directions
   };
+  /// Bundles that give a texel which faces all directions so many rays, within what is sensible.
+  static double bundles(float pixel_size, int rays);
   SlotOpenness(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const Options& options);
   ~SlotOpenness();
 

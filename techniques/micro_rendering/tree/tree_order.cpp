@@ -102,8 +102,12 @@ void split(std::span<Item> items, ForkJoin& fork_join) {
     });
   } else {
     // Where the median falls within a layer across the axis, its points are parted along the layer, not at random: two
-    // halves over the same place, each with the discs of half its area, would leave holes.
-    partition_at_median(items, [=](const Item& item) { return item.position[axis] + kLean * item.position[second]; });
+    // halves over the same place, each with the discs of half its area, would leave holes. Relative to the node, since
+    // far from the origin so little a slant would be rounded away.
+    partition_at_median(items, [=](const Item& item) {
+      const glm::vec3 place = item.position - low;
+      return place[axis] + kLean * place[second];
+    });
   }
   const size_t half = items.size() / 2;
   const auto left = items.first(half), right = items.subspan(half);

@@ -280,6 +280,16 @@ TEST_CASE("existing files are refused before any work, and replaced only when as
   CHECK(std::filesystem::file_size(file) > 100);
 }
 
+TEST_CASE("a mistyped memory limit removed the results that it was to replace") {
+  const TemporaryFolder folder;
+  for (const char* name : {"comparison.json", "results.csv"}) std::ofstream(folder.path() / name) << "{}";
+  const std::string compare =
+      "compare builtin:cornell -t path_tracing --iterations 1 --overwrite -o " + folder.path().string();
+  check_refused(compare + " --memory-limit abc", 2, "--memory-limit");
+  check_refused(compare + " --device=-x", 2, "");
+  CHECK(count_files(folder.path()) == 2);
+}
+
 TEST_CASE("a plug-in that cannot be loaded does not stop the others, and says why") {
   const std::string plugins = environment("LUCARIUM_TEST_PLUGINS");
   const ProgramResult result = run_lucarium("techniques --technique-path " + plugins + "/wrong_abi --technique-path " +

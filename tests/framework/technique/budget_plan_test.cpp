@@ -40,7 +40,7 @@ class Priced : public TechniqueBase<Options> {
   }
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override {
     return {{"step", {"2", "4"}, true},
-            {"points", {"900", "400", "200", "100"}},
+            {"points", {"900", "760", "400", "200", "100"}},
             {"edge", {"16", "8"}},
             {"depth", {"1"}}};  // other light paths
   }
@@ -113,13 +113,28 @@ TEST_CASE("a picture takes half of its budget, or says which budget would do") {
   CHECK(sufficient.plan.expected_seconds == test::relative(sufficient.plan.sufficient_seconds / 2));
 }
 
-TEST_CASE("what the user gave, himself or by a preset, is left alone") {
+TEST_CASE("seconds of computing have no start of the program in them") {
+  const Planned quick = planned(0.9, {{"points", "1"}, {"edge", "1"}});  // takes 0.2 s
+  CHECK(quick.plan.fits());
+  CHECK(quick.plan.changes.empty());
+}
+
+TEST_CASE("what the user gave, himself or by a preset, which gives all parameters, is left alone") {
   CHECK(planned(1, {{"points", "700"}}).points == 700);
   CHECK(planned(1, {{"points", "800"}}).points == 800);  // the default, but given
   const Planned preset = planned(1, {{"preset", "coarse"}});
   CHECK(preset.edge == 20);
-  CHECK(preset.points == 100);
+  CHECK(preset.points == 800);
+  CHECK(preset.plan.changes.empty());
   CHECK(preset.parameters.find("preset=coarse") == 0);
+  CHECK(planned(1, {{"preset", "default"}}).points == 800);
+}
+
+TEST_CASE("a value that saves too little does not hide those after it") {
+  // 760 points save a twentieth; 400 were never tried behind them.
+  const Planned now = planned(100, {{"edge", "1"}});
+  CHECK(now.points == 400);
+  CHECK(now.step == 1);
 }
 
 TEST_CASE("a plan keeps the light paths, for which the reference is rendered") {

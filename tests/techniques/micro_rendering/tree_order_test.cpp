@@ -89,11 +89,16 @@ TEST_CASE("one layer is halved along its longest axis, though points of a curved
 TEST_CASE("a median within a layer that lies across the longest axis parts it along itself, and no two nodes overlap") {
   // Three layers of 2 m, 1 m apart: some nodes hold all of one and a half of another. Two such halves over one place,
   // which split a layer's points at random, each drawn with its own area, left a tenth of it open.
+  // 1 km from the origin, where floats are 0.06 mm apart, the same.
   constexpr size_t leaves = 64;
+  float away = 0;
+  SUBCASE("at the origin") {}
+  SUBCASE("far away") { away = 1000; }
   std::mt19937 random(7);
   std::uniform_real_distribution<float> u(-1, 1);
   std::vector<SampledPoint> points;
-  for (size_t i = 0; i < 8192; ++i) points.push_back(point(u(random), u(random), static_cast<float>(i % 3), 1));
+  for (size_t i = 0; i < 8192; ++i)
+    points.push_back(point(away + u(random), away + u(random), away + static_cast<float>(i % 3), 1));
   const std::vector<uint32_t> order = tree_order(points, 1);
   double covered = 0;
   for (size_t i = 0; i < order.size(); i += leaves)
@@ -101,7 +106,7 @@ TEST_CASE("a median within a layer that lies across the longest axis parts it al
       glm::vec2 low(INFINITY), high(-INFINITY);
       for (size_t k = i; k < i + leaves; ++k) {
         const glm::vec3& p = points[order[k]].position;
-        if (static_cast<int>(p.z) != layer) continue;
+        if (static_cast<int>(p.z - away) != layer) continue;
         low = glm::min(low, glm::vec2(p)), high = glm::max(high, glm::vec2(p));
       }
       if (high.x > low.x) covered += static_cast<double>((high.x - low.x) * (high.y - low.y));

@@ -8,6 +8,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compare/request/comparison_file.h"
+#include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/scene_overrides.h"
@@ -130,6 +131,9 @@ void check_comparison(const ComparisonSpec& spec) {
       throw_error(ErrorClass::usage, "a budget of relMSE {} needs a limit of seconds above 0", budget.relmse);
     }
   }
+  DeviceOptions device;
+  if (const auto mistake = read_device_arguments(spec.device_arguments, device))
+    throw_error(ErrorClass::usage, "device_arguments/{}: {}", mistake->index, mistake->what);
   if (spec.seeds == 0 || spec.seeds > 1000) throw_error(ErrorClass::usage, "seeds must be from 1 to 1000");
   if (spec.reference.file && spec.scenes.size() > 1) {
     throw_error(ErrorClass::usage, "a reference file goes with one scene; {} were given", spec.scenes.size());

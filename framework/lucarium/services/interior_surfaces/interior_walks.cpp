@@ -2,7 +2,6 @@
 #include "lucarium/services/interior_surfaces/interior_walks.h"
 
 namespace lucarium {
-namespace {}  // namespace
 
 InteriorWalks::InteriorWalks(Device& device, const SceneBuffers& scene, const Intersector& intersector,
                              const InteriorRule& rule)
