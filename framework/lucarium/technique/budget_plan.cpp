@@ -15,10 +15,10 @@ constexpr double triangle_seconds = 3e-6;  // of a core: upload and BVH; measure
 std::set<std::string> given_names(Technique& technique, const std::vector<std::pair<std::string, std::string>>& given) {
   const std::vector<ParameterTable::Entry>& entries = technique.parameters().entries();
   std::set<std::string> names;
-  for (const auto& [name, value] : given) {
-    names.insert(name);
+  for (const auto& one : given) {
+    names.insert(one.first);
     const bool preset = std::any_of(entries.begin(), entries.end(), [&](const ParameterTable::Entry& entry) {
-      return entry.info.name == name && !entry.presets.empty();
+      return entry.info.name == one.first && !entry.presets.empty();
     });
     if (!preset) continue;
     for (const ParameterTable::Entry& entry : entries) names.insert(entry.info.name);
