@@ -170,6 +170,7 @@ CommandLine::CommandLine(const std::string& name, const std::string& text, const
   app_->option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // the last one wins
 }
 
+CommandLine::CommandLine(CommandLine&&) noexcept = default;
 CommandLine::~CommandLine() = default;
 
 Command CommandLine::program() { return Command(*app_); }

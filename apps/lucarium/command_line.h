@@ -72,8 +72,11 @@ class Command {
 class CommandLine {
  public:
   CommandLine(const std::string& name, const std::string& text, const std::string& version);
+  CommandLine(CommandLine&&) noexcept;
   ~CommandLine();
   Command program();
+  /// The tree of commands and options, for what reads it: completions, pages.
+  const CLI::App& app() const { return *app_; }
   /// Fills the variables and calls the chosen command's callback. The exit code when all there was to do is done
   /// (--help, --version). Throws Error{usage}, which names the nearest command or option where one does not exist.
   std::optional<int> parse(int argc, char** argv);

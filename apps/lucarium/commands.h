@@ -10,7 +10,7 @@ namespace lucarium::app {
 /// What the chosen command does; returns the exit code. Set while the command line is parsed, run afterwards.
 using Action = std::function<int()>;
 
-// Each adds its subcommand; the commands are listed in main.cpp.
+// Each adds its subcommand; build_app() calls them all.
 void add_render_command(Command program, Action& action);
 void add_reference_command(Command program, Action& action);
 void add_compare_command(Command program, Action& action);

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <new>
 
-#include "commands.h"
+#include "build_app.h"
 #include "lucarium/base/child_process.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
-#include "lucarium/version.h"
 
 namespace {
 
@@ -25,22 +24,8 @@ void print_error(std::string message, const std::string& details) {
 }
 
 int run(int argc, char** argv) {
-  app::CommandLine line("lucarium", "Compares global-illumination techniques on glTF scenes, on any OpenCL device.",
-                        LUCARIUM_VERSION);
-  const app::Command program = line.program();
   app::Action action;
-  app::add_render_command(program, action);
-  app::add_reference_command(program, action);
-  app::add_compare_command(program, action);
-  app::add_reproduce_command(program, action);
-  app::add_report_command(program, action);
-  app::add_diff_command(program, action);
-  app::add_scene_command(program, action);
-  app::add_techniques_command(program, action);
-  app::add_devices_command(program, action);
-  app::add_check_command(program, action);
-  app::add_new_technique_command(program, action);
-  app::add_job_command(program, action);
+  app::CommandLine line = app::build_app(action);
   if (const std::optional<int> done = line.parse(argc, argv)) return *done;
   return action();
 }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "build_app.h"
+
+#include "lucarium/version.h"
+
+namespace lucarium::app {
+
+CommandLine build_app(Action& action) {
+  CommandLine line("lucarium", "Compares global-illumination techniques on glTF scenes, on any OpenCL device.",
+                   LUCARIUM_VERSION);
+  const Command program = line.program();
+  add_render_command(program, action);
+  add_reference_command(program, action);
+  add_compare_command(program, action);
+  add_reproduce_command(program, action);
+  add_report_command(program, action);
+  add_diff_command(program, action);
+  add_scene_command(program, action);
+  add_techniques_command(program, action);
+  add_devices_command(program, action);
+  add_check_command(program, action);
+  add_new_technique_command(program, action);
+  add_job_command(program, action);
+  return line;
+}
+
+}  // namespace lucarium::app
