@@ -156,9 +156,11 @@ class Viewer {
     this.listeners.forEach(listener => listener());
   }
 
-  // Paints when the pictures are there; of several calls only the last one paints.
+  // Paints when the pictures are there; of several calls only the last one paints. The canvas says which was asked for
+  // last and which was drawn: all is drawn when they are equal.
   async draw() {
     const turn = (this.turn = (this.turn || 0) + 1);
+    this.canvas.dataset.asked = String(turn);
     await new Promise(done => setTimeout(done));
     if (turn !== this.turn || !this.canvas.isConnected) return;
     this.resize();
