@@ -42,7 +42,8 @@ Film draw_view(const SurfaceAtlas& atlas, Device& device, KernelScheduler& sched
 void AtlasArguments::add_to(Command command) {
   command.add_option("--atlas", charts, "write the charts of the surface atlas to FILE.exr or FILE.png");
   command.add_option("--atlas-view", view, "write what the camera sees, every texel of the atlas in its colour");
-  command.add_option("--atlas-texels", options.texel_count, "wanted slots of the atlas")->check(positive_number());
+  command.add_option("--atlas-texels", options.texel_count, "wanted texel sides of the atlas")
+      ->check(positive_number());
   command.add_option("--atlas-edge", options.texel_edge, "wanted texel edge [m], instead of a number")
       ->check(positive_number());
   command.add_flag("--atlas-texcoord1", options.use_texcoord1, "lay the atlas out by TEXCOORD_1 where there is one");
@@ -79,15 +80,15 @@ std::optional<SurfaceAtlasReport> draw_atlas(const AtlasArguments& arguments, co
 
 std::string text_of(const SurfaceAtlasReport& r) {
   return fmt::format(
-      "surface atlas: {} slots on {} texels in {} charts ({} of one texel), {} cells, texel edge {:.4g} m\n"
+      "surface atlas: {} texel sides on {} texels in {} charts ({} of one texel), {} cells, texel edge {:.4g} m\n"
       "  area {:.6g} m², per texel over edge² (5, 50, 95 %): {:.2f} {:.2f} {:.2f}; {}; {:.2f} s\n",
-      r.slots, r.texels, r.charts, r.one_texel_charts, r.cells, r.texel_edge, r.area, r.area_p5, r.area_p50, r.area_p95,
+      r.sides, r.texels, r.charts, r.one_texel_charts, r.cells, r.texel_edge, r.area, r.area_p5, r.area_p50, r.area_p95,
       format_bytes(r.bytes), r.seconds);
 }
 
 std::string with_atlas(const std::string& scene_report, const SurfaceAtlasReport& r) {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(scene_report);
-  json["atlas"] = {{"slots", r.slots},
+  json["atlas"] = {{"sides", r.sides},
                    {"texels", r.texels},
                    {"charts", r.charts},
                    {"one_texel_charts", r.one_texel_charts},

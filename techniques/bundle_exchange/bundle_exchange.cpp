@@ -4,16 +4,16 @@
 // -----------------------------------------------------------
 //
 // Idea. Take one direction ω for the whole scene. All rays along ω form a bundle; drawn orthographically, with every
-// fragment kept and sorted by depth, a pixel of the film is such a ray, and consecutive fragments see each other along
-// it. They exchange radiance, each giving the other what it reflects. After many directions every texel of an atlas
-// over all surfaces has received light from its whole hemisphere (Hermes, Henrich, Grosch, Mueller: Global Illumination
-// using Parallel Global Ray-Bundles, VMV 2010).
+// fragment kept and sorted by depth, a pixel of the bundle image is such a ray, and consecutive fragments see each
+// other along it. They exchange radiance, each giving the other what it reflects. After many directions every texel of
+// an atlas over all surfaces has received light from its whole hemisphere (Hermes, Henrich, Grosch, Mueller: Global
+// Illumination using Parallel Global Ray-Bundles, VMV 2010).
 //
 //   E_t = π Σ w L / Σ w        over all rays that met texel t, w = W A_p a, W = 1 / (q(ω) + q(-ω))
 //
-// q is the density of directions, A_p the area of a film pixel, a the openness of that part of the texel
-// (slot_openness.h): what is covered by something near is neither seen nor to count. The cosine is implicit: a texel is
-// met by as many rays as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
+// q is the density of directions, A_p the area of a bundle pixel, a the accessibility of that part of the texel
+// (side_accessibility.h): what is covered by something near is neither seen nor to count. The cosine is implicit: a
+// texel is met by as many rays as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
 //
 // All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
 // kept (sender_weights.h): S forgets quickly, so that light that was missing at the beginning fades as
@@ -30,32 +30,33 @@
 // interior_surfaces/ are services of the framework):
 //
 //   equation 1 (Eq. 1), rendering equation   solved for both sides of all texels at once
-//   equation 2 (Eq. 2), sum over directions  senders/fold.cl: fold_batch(); base/exchange_layout.clh: slot_mean()
-//   equation 3 (Eq. 3), transfer             exchange/exchange_rows.cl: receive() (L_x cosθ);
+//   equation 2 (Eq. 2), sum over directions  senders/accumulate.cl: accumulate_batch(); base/exchange_layout.clh:
+//   side_mean() equation 3 (Eq. 3), transfer             exchange/exchange_pairs.cl: receive() (L_x cosθ);
 //                                            senders/senders.cl: make_senders() (f_r);
 //                                            term by term in exchange/exchange_texels.cl: exchange_texels()
-//   equation 4 (Eq. 4), transfer atlas       senders/ring.cl: ring_receive(), ring_send()
+//   equation 4 (Eq. 4), transfer atlas       senders/direction_history.cl: receive_history(), send_history()
 //   figure 3, loop over directions           bundle_exchange.cpp: run_batch(), exchange_along()
 //   figure 5, self-localization              exchange/exchange_texels.cl: exchange_texels() (transfer=texel);
 //                                            layered_raster/fragment_list.clh: seen_fragment()
 //   section 4.1, texture atlases             surface_atlas/surface_atlas.h; sums in base/exchange_layout.clh
 //   section 4.2, k-buffer, sorting           layered_raster/layered_raster.h: every fragment, not the first k
-//   section 4.2, opposite sampling points    exchange/exchange_rows.cl: layered_ray_crosses()
+//   section 4.2, opposite sampling points    exchange/exchange_pairs.cl: layered_ray_crosses()
 //   section 4.3, global ray directions       bundles/direction_sequence.cpp: point()
 //   section 5.1, direct illumination         exchange/begin_direction.cl: begin_direction();
-//                                            exchange/exchange_rows.cl: receive_end() (direct_mode=exchange)
-//   section 5.2, diffuse, ping-pong          senders/fold.cl: settle_bounce() (interleave=pingpong)
+//                                            exchange/exchange_pairs.cl: receive_end() (direct_mode=exchange)
+//   section 5.2, diffuse, ping-pong          senders/accumulate.cl: finish_bounce() (interleave=pingpong)
 //   section 5.3, final glossy bounce         pixels/pixel_gather.cl: gather_pixels() (pixel_rays=bundle);
-//                                            specular/hops.cl: begin_pixel_hops() (by rays)
-//   section 5.4, glossy interreflections     senders/slot_ring.h; specular/hops.cl: begin_slot_hops() (by rays)
-//   section 5.5, interleaved light transfer  senders/senders.cl: make_senders(); senders/fold.cl: fold_batch();
+//                                            specular/side_chains.cl: begin_pixel_chains() (by rays)
+//   section 5.4, glossy interreflections     senders/direction_history.h; specular/side_chains.cl: begin_side_chains()
+//   (by rays) section 5.5, interleaved light transfer  senders/senders.cl: make_senders(); senders/accumulate.cl:
+//   accumulate_batch();
 //                                            senders/sender_weights.cpp: next()
-//   section 6.4, direct light first          senders/slot_means.cpp: direct_only(), reflecting() (direct_first)
-//   section 6.5, separate direct light       texels/slot_light.cl: light_point() (direct_mode=nee)
+//   section 6.4, direct light first          senders/side_means.cpp: direct_only(), reflecting() (direct_first)
+//   section 6.5, separate direct light       texels/side_light.cl: light_point() (direct_mode=nee)
 //
 // Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/senders.cl:
-// balance_scale()), openness (texels/slot_openness.h), hidden surfaces (interior_surfaces/), specular chains
-// (specular/), the preview (senders/preview.cl) and the start from what is known (senders/slot_means.cpp:
+// balance_scale()), accessibility (texels/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains
+// (specular/), the preview (senders/preview.cl) and the start from what is known (senders/side_means.cpp:
 // start_from()).
 
 #include <fmt/format.h>
@@ -109,9 +110,10 @@ class BundleExchange : public TechniqueBase<Parameters> {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
     if (!parts_) return result;
     result["indirect_directions"] = static_cast<double>(parts_->means.reflecting(directions_));
-    result["slots"] = parts_->atlas->info().texel_count;
-    result["film_pixels"] = parts_->transfer.mean_film();
-    result["hop_rays"] = static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
+    result["sides"] = parts_->atlas->info().texel_count;
+    result["bundle_pixels"] = parts_->transfer.mean_image();
+    result["chain_rays"] =
+        static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
     if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
     return result;
   }
@@ -119,12 +121,12 @@ class BundleExchange : public TechniqueBase<Parameters> {
  protected:
   // ---- the loop over directions
 
-  /// An iteration: light samples for some texels, directions of about kPixels film pixels, a camera sample, which alone
-  /// changes the image. What a cancelled one has completed is kept; the next goes on from there.
+  /// An iteration: light samples for some texels, directions of about kPixels bundle pixels, a camera sample, which
+  /// alone changes the image. What a cancelled one has completed is kept; the next goes on from there.
   bool step() override {
     BundleParts& parts = *parts_;
     if (!step_.begun)
-      step_ = {true, false, parts.slot_light.runs(), position(), position() + directions_per_iteration()};
+      step_ = {true, false, parts.side_light.runs(), position(), position() + directions_per_iteration()};
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
     if (!sample_texels() || !exchange_directions() || !parts.camera.sample()) return false;
@@ -154,9 +156,9 @@ class BundleExchange : public TechniqueBase<Parameters> {
     directions_ = gathers_ = 0;
     step_ = {};
     batch_ = {};
-    sequence_ = make_sequence(sequence_parameters(), full_seed(), guide_, has_ring());
+    sequence_ = make_sequence(sequence_parameters(), full_seed(), guide_, has_history());
     if (parts_->specular) parts_->specular->reset();
-    parts_->slot_light.reset(seed());
+    parts_->side_light.reset(seed());
     parts_->means.reset();
     parts_->camera.reset(seed());
     if (known_) parts_->means.start_from(std::move(*known_));
@@ -187,10 +189,10 @@ class BundleExchange : public TechniqueBase<Parameters> {
     parts_.reset();  // its memory first
     // Of this change alone: what follows a failure begins with nothing.
     BundleParts::Kept kept = std::exchange(kept_, {});
-    std::optional<SlotMeans::Kept> known = std::exchange(known_, {});
+    std::optional<SideMeans::Kept> known = std::exchange(known_, {});
     const BundlePlan plan = make_plan(parameters_, scene(), settings());
     auto parts = std::make_unique<BundleParts>(context(), parameters_, plan, std::move(kept));
-    if (exchanges()) parts->measure_openness(context().progress);
+    if (exchanges()) parts->measure_accessibility(context().progress);
     parts_ = std::move(parts);
     known_ = std::move(known);
   }
@@ -201,7 +203,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   // ---- progress
 
   Phase phase() const {
-    if (!(parts_->slot_light.complete() || settings().max_bounces == 0)) return Phase::light;
+    if (!(parts_->side_light.complete() || settings().max_bounces == 0)) return Phase::light;
     if (!exchanges() || directions_ >= static_cast<uint64_t>(parameters_.directions) || is_accurate())
       return Phase::done;
     return parts_->means.reflected_light_done() ? Phase::emission_only : Phase::exchange;
@@ -228,7 +230,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   /// Whether more light samples at texels are of use: to those that send reflected light, or to pixels that gather it.
   bool wants_light() const {
-    if (settings().max_bounces == 0 || parts_->slot_light.exhausted()) return false;
+    if (settings().max_bounces == 0 || parts_->side_light.exhausted()) return false;
     return phase() == Phase::light || !(phase() == Phase::done || parts_->means.reflected_light_done()) ||
            parts_->camera.pixel_gather();
   }
@@ -257,16 +259,16 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   uint32_t directions_per_iteration() const {
     // Fragments that are stored cost about three times as much as those that are exchanged at once.
-    const double films = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
-    const double count = kPixels / films / parts_->transfer.largest_film();
-    return static_cast<uint32_t>(std::clamp(count, 1.0, 64 / films));
+    const double images = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
+    const double count = kPixels / images / parts_->transfer.largest_image();
+    return static_cast<uint32_t>(std::clamp(count, 1.0, 64 / images));
   }
 
   /// Light samples at the runs of texels of this iteration. False when cancelled.
   bool sample_texels() {
     for (; step_.light_runs > 0 && wants_light(); --step_.light_runs) {
-      if (!parts_->slot_light.sample()) return false;
-      parts_->slot_light.commit();
+      if (!parts_->side_light.sample()) return false;
+      parts_->side_light.commit();
     }
     step_.light_runs = 0;
     return true;
@@ -314,18 +316,18 @@ class BundleExchange : public TechniqueBase<Parameters> {
   bool begin_batch() {
     batch_.count = next_batch();
     if (!parts_->means.make_senders()) return false;
-    if (SlotSpecular* specular = reflecting()) specular->begin_batch(sequence_, directions_, batch_.count);
+    if (SideSpecular* specular = reflecting()) specular->begin_batch(sequence_, directions_, batch_.count);
     return true;
   }
 
   /// The next direction of the batch (figure 3, the body of the loop); pixels gather along it (null: not), `first`: the
-  /// first one since they last did. False when cancelled while slots find what they send, which may be done again; sums
-  /// are added to in one go.
+  /// first one since they last did. False when cancelled while texel sides find what they send, which may be done
+  /// again; sums are added to in one go.
   bool exchange_along(PixelGather* gather, bool first) {
     const uint64_t index = position();
     const BundleDirection direction = sequence_.at(index);
     const uint32_t seed = direction_seed(index);
-    SlotSpecular* specular = reflecting();
+    SideSpecular* specular = reflecting();
     if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
     if (gather && specular) parts_->transfer.gather(direction, seed, first);
     if (gather && !specular && !gather_along(index, first)) return false;
@@ -339,16 +341,16 @@ class BundleExchange : public TechniqueBase<Parameters> {
   }
 
   void commit_batch() {
-    if (SlotSpecular* specular = reflecting()) specular->commit();
+    if (SideSpecular* specular = reflecting()) specular->commit();
     parts_->means.commit(directions_, batch_.count);
     directions_ += batch_.count;
     batch_ = {};
   }
 
-  /// What slots send by specular lobes in the batch; null where bundles carry emission only.
-  SlotSpecular* reflecting() const { return parts_->means.direct_only(directions_) ? nullptr : parts_->specular.get(); }
+  /// What texel sides send by specular lobes in the batch; null where bundles carry emission only.
+  SideSpecular* reflecting() const { return parts_->means.direct_only(directions_) ? nullptr : parts_->specular.get(); }
 
-  /// When slots have received enough: a direction for pixels only.
+  /// When texel sides have received enough: a direction for pixels only.
   bool run_gather() {
     if (!parts_->means.make_senders() || !gather_along(directions_ + gathers_, true)) return false;
     parts_->camera.pixel_gather()->commit(1);
@@ -356,7 +358,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return true;
   }
 
-  /// Pixels gather what slots send along a direction, which itself changes nothing that slots know.
+  /// Pixels gather what texel sides send along a direction, which itself changes nothing that texel sides know.
   bool gather_along(uint64_t index, bool first) {
     const BundleDirection direction = sequence_.at(index);
     const uint32_t seed = direction_seed(index);
@@ -376,28 +378,28 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   /// The atlas, which knows surfaces and their emission only, and what of its texels counts.
   BundleParts::Kept keep_surfaces() {
-    return {std::move(parts_->atlas), std::move(parts_->exposure), std::move(parts_->openness)};
+    return {std::move(parts_->atlas), std::move(parts_->interior), std::move(parts_->accessibility)};
   }
 
   /// Texels stay what they are, and senders know what they knew, where the atlas can follow the change.
   void keep_senders(const SceneChange& change) {
-    SlotMeans::Kept known = parts_->means.keep();
+    SideMeans::Kept known = parts_->means.keep();
     BundleParts::Kept kept = keep_surfaces();
     parts_.reset();
     const uint64_t generation = kept.atlas->generation();
     kept.atlas->refit(scene(), change);
     if (kept.atlas->generation() == generation) known_ = std::move(known);
-    if (touches_surfaces(change)) kept.exposure = nullptr, kept.openness = nullptr;
+    if (touches_surfaces(change)) kept.interior = nullptr, kept.accessibility = nullptr;
     kept_ = std::move(kept);
   }
 
-  bool has_ring() const { return parts_->specular && parts_->specular->has_ring(); }
+  bool has_history() const { return parts_->specular && parts_->specular->has_history(); }
 
   /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at
   /// least.
   Parameters sequence_parameters() const {
     Parameters result = parameters_;
-    if (has_ring()) result.block = std::max(result.block, 64 * result.glossy_window);
+    if (has_history()) result.block = std::max(result.block, 64 * result.glossy_window);
     return result;
   }
 
@@ -413,7 +415,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     uint32_t count = 0, done = 0;  ///< directions
   };
 
-  static constexpr double kPixels = 4e6;  ///< film pixels of an iteration, about 100 ms
+  static constexpr double kPixels = 4e6;  ///< bundle pixels of an iteration, about 100 ms
   std::shared_ptr<const EnvironmentGuide> guide_;
   uint64_t directions_ = 0, gathers_ = 0;
   Step step_;
@@ -421,7 +423,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   DirectionSequence sequence_{{}, 1};
   std::unique_ptr<BundleParts> parts_;
   BundleParts::Kept kept_;                ///< for the next build()
-  std::optional<SlotMeans::Kept> known_;  ///< for the next restart()
+  std::optional<SideMeans::Kept> known_;  ///< for the next restart()
 };
 
 std::unique_ptr<Technique> create_bundle_exchange() { return std::make_unique<BundleExchange>(); }

@@ -16,9 +16,9 @@ const char* const kOwner = "bundle_exchange";
 
 Program make_program(Device& device, const Channels& channels) {
   std::vector<std::string> files;
-  for (const char* file :
-       {"senders/senders", "senders/fold", "texels/slot_openness", "texels/slot_light", "pixels/camera_light",
-        "specular/hops", "senders/ring", "pixels/pixel_gather", "senders/preview"})
+  for (const char* file : {"senders/senders", "senders/accumulate", "texels/side_accessibility", "texels/side_light",
+                           "pixels/camera_light", "specular/side_chains", "senders/direction_history",
+                           "pixels/pixel_gather", "senders/preview"})
     files.push_back(fmt::format("bundle_exchange/{}", file));
   return make_program(device, bundle_exchange_kernels(), files, channels.defines());
 }
@@ -35,40 +35,43 @@ std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlas
 BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept)
     : atlas(kept.atlas ? std::move(kept.atlas) : make_atlas(c, plan.atlas)),
       program(make_program(*c.device, plan.channels)),
-      exposure(kept.exposure ? std::move(kept.exposure)
+      interior(kept.interior ? std::move(kept.interior)
                              : std::make_unique<TexelInterior>(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas,
                                                                kOwner, "lower texels")),
-      openness(kept.openness
-                   ? std::move(kept.openness)
-                   : std::make_unique<SlotOpenness>(*c.device, c.scene_buffers, *atlas,
-                                                    SlotOpenness::Options{p.pixel_size, p.open_gap, p.open_rays})),
-      slot_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, *openness, plan.light_kinds),
-      means(*c.device, c.scheduler, program, *atlas, openness->shares(), slot_light.light_samples(), plan.channels, p),
-      preview(plan.preview ? std::make_unique<SlotPreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
+      accessibility(kept.accessibility ? std::move(kept.accessibility)
+                                       : std::make_unique<SideAccessibility>(
+                                             *c.device, c.scene_buffers, *atlas,
+                                             SideAccessibility::Options{p.pixel_size, p.access_gap, p.access_rays})),
+      side_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, *accessibility, plan.light_kinds),
+      means(*c.device, c.scheduler, program, *atlas, accessibility->shares(), side_light.light_samples(), plan.channels,
+            p),
+      preview(plan.preview ? std::make_unique<SidePreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
       camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(),
              make_frame(c.settings), plan.camera),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *exposure, *openness,
+      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *interior, *accessibility,
                plan.channels, {p.pixel_size, p.transfer, camera.pixel_gather()}) {
-  if (!openness->complete())
-    openness->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *exposure, transfer.raster());
+  if (!accessibility->complete())
+    accessibility->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *interior,
+                         transfer.raster());
   if (!plan.reflects) return;
   specular =
-      std::make_unique<SlotSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
+      std::make_unique<SideSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
                                      !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
 }
 
-void BundleParts::measure_openness(const std::function<void(double, const std::string&)>& report) {
+void BundleParts::measure_accessibility(const std::function<void(double, const std::string&)>& report) {
   const auto check = [](bool done) {
     if (!done)
       throw Error(ErrorClass::interrupted, "bundle_exchange: interrupted while texels were measured; nothing is kept");
   };
-  for (; !exposure->complete(); report(exposure->progress(), "hidden places")) check(exposure->advance());
-  for (; !openness->complete(); report(openness->progress(), openness->measured())) check(openness->advance());
-  means.take_materials();
+  for (; !interior->complete(); report(interior->progress(), "hidden places")) check(interior->advance());
+  for (; !accessibility->complete(); report(accessibility->progress(), accessibility->measured()))
+    check(accessibility->advance());
+  means.copy_materials();
 }
 
 void BundleParts::warm_up() {
-  slot_light.warm_up();
+  side_light.warm_up();
   means.warm_up();
   if (preview) preview->warm_up();
   if (specular) specular->warm_up();

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "bundle_exchange/exchange/bundle_transfer.h"
-#include "bundle_exchange/shared/slots.h"
-#include "bundle_exchange/specular/slot_specular.h"
-#include "bundle_exchange/texels/slot_light.h"
+#include "bundle_exchange/shared/texel_sides.h"
+#include "bundle_exchange/specular/side_specular.h"
+#include "bundle_exchange/texels/side_light.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -23,11 +23,11 @@ bool has_lamps(const Scene& scene) {
 Channels make_channels(const Parameters& parameters, const Scene& scene, const RenderSettings& settings,
                        bool reflects) {
   Channels result;
-  result.hops = has_specular_lobes(scene) || parameters.final_gather == FinalGather::all;
-  // Glossy slots that trace no rays get what lamps and the environment send along the bundles.
-  result.apart = parameters.direct_mode == DirectMode::nee && SlotSpecular::uses_ring(parameters) && reflects &&
-                 (has_lamps(scene) || scene.environment);
-  result.emission = parameters.direct_mode == DirectMode::exchange || result.apart;
+  result.chains = has_specular_lobes(scene) || parameters.final_gather == FinalGather::all;
+  // Glossy texel sides that trace no rays get what lamps and the environment send along the bundles.
+  result.to_history = parameters.direct_mode == DirectMode::nee && SideSpecular::uses_history(parameters) && reflects &&
+                      (has_lamps(scene) || scene.environment);
+  result.emission = parameters.direct_mode == DirectMode::exchange || result.to_history;
   result.self_fed = settings.max_bounces < 0;
   result.count = (result.self_fed ? 1 : static_cast<uint32_t>(settings.max_bounces)) + (result.emission ? 1 : 0);
   result.count = std::max(1u, result.count);  // direct light by samples alone exchanges nothing
@@ -45,11 +45,11 @@ bool has_specular_lobes(const Scene& scene) {
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
-  plan.atlas.samples = SLOT_POINTS;
+  plan.atlas.samples = SIDE_POINTS;
   plan.atlas.remedy = "lower texels";
   const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 32768, 262144);
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
-  // Direct light needs no lobes of slots: they begin behind the first scattering.
+  // Direct light needs no lobes of texel sides: they begin behind the first scattering.
   plan.reflects = specular && settings.max_bounces != 0 && parameters.glossy_bounces == GlossyBounces::multiple;
   plan.preview = parameters.preview && forgets(parameters);
   plan.channels = make_channels(parameters, scene, settings, plan.reflects);
@@ -61,7 +61,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   plan.camera.max_bounces = settings.max_bounces;
   plan.camera.by_bundles = parameters.pixel_rays == PixelRays::bundle && settings.max_bounces != 0 &&
                            parameters.interleave != Interleave::pingpong;  // bundles then carry one bounce only
-  plan.camera.alpha_least = SlotSpecular::alpha_least(parameters);
+  plan.camera.min_alpha = SideSpecular::min_alpha(parameters);
   plan.light_kinds = DirectLight::kAllLights;
   if (parameters.direct_mode == DirectMode::exchange) plan.light_kinds = punctual ? DirectLight::kPunctualLights : 0;
   return plan;
@@ -73,16 +73,16 @@ std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters,
 
 size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene,
                       const RenderSettings& settings) {
-  const size_t slots = plan.atlas.texel_count * 5 / 4;
-  return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SlotMeans::estimate_bytes(slots, plan.channels, parameters) +
-         SlotLight::estimate_bytes(slots) + TexelInterior::estimate_bytes(slots, SLOT_POINTS) +
-         SlotOpenness::estimate_bytes(slots) +
-         (plan.reflects ? SlotSpecular::estimate_bytes(slots, plan.channels, parameters) : 0) +
+  const size_t sides = plan.atlas.texel_count * 5 / 4;
+  return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SideMeans::estimate_bytes(sides, plan.channels, parameters) +
+         SideLight::estimate_bytes(sides) + TexelInterior::estimate_bytes(sides, SIDE_POINTS) +
+         SideAccessibility::estimate_bytes(sides) +
+         (plan.reflects ? SideSpecular::estimate_bytes(sides, plan.channels, parameters) : 0) +
          CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles,
                                      plan.preview) +
          BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters,
                                         plan.camera.by_bundles) +
-         (plan.preview ? SlotPreview::estimate_bytes(slots, plan.channels) : 0);
+         (plan.preview ? SidePreview::estimate_bytes(sides, plan.channels) : 0);
 }
 
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
@@ -101,20 +101,20 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
     result.push_back(
         "light of many bounces comes late: 19 % are missing after 2048 directions where surfaces reflect 0.8 "
         "(interleave=running is there for comparison)");
-  const bool ring = SlotSpecular::uses_ring(parameters) && has_specular_lobes(scene) &&
-                    parameters.glossy_bounces == GlossyBounces::multiple;
-  if (ring) {
+  const bool history = SideSpecular::uses_history(parameters) && has_specular_lobes(scene) &&
+                       parameters.glossy_bounces == GlossyBounces::multiple;
+  if (history) {
     if (parameters.sequence == DirectionOrder::halton)
       result.push_back(
           "glossy light between surfaces is about half of what it should be (sequence=halton with glossy_window)");
     if (std::none_of(scene.materials.begin(), scene.materials.end(), [&](const SceneMaterial& m) {
-          return m.roughness * m.roughness >= SlotSpecular::alpha_least(parameters);
+          return m.roughness * m.roughness >= SideSpecular::min_alpha(parameters);
         }))
-      result.push_back(
-          fmt::format("glossy_window has no effect: no surface is as rough as alpha_ring asks for (GGX width {:.2f})",
-                      SlotSpecular::alpha_least(parameters)));
+      result.push_back(fmt::format(
+          "glossy_window has no effect: no surface is as rough as history_alpha asks for (GGX width {:.2f})",
+          SideSpecular::min_alpha(parameters)));
   }
-  if (parameters.interleave == Interleave::pingpong && ring)
+  if (parameters.interleave == Interleave::pingpong && history)
     result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
   if (parameters.interleave == Interleave::pingpong && has_specular_lobes(scene))
     result.push_back("specular reflections between diffuse ones are no bounces of their own (interleave=pingpong)");

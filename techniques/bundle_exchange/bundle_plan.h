@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "bundle_exchange/pixels/camera_light.h"
-#include "bundle_exchange/senders/slot_means.h"
+#include "bundle_exchange/senders/side_means.h"
 #include "lucarium/technique/technique.h"
 
 namespace lucarium::bundle {
@@ -11,9 +11,9 @@ struct BundlePlan {
   SurfaceAtlasOptions atlas;
   Channels channels;
   CameraLight::Options camera;
-  bool preview = false;      ///< images that have not converged show what SlotPreview smooths
-  bool reflects = false;     ///< specular lobes of slots take part in the exchange
-  uint32_t light_kinds = 0;  ///< of lights that slots get light samples of (LUCARIUM_LIGHT_* bits)
+  bool preview = false;      ///< images that have not converged show what SidePreview smooths
+  bool reflects = false;     ///< specular lobes of texel sides take part in the exchange
+  uint32_t light_kinds = 0;  ///< of lights that texel sides get light samples of (LUCARIUM_LIGHT_* bits)
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 

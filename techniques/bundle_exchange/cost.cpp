@@ -5,20 +5,20 @@
 
 #include <algorithm>
 
-#include "bundle_exchange/texels/slot_openness.h"
+#include "bundle_exchange/texels/side_accessibility.h"
 
 namespace lucarium::bundle {
 namespace {
 
-constexpr double kAtlasSeconds = 3e-6;        // a texel of the atlas …
-constexpr double kChartSeconds = 3e-6;        // … and a triangle
-constexpr double kHiddenSeconds = 1.3e-5;     // a texel's walks that tell what is hidden
-constexpr double kOpennessSeconds = 4e-8;     // a ray of a texel that measures openness
-constexpr double kSlotLightSeconds = 1.8e-5;  // a texel's first light samples
-constexpr double kTexelSeconds = 8e-8;        // a texel, in a direction
-constexpr double kTriangleSeconds = 2e-8;     // a triangle, in a direction
-constexpr double kPixelSeconds = 2e-6;        // a sample of a pixel
-constexpr double kFirstDirections = 64;       // that give a picture
+constexpr double kAtlasSeconds = 3e-6;          // a texel of the atlas …
+constexpr double kChartSeconds = 3e-6;          // … and a triangle
+constexpr double kHiddenSeconds = 1.3e-5;       // a texel's walks that tell what is hidden
+constexpr double kAccessibilitySeconds = 4e-8;  // a ray of a texel that measures accessibility
+constexpr double kSideLightSeconds = 1.8e-5;    // a texel's first light samples
+constexpr double kTexelSeconds = 8e-8;          // a texel, in a direction
+constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a direction
+constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
+constexpr double kFirstDirections = 64;         // that give a picture
 
 }  // namespace
 
@@ -31,11 +31,11 @@ double estimate_seconds(const BundlePlan& plan, const Parameters& parameters, co
   double device = pixels * kPixelSeconds;
   if (settings.max_bounces != 0 || parameters.direct_mode == DirectMode::exchange) {
     const double area = double{parameters.pixel_size} * parameters.pixel_size;
-    const double rays = SlotOpenness::bundles(parameters.pixel_size, parameters.open_rays) / area;
-    const double openness = parameters.open_gap > 0 ? rays * kOpennessSeconds : 0;
-    const double light = parameters.direct_mode == DirectMode::nee ? kSlotLightSeconds : 0;
+    const double rays = SideAccessibility::bundles(parameters.pixel_size, parameters.access_rays) / area;
+    const double accessibility = parameters.access_gap > 0 ? rays * kAccessibilitySeconds : 0;
+    const double light = parameters.direct_mode == DirectMode::nee ? kSideLightSeconds : 0;
     const double directions = std::min<double>(parameters.directions, kFirstDirections);
-    device += texels * (kHiddenSeconds + openness + light) +
+    device += texels * (kHiddenSeconds + accessibility + light) +
               directions * (texels * kTexelSeconds + triangles * kTriangleSeconds);
   }
   return atlas / power.host + device / power.device;
@@ -43,7 +43,7 @@ double estimate_seconds(const BundlePlan& plan, const Parameters& parameters, co
 
 std::vector<ParameterSaving> savings() {
   return {
-      {"open_rays", {"128"}}, {"texels", {"131072", "65536", "32768", "16384", "8192"}}, {"texels", {"4096"}, true}};
+      {"access_rays", {"128"}}, {"texels", {"131072", "65536", "32768", "16384", "8192"}}, {"texels", {"4096"}, true}};
 }
 
 }  // namespace lucarium::bundle

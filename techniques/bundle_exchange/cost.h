@@ -13,7 +13,7 @@ namespace lucarium::bundle {
 double estimate_seconds(const BundlePlan& plan, const Parameters& parameters, const Scene& scene,
                         const RenderSettings& settings, const ComputePower& power);
 
-/// What may be lowered for a budget: rays that measure openness, and texels.
+/// What may be lowered for a budget: rays that measure accessibility, and texels.
 std::vector<ParameterSaving> savings();
 
 }  // namespace lucarium::bundle

@@ -12,6 +12,6 @@ LUCARIUM_STRUCT_END(InteriorPoint, 12)
 #define INTERIOR_BACK 0x80000000u
 #define INTERIOR_TRIANGLE 0x7fffffffu
 
-#define INTERIOR_MAX_SAMPLES 32u  // of a slot: TexelInterior has a bit for each
+#define INTERIOR_MAX_SAMPLES 32u  // of a texel side: TexelInterior has a bit for each
 
 #endif

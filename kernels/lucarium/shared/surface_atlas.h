@@ -2,9 +2,10 @@
 // The surface atlas as kernels see it: every point of every triangle has a texel. Built by SurfaceAtlas
 // (framework/lucarium/services/surface_atlas/surface_atlas.h), read through kernels/lucarium/surface_atlas.clh.
 //
-// A texel is a small patch of one surface. A *slot* is one reflecting side of a texel; with K double-sided texels the
-// slots are [0, K) their fronts, [K, 2K) their backs (back = front + K), [2K, texel_count) single-sided fronts. The id
-// of a texel is the slot of its front. Double-sided here means that light is reflected or transmitted on both sides.
+// A texel is a small patch of one surface. A *texel side* is one reflecting side of a texel; with K double-sided texels
+// the texel sides are [0, K) their fronts, [K, 2K) their backs (back = front + K), [2K, texel_count) single-sided
+// fronts. The id of a texel is the texel side of its front. Double-sided here means that light is reflected or
+// transmitted on both sides.
 #ifndef LUCARIUM_SHARED_SURFACE_ATLAS_H
 #define LUCARIUM_SHARED_SURFACE_ATLAS_H
 #include "lucarium/shared/dialect.h"
@@ -17,7 +18,7 @@ uint base;                     // cell of that minimum
 uint pitch;                    // cells per row of its chart; 0: a chart of one texel (uv are constant)
 LUCARIUM_STRUCT_END(AtlasTriangle, 32)
 
-// One slot. The sample position lies on the texel's largest piece of a triangle.
+// One side. The sample position lies on the texel's largest piece of a triangle.
 LUCARIUM_STRUCT_BEGIN(AtlasTexel)
 uint triangle;  // world triangle of the sample position
 float b1, b2;   // its barycentrics (weights of corners 1 and 2)
@@ -37,13 +38,13 @@ float b1, b2;   // barycentrics (weights of corners 1 and 2)
 LUCARIUM_STRUCT_END(AtlasSample, 12)
 
 LUCARIUM_STRUCT_BEGIN(AtlasInfo)
-uint texel_count;         // slots
+uint texel_count;         // texel sides
 uint double_sided_count;  // K
 uint cell_count;          // entries of atlas_table
 float texel_edge;         // s, the wanted edge of a texel [m]
 LUCARIUM_STRUCT_END(AtlasInfo, 16)
 
-// What a slot scatters and emits, at its sample position, seen along the normal of its side. Names as in
+// What a texel side scatters and emits, at its sample position, seen along the normal of its side. Names as in
 // kernels/lucarium/bsdf.clh.
 LUCARIUM_STRUCT_BEGIN(AtlasMaterial)
 float4 diffuse;       // xyz: albedo of the Lambert lobe; w: GGX width alpha, 0 for ideal lobes

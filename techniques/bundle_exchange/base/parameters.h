@@ -23,19 +23,19 @@ struct Parameters {
   float env_guiding = 0;
   int texels = 0;
   float pixel_size = 0.5f;
-  float open_gap = 2;
-  int open_rays = 256;
+  float access_gap = 2;
+  int access_rays = 256;
   DirectMode direct_mode = DirectMode::nee;
   int direct_first = 8;
-  float gain_exp = 0.5f;
-  float avg_exp = 0.5f;
+  float step_exponent = 0.5f;
+  float average_exponent = 0.5f;
   bool balance = true;
   GlossyBounces glossy_bounces = GlossyBounces::multiple;
   FinalGather final_gather = FinalGather::glossy;
   int glossy_window = 0;
   GlossyNorm glossy_norm = GlossyNorm::self;
-  float alpha_ring = 0;
-  float hop_share = 0.5f;
+  float history_alpha = 0;
+  float chain_share = 0.5f;
   Transfer transfer = Transfer::ray;
   PixelRays pixel_rays = PixelRays::traced;
   bool preview = false;
@@ -65,19 +65,20 @@ struct Parameters {
     v.number("env_guiding", env_guiding, 0.f, 0.9f, "", "share of directions drawn by the environment's luminance");
     v.number("texels", texels, 0, 1 << 24, "texels",
              "wanted size of the surface atlas; 0: eight per pixel of the image, but 32768 to 262144");
-    v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a film pixel of a bundle");
-    v.number("open_gap", open_gap, 0.f, 16.f, "texel edges",
-             "rays that go farther tell how open a part of a texel is, and what it counts in the texel's mean; 0: all "
-             "alike");
-    v.number("open_rays", open_rays, 128, 4096, "rays",
-             "of a texel, if it faced all directions, by which that is measured; of at least 32 bundles");
+    v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a pixel of the bundle image");
+    v.number("access_gap", access_gap, 0.f, 16.f, "texel edges",
+             "distance beyond which a ray counts as unoccluded, for weighting parts of texels by accessibility; 0: no "
+             "weighting");
+    v.number("access_rays", access_rays, 128, 4096, "rays",
+             "rays that measure the accessibility of a texel which faces all directions; of at least 32 bundles");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
     v.number("direct_first", direct_first, 0, 100000, "directions",
              "directions that carry emitted light only, before the others (direct_mode=exchange)");
-    v.number("gain_exp", gain_exp, 0.3f, 1.f, "",
-             "step of senders: batch k counts k^-gain_exp of the mean (interleave=sd)");
-    v.number("avg_exp", avg_exp, 0.f, 2.f, "", "weight of direction i in what is displayed: i^avg_exp (interleave=sd)");
+    v.number("step_exponent", step_exponent, 0.3f, 1.f, "",
+             "step of senders: batch k counts k^-step_exponent of the mean (interleave=sd)");
+    v.number("average_exponent", average_exponent, 0.f, 2.f, "",
+             "weight of direction i in what is displayed: i^average_exponent (interleave=sd)");
     v.flag("balance", balance,
            "scale senders so that they send the power that receivers hold (unlimited bounces; not while specular lobes "
            "deliver "
@@ -87,23 +88,25 @@ struct Parameters {
              "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");
     v.choice("glossy_bounces", glossy_bounces, {{"multiple", GlossyBounces::multiple}, {"final", GlossyBounces::final}},
              "specular lobes take part in the exchange, or only reflect diffuse light towards the eye");
-    v.number(
-        "glossy_window", glossy_window, 0, 256, "directions",
-        "directions before the next one that glossy slots reflect towards it, instead of tracing rays; 0: all rays, 1: "
-        "as in the paper");
+    v.number("glossy_window", glossy_window, 0, 256, "directions",
+             "past directions whose light glossy texel sides reflect; 0: they trace rays instead, 1: the paper's "
+             "transfer atlas");
     v.choice("glossy_norm", glossy_norm, {{"self", GlossyNorm::self}, {"mean", GlossyNorm::mean}},
-             "light of those directions is divided by their weights (self, less noise), or by their number (mean)");
-    v.number("alpha_ring", alpha_ring, 0.f, 1.f, "",
-             "smallest GGX width of slots that reflect directions instead of tracing rays; 0: sqrt(2 / glossy_window)");
-    v.number("hop_share", hop_share, 0.01f, 1.f, "",
-             "probability that a slot which reflects everything specularly traces a ray for a direction; others less");
+             "what the sum over past directions is divided by: weights of the BSDF (self: less noise, small bias), or "
+             "their number (mean: unbiased)");
+    v.number("history_alpha", history_alpha, 0.f, 1.f, "",
+             "smallest GGX width of texel sides that use the direction history instead of tracing rays; 0: sqrt(2 / "
+             "glossy_window)");
+    v.number("chain_share", chain_share, 0.01f, 1.f, "",
+             "probability that an ideal mirror traces a specular chain for a direction; other texel sides by their "
+             "specular reflectance");
     v.choice("transfer", transfer, {{"ray", Transfer::ray}, {"texel", Transfer::texel}},
-             "who meets whom: all film pixels' fragments each other, or each texel, projected into the film, its "
-             "neighbour there "
-             "(texel, as in the paper)");
-    v.choice("pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
-             "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below alpha_ring "
-             "are traced)");
+             "ray: consecutive fragments of a pixel exchange radiance; texel: each texel is projected into the bundle "
+             "image and reads its neighbour there (as in the paper)");
+    v.choice(
+        "pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
+        "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below history_alpha "
+        "are traced)");
     v.flag("preview", preview,
            "until the exchange is done, show the atlas smoothed as far as its errors go (interleave=sd and running)");
     v.flag("warm_start", warm_start,
@@ -113,20 +116,19 @@ struct Parameters {
              "converged at this relative standard error of irradiance (interleave=sd and running); 0: never. With "
              "direct_mode=exchange "
              "directions carry emission only as soon as at most half of the squared error comes from indirect light");
-    v.number(
-        "camera_samples", camera_samples, 1, 1 << 24, "samples",
-        "samples per pixel that an image has at least when it counts as converged: direct light and edges are theirs");
+    v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
+             "minimum samples per pixel before the image counts as converged");
     v.presets({{"paper",
                 {{"batch", "1"},
                  {"sequence", "halton"},
                  {"interleave", "running"},
                  {"direct_mode", "exchange"},
-                 {"avg_exp", "0"},
-                 {"open_gap", "0"},
+                 {"average_exponent", "0"},
+                 {"access_gap", "0"},
                  {"balance", "off"},
                  {"glossy_window", "1"},
                  {"glossy_norm", "mean"},
-                 {"alpha_ring", "0.001"},
+                 {"history_alpha", "0.001"},
                  {"transfer", "texel"},
                  {"pixel_rays", "bundle"},
                  {"stop_error", "0"}}}},
@@ -139,7 +141,7 @@ inline bool forgets(const Parameters& parameters) {
   return parameters.interleave == Interleave::sd || parameters.interleave == Interleave::running;
 }
 
-/// The directions of the exchange. `permuted`: where slots reflect directions, for pairs of them.
+/// The directions of the exchange. `permuted`: where texel sides reflect directions, for pairs of them.
 inline DirectionSequence make_sequence(const Parameters& parameters, uint64_t seed,
                                        std::shared_ptr<const EnvironmentGuide> guide = nullptr, bool permuted = false) {
   DirectionOptions options;

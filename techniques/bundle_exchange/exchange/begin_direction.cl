@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A direction's film and the ends of its rays.
+// A direction's bundle image and the ends of its rays.
 #include "lucarium/environment.clh"
 #include "lucarium/shared/layered_raster.h"
 

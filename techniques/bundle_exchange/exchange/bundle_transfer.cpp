@@ -10,43 +10,44 @@ namespace {
 
 const char* const kOwner = "bundle_exchange";
 
-LayeredRasterOptions raster_options(uint32_t side) {
+LayeredRasterOptions raster_options(uint32_t edge) {
   LayeredRasterOptions options;
-  options.max_width = options.max_height = side;
+  options.max_width = options.max_height = edge;
   return options;
 }
 
-/// Edge of film pixels [m]. Work-items that add to the same texel at a time would lose rays of it, and what they touch
-/// is at least 16 pixels apart: no texel may be longer.
-double usable_pixel(const BundleTransfer::Options& options, const SurfaceAtlas& atlas, const SlotOpenness& openness) {
+/// Edge of bundle pixels [m]. Work-items that add to the same texel at a time would lose rays of it, and what they
+/// touch is at least 16 pixels apart: no texel may be longer.
+double usable_pixel(const BundleTransfer::Options& options, const SurfaceAtlas& atlas,
+                    const SideAccessibility& accessibility) {
   const double wanted = options.pixel_size * static_cast<double>(atlas.info().texel_edge);
-  return options.transfer == Transfer::texel ? wanted : std::max(wanted, openness.safe_pixel());
+  return options.transfer == Transfer::texel ? wanted : std::max(wanted, accessibility.safe_pixel());
 }
 
 }  // namespace
 
 BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const Scene& scene,
                                const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                               const TypedBuffer<float4>& records, const TexelInterior& exposure,
-                               const SlotOpenness& openness, const Channels& channels, const Options& options)
+                               const TypedBuffer<float4>& records, const TexelInterior& interior,
+                               const SideAccessibility& accessibility, const Channels& channels, const Options& options)
     : scheduler_(&scheduler),
       channels_(channels),
       options_(options),
       bounds_(scene.bounds()),
-      pixel_(usable_pixel(options, atlas, openness)),
-      side_(bundle_side(bounds_, pixel_)),
-      raster_(scheduler, buffers, raster_options(side_), kOwner),
+      pixel_(usable_pixel(options, atlas, accessibility)),
+      image_edge_(bundle_side(bounds_, pixel_)),
+      raster_(scheduler, buffers, raster_options(image_edge_), kOwner),
       views_(device, kOwner, "view of a direction", 1),
       ends_(device, kOwner, "ends of rays", 2) {
-  all_ = record(device, buffers, atlas, records, exposure, openness, What::all);
+  all_ = record(device, buffers, atlas, records, interior, accessibility, What::all);
   if (channels.exchanged() && channels.reflected() > 0)
-    emission_ = record(device, buffers, atlas, records, exposure, openness, What::emission);
-  if (options.gather) gather_ = record(device, buffers, atlas, records, exposure, openness, What::gather);
+    emission_ = record(device, buffers, atlas, records, interior, accessibility, What::emission);
+  if (options.gather) gather_ = record(device, buffers, atlas, records, interior, accessibility, What::gather);
 }
 
 BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                                                const TypedBuffer<float4>& records, const TexelInterior& exposure,
-                                                const SlotOpenness& openness, What what) {
+                                                const TypedBuffer<float4>& records, const TexelInterior& interior,
+                                                const SideAccessibility& accessibility, What what) {
   const char* const names[] = {"exchange", "exchange of emission", "gather"};
   const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
   const bool by_texels = options_.transfer == Transfer::texel;
@@ -72,16 +73,16 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
   } else {
     std::map<std::string, std::string> defines = channels_.defines();
     if (what == What::emission) defines["BUNDLE_ACTIVE"] = "1u";
-    const char* const kernel = by_texels ? "exchange_texels" : "exchange_rows";
+    const char* const kernel = by_texels ? "exchange_texels" : "exchange_pairs";
     if (!by_texels) defines.merge(raster_.defines());
     const Program program = make_bundle_program(device, std::string("exchange/") + kernel, defines);
     const auto bind = [&](PassBuilder& pass) {
       atlas.bind(pass, program, kernel);
-      pass.arg("openness", openness.parts())
+      pass.arg("accessibility", accessibility.parts())
           .arg("weight", result.weight)
           .arg("ends", ends_)
           .arg("records", records)
-          .arg("exposure", exposure.shares());
+          .arg("interior", interior.shares());
     };
     if (by_texels) {
       const LayeredRaster::Stored stored = raster_.record_stored(recorder, "fragments", view);
@@ -89,7 +90,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
       buffers.bind(pass, program, kernel);
       bind(pass);
       pass.global(atlas.info().texel_count)
-          .arg("slots", atlas.info().texel_count)
+          .arg("sides", atlas.info().texel_count)
           .arg("views", views_)
           .arg("pixel_start", stored.pixel_start)
           .arg("fragments", stored.fragments);
@@ -103,12 +104,12 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
 
 void BundleTransfer::run(Recorded& recorded, const BundleDirection& direction, uint32_t seed, bool per_ray) {
   const BundleView view = make_bundle_view(bounds_, direction, pixel_, seed);
-  ++films_;
-  film_pixels_ += static_cast<double>(view.view.width) * view.view.height;
+  ++images_;
+  image_pixels_ += static_cast<double>(view.view.width) * view.view.height;
   recorded.schedule.set(recorded.view, view.view);
   recorded.schedule.set(recorded.omega, float4(direction.direction, 0.f));
   recorded.schedule.set(recorded.weight, static_cast<float>(direction.weight * (per_ray ? view.pixel_area : 1.0)));
-  scheduler_->run_to_end(recorded.schedule);  // half a film would be counted twice
+  scheduler_->run_to_end(recorded.schedule);  // half a bundle image would be counted twice
 }
 
 void BundleTransfer::exchange(const BundleDirection& direction, uint32_t seed) {
@@ -126,8 +127,8 @@ void BundleTransfer::gather(const BundleDirection& direction, uint32_t seed, boo
 
 size_t BundleTransfer::estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters,
                                       bool gathers) {
-  const uint32_t side = bundle_side(scene.bounds(), static_cast<double>(parameters.pixel_size) * texel_edge);
-  return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster_options(side),
+  const uint32_t edge = bundle_side(scene.bounds(), static_cast<double>(parameters.pixel_size) * texel_edge);
+  return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster_options(edge),
                                        gathers || parameters.transfer == Transfer::texel);
 }
 

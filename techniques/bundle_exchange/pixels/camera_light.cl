@@ -8,9 +8,9 @@
 
 // What the atlas knows of a sample. That changes from iteration to iteration, so that the sample counts
 // `atlas_weight` of the mean (later ones count more).
-// shown, shown_direct (BUNDLE_EXCHANGED): irradiance over pi of slots times w, their openness, or 0 where it is not
-// known. gathered: light of chains that begin at the pixels, scattered once and more often; they bring all there is
-// where they are `whole`. bundled: the same, sums over the directions whose number is in w. exchanged: direct light
+// shown, shown_direct (BUNDLE_EXCHANGED): irradiance over pi of texel sides times w, their accessibility, or 0 where it
+// is not known. gathered: light of chains that begin at the pixels, scattered once and more often; they bring all there
+// is where they are `whole`. bundled: the same, sums over the directions whose number is in w. exchanged: direct light
 // that bundles have carried.
 __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global const AtlasTriangle* restrict atlas_triangles,

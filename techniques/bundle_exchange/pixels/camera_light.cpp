@@ -15,8 +15,8 @@ const char* const kLowerSize = "lower --size";
 }  // namespace
 
 CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-                         const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
-                         const SlotPreview* preview, const Frame& frame, const Options& options)
+                         const Intersector& intersector, const SurfaceAtlas& atlas, const SideMeans& means,
+                         const SidePreview* preview, const Frame& frame, const Options& options)
     : scheduler_(&scheduler),
       options_(options),
       frame_(frame),
@@ -26,21 +26,20 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
            : options.punctual ? DirectLight::kPunctualLights
                               : 0u),
       atlas_light_(device, kOwner, pixels_, {"direct", "indirect"}),
-      no_gains_(device, kOwner, "nothing gathered", 2 * size_t{pixels_}, kLowerSize) {
+      no_contributions_(device, kOwner, "nothing gathered", 2 * size_t{pixels_}, kLowerSize) {
   if (preview) smooth_light_ = LayerSums(device, kOwner, pixels_, {"direct", "indirect"});
   if (options.gather != FinalGather::off && options.by_bundles)
-    bundles_ =
-        std::make_unique<PixelGather>(device, scheduler, program, scene, intersector, atlas, means, eye_.points(),
-                                      PixelGather::Options{pixels_, whole(), options.alpha_least});
+    bundles_ = std::make_unique<PixelGather>(device, scheduler, program, scene, intersector, atlas, means,
+                                             eye_.points(), PixelGather::Options{pixels_, whole(), options.min_alpha});
   if (options.gather != FinalGather::off) {
-    HopTracer::Options chains;
+    ChainTracer::Options chains;
     chains.targets = pixels_;
-    chains.gains = 2;
-    chains.layout = HOP_GAIN_LAYERS;
+    chains.contributions = 2;
+    chains.layout = CONTRIBUTION_LAYERS;
     chains.punctual = options.punctual;
     chains.what = "pixels";
-    chains_ = std::make_unique<HopTracer>(device, scheduler, program, scene, intersector, atlas, means.diffuse_shown(),
-                                          chains);
+    chains_ = std::make_unique<ChainTracer>(device, scheduler, program, scene, intersector, atlas,
+                                            means.diffuse_shown(), chains);
     record_chains(program, scene);
   }
   record(program, scene, atlas, means, preview);
@@ -48,13 +47,14 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
 
 size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview) {
   const size_t pixels = size_t{width} * height;
-  const size_t chains = gather == FinalGather::off ? 2 * pixels * sizeof(float4) : HopTracer::estimate_bytes(pixels, 2);
+  const size_t chains =
+      gather == FinalGather::off ? 2 * pixels * sizeof(float4) : ChainTracer::estimate_bytes(pixels, 2);
   return chains + (by_bundles ? PixelGather::estimate_bytes(pixels) : 0) + EyeLight::estimate_bytes(width, height) +
          LayerSums::estimate_bytes(pixels, preview ? 4 : 2);
 }
 
 void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-                         const SlotMeans& means, const SlotPreview* preview) {
+                         const SideMeans& means, const SidePreview* preview) {
   ScheduleRecorder recorder = scheduler_->record("add light of the atlas", kOwner);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
   record_atlas_light(recorder, program, scene, atlas, means.shown(), means.shown_direct(), atlas_light_);
@@ -74,8 +74,8 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
       .arg("whole", whole() ? 1u : 0u)
       .arg("shown", shown)
       .arg("shown_direct", shown_direct)
-      .arg("bundled", bundles_ ? bundles_->gathered() : no_gains_)
-      .arg("gathered", chains_ ? chains_->gain() : no_gains_)
+      .arg("bundled", bundles_ ? bundles_->gathered() : no_contributions_)
+      .arg("gathered", chains_ ? chains_->contribution() : no_contributions_)
       .arg("exchanged", image["direct"])
       .arg("indirect", image["indirect"]);
 }
@@ -83,16 +83,16 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
 void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
   ScheduleRecorder recorder = scheduler_->record("begin chains of pixels", kOwner);
   settings_ = recorder.variable("settings", ChainSettings{});
-  PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_hops");
-  scene.bind(begin, program, "begin_pixel_hops");
+  PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_chains");
+  scene.bind(begin, program, "begin_pixel_chains");
   begin.global(pixels_)
       .arg("points", eye_.points())
       .arg("count", pixels_)
       .arg("whole", whole() && !bundles_ ? 1u : 0u)
-      .arg("alpha_most", bundles_ ? options_.alpha_least : std::numeric_limits<float>::infinity())
+      .arg("max_alpha", bundles_ ? options_.min_alpha : std::numeric_limits<float>::infinity())
       .arg("settings", settings_);
   const SpecularChains& chains = chains_->chains();
-  begin.arg("gain", chains_->gain()).arg("chains", chains.chains()).arg("rays", chains.first_rays());
+  begin.arg("contribution", chains_->contribution()).arg("chains", chains.chains()).arg("rays", chains.first_rays());
   begin.arg("queue", chains.queue()).arg("active", chains.active());
   begin_ = recorder.compile();
 }

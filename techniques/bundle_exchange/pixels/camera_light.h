@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "bundle_exchange/pixels/pixel_gather.h"
-#include "bundle_exchange/senders/slot_preview.h"
-#include "bundle_exchange/specular/hop_tracer.h"
+#include "bundle_exchange/senders/side_preview.h"
+#include "bundle_exchange/specular/chain_tracer.h"
 #include "lucarium/services/eye_light/eye_light.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
@@ -21,13 +21,13 @@ class CameraLight {
     bool single = false;     ///< chains end behind their first vertex
     bool exchanged = false;  ///< bundles carry emitted light: light samples are of punctual lights only
     int max_bounces = -1;
-    bool by_bundles = false;  ///< rays of `gather` are those of bundles, but for lobes narrower than alpha_least
-    float alpha_least = 0;
+    bool by_bundles = false;  ///< rays of `gather` are those of bundles, but for lobes narrower than min_alpha
+    float min_alpha = 0;
   };
   /// `preview` (may be null) must outlive this: commit() shows what it has smoothed in an image of its own.
   CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-              const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
-              const SlotPreview* preview, const Frame& frame, const Options& options);
+              const Intersector& intersector, const SurfaceAtlas& atlas, const SideMeans& means,
+              const SidePreview* preview, const Frame& frame, const Options& options);
 
   /// The next sample, in two steps, between which bundles may gather for its points (pixel_gather()); false when
   /// cancelled. commit() then adds it, looking up the atlas as it is then; what the atlas said while it knew nothing is
@@ -47,8 +47,8 @@ class CameraLight {
   static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
  private:
-  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SlotMeans& means,
-              const SlotPreview* preview);
+  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SideMeans& means,
+              const SidePreview* preview);
   /// What the atlas knows, mixed into an image.
   void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
                           const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
@@ -63,8 +63,8 @@ class CameraLight {
   EyeLight eye_;
   LayerSums atlas_light_;   ///< means: `direct`, where bundles bring it, and `indirect`
   LayerSums smooth_light_;  ///< the same by what the preview shows
-  TypedBuffer<float4> no_gains_;
-  std::unique_ptr<HopTracer> chains_;  ///< null where nothing is gathered
+  TypedBuffer<float4> no_contributions_;
+  std::unique_ptr<ChainTracer> chains_;  ///< null where nothing is gathered
   std::unique_ptr<PixelGather> bundles_;
   Schedule begin_, add_;
   Variable<ChainSettings> settings_;

@@ -1,47 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 // The final glossy bounce of Hermes et al. 2010, section 5.3: the last reflection towards the eye from the bundle
-// itself. A pixel's point is looked up in the fragments of the film, and reflects what its neighbour along the bundle
-// sends. All pixels share the directions of the bundles.
+// itself. A pixel's point is looked up in the fragments of the bundle image, and reflects what its neighbour along the
+// bundle sends. All pixels share the directions of the bundles.
 #include "bundle_exchange/base/exchange_layout.clh"
-#include "bundle_exchange/base/fragment_slot.clh"
+#include "bundle_exchange/base/fragment_side.clh"
 #include "bundle_exchange/specular/pixel_lobes.clh"
 #include "lucarium/bsdf.clh"
 #include "lucarium/gbuffer.clh"
 #include "lucarium/shared/ray.h"
 
-// Adds the light that a slot (or, beyond the scene, `end`) sends to a pixel: gain[2 i] scattered once, gain[2 i + 1]
-// more.
-void gather_light(global float4* gain, uint i, float3 share, const global float4* records, uint slot, float3 end) {
+// Adds the light that a texel side (or, beyond the scene, `end`) sends to a pixel: scattered once in
+// contribution[2 i], more often in contribution[2 i + 1].
+void gather_light(global float4* contribution, uint i, float3 share, const global float4* records, uint side,
+                  float3 end) {
   float3 once = (float3)(0.0f), more = (float3)(0.0f);
 #ifdef BUNDLE_EXCHANGED
-  once = slot == LUCARIUM_NONE ? end : records[(size_t)slot * BUNDLE_RECORD].xyz;
+  once = side == LUCARIUM_NONE ? end : records[(size_t)side * BUNDLE_RECORD].xyz;
 #endif
-  if (slot != LUCARIUM_NONE)
+  if (side != LUCARIUM_NONE)
     for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel)
-      more += records[(size_t)slot * BUNDLE_RECORD + 2u * channel].xyz;
-  gain[2u * i].xyz += share * once;
-  gain[2u * i + 1u].xyz += share * more;
+      more += records[(size_t)side * BUNDLE_RECORD + 2u * channel].xyz;
+  contribution[2u * i].xyz += share * once;
+  contribution[2u * i + 1u].xyz += share * more;
 }
 
 // Work-item i: pixel i. Equation 3 with the pixel's own f_r towards the eye (ω_{i+1} = ω_o). What is not found in its
-// film pixel gets a ray. first: 1 where gains begin anew. shares: xyz what of the light arrives at the eye.
+// bundle pixel gets a ray. first: 1 where contributions begin at 0. shares: xyz what of the light arrives at the eye.
 __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const AtlasTriangle* restrict atlas_triangles,
                             __global const uint* restrict atlas_table, __global const GBufferPoint* restrict points,
-                            uint count, uint whole, float alpha_least, uint first, float weight,
+                            uint count, uint whole, float min_alpha, uint first, float weight,
                             __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
                             __global const LayeredFragment* restrict fragments, __global const float4* restrict ends,
-                            __global const float4* restrict records, __global float4* restrict gain,
+                            __global const float4* restrict records, __global float4* restrict contribution,
                             __global Ray* restrict rays, __global float4* restrict shares) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
-  if (first) gain[2u * i] = gain[2u * i + 1u] = (float4)(0.0f);
+  if (first) contribution[2u * i] = contribution[2u * i + 1u] = (float4)(0.0f);
   Ray ray = inactive_ray();
   const GBufferPoint point = points[i];
   if (point.state == LUCARIUM_GBUFFER_SURFACE) {
     const Surface surface = gbuffer_surface(&scene, point);
-    const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = bundle_part(full, whole, alpha_least);
+    const Bsdf full = make_bsdf(&scene, &surface, 0u), bsdf = bundle_part(full, whole, min_alpha);
     const float3 omega = views[0].row_w.xyz, in = dot(surface.n_g, omega) > 0.0f ? omega : -omega;
     // Weight what comes along the bundle by lobe, cosine and W; the cosine is explicit, as every pixel has one sample.
     const float3 share = point.throughput.xyz * eval_bsdf(&bsdf, in) * weight;
@@ -51,10 +52,10 @@ __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
       const ListedPoint place =
           listed_point(&list, surface.position, point.triangle, surface.n_g, surface.flags & LUCARIUM_SURFACE_FRONT);
       const SeenFragment seen = seen_fragment(&list, &place, false);
-      const uint slot = seen_slot(&scene, atlas_info, atlas_triangles, atlas_table, &list, &place, seen);
+      const uint side = seen_side(&scene, atlas_info, atlas_triangles, atlas_table, &list, &place, seen);
       const float3 end = dot(in, omega) > 0.0f ? ends[1].xyz : ends[0].xyz;
       if (seen.found)
-        gather_light(gain, i, share, records, slot, seen.fragment == LUCARIUM_NONE ? end : (float3)(0.0f));
+        gather_light(contribution, i, share, records, side, seen.fragment == LUCARIUM_NONE ? end : (float3)(0.0f));
       else
         ray = make_ray(&surface, in, make_ray_seed(hash_uint2(views[0].seed, i)));
       shares[i] = (float4)(share, 0.0f);
@@ -70,30 +71,30 @@ __kernel void gather_missed(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const LayeredView* restrict views, __global const float4* restrict ends,
                             __global const Ray* restrict rays, __global const Hit* restrict hits,
                             __global const float4* restrict shares, __global const float4* restrict records,
-                            __global float4* restrict gain) {
+                            __global float4* restrict contribution) {
   const uint i = get_global_id(0);
   if (i >= count || !ray_is_active(rays[i])) return;
   LUCARIUM_SCENE_BIND(scene);
   const Hit hit = hits[i];
   const float3 in = rays[i].direction.xyz;
   // Find the texel side that the ray met, or the end of the bundle.
-  uint slot = LUCARIUM_NONE;
+  uint side = LUCARIUM_NONE;
   float3 end = (float3)(0.0f);
   if (hit.triangle == LUCARIUM_NO_HIT) {
     end = dot(in, views[0].row_w.xyz) > 0.0f ? ends[1].xyz : ends[0].xyz;
   } else {
     const Surface surface = make_surface(&scene, hit, in, 0u);
-    slot = atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, hit.triangle, hit.u, hit.v),
+    side = atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, hit.triangle, hit.u, hit.v),
                       surface.flags & LUCARIUM_SURFACE_FRONT);
   }
-  gather_light(gain, i, shares[i].xyz, records, slot, end);
+  gather_light(contribution, i, shares[i].xyz, records, side, end);
 }
 
-// A batch counts: its light and the number of its directions (w of the first gain).
-__kernel void add_gathered(uint count, uint directions, __global const float4* restrict gain,
+// A batch counts: its light and the number of its directions (w of the first contribution).
+__kernel void add_gathered(uint count, uint directions, __global const float4* restrict contribution,
                            __global float4* restrict gathered) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  gathered[2u * i] += (float4)(gain[2u * i].xyz, (float)directions);
-  gathered[2u * i + 1u] += (float4)(gain[2u * i + 1u].xyz, 0.0f);
+  gathered[2u * i] += (float4)(contribution[2u * i].xyz, (float)directions);
+  gathered[2u * i + 1u] += (float4)(contribution[2u * i + 1u].xyz, 0.0f);
 }

@@ -12,7 +12,7 @@ const char* const kLowerSize = "lower --size";
 }  // namespace
 
 PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-                         const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
+                         const Intersector& intersector, const SurfaceAtlas& atlas, const SideMeans& means,
                          const TypedBuffer<GBufferPoint>& points, const Options& options)
     : program_(program),
       scheduler_(&scheduler),
@@ -22,7 +22,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Progr
       options_(options),
       points_(points),
       records_(means.records()),
-      gain_(device, kOwner, "gathered in a batch", 2 * size_t{options.pixels}, kLowerSize),
+      contribution_(device, kOwner, "gathered in a batch", 2 * size_t{options.pixels}, kLowerSize),
       gathered_(device, kOwner, "gathered by bundles", 2 * size_t{options.pixels}, kLowerSize),
       shares_(device, kOwner, "shares of gathered light", options.pixels, kLowerSize),
       rays_(device, kOwner, "rays of pixels not found", options.pixels, kLowerSize),
@@ -33,7 +33,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Progr
       .global(options_.pixels)
       .arg("count", options_.pixels)
       .arg("directions", directions_)
-      .arg("gain", gain_)
+      .arg("contribution", contribution_)
       .arg("gathered", gathered_);
   add_ = recorder.compile();
   restart();
@@ -50,7 +50,7 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
       .arg("points", points_)
       .arg("count", options_.pixels)
       .arg("whole", options_.whole ? 1u : 0u)
-      .arg("alpha_least", options_.alpha_least)
+      .arg("min_alpha", options_.min_alpha)
       .arg("first", first)
       .arg("weight", weight)
       .arg("views", views)
@@ -58,7 +58,7 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
       .arg("fragments", stored.fragments)
       .arg("ends", ends)
       .arg("records", records_)
-      .arg("gain", gain_)
+      .arg("contribution", contribution_)
       .arg("rays", rays_)
       .arg("shares", shares_);
   intersector_->record_closest(recorder, "rays of pixels not found", rays_, hits, count_, 0, options_.pixels);
@@ -72,7 +72,7 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
       .arg("hits", hits)
       .arg("shares", shares_)
       .arg("records", records_)
-      .arg("gain", gain_);
+      .arg("contribution", contribution_);
 }
 
 void PixelGather::commit(uint32_t directions) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "bundle_exchange/senders/slot_means.h"
+#include "bundle_exchange/senders/side_means.h"
 #include "lucarium/services/gbuffer/gbuffer.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
@@ -13,11 +13,11 @@ class PixelGather {
  public:
   struct Options {
     uint32_t pixels = 0;
-    bool whole = false;     ///< the diffuse lobe too
-    float alpha_least = 0;  ///< of specular lobes that are gathered; narrower ones are left to rays
+    bool whole = false;   ///< the diffuse lobe too
+    float min_alpha = 0;  ///< of specular lobes that are gathered; narrower ones are left to rays
   };
   PixelGather(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-              const Intersector& intersector, const SurfaceAtlas& atlas, const SlotMeans& means,
+              const Intersector& intersector, const SurfaceAtlas& atlas, const SideMeans& means,
               const TypedBuffer<GBufferPoint>& points, const Options& options);
 
   /// Records the gathering along one direction into a schedule that stores its fragments. `first`: 1 for the first
@@ -42,7 +42,7 @@ class PixelGather {
   const SurfaceAtlas* atlas_;
   Options options_;
   TypedBuffer<GBufferPoint> points_;
-  TypedBuffer<float4> records_, gain_, gathered_, shares_;
+  TypedBuffer<float4> records_, contribution_, gathered_, shares_;
   TypedBuffer<Ray> rays_;
   TypedBuffer<uint32_t> count_;
   Schedule add_;

@@ -7,7 +7,7 @@
 namespace lucarium::bundle {
 namespace {
 
-constexpr double kLargestLogGrowth =
+constexpr double kMaxLogGrowth =
     30;  // e^30 of the first weight; single precision goes to e^88, and sums of light need the rest
 
 double growth(double log_growth, double gamma, uint64_t batch) {
@@ -17,18 +17,20 @@ double growth(double log_growth, double gamma, uint64_t batch) {
 }  // namespace
 
 SenderWeights::SenderWeights(const Parameters& parameters)
-    : plain_(parameters.interleave != Interleave::sd), gain_(parameters.gain_exp), power_(parameters.avg_exp) {}
+    : plain_(parameters.interleave != Interleave::sd),
+      step_exponent_(parameters.step_exponent),
+      average_exponent_(parameters.average_exponent) {}
 
 SenderWeights::Step SenderWeights::next(uint64_t first, uint32_t count) const {
   Step step;
   if (plain_) return step;
   double power_sum = 0;
-  for (uint32_t i = 0; i < count; ++i) power_sum += std::pow(static_cast<double>(first + i + 1), power_);
+  for (uint32_t i = 0; i < count; ++i) power_sum += std::pow(static_cast<double>(first + i + 1), average_exponent_);
   step.display_weight = power_sum / count;
   const uint64_t k = batch_ + 1;
-  const double gamma = std::pow(static_cast<double>(k), -gain_);
+  const double gamma = std::pow(static_cast<double>(k), -step_exponent_);
   const double log_growth = growth(log_growth_, gamma, k);
-  if (log_growth > kLargestLogGrowth) {
+  if (log_growth > kMaxLogGrowth) {
     step.sender_scale = std::exp(-log_growth);
     step.sender_weight = gamma;
   } else {
@@ -39,9 +41,9 @@ SenderWeights::Step SenderWeights::next(uint64_t first, uint32_t count) const {
 
 void SenderWeights::advance() {
   ++batch_;
-  const double gamma = std::pow(static_cast<double>(batch_), -gain_);
+  const double gamma = std::pow(static_cast<double>(batch_), -step_exponent_);
   log_growth_ = growth(log_growth_, gamma, batch_);
-  if (log_growth_ > kLargestLogGrowth) log_growth_ = 0;
+  if (log_growth_ > kMaxLogGrowth) log_growth_ = 0;
 }
 
 double SenderWeights::forget(uint64_t batches) {

@@ -6,14 +6,14 @@
 
 namespace lucarium::bundle {
 
-/// How a batch enters the two means of every slot. The interleaved light transfer of the paper (section 5.5), read
-/// literally (interleave=fixed), adds each direction with weight 1/N to what the next one sends; light of k scatterings
-/// then counts 1/(k+1)! (limit (e^ρ - 1)/ρ instead of 1/(1-ρ), ρ the albedo). Here a mean is Σ v w L / Σ v w n with
-/// growing weights v, so that slots which no ray hits need no step of their own.
+/// How a batch enters the two means of every texel side. The interleaved light transfer of the paper (section 5.5),
+/// read literally (interleave=fixed), adds each direction with weight 1/N to what the next one sends; light of k
+/// scatterings then counts 1/(k+1)! (limit (e^ρ - 1)/ρ instead of 1/(1-ρ), ρ the albedo). Here a mean is Σ v w L / Σ v
+/// w n with growing weights v, so that texel sides which no ray hits need no step of their own.
 ///
-/// S, which senders use, is to forget: batch k counts γ_k = k^-gain_exp of it, hence v_k = γ_k e^l_k with
+/// S, which senders use, is to forget: batch k counts γ_k = k^-step_exponent of it, hence v_k = γ_k e^l_k with
 /// l_k = l_{k-1} - ln(1 - γ_k), l_1 = 0 (relative deficit after N batches exp(-(1-ρ) Σγ) instead of N^-(1-ρ)). D, which
-/// is displayed, is nearly a plain mean: v_i = i^avg_exp.
+/// is displayed, is nearly a plain mean: v_i = i^average_exponent.
 class SenderWeights {
  public:
   struct Step {
@@ -35,7 +35,7 @@ class SenderWeights {
 
  private:
   bool plain_ = false;  ///< running mean for both
-  double gain_ = 0.5, power_ = 0.5;
+  double step_exponent_ = 0.5, average_exponent_ = 0.5;
   uint64_t batch_ = 0;     ///< done
   double log_growth_ = 0;  ///< l
 };

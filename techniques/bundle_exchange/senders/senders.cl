@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every slot sends during the next batch, and the balance of sent and held power that scales it.
+// What every texel side sends during the next batch, and the balance of sent and held power that scales it.
 #include "bundle_exchange/base/exchange_layout.clh"
-#include "bundle_exchange/shared/slots.h"
+#include "bundle_exchange/shared/texel_sides.h"
 
 // Sets L_x of the next batch's equation 3 (Hermes et al. 2010): emission, and c times the irradiance over pi that is
 // known: f_r of a receiver, which the paper applies at every transfer, is applied once, when the receiver sends. With
@@ -9,53 +9,53 @@
 //
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of
 // emission. scale[0]: of what a self-fed channel has received. feedback_share: of all that has been received. Clears
-// the sums of the exchange records. diffuse (BUNDLE_HOPS): what is sent, BUNDLE_REFLECTED channels per slot, for chains
-// of specular vertices that end there.
-__kernel void make_senders(uint slots, __global const float4* restrict albedo, __global const float4* restrict emission,
+// the sums of the exchange records. diffuse (BUNDLE_CHAINS): what is sent, BUNDLE_REFLECTED channels per texel side,
+// for chains of specular vertices that end there.
+__kernel void make_senders(uint sides, __global const float4* restrict albedo, __global const float4* restrict emission,
                            __global const float4* restrict light_samples, __global const float4* restrict senders,
                            __global const float4* restrict display, __global const float4* restrict scale,
                            float direct_share, float feedback_share, __global float4* restrict diffuse,
                            __global float4* restrict records) {
-  const uint slot = get_global_id(0);
-  if (slot >= slots) return;
-  global float4* record = records + (size_t)slot * BUNDLE_RECORD;
+  const uint side = get_global_id(0);
+  if (side >= sides) return;
+  global float4* record = records + (size_t)side * BUNDLE_RECORD;
 #ifdef BUNDLE_EMISSION
-  record[0] = (float4)(emission[slot].xyz, 0.0f);
+  record[0] = (float4)(emission[side].xyz, 0.0f);
   record[1] = (float4)(0.0f);
 #endif
-  const float3 c = albedo[slot].xyz;
+  const float3 c = albedo[side].xyz;
   // Begin with direct light; a channel that feeds itself adds its own mean, later channels each send the one before.
-  float3 held = direct_share * direct_mean(slot, light_samples, display);
+  float3 held = direct_share * direct_mean(side, light_samples, display);
 #ifdef BUNDLE_SELF_FED
-  held += feedback_share * scale[0].xyz * slot_mean(senders[slot]);
+  held += feedback_share * scale[0].xyz * side_mean(senders[side]);
 #endif
   for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel) {
     record[2u * channel] = (float4)(c * held, 0.0f);
-#ifdef BUNDLE_HOPS
-    diffuse[(size_t)slot * BUNDLE_REFLECTED + channel - BUNDLE_FIRST] = (float4)(c * held, 0.0f);
+#ifdef BUNDLE_CHAINS
+    diffuse[(size_t)side * BUNDLE_REFLECTED + channel - BUNDLE_FIRST] = (float4)(c * held, 0.0f);
 #endif
     record[2u * channel + 1u] = (float4)(0.0f);
-    held = feedback_share * slot_mean(senders[(size_t)(channel - BUNDLE_FIRST) * slots + slot]);
+    held = feedback_share * side_mean(senders[(size_t)(channel - BUNDLE_FIRST) * sides + side]);
   }
 }
 
-#define BALANCE_MOST_SPECULAR 0.2f
+#define BALANCE_MAX_SPECULAR 0.2f
 
-// Numerator and denominator of the balance over a chunk of slots (balance_scale), but for specular light:
+// Numerator and denominator of the balance over a chunk of texel sides (balance_scale), but for specular light:
 //   xyz: sum V c e_dir, w: sum U             xyz: sum (U - V c) e_S, w: sum U e_S, of the three colours
-// V: what other slots count of a slot's rays, U: what it counts itself (visible).
-__kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
+// V: what other texel sides count of a texel side's rays, U: what it counts itself (visible).
+__kernel void balance_chunks(uint sides, __global const float4* restrict albedo,
                              __global const float4* restrict light_samples, __global const float4* restrict senders,
                              __global const float4* restrict display, __global const float2* restrict visible,
                              __global float4* restrict chunks) {
   const uint chunk = get_global_id(0), first = chunk * BALANCE_CHUNK;
-  if (first >= slots) return;
+  if (first >= sides) return;
   float4 delivered = (float4)(0.0f), held = (float4)(0.0f);
-  for (uint slot = first; slot < min(first + BALANCE_CHUNK, slots); ++slot) {
-    const float2 seen = visible[slot];
+  for (uint side = first; side < min(first + BALANCE_CHUNK, sides); ++side) {
+    const float2 seen = visible[side];
     if (seen.y <= 0.0f) continue;
-    const float3 sent = seen.x * albedo[slot].xyz, received = slot_mean(senders[slot]);
-    delivered += (float4)(sent * direct_mean(slot, light_samples, display), seen.y);
+    const float3 sent = seen.x * albedo[side].xyz, received = side_mean(senders[side]);
+    delivered += (float4)(sent * direct_mean(side, light_samples, display), seen.y);
     held += (float4)(((float3)(seen.y) - sent) * received, seen.y * (received.x + received.y + received.z));
   }
   chunks[2u * chunk] = delivered;
@@ -66,8 +66,8 @@ __kernel void balance_chunks(uint slots, __global const float4* restrict albedo,
 //   s = (sum V c e_dir + P) / sum (U - V c) e_S,
 // what is delivered is what receivers hold: s sum U e_S = sum V c (e_dir + s e_S) + P. P is the power that specular
 // lobes deliver: received in the batch less sent diffusely (specular: of S, sum of w L, sum of w over all rays). It is
-// not scaled, although some of it is light that slots held. This only slows the correction down while P is small; if P
-// is large, s = 1. Clamped, since the sums over a few directions may be anything.
+// not scaled, although some of it is light that texel sides held. This only slows the correction down while P is small;
+// if P is large, s = 1. Clamped, since the sums over a few directions may be anything.
 __kernel void balance_scale(uint count, __global const float4* restrict chunks,
                             __global const float4* restrict specular, __global float4* restrict scale) {
   float4 delivered = (float4)(0.0f), held = (float4)(0.0f);
@@ -77,23 +77,23 @@ __kernel void balance_scale(uint count, __global const float4* restrict chunks,
   }
   const float3 by_lobes = specular[0].w > 0.0f ? specular[0].xyz * (delivered.w / specular[0].w) : (float3)(0.0f);
   const float3 ratio = clamp((delivered.xyz + by_lobes) / held.xyz, 0.125f, 8.0f);
-  const bool mirrored = by_lobes.x + by_lobes.y + by_lobes.z > BALANCE_MOST_SPECULAR * held.w;
+  const bool mirrored = by_lobes.x + by_lobes.y + by_lobes.z > BALANCE_MAX_SPECULAR * held.w;
   const int3 balanced = held.xyz > 0.0f && (int3)(mirrored ? 0 : -1);
   scale[0] = (float4)(select((float3)(1.0f), ratio, balanced), 0.0f);
 }
 
-// What specular lobes have delivered to a chunk of slots in the batch: what came by reflected light less what slots
-// sent diffusely. A slot's record tells what those who see it count of its rays, so that over all slots the sum of w L
-// received is the sum of what each sent times that.
-#if defined(BUNDLE_HOPS) && defined(BUNDLE_SELF_FED)
-__kernel void specular_chunks(uint slots, __global const float4* restrict diffuse,
+// What specular lobes have delivered to a chunk of texel sides in the batch: what came by reflected light less what
+// texel sides sent diffusely. A texel side's record tells what those who see it count of its rays, so that over all
+// texel sides the sum of w L received is the sum of what each sent times that.
+#if defined(BUNDLE_CHAINS) && defined(BUNDLE_SELF_FED)
+__kernel void specular_chunks(uint sides, __global const float4* restrict diffuse,
                               __global const float4* restrict records, __global float4* restrict chunks) {
   const uint chunk = get_global_id(0), first = chunk * BALANCE_CHUNK;
-  if (first >= slots) return;
+  if (first >= sides) return;
   float4 sum = (float4)(0.0f);
-  for (uint slot = first; slot < min(first + BALANCE_CHUNK, slots); ++slot) {
-    const global float4* record = records + (size_t)slot * BUNDLE_RECORD;
-    sum += (float4)(record[2u * BUNDLE_FIRST + 1u].xyz - record[0].w * diffuse[slot].xyz, record[1].w);
+  for (uint side = first; side < min(first + BALANCE_CHUNK, sides); ++side) {
+    const global float4* record = records + (size_t)side * BUNDLE_RECORD;
+    sum += (float4)(record[2u * BUNDLE_FIRST + 1u].xyz - record[0].w * diffuse[side].xyz, record[1].w);
   }
   chunks[chunk] = sum;
 }

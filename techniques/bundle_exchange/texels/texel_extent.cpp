@@ -10,7 +10,7 @@
 namespace lucarium::bundle {
 namespace {
 
-constexpr size_t kMostCorners = 1024;
+constexpr size_t kMaxCorners = 1024;
 constexpr double kLookUp = 1.001;  // cells end where a look-up may round to, 1e-4 of them beyond their edges
 
 double box_diagonal(const Bounds& box) {
@@ -104,11 +104,11 @@ double largest_texel_extent(const SurfaceAtlas& atlas, const SceneBuffers& buffe
   if (large.empty()) return result;
   visit_all([&](uint32_t texel, const glm::vec3& p) {
     const auto found = large.find(texel);
-    if (found != large.end() && found->second.size() <= kMostCorners) found->second.push_back(p);
+    if (found != large.end() && found->second.size() <= kMaxCorners) found->second.push_back(p);
   });
   for (const auto& [texel, points] : large)
-    result = std::max(result, points.size() > kMostCorners ? kLookUp * box_diagonal(boxes[texel])
-                                                           : kLookUp * largest_distance(points));
+    result = std::max(result, points.size() > kMaxCorners ? kLookUp * box_diagonal(boxes[texel])
+                                                          : kLookUp * largest_distance(points));
   return result;
 }
 

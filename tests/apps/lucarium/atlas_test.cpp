@@ -15,7 +15,7 @@ TEST_CASE("pictures and report of the atlas") {
   const ProgramResult result = run_lucarium(command);
   REQUIRE_MESSAGE(result.exit_code == 0, result.err);
   const nlohmann::json report = nlohmann::json::parse(result.out);
-  CHECK(report.at("atlas").at("slots").get<double>() == test::relative(2000, 0.1));
+  CHECK(report.at("atlas").at("sides").get<double>() == test::relative(2000, 0.1));
   CHECK(report.at("atlas").at("bytes").get<double>() > 0);
   const Film film = read_image(charts);
   for (const char* layer : {"Albedo", "P", "N", "Area"}) CHECK_MESSAGE(film.find(layer), layer);

@@ -5,8 +5,9 @@
 typedef struct Exchange {
   __global const AtlasTriangle* triangles;
   __global const uint* table;
-  __global float4* slots;  // two per slot, half a cache line: what it sends (4 halfs); what it received (rgb, count)
-  uint double_sided;       // texels that have a back
+  __global float4*
+      sides;          // two per texel side, half a cache line: what it sends (4 halfs); what it received (rgb, count)
+  uint double_sided;  // texels that have a back
 } Exchange;
 
 #include "lucarium/services/layered_raster/atlas.clh"
@@ -30,7 +31,7 @@ LayeredUint layered_payload_row(const LayeredAtlasCell* cell, float row, Layered
   return layered_atlas_cells(cell, row, w);
 }
 
-// The slot of a texel's back.
+// The texel side of a texel's back.
 static uint back_of(const Exchange* exchange, uint texel) {
   return texel < exchange->double_sided ? texel + exchange->double_sided : 0xffffffffu;
 }
@@ -42,7 +43,7 @@ void layered_prepare(Exchange* exchange, LayeredRow* row) {
     for (uint lanes = row->lanes[place]; lanes; lanes &= lanes - 1u) {
       const uint lane = layered_first(lanes), texel = exchange->table[payload[lane]];
       payload[lane] = texel;
-      LUCARIUM_PREFETCH(exchange->slots + 2u * texel);
+      LUCARIUM_PREFETCH(exchange->sides + 2u * texel);
     }
   }
 }
@@ -59,16 +60,16 @@ void layered_consume(Exchange* exchange, const LayeredRow* row) {
       const uint a = near_key & LAYERED_KEY_TOWARDS ? back_of(exchange, near_texel) : near_texel;
       const uint b = far_key & LAYERED_KEY_TOWARDS ? far_texel : back_of(exchange, far_texel);
       float4 from_a = (float4)(0.0f, 0.0f, 0.0f, 1.0f), from_b = from_a;
-      if (a != 0xffffffffu) from_a = vload_half4(4u * a, (__global const half*)exchange->slots);
-      if (b != 0xffffffffu) from_b = vload_half4(4u * b, (__global const half*)exchange->slots);
-      if (a != 0xffffffffu) exchange->slots[2u * a + 1u] += from_b;
-      if (b != 0xffffffffu) exchange->slots[2u * b + 1u] += from_a;
+      if (a != 0xffffffffu) from_a = vload_half4(4u * a, (__global const half*)exchange->sides);
+      if (b != 0xffffffffu) from_b = vload_half4(4u * b, (__global const half*)exchange->sides);
+      if (a != 0xffffffffu) exchange->sides[2u * a + 1u] += from_b;
+      if (b != 0xffffffffu) exchange->sides[2u * b + 1u] += from_a;
     }
   }
 }
 
 __kernel void exchange(LAYERED_TILE_PARAMETERS __global const AtlasTriangle* atlas_triangles,
-                       __global const uint* atlas_table, __global float4* slots, uint double_sided) {
-  Exchange consumer = {atlas_triangles, atlas_table, slots, double_sided};
+                       __global const uint* atlas_table, __global float4* sides, uint double_sided) {
+  Exchange consumer = {atlas_triangles, atlas_table, sides, double_sided};
   LAYERED_RUN_TILES(&consumer);
 }

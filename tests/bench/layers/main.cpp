@@ -121,7 +121,7 @@ class Bench {
         raster_(scheduler_, buffers_, {.max_width = settings.size, .max_height = settings.size}),
         bvh_(scheduler_.device(), scene_, buffers_),
         views_(scheduler_.device(), "bench", "views", make_views(scene_, settings.directions, settings.size)) {
-    fmt::print("{}: {} triangles, {} slots, film {} x {}\n", settings.scene, scene_.triangle_count(),
+    fmt::print("{}: {} triangles, {} texel sides, film {} x {}\n", settings.scene, scene_.triangle_count(),
                atlas_.info().texel_count, settings.size, settings.size);
     SourceLibrary library;
     library.add(lucarium_layer_bench_kernels());
@@ -212,16 +212,16 @@ class Bench {
   }
 
   void record_exchange() {
-    // Every slot sends 1 in all channels, and counts 1.
-    slots_.resize(2 * size_t{atlas_.info().texel_count});
-    for (size_t i = 0; i < slots_.size(); i += 2) slots_[i].x = slots_[i].y = std::bit_cast<float>(0x3c003c00u);
-    slot_buffer_ = TypedBuffer<float4>(scheduler_.device(), "bench", "slots", slots_);
+    // Every texel side sends 1 in all channels, and counts 1.
+    sides_.resize(2 * size_t{atlas_.info().texel_count});
+    for (size_t i = 0; i < sides_.size(); i += 2) sides_[i].x = sides_[i].y = std::bit_cast<float>(0x3c003c00u);
+    side_buffer_ = TypedBuffer<float4>(scheduler_.device(), "bench", "sides", sides_);
     ScheduleRecorder recorder = scheduler_.record("exchange", "bench");
     view_ = recorder.variable("view", 0u);
     raster_.record_tiles(recorder, "bundle", {views_, view_}, exchange_, "exchange", [&](PassBuilder& pass) {
       pass.arg("atlas_triangles", atlas_.triangles())
           .arg("atlas_table", atlas_.table())
-          .arg("slots", slot_buffer_)
+          .arg("sides", side_buffer_)
           .arg("double_sided", atlas_.info().double_sided_count);
     });
     schedule_ = recorder.compile();
@@ -280,10 +280,10 @@ class Bench {
   }
 
   double updates_per_direction() {
-    slot_buffer_.upload(slots_);
+    side_buffer_.upload(sides_);
     exchange(0, settings_.directions, 1);
     double sum = 0;
-    const std::vector<float4> after = slot_buffer_.download();
+    const std::vector<float4> after = side_buffer_.download();
     for (size_t i = 1; i < after.size(); i += 2) sum += after[i].w;
     return sum / settings_.directions;
   }
@@ -310,8 +310,8 @@ class Bench {
   LayeredRaster raster_;
   Bvh bvh_;
   TypedBuffer<LayeredView> views_;
-  std::vector<float4> slots_;
-  TypedBuffer<float4> slot_buffer_;
+  std::vector<float4> sides_;
+  TypedBuffer<float4> side_buffer_;
   TypedBuffer<Ray> ray_buffer_[2];
   TypedBuffer<Hit> hits_;
   TypedBuffer<uint32_t> counter_[2], found_;
@@ -328,7 +328,7 @@ int main(int argc, char** argv) {
   CLI::App app("All-fragment rasterization and exchange beside rays");
   app.add_option("scene", settings.scene, "`room` (70 000 triangles) or any scene")->capture_default_str();
   app.add_option("--size", settings.size, "film edge [pixels]")->capture_default_str();
-  app.add_option("--texels", settings.texels, "slots of the atlas")->capture_default_str();
+  app.add_option("--texels", settings.texels, "texel sides of the atlas")->capture_default_str();
   app.add_option("--directions", settings.directions)->capture_default_str();
   app.add_option("--rounds", settings.rounds)->capture_default_str();
   app.add_flag("!--no-rays", settings.rays, "leave out the rays");

@@ -61,14 +61,14 @@ Parameters with_balance(bool balance) {
 Result solve(const Scene& scene, Parameters parameters, int directions) {
   parameters.batch = 1;
   parameters.direct_mode = DirectMode::exchange;
-  parameters.hop_share = 1;
+  parameters.chain_share = 1;
   Channels channels;
-  channels.emission = channels.hops = true;
+  channels.emission = channels.chains = true;
   channels.count = 2;
   test::BundleRig rig(scene, 384, 0.5f, channels, parameters);
   rig.solve(make_sequence(parameters, 1), static_cast<uint64_t>(directions));
   const std::vector<AtlasMaterial> materials = rig.materials();
-  const auto diffuse = [&](uint32_t slot) { return materials[slot].emission.x > 0; };
+  const auto diffuse = [&](uint32_t side) { return materials[side].emission.x > 0; };
   return {rig.mean(rig.direct(), diffuse) + rig.mean(rig.indirect(), diffuse), rig.balance()};
 }
 

@@ -46,7 +46,8 @@ int texel_at(int wall, const glm::dvec3& p) {
 
 /// The same deficit of a running mean by its recurrence along given directions: texels take what lines from `points`²
 /// of their points meet, in proportion to their cosine. The first few directions decide much, and only the mean over
-/// seeds is that of steps 1/i. The film's pixels must be small against texels, or early directions miss some of them.
+/// seeds is that of steps 1/i. The bundle image's pixels must be small against texels, or early directions miss some of
+/// them.
 double running_deficit(const DirectionSequence& sequence, double albedo, int count, int points) {
   constexpr int kTexels = 6 * kSide * kSide;
   std::vector<double> deficit(kTexels, 1.0), sum(kTexels, 0.0), weight(kTexels, 0.0);
@@ -144,11 +145,11 @@ TEST_CASE("a shining box of glossy walls, against path tracing") {
   for (int bounces = 1; bounces <= 3; ++bounces) {
     CAPTURE(bounces);
     Channels channels;
-    channels.hops = true;
+    channels.chains = true;
     channels.self_fed = bounces == 3;
     channels.count = channels.self_fed ? 1 : static_cast<uint32_t>(bounces);
     Parameters parameters;
-    parameters.hop_share = 1;
+    parameters.chain_share = 1;
     test::BundleRig rig(scene, 1536, 0.5f, channels, parameters, {{"LUCARIUM_PHONG", ""}});
     rig.solve(make_sequence(parameters, 3), test::full_run() ? 8192 : 512);
     CHECK(rig.mean(rig.indirect()) == test::relative(expected[bounces - 1], test::full_run() ? 0.005 : 0.01));

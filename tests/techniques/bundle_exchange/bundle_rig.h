@@ -5,12 +5,12 @@
 #include <memory>
 
 #include "bundle_exchange/exchange/bundle_transfer.h"
-#include "bundle_exchange/senders/slot_means.h"
-#include "bundle_exchange/senders/slot_preview.h"
-#include "bundle_exchange/shared/slots.h"
-#include "bundle_exchange/specular/slot_specular.h"
-#include "bundle_exchange/texels/slot_light.h"
-#include "bundle_exchange/texels/slot_openness.h"
+#include "bundle_exchange/senders/side_means.h"
+#include "bundle_exchange/senders/side_preview.h"
+#include "bundle_exchange/shared/texel_sides.h"
+#include "bundle_exchange/specular/side_specular.h"
+#include "bundle_exchange/texels/side_accessibility.h"
+#include "bundle_exchange/texels/side_light.h"
 #include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
@@ -44,33 +44,33 @@ class BundleRig {
         bvh_(*device_, scene_, buffers_),
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
         program_(make_program(*device_, channels, std::move(defines))),
-        exposure_(*device_, scheduler_, buffers_, bvh_, atlas_, "bundle_exchange", "lower texels"),
-        openness_(*device_, buffers_, atlas_, {pixel_size, parameters.open_gap}),
+        interior_(*device_, scheduler_, buffers_, bvh_, atlas_, "bundle_exchange", "lower texels"),
+        accessibility_(*device_, buffers_, atlas_, {pixel_size, parameters.access_gap}),
         light_(*device_, "test", "light samples", atlas_.info().texel_count),
-        means_(*device_, scheduler_, program_, atlas_, openness_.shares(), light_, channels, parameters_),
-        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), exposure_, openness_, channels,
+        means_(*device_, scheduler_, program_, atlas_, accessibility_.shares(), light_, channels, parameters_),
+        transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), interior_, accessibility_, channels,
                   {pixel_size, parameters.transfer, nullptr}) {
-    while (!exposure_.complete()) exposure_.advance();
-    openness_.begin(*device_, scheduler_, program_, scene_, buffers_, atlas_, exposure_, transfer_.raster());
-    while (!openness_.complete()) openness_.advance();
-    means_.take_materials();
-    if (!channels.hops) return;
-    specular_ = std::make_unique<bundle::SlotSpecular>(
+    while (!interior_.complete()) interior_.advance();
+    accessibility_.begin(*device_, scheduler_, program_, scene_, buffers_, atlas_, interior_, transfer_.raster());
+    while (!accessibility_.complete()) accessibility_.advance();
+    means_.copy_materials();
+    if (!channels.chains) return;
+    specular_ = std::make_unique<bundle::SideSpecular>(
         *device_, scheduler_, program_, buffers_, bvh_, atlas_, means_, parameters_, !scene_.lights.empty(),
         channels.self_fed ? -1 : static_cast<int>(channels.reflected()), parameters.transfer == bundle::Transfer::ray);
   }
 
-  // ---- by hand: what slots send in channel 0, and what arrives
+  // ---- by hand: what texel sides send in channel 0, and what arrives
 
-  void send(const std::function<glm::vec3(uint32_t slot)>& radiance) {
+  void send(const std::function<glm::vec3(uint32_t side)>& radiance) {
     std::vector<float4> values(means_.records().count());
-    for (uint32_t slot = 0; slot < slots(); ++slot)
-      values[size_t{slot} * 2 * channels_.count] = float4(radiance(slot), 0.f);
+    for (uint32_t side = 0; side < sides(); ++side)
+      values[size_t{side} * 2 * channels_.count] = float4(radiance(side), 0.f);
     TypedBuffer<float4> records = means_.records();
     records.upload(values);
   }
   void run(const DirectionSequence& sequence, uint64_t count) {
-    sums_.resize(slots());
+    sums_.resize(sides());
     for (uint64_t i = 0; i < count; ++i) {
       transfer_.exchange(sequence.at(i), static_cast<uint32_t>(i + 1));
       if ((i + 1) % kLongestBatch == 0 || i + 1 == count) take_sums();
@@ -78,16 +78,17 @@ class BundleRig {
   }
   /// xyz: sum of w L of channel 0, w: sum of w, over all that was run.
   const std::vector<glm::dvec4>& sums() const { return sums_; }
-  /// Per slot: what others counted of the rays along which they saw it, over all that was run since send().
+  /// Per texel side: what others counted of the rays along which they saw it, over all that was run since send().
   std::vector<double> counted() const {
     std::vector<double> result;
     const std::vector<float4> values = means_.records().download();
-    for (uint32_t slot = 0; slot < slots(); ++slot) result.push_back(values[size_t{slot} * 2 * channels_.count].w);
+    for (uint32_t side = 0; side < sides(); ++side) result.push_back(values[size_t{side} * 2 * channels_.count].w);
     return result;
   }
-  /// E/π of every slot by `rounds` light samples of its points.
+  /// E/π of every texel side by `rounds` light samples of its points.
   std::vector<double> sampled_light(uint32_t rounds) {
-    bundle::SlotLight light(*device_, scheduler_, program_, buffers_, bvh_, atlas_, openness_, DirectLight::kAllLights);
+    bundle::SideLight light(*device_, scheduler_, program_, buffers_, bvh_, atlas_, accessibility_,
+                            DirectLight::kAllLights);
     light.reset(1);
     for (uint32_t i = 0; i < rounds; ++i) {
       light.sample();
@@ -101,14 +102,14 @@ class BundleRig {
 
   // ---- as the technique does it
 
-  /// The direct irradiance of every slot.
+  /// The direct irradiance of every texel side.
   void set_direct(float irradiance) {
-    light_.upload(std::vector<float4>(slots(), float4(irradiance, irradiance, irradiance, 1)));
+    light_.upload(std::vector<float4>(sides(), float4(irradiance, irradiance, irradiance, 1)));
   }
-  void set_direct(const std::function<float(uint32_t slot)>& irradiance) {
+  void set_direct(const std::function<float(uint32_t side)>& irradiance) {
     std::vector<float4> values;
-    for (uint32_t slot = 0; slot < slots(); ++slot) {
-      const float e = irradiance(slot);
+    for (uint32_t side = 0; side < sides(); ++side) {
+      const float e = irradiance(side);
       values.emplace_back(e, e, e, 1.f);
     }
     light_.upload(values);
@@ -119,7 +120,7 @@ class BundleRig {
     for (uint64_t first = 0; first < count; first += batch) {
       means_.make_senders();
       const bool direct_only = means_.direct_only(first);
-      bundle::SlotSpecular* specular = direct_only ? nullptr : specular_.get();
+      bundle::SideSpecular* specular = direct_only ? nullptr : specular_.get();
       if (specular) specular->begin_batch(sequence, first, static_cast<uint32_t>(batch));
       for (uint64_t i = first; i < first + batch; ++i) {
         const uint32_t seed = static_cast<uint32_t>(i + 1) * 0x9e3779b9u;
@@ -132,46 +133,46 @@ class BundleRig {
     }
     scheduler_.finish();
   }
-  /// Red of indirect and of exchanged direct irradiance over π, per slot.
+  /// Red of indirect and of exchanged direct irradiance over π, per texel side.
   std::vector<double> indirect() const { return red(means_.shown()); }
   std::vector<double> direct() const { return red(means_.shown_direct()); }
-  /// What SlotPreview makes of values that have the given variance each (after solve()).
+  /// What SidePreview makes of values that have the given variance each (after solve()).
   std::vector<double> smooth(const std::vector<float>& values, float variance) {
-    std::vector<float4> shown, statistics(slots(), float4(variance, 0, 0, 1));
+    std::vector<float4> shown, statistics(sides(), float4(variance, 0, 0, 1));
     for (const float v : values) shown.emplace_back(v, v, v, 1.f);
     TypedBuffer<float4> shown_buffer = means_.shown(), statistics_buffer = means_.statistics();
     shown_buffer.upload(shown);
     statistics_buffer.upload(statistics);
-    bundle::SlotPreview preview(*device_, scheduler_, program_, atlas_, means_);
+    bundle::SidePreview preview(*device_, scheduler_, program_, atlas_, means_);
     preview.smooth();
     scheduler_.finish();
     return red(preview.shown());
   }
   double relative_error() const { return means_.relative_error(); }
   float4 balance() const { return means_.balance(); }
-  /// Area-weighted mean over slots that `counts`.
+  /// Area-weighted mean over texel sides that `counts`.
   double mean(const std::vector<double>& values, const std::function<bool(uint32_t)>& counts = {}) const {
     const std::vector<AtlasTexel> all = texels();
     double sum = 0, area = 0;
-    for (uint32_t slot = 0; slot < slots(); ++slot) {
-      if (counts && !counts(slot)) continue;
-      sum += all[slot].area * values[slot];
-      area += all[slot].area;
+    for (uint32_t side = 0; side < sides(); ++side) {
+      if (counts && !counts(side)) continue;
+      sum += all[side].area * values[side];
+      area += all[side].area;
     }
     return sum / area;
   }
 
-  double film_pixel() const { return transfer_.pixel(); }  ///< edge [m]
-  /// What the film's pixels would be when the texels have followed a change, as they do in a warm start [m].
-  double film_pixel_after(const std::function<SceneChange(Scene&)>& change_scene) {
+  double bundle_pixel() const { return transfer_.pixel(); }  ///< edge [m]
+  /// What the bundle image's pixels would be when the texels have followed a change, as they do in a warm start [m].
+  double bundle_pixel_after(const std::function<SceneChange(Scene&)>& change_scene) {
     const SceneChange change = change_scene(scene_);
     buffers_.update(scene_, change);
     atlas_.refit(scene_, change);
-    return bundle::SlotOpenness(*device_, buffers_, atlas_, {0.5f, parameters_.open_gap}).safe_pixel();
+    return bundle::SideAccessibility(*device_, buffers_, atlas_, {0.5f, parameters_.access_gap}).safe_pixel();
   }
   double texel_edge() const { return static_cast<double>(atlas_.info().texel_edge); }
   double texel_extent(double limit) const { return bundle::largest_texel_extent(atlas_, buffers_, limit); }
-  /// Largest distance of two sample points of a slot, SLOT_POINTS each.
+  /// Largest distance of two sample points of a texel side, SIDE_POINTS each.
   double sampled_extent() const {
     const std::vector<AtlasSample> samples = atlas_.samples().download();
     const auto triangles = buffers_.scene_triangles.download();
@@ -184,17 +185,17 @@ class BundleRig {
       return p + s.b1 * (corner(triangles[s.triangle].v1) - p) + s.b2 * (corner(triangles[s.triangle].v2) - p);
     };
     float result = 0;
-    for (size_t slot = 0; slot < slots(); ++slot)
-      for (uint32_t i = 0; i < SLOT_POINTS; ++i)
+    for (size_t side = 0; side < sides(); ++side)
+      for (uint32_t i = 0; i < SIDE_POINTS; ++i)
         for (uint32_t j = 0; j < i; ++j)
           result = std::max(
-              result, glm::length(point(samples[slot * SLOT_POINTS + i]) - point(samples[slot * SLOT_POINTS + j])));
+              result, glm::length(point(samples[side * SIDE_POINTS + i]) - point(samples[side * SIDE_POINTS + j])));
     return static_cast<double>(result);
   }
-  uint32_t slots() const { return atlas_.info().texel_count; }
+  uint32_t sides() const { return atlas_.info().texel_count; }
   std::vector<AtlasTexel> texels() const { return atlas_.texels().download(); }
-  std::vector<float2> exposure() const { return exposure_.shares().download(); }
-  std::vector<float> openness() const { return openness_.shares().download(); }
+  std::vector<float2> interior() const { return interior_.shares().download(); }
+  std::vector<float> accessibility() const { return accessibility_.shares().download(); }
   std::vector<SurfacePoint> points() const { return atlas_.surface_points().download(); }
   std::vector<AtlasMaterial> materials() const { return atlas_.materials().download(); }
   /// Instance that a world triangle belongs to.
@@ -210,9 +211,9 @@ class BundleRig {
     scheduler_.finish();
     TypedBuffer<float4> records = means_.records();
     std::vector<float4> values = records.download();
-    for (uint32_t slot = 0; slot < slots(); ++slot) {
-      float4& batch = values[size_t{slot} * 2 * channels_.count + 1];
-      sums_[slot] += glm::dvec4(batch.x, batch.y, batch.z, batch.w);
+    for (uint32_t side = 0; side < sides(); ++side) {
+      float4& batch = values[size_t{side} * 2 * channels_.count + 1];
+      sums_[side] += glm::dvec4(batch.x, batch.y, batch.z, batch.w);
       batch = float4{};
     }
     records.upload(values);
@@ -220,7 +221,7 @@ class BundleRig {
   static SurfaceAtlasOptions options(uint64_t texels) {
     SurfaceAtlasOptions result;
     result.texel_count = texels;
-    result.samples = SLOT_POINTS;
+    result.samples = SIDE_POINTS;
     return result;
   }
   /// solve() says how many directions there are.
@@ -233,13 +234,13 @@ class BundleRig {
     SourceLibrary library;
     library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
-    return Program(
-        device, library,
-        {"bundle_exchange/test",
-         {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/fold.cl", "bundle_exchange/specular/hops.cl",
-          "bundle_exchange/senders/ring.cl", "bundle_exchange/texels/slot_openness.cl",
-          "bundle_exchange/texels/slot_light.cl", "bundle_exchange/senders/preview.cl"},
-         defines});
+    return Program(device, library,
+                   {"bundle_exchange/test",
+                    {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/accumulate.cl",
+                     "bundle_exchange/specular/side_chains.cl", "bundle_exchange/senders/direction_history.cl",
+                     "bundle_exchange/texels/side_accessibility.cl", "bundle_exchange/texels/side_light.cl",
+                     "bundle_exchange/senders/preview.cl"},
+                    defines});
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;
@@ -255,12 +256,12 @@ class BundleRig {
   Bvh bvh_;
   SurfaceAtlas atlas_;
   Program program_;
-  TexelInterior exposure_;
-  bundle::SlotOpenness openness_;
+  TexelInterior interior_;
+  bundle::SideAccessibility accessibility_;
   TypedBuffer<float4> light_;
-  bundle::SlotMeans means_;
+  bundle::SideMeans means_;
   bundle::BundleTransfer transfer_;
-  std::unique_ptr<bundle::SlotSpecular> specular_;
+  std::unique_ptr<bundle::SideSpecular> specular_;
   std::vector<glm::dvec4> sums_;
 };
 

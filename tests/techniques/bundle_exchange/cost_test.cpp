@@ -32,9 +32,9 @@ TEST_CASE("fewer texels and rays take less time, and a budget gets those that it
     return estimate_seconds(make_plan(parameters, scene, settings), parameters, scene, settings, ComputePower());
   };
   const double whole = seconds();
-  parameters.open_rays = 128;
+  parameters.access_rays = 128;
   const double fewer_rays = seconds();
   CHECK(fewer_rays < whole);
-  parameters.open_gap = 0;  // nothing to measure
+  parameters.access_gap = 0;  // nothing to measure
   CHECK(seconds() < fewer_rays);
 }

@@ -52,36 +52,37 @@ DirectionSequence directions(int block) {
 
 }  // namespace
 
-TEST_CASE("in a closed box of radiance 1 every slot holds exactly that, whatever the directions") {
-  for (const float open_gap : {0.f, 2.f}) {
-    CAPTURE(open_gap);
+TEST_CASE("in a closed box of radiance 1 every texel side holds exactly that, whatever the directions") {
+  for (const float access_gap : {0.f, 2.f}) {
+    CAPTURE(access_gap);
     Parameters parameters;
-    parameters.open_gap = open_gap;
+    parameters.access_gap = access_gap;
     test::BundleRig rig(closed_box(), 1536, 0.5f, {}, parameters);
     rig.send([](uint32_t) { return glm::vec3(1, 2, 4); });
     const int count = test::full_run() ? 10240 : 512;
     rig.run(directions(2048), count);
     const std::vector<glm::dvec4> sums = rig.sums();
     const std::vector<AtlasTexel> texels = rig.texels();
-    const std::vector<float> openness = rig.openness();
+    const std::vector<float> accessibility = rig.accessibility();
     double worst = 0, flux = 0, area = 0, counted = 0;
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-      REQUIRE(sums[slot].w > 0);
-      worst = std::max(worst, std::abs(sums[slot].x / sums[slot].w - 1.0));
-      worst = std::max(worst, std::abs(sums[slot].z / sums[slot].w - 4.0));
-      flux += sums[slot].x;
-      area += texels[slot].area;
-      counted += double{texels[slot].area} * double{openness[slot]};
+    for (uint32_t side = 0; side < rig.sides(); ++side) {
+      REQUIRE(sums[side].w > 0);
+      worst = std::max(worst, std::abs(sums[side].x / sums[side].w - 1.0));
+      worst = std::max(worst, std::abs(sums[side].z / sums[side].w - 4.0));
+      flux += sums[side].x;
+      area += texels[side].area;
+      counted += double{texels[side].area} * double{accessibility[side]};
     }
     CHECK(area == test::relative(6, 1e-5));
     CHECK(worst < 1e-5);
-    // E = W A_p / A_t sum L: over the whole box π per area, by openness. Along ω the box shows |ω_x| + |ω_y| + |ω_z|,
-    // in the mean 3 / 2. Openness is measured by other rays.
+    // E = W A_p / A_t sum L: over the whole box π per area, by accessibility. Along ω the box shows |ω_x| + |ω_y| +
+    // |ω_z|, in the mean 3 / 2. Accessibility is measured by other rays.
     double shown = 0;
     for (int i = 0; i < count; ++i)
       shown += glm::dot(glm::abs(glm::dvec3(directions(2048).at(i).direction)), glm::dvec3(1)) / count;
-    MESSAGE("flux ", flux / count / counted, ", of the directions ", kPi * shown / 1.5, ", openness ", counted / area);
-    if (open_gap > 0) {
+    MESSAGE("flux ", flux / count / counted, ", of the directions ", kPi * shown / 1.5, ", accessibility ",
+            counted / area);
+    if (access_gap > 0) {
       // Near edges and corners rays are short.
       std::mt19937_64 random(1);
       std::uniform_real_distribution<double> unit;
@@ -90,7 +91,7 @@ TEST_CASE("in a closed box of radiance 1 every slot holds exactly that, whatever
       for (int i = 0; i < rays; ++i) {
         const test::lamp_room::WallPoint from{i % 6, unit(random), unit(random)};
         const glm::dvec3 to = test::lamp_room::cosine_direction(from.wall, {unit(random), unit(random)});
-        open += test::lamp_room::trace(from.position(), to).distance > double{open_gap} * rig.texel_edge();
+        open += test::lamp_room::trace(from.position(), to).distance > double{access_gap} * rig.texel_edge();
       }
       MESSAGE("open ", open / rays, ", counted ", counted / area);
       CHECK(counted / area == test::relative(open / rays, 0.01));
@@ -102,27 +103,27 @@ TEST_CASE("in a closed box of radiance 1 every slot holds exactly that, whatever
   }
 }
 
-TEST_CASE("film pixels are no smaller than a sixteenth of the longest texel") {
+TEST_CASE("bundle pixels are no smaller than a sixteenth of the longest texel") {
   // Squares of 1/8: their diagonals.
   test::BundleRig box(closed_box(), 384, 0.05f);
   CHECK(box.texel_extent(0) == test::relative(std::sqrt(2) / 8, 0.003));
-  CHECK(box.film_pixel() == test::relative(std::sqrt(2) / 8 / 16, 0.003));
+  CHECK(box.bundle_pixel() == test::relative(std::sqrt(2) / 8 / 16, 0.003));
   // Spheres have texels of all shapes; random points of them are nearly as far apart as points can be.
   for (const float pixel_size : {0.1f, 0.5f}) {
     test::BundleRig spheres(load_scene("builtin:spheres"), 2048, pixel_size);
     const double extent = spheres.texel_extent(0), sampled = spheres.sampled_extent(), edge = spheres.texel_edge();
-    MESSAGE("longest texel ", extent / edge, " edges, between samples ", sampled / edge, ", film pixel ",
-            spheres.film_pixel() / edge);
+    MESSAGE("longest texel ", extent / edge, " edges, between samples ", sampled / edge, ", bundle pixel ",
+            spheres.bundle_pixel() / edge);
     CHECK(extent >= sampled);
     CHECK(extent < 1.5 * sampled);
-    CHECK(spheres.film_pixel() == test::relative(std::max(double(pixel_size) * edge, extent / 16), 1e-6));
+    CHECK(spheres.bundle_pixel() == test::relative(std::max(double(pixel_size) * edge, extent / 16), 1e-6));
   }
 }
 
-TEST_CASE("film pixels are chosen for texels as they are, not as they were when the atlas was made") {
+TEST_CASE("bundle pixels are chosen for texels as they are, not as they were when the atlas was made") {
   test::BundleRig box(closed_box(), 384, 0.5f);  // squares of 1/8
-  CHECK(box.film_pixel() == test::relative(0.5 / 8, 0.02));
-  const double stretched = box.film_pixel_after([](Scene& scene) {
+  CHECK(box.bundle_pixel() == test::relative(0.5 / 8, 0.02));
+  const double stretched = box.bundle_pixel_after([](Scene& scene) {
     SceneChange change;
     SceneInstance& wall = scene.instances.back();
     change.moved_instances = {static_cast<int>(scene.instances.size()) - 1};
@@ -137,21 +138,21 @@ TEST_CASE("form factors of unit squares") {
   for (const bool parallel : {true, false}) {
     CAPTURE(parallel);
     Parameters alike;  // all parts of texels count alike
-    alike.open_gap = 0;
+    alike.access_gap = 0;
     test::BundleRig rig(two_squares(parallel), 512, 0.5f, {}, alike);
     const std::vector<AtlasTexel> texels = rig.texels();
     std::vector<bool> lamp;
     for (const AtlasTexel& texel : texels) lamp.push_back(rig.instance_of(texel.triangle) == 0);
-    rig.send([&](uint32_t slot) { return glm::vec3(lamp[slot] ? 1.f : 0.f); });
+    rig.send([&](uint32_t side) { return glm::vec3(lamp[side] ? 1.f : 0.f); });
     const int count = test::full_run() ? 10240 : 2048;
     rig.run(directions(2048), count);
     const std::vector<glm::dvec4> sums = rig.sums();
     double received = 0, weight = 0, flux = 0;
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-      if (lamp[slot]) continue;
-      received += sums[slot].x;
-      weight += sums[slot].w;
-      flux += sums[slot].x;
+    for (uint32_t side = 0; side < rig.sides(); ++side) {
+      if (lamp[side]) continue;
+      received += sums[side].x;
+      weight += sums[side].w;
+      flux += sums[side].x;
     }
     const double expected = parallel ? 0.19982 : 0.20004, tolerance = test::full_run() ? 3e-4 : 1e-3;
     CHECK(std::abs(received / weight - expected) < tolerance);
@@ -180,11 +181,11 @@ TEST_CASE("a double-sided plate under a sky of radiance 1 + w_y: 5 pi / 3 above,
     const std::vector<glm::dvec4> sums = rig.sums();
     const std::vector<SurfacePoint> points = rig.points();
     double ratio[2][2] = {}, flux[2] = {};
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-      const int up = points[slot].normal.y > 0;
-      ratio[up][0] += sums[slot].x;
-      ratio[up][1] += sums[slot].w;
-      flux[up] += sums[slot].x / count;
+    for (uint32_t side = 0; side < rig.sides(); ++side) {
+      const int up = points[side].normal.y > 0;
+      ratio[up][0] += sums[side].x;
+      ratio[up][1] += sums[side].w;
+      flux[up] += sums[side].x / count;
     }
     const double exact[2] = {kPi / 3, 5 * kPi / 3};
     for (int up = 0; up < 2; ++up) {

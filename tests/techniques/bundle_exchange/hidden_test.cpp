@@ -39,7 +39,7 @@ Scene hall_of_columns() {
 
 }  // namespace
 
-TEST_CASE("in a field of radiance 1 every slot that is seen holds 1, whatever of it is hidden") {
+TEST_CASE("in a field of radiance 1 every texel side that is seen holds 1, whatever of it is hidden") {
   for (const Transfer transfer : {Transfer::ray, Transfer::texel}) {
     CAPTURE(int(transfer));
     Parameters parameters;
@@ -48,20 +48,20 @@ TEST_CASE("in a field of radiance 1 every slot that is seen holds 1, whatever of
     rig.send([](uint32_t) { return glm::vec3(1); });
     rig.run(make_sequence(parameters, 5), 256);
     const std::vector<glm::dvec4> sums = rig.sums();
-    const std::vector<float2> exposure = rig.exposure();
+    const std::vector<float2> interior = rig.interior();
     const std::vector<AtlasTexel> texels = rig.texels();
     double hidden = 0, inside = 0, held = 0, seen = 0, held_partly = 0, seen_partly = 0;
     size_t partly = 0;
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-      hidden += double(texels[slot].area * (1 - exposure[slot].x));
-      partly += exposure[slot].x > 0 && exposure[slot].x < 1;
-      if (exposure[slot].x == 0) inside += double(texels[slot].area);
-      if (!(exposure[slot].x > 0) || !(sums[slot].w > 0)) continue;
-      const double area = double(texels[slot].area) * double(exposure[slot].x);
-      held += area * double(sums[slot].x / sums[slot].w);
+    for (uint32_t side = 0; side < rig.sides(); ++side) {
+      hidden += double(texels[side].area * (1 - interior[side].x));
+      partly += interior[side].x > 0 && interior[side].x < 1;
+      if (interior[side].x == 0) inside += double(texels[side].area);
+      if (!(interior[side].x > 0) || !(sums[side].w > 0)) continue;
+      const double area = double(texels[side].area) * double(interior[side].x);
+      held += area * double(sums[side].x / sums[side].w);
       seen += area;
-      if (exposure[slot].x == 1) continue;
-      held_partly += area * double(sums[slot].x / sums[slot].w);
+      if (interior[side].x == 1) continue;
+      held_partly += area * double(sums[side].x / sums[side].w);
       seen_partly += area;
     }
     // Of each column what is within the plinth, its foot, and what of its plinth's top it covers.
@@ -69,9 +69,9 @@ TEST_CASE("in a field of radiance 1 every slot that is seen holds 1, whatever of
     CHECK(hidden == test::relative(expected, 0.03));
     CHECK(partly > 20);
     CHECK(inside > 0);
-    // What is left are slots of which less is hidden than their eight points tell. Counting all, it would be 4 % too
-    // little.
-    MESSAGE("held in the mean ", held / seen, ", by slots that are partly hidden ", held_partly / seen_partly);
+    // What is left are texel sides of which less is hidden than their eight points tell. Counting all, it would be 4 %
+    // too little.
+    MESSAGE("held in the mean ", held / seen, ", by texel sides that are partly hidden ", held_partly / seen_partly);
     CHECK(held / seen == test::relative(1, 0.003));
     CHECK(held_partly / seen_partly == test::relative(1, 0.003));
   }
@@ -97,11 +97,11 @@ TEST_CASE("backs that are seen stay black") {
   rig.run(make_sequence(parameters, 3), count);
   const std::vector<glm::dvec4> sums = rig.sums();
   double received = 0, weight = 0;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-    if (rig.instance_of(rig.texels()[slot].triangle) != 0) continue;
-    CHECK(rig.exposure()[slot].x == 1.f);
-    received += sums[slot].x;
-    weight += sums[slot].w;
+  for (uint32_t side = 0; side < rig.sides(); ++side) {
+    if (rig.instance_of(rig.texels()[side].triangle) != 0) continue;
+    CHECK(rig.interior()[side].x == 1.f);
+    received += sums[side].x;
+    weight += sums[side].w;
   }
   CHECK(received / weight == test::relative(1 - 0.19982, 0.003));
 }

@@ -129,7 +129,7 @@ inline Arrival trace(const glm::dvec3& p, const glm::dvec3& d) {
 }
 
 /// Share of the rays from a point that go farther than `gap`, by `strata`² of them.
-inline double openness(const WallPoint& point, double gap, int strata, std::mt19937_64& random) {
+inline double accessibility(const WallPoint& point, double gap, int strata, std::mt19937_64& random) {
   if (gap == 0) return 1;
   std::uniform_real_distribution<double> unit;
   int open = 0;
@@ -157,9 +157,9 @@ inline double follow_path(WallPoint point, glm::dvec2 x, const LampTable& lamp, 
   }
 }
 
-/// Mean over a square, in which points count by their openness.
+/// Mean over a square, in which points count by their accessibility.
 struct Mean {
-  double value, openness;
+  double value, accessibility;
 };
 
 /// Of indirect E/π, by `strata`² paths whose first directions are stratified.
@@ -169,7 +169,7 @@ inline Mean path_traced(const WallSquare& square, int strata, double gap, const 
   double sum = 0, open = 0;
   for (int k = 0; k < strata * strata; ++k) {
     const WallPoint point = square.at(unit(random), unit(random));
-    const double a = openness(point, gap, 2, random);
+    const double a = accessibility(point, gap, 2, random);
     sum += a * follow_path(point, {(k / strata + unit(random)) / strata, (k % strata + unit(random)) / strata}, lamp,
                            random);
     open += a;
@@ -183,7 +183,7 @@ inline Mean lamp_lit(const WallSquare& square, double gap, std::mt19937_64& rand
   double sum = 0, open = 0;
   for (int k = 0; k < fine * fine; ++k) {
     const WallPoint point = square.at((k / fine + 0.5) / fine, (k % fine + 0.5) / fine);
-    const double a = openness(point, gap, 16, random);
+    const double a = accessibility(point, gap, 16, random);
     sum += a * lamp_light(point);
     open += a;
   }

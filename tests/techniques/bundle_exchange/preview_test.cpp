@@ -43,27 +43,27 @@ TEST_CASE("smoothing takes noise away where it is known to be noise, and crosses
   std::mt19937 random(1);
   std::normal_distribution<float> noise(0, 0.1f);
   std::vector<float> walls, noisy;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-    const float4& n = points[slot].normal;
+  for (uint32_t side = 0; side < rig.sides(); ++side) {
+    const float4& n = points[side].normal;
     walls.push_back(3 + n.x + 2 * n.y + (n.z > 0.5f ? 0.5f : n.z < -0.5f ? -0.5f : 0));
     noisy.push_back(walls.back() + noise(random));
   }
   // Errors as large as anything: whatever could bleed would.
   const std::vector<double> whole = rig.smooth(walls, 100);
   double worst = 0;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot)
-    worst = std::max(worst, std::abs(whole[slot] - double(walls[slot])));
+  for (uint32_t side = 0; side < rig.sides(); ++side)
+    worst = std::max(worst, std::abs(whole[side] - double(walls[side])));
   CHECK(worst < 1e-5);
   const auto error = [&](const std::vector<double>& values) {
     double sum = 0;
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) sum += std::pow(values[slot] - double(walls[slot]), 2);
-    return std::sqrt(sum / rig.slots());
+    for (uint32_t side = 0; side < rig.sides(); ++side) sum += std::pow(values[side] - double(walls[side]), 2);
+    return std::sqrt(sum / rig.sides());
   };
   CHECK(error(rig.smooth(noisy, 0.01f)) < 0.03);  // of 0.1
   const std::vector<double> sharp = rig.smooth(noisy, 0);
   worst = 0;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot)
-    worst = std::max(worst, std::abs(sharp[slot] - double(noisy[slot])));
+  for (uint32_t side = 0; side < rig.sides(); ++side)
+    worst = std::max(worst, std::abs(sharp[side] - double(noisy[side])));
   CHECK(worst < 1e-6);
 }
 

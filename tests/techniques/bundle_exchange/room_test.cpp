@@ -17,76 +17,76 @@ namespace {
 /// Relative errors over all texels of the walls that are not behind the lamp.
 struct Errors {
   double direct, indirect, both;      ///< root mean square over the root mean square
-  double direct_bias, indirect_bias;  ///< of the mean by area and openness
+  double direct_bias, indirect_bias;  ///< of the mean by area and accessibility
   double direct_mean, indirect_mean;  ///< of the values that are expected
   double solved;                      ///< indirect: difference from the exact solution of the texels; root mean square
   double discretisation;              ///< indirect: that solution's own error
 };
 
 struct Setting {
-  int side;  ///< texels along a wall
+  int wall_texels;  ///< texels along a wall
   uint64_t directions;
   int strata;  ///< a side's of the paths per texel
-  float open_gap = 0;
+  float access_gap = 0;
   bool solve = false;  ///< exactly, too
 };
 
-/// A film of 64² pixels over the projected bounds.
+/// A bundle image of 64² pixels over the projected bounds.
 Errors room_errors(const Setting& setting) {
-  const int side = setting.side;
+  const int wall_texels = setting.wall_texels;
   Parameters parameters;
   parameters.direct_mode = DirectMode::exchange;
-  parameters.open_gap = setting.open_gap;
+  parameters.access_gap = setting.access_gap;
   if (setting.directions > 2048) parameters.block = 16384;
   Channels channels;
   channels.emission = true;
   channels.count = 2;
-  test::BundleRig rig(room(), static_cast<uint64_t>(6 * side * side + side * side / 16),
-                      1.5f / 64 * static_cast<float>(side), channels, parameters);
+  test::BundleRig rig(room(), static_cast<uint64_t>(6 * wall_texels * wall_texels + wall_texels * wall_texels / 16),
+                      1.5f / 64 * static_cast<float>(wall_texels), channels, parameters);
   rig.solve(make_sequence(parameters, 2), setting.directions);
   const std::vector<AtlasMaterial> materials = rig.materials();
   const std::vector<SurfacePoint> points = rig.points();
   const std::vector<AtlasTexel> texels = rig.texels();
   const std::vector<double> direct = rig.direct(), indirect = rig.indirect();
-  const double gap = static_cast<double>(setting.open_gap) * rig.texel_edge();
+  const double gap = static_cast<double>(setting.access_gap) * rig.texel_edge();
   std::optional<DiscreteRoom> discrete;
-  if (setting.solve) discrete.emplace(side);
+  if (setting.solve) discrete.emplace(wall_texels);
   const LampTable lamp;
   std::mt19937_64 random(1);
   double n = 0, d = 0, dd = 0, de = 0, found_d = 0, i = 0, ii = 0, ie = 0, found_i = 0, tt = 0, te = 0, areas = 0,
          se = 0, ds = 0;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-    if (materials[slot].emission.x > 0) continue;
-    const glm::dvec3 p(points[slot].position.x, points[slot].position.y, points[slot].position.z);
-    const glm::vec3 normal(points[slot].normal.x, points[slot].normal.y, points[slot].normal.z);
+  for (uint32_t side = 0; side < rig.sides(); ++side) {
+    if (materials[side].emission.x > 0) continue;
+    const glm::dvec3 p(points[side].position.x, points[side].position.y, points[side].position.z);
+    const glm::vec3 normal(points[side].normal.x, points[side].normal.y, points[side].normal.z);
     int wall = 0;
     for (int axis = 0; axis < 3; ++axis)
       if (std::abs(normal[axis]) > 0.5f) wall = 2 * axis + (normal[axis] < 0);
     if (wall == 3 && std::abs(p.x - .5) < .125 && std::abs(p.z - .5) < .125) continue;
     WallPoint corner = wall_point(p, wall);
-    corner.u = std::floor(corner.u * side) / side;
-    corner.v = std::floor(corner.v * side) / side;
-    const WallSquare square{corner, 1.0 / side};
-    const auto [expected, openness] = lamp_lit(square, gap, random);
+    corner.u = std::floor(corner.u * wall_texels) / wall_texels;
+    corner.v = std::floor(corner.v * wall_texels) / wall_texels;
+    const WallSquare square{corner, 1.0 / wall_texels};
+    const auto [expected, accessibility] = lamp_lit(square, gap, random);
     // Two independent values: the product of the differences has no share of their noise.
     const double a = path_traced(square, setting.strata, gap, lamp, random).value;
     const double b = path_traced(square, setting.strata, gap, lamp, random).value;
     // By true areas: they are squares but for a thousandth, since charts end within their cells.
-    const double area = static_cast<double>(texels[slot].area) * openness;
+    const double area = static_cast<double>(texels[side].area) * accessibility;
     n += 1, areas += area;
-    d += area * expected, dd += expected * expected, found_d += area * direct[slot];
-    de += (direct[slot] - expected) * (direct[slot] - expected);
-    i += area * 0.5 * (a + b), ii += a * b, found_i += area * indirect[slot];
-    ie += (indirect[slot] - a) * (indirect[slot] - b);
-    const double all = direct[slot] + indirect[slot] - expected;
+    d += area * expected, dd += expected * expected, found_d += area * direct[side];
+    de += (direct[side] - expected) * (direct[side] - expected);
+    i += area * 0.5 * (a + b), ii += a * b, found_i += area * indirect[side];
+    ie += (indirect[side] - a) * (indirect[side] - b);
+    const double all = direct[side] + indirect[side] - expected;
     tt += (expected + a) * (expected + b);
     te += (all - a) * (all - b);
     if (!discrete) continue;
     const double solution = discrete->indirect(corner);
-    se += (indirect[slot] - solution) * (indirect[slot] - solution);
+    se += (indirect[side] - solution) * (indirect[side] - solution);
     ds += (solution - a) * (solution - b);
   }
-  CHECK(n == 6 * side * side - side * side / 16);
+  CHECK(n == 6 * wall_texels * wall_texels - wall_texels * wall_texels / 16);
   const auto root = [](double x) { return std::sqrt(std::max(x, 0.0)); };
   return {root(de / dd), root(ie / ii), root(te / tt), found_d / d - 1, found_i / i - 1,
           d / areas,     i / areas,     root(se / ii), root(ds / ii)};
@@ -102,27 +102,29 @@ TEST_CASE("a room with a lamp, all light by bundles: every texel") {
   CHECK(e.both < 0.06);
   CHECK(e.indirect < 0.03);
   if (!test::full_run()) return;
-  for (int side : {8, 16, 32}) {
-    CAPTURE(side);
-    const Errors f = room_errors({.side = side, .directions = 32768, .strata = 4096 / side, .solve = side < 32});
-    MESSAGE(side, "² texels: direct ", f.direct, " (mean ", f.direct_bias, "), indirect ", f.indirect, " (mean ",
+  for (int wall_texels : {8, 16, 32}) {
+    CAPTURE(wall_texels);
+    const Errors f = room_errors(
+        {.wall_texels = wall_texels, .directions = 32768, .strata = 4096 / wall_texels, .solve = wall_texels < 32});
+    MESSAGE(wall_texels, "² texels: direct ", f.direct, " (mean ", f.direct_bias, "), indirect ", f.indirect, " (mean ",
             f.indirect_bias, "); exact solution: error ", f.discretisation, ", difference from it ", f.solved);
     // Small texels see the edges of the lamp sharp, which strata of directions do not resolve: noise, as the mean
     // shows.
-    if (side == 8) CHECK(f.direct < 0.006);
-    if (side == 8) CHECK(f.indirect < 0.010);
-    if (side == 32) CHECK(f.indirect < 0.0035);
-    if (side < 32) CHECK(f.solved < 0.001);
+    if (wall_texels == 8) CHECK(f.direct < 0.006);
+    if (wall_texels == 8) CHECK(f.indirect < 0.010);
+    if (wall_texels == 32) CHECK(f.indirect < 0.0035);
+    if (wall_texels < 32) CHECK(f.solved < 0.001);
     CHECK(std::abs(f.direct_bias) < 0.0005);
     CHECK(std::abs(f.indirect_bias) < 0.0005);
   }
-  // By openness, rays within the gap carry what is seen from afar: too much near edges, by an error that falls with
-  // texels.
+  // By accessibility, rays within the gap carry what is seen from afar: too much near edges, by an error that falls
+  // with texels.
   double coarser = 0.005;
-  for (int side : {16, 32}) {
-    CAPTURE(side);
-    const Errors f = room_errors({.side = side, .directions = 32768, .strata = 1024 / side, .open_gap = 2});
-    MESSAGE("open_gap=2: direct ", f.direct, " (mean ", f.direct_bias, "), indirect ", f.indirect, " (mean ",
+  for (int wall_texels : {16, 32}) {
+    CAPTURE(wall_texels);
+    const Errors f =
+        room_errors({.wall_texels = wall_texels, .directions = 32768, .strata = 1024 / wall_texels, .access_gap = 2});
+    MESSAGE("access_gap=2: direct ", f.direct, " (mean ", f.direct_bias, "), indirect ", f.indirect, " (mean ",
             f.indirect_bias, ")");
     CHECK(std::abs(f.indirect_bias) < 0.7 * coarser);
     coarser = std::abs(f.indirect_bias);

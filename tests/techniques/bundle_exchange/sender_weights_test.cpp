@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The recurrence of interleaved bounces in a closed body of albedo ρ, where every slot receives what all send: deficits
-// after N directions against their closed forms.
+// The recurrence of interleaved bounces in a closed body of albedo ρ, where every texel side receives what all send:
+// deficits after N directions against their closed forms.
 #include "bundle_exchange/senders/sender_weights.h"
 
 #include <doctest/doctest.h>

@@ -26,7 +26,7 @@ SceneChange dim(Scene& scene) {
 
 }  // namespace
 
-TEST_CASE("pixels that gather by bundles, transfers and the ring see the path tracer's light") {
+TEST_CASE("pixels that gather by bundles, transfers and the direction history see the path tracer's light") {
   const Options paths = {{"samples_per_iteration", "64"}};
   for (const int bounces : {1, 2}) {
     CAPTURE(bounces);
@@ -39,13 +39,13 @@ TEST_CASE("pixels that gather by bundles, transfers and the ring see the path tr
     }
   }
   const double expected = indirect_mean("path_tracing", "builtin:spheres", 2, 64, paths);
-  // The spheres cast caustics of about the size of a texel of 2048: with so few, chains and ring alike are 4 % too
-  // dark. What directions reflect comes late: after 16 iterations 2.4 % are missing (mean of five seeds), after 64 0.5
-  // %.
-  const Options ring = with(few_texels, {{"texels", "16384"}, {"glossy_window", "32"}, {"alpha_ring", "0.1"}});
-  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 32, ring) == test::relative(expected, 0.03));
+  // The spheres cast caustics of about the size of a texel of 2048: with so few, chains and direction history alike are
+  // 4 % too dark. What directions reflect comes late: after 16 iterations 2.4 % are missing (mean of five seeds), after
+  // 64 iterations 0.5 %.
+  const Options history = with(few_texels, {{"texels", "16384"}, {"glossy_window", "32"}, {"history_alpha", "0.1"}});
+  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 32, history) == test::relative(expected, 0.03));
   if (!test::full_run()) return;
-  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 32, with(ring, {{"pixel_rays", "bundle"}})) ==
+  CHECK(indirect_mean("bundle_exchange", "builtin:spheres", 2, 32, with(history, {{"pixel_rays", "bundle"}})) ==
         test::relative(expected, 0.03));
 }
 
@@ -190,7 +190,7 @@ TEST_CASE("a change begins anew with the bits of a fresh start, or with what sen
   Scene dimmed = load_scene("builtin:cornell");
   dim(dimmed);
   const auto fresh = session("bundle_exchange", std::move(dimmed), -1, few_texels);
-  const uint64_t soon = 12;  // the first iterations light slots
+  const uint64_t soon = 12;  // the first iterations light texel sides
   fresh->run({.iterations = soon});
   CHECK(after_change(false, soon) == indirect(*fresh));
   CHECK(after_change(true, soon) != indirect(*fresh));
@@ -246,26 +246,27 @@ TEST_CASE("a warm start follows what moves") {
   CHECK(mean(indirect(*run)) == test::relative(mean(indirect(*fresh)), 0.03));
 }
 
-TEST_CASE("triangles that nothing hits change neither film nor light, slivers hardly any") {
+TEST_CASE("triangles that nothing hits change neither bundle image nor light, slivers hardly any") {
   const Scene room = load_scene("builtin:cornell");
   const auto render = [](Scene scene) {
     auto run = session("bundle_exchange", std::move(scene), 2, few_texels);
     run->run({.iterations = 48});
     return run;
   };
-  const auto film = [](RenderSession& run) { return run.technique().counters().at("film_pixels"); };
+  const auto pixels = [](RenderSession& run) { return run.technique().counters().at("bundle_pixels"); };
   const auto plain = render(room);
   Scene with_lines = room, with_slivers = room;
-  // As a surface and as a lamp of their own. Where corners are snapped to the film's grid, they would get an area.
+  // As a surface and as a lamp of their own. Where corners are snapped to the bundle image's grid, they would get an
+  // area.
   const int lamp = add_material(with_lines, emitter(1000));
   add_threads(with_lines, 50, 0, 0);
   add_threads(with_lines, 50, 0, lamp);
   const auto lines = render(with_lines);
-  CHECK(film(*lines) == film(*plain));
+  CHECK(pixels(*lines) == pixels(*plain));
   CHECK(indirect(*lines) == indirect(*plain));
   add_threads(with_slivers, 50, 1e-6f, 0);
   const auto slivers = render(with_slivers);
   // Their texels come on top of the others, but for some.
-  CHECK(film(*slivers) == relative(film(*plain), 0.1));
+  CHECK(pixels(*slivers) == relative(pixels(*plain), 0.1));
   CHECK(mean(indirect(*slivers)) == relative(mean(indirect(*plain)), 0.01));
 }

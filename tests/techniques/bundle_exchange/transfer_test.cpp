@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's transfer, in which texels look themselves up in the film: closed forms, and the other transfer's result.
+// The paper's transfer, in which texels look themselves up in the bundle image: closed forms, and the other transfer's
+// result.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -18,7 +19,7 @@ constexpr double kPi = 3.14159265358979323846;
 Parameters by_texels() {
   Parameters parameters;
   parameters.transfer = Transfer::texel;
-  parameters.open_gap = 0;  // all parts of texels count alike
+  parameters.access_gap = 0;  // all parts of texels count alike
   return parameters;
 }
 
@@ -42,7 +43,7 @@ TEST_CASE("texels of a closed box of radiance 1 receive exactly that, and pi in 
   }
   // A point at a silhouette may be near no pixel centre within its surface: it then sees past the box.
   CHECK(worst < 0.02);
-  CHECK(sum / rig.slots() == test::relative(kPi, 2e-3));  // Σ W cos
+  CHECK(sum / rig.sides() == test::relative(kPi, 2e-3));  // Σ W cos
 }
 
 TEST_CASE("form factors of unit squares by texels") {
@@ -59,14 +60,14 @@ TEST_CASE("form factors of unit squares by texels") {
     const std::vector<AtlasTexel> texels = rig.texels();
     std::vector<bool> lamp;
     for (const AtlasTexel& texel : texels) lamp.push_back(rig.instance_of(texel.triangle) == 0);
-    rig.send([&](uint32_t slot) { return glm::vec3(lamp[slot] ? 1.f : 0.f); });
+    rig.send([&](uint32_t side) { return glm::vec3(lamp[side] ? 1.f : 0.f); });
     rig.run(make_sequence(by_texels(), 7), 2048);
     const std::vector<glm::dvec4> sums = rig.sums();
     double received = 0, weight = 0;
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-      if (lamp[slot]) continue;
-      received += texels[slot].area * sums[slot].x;
-      weight += texels[slot].area * sums[slot].w;
+    for (uint32_t side = 0; side < rig.sides(); ++side) {
+      if (lamp[side]) continue;
+      received += texels[side].area * sums[side].x;
+      weight += texels[side].area * sums[side].w;
     }
     CHECK(std::abs(received / weight - (parallel ? 0.19982 : 0.20004)) < 2e-3);
   }
@@ -111,9 +112,9 @@ TEST_CASE("texels of a double-sided plate look into the sky on their side: 5 pi 
     rig.run(make_sequence(by_texels(), 3), 512);
     const std::vector<SurfacePoint> points = rig.points();
     double received[2] = {}, weight[2] = {};
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-      received[points[slot].normal.y > 0] += rig.sums()[slot].x;
-      weight[points[slot].normal.y > 0] += rig.sums()[slot].w;
+    for (uint32_t side = 0; side < rig.sides(); ++side) {
+      received[points[side].normal.y > 0] += rig.sums()[side].x;
+      weight[points[side].normal.y > 0] += rig.sums()[side].w;
     }
     for (const int up : {0, 1})
       CHECK(received[up] / weight[up] == test::relative(emission ? (up ? 5. / 3 : 1. / 3) : 0., 0.005));

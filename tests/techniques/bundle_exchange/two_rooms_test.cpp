@@ -72,7 +72,7 @@ std::vector<double> solve(const Scheme& scheme, Order order, int directions, uin
   parameters.directions = directions;
   test::BundleRig rig(two_rooms(), 486, kPixelSize, {}, parameters);
   const std::vector<SurfacePoint> points = rig.points();
-  rig.set_direct([&](uint32_t slot) { return patch_irradiance(points[slot]); });
+  rig.set_direct([&](uint32_t side) { return patch_irradiance(points[side]); });
   rig.solve(make_sequence(parameters, seed, nullptr, order.permuted), static_cast<uint64_t>(directions));
   if (areas)
     for (const AtlasTexel& texel : rig.texels()) areas->push_back(double(texel.area));
@@ -93,9 +93,9 @@ TEST_CASE("two rooms joined by a slit: errors of the schemes") {
     double squares = 0, scale = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
       const std::vector<double> found = solve(scheme, order, count, static_cast<uint64_t>(seed));
-      for (size_t slot = 0; slot < exact.size(); ++slot) {
-        squares += areas[slot] * std::pow(found[slot] - exact[slot], 2);
-        scale += areas[slot] * std::pow(exact[slot], 2);
+      for (size_t side = 0; side < exact.size(); ++side) {
+        squares += areas[side] * std::pow(found[side] - exact[side], 2);
+        scale += areas[side] * std::pow(exact[side], 2);
       }
     }
     return std::sqrt(squares / scale);

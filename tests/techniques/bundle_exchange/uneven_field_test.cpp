@@ -66,19 +66,19 @@ Floor light_of_floor(bool through, Transfer transfer) {
   std::vector<uint32_t> instance;
   for (const AtlasTexel& texel : texels) instance.push_back(rig.instance_of(texel.triangle));
   const uint32_t floor = *std::max_element(instance.begin(), instance.end());
-  rig.send([&](uint32_t slot) { return instance[slot] == 1 ? glm::vec3(4) : uneven(points[slot], 1); });
+  rig.send([&](uint32_t side) { return instance[side] == 1 ? glm::vec3(4) : uneven(points[side], 1); });
   rig.run(make_sequence(parameters, 5), 512);
   const std::vector<glm::dvec4> sums = rig.sums();
-  const std::vector<float2> exposure = rig.exposure();
-  const std::vector<float> openness = rig.openness();
+  const std::vector<float2> interior = rig.interior();
+  const std::vector<float> accessibility = rig.accessibility();
   const std::vector<double> sampled = rig.sampled_light(64);
   double sum = 0, sampled_sum = 0, area = 0, counted = 0;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-    if (instance[slot] == floor) counted += double{texels[slot].area} * double{openness[slot]};
-    if (instance[slot] != floor || !(sums[slot].w > 0) || !(exposure[slot].x > 0)) continue;
-    const double seen = double{texels[slot].area} * double{exposure[slot].x};
-    sum += seen * sums[slot].x / sums[slot].w;
-    sampled_sum += seen * sampled[slot];
+  for (uint32_t side = 0; side < rig.sides(); ++side) {
+    if (instance[side] == floor) counted += double{texels[side].area} * double{accessibility[side]};
+    if (instance[side] != floor || !(sums[side].w > 0) || !(interior[side].x > 0)) continue;
+    const double seen = double{texels[side].area} * double{interior[side].x};
+    sum += seen * sums[side].x / sums[side].w;
+    sampled_sum += seen * sampled[side];
     area += seen;
   }
   CHECK(area == test::relative(1 - 0.27 * 0.24, 0.02));
@@ -99,7 +99,7 @@ Scene plate(bool twice) {
 
 }  // namespace
 
-TEST_CASE("what slots send along all rays is what slots receive, whatever their parts count") {
+TEST_CASE("what texel sides send along all rays is what texel sides receive, whatever their parts count") {
   Scene scene;
   const int white = add_lambert(scene, "white", glm::vec3(0.8f));
   scene = test::box_scene({white, white, white, white, white, white}, std::move(scene));
@@ -107,16 +107,16 @@ TEST_CASE("what slots send along all rays is what slots receive, whatever their 
   const std::vector<SurfacePoint> points = rig.points();
   const std::vector<AtlasTexel> texels = rig.texels();
   std::vector<float> sent;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot)
-    sent.push_back(uneven(points[slot], rig.instance_of(texels[slot].triangle)).x);
-  rig.send([&](uint32_t slot) { return glm::vec3(sent[slot]); });
+  for (uint32_t side = 0; side < rig.sides(); ++side)
+    sent.push_back(uneven(points[side], rig.instance_of(texels[side].triangle)).x);
+  rig.send([&](uint32_t side) { return glm::vec3(sent[side]); });
   rig.run(make_sequence({}, 5), 32);
   const std::vector<glm::dvec4> sums = rig.sums();
   const std::vector<double> counted = rig.counted();
   double delivered = 0, received = 0;
-  for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-    delivered += counted[slot] * double{sent[slot]};
-    received += sums[slot].x;
+  for (uint32_t side = 0; side < rig.sides(); ++side) {
+    delivered += counted[side] * double{sent[side]};
+    received += sums[side].x;
   }
   CHECK(delivered == test::relative(received, 1e-5));
 }
@@ -147,21 +147,21 @@ TEST_CASE("below a sheet is seen what its back sends, above it what its front se
                  sheet);
     Parameters parameters;
     parameters.transfer = transfer;
-    parameters.open_gap = 0;
+    parameters.access_gap = 0;
     for (const bool front : {true, false}) {
       CAPTURE(front);
       test::BundleRig rig(scene, 1000, 0.5f, {}, parameters);
       const std::vector<SurfacePoint> points = rig.points();
-      rig.send([&](uint32_t slot) {
-        const bool is_sheet = std::abs(points[slot].position.y) < 0.5f;
-        return glm::vec3(is_sheet && (points[slot].normal.y > 0) == front ? 1.f : 0.f);
+      rig.send([&](uint32_t side) {
+        const bool is_sheet = std::abs(points[side].position.y) < 0.5f;
+        return glm::vec3(is_sheet && (points[side].normal.y > 0) == front ? 1.f : 0.f);
       });
       rig.run(make_sequence(parameters, 7), 1024);
       double received[2] = {}, weight[2] = {};
-      for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-        if (std::abs(points[slot].position.y) < 0.5f) continue;
-        received[points[slot].position.y > 0] += rig.sums()[slot].x;
-        weight[points[slot].position.y > 0] += rig.sums()[slot].w;
+      for (uint32_t side = 0; side < rig.sides(); ++side) {
+        if (std::abs(points[side].position.y) < 0.5f) continue;
+        received[points[side].position.y > 0] += rig.sums()[side].x;
+        weight[points[side].position.y > 0] += rig.sums()[side].w;
       }
       CHECK(received[front] / weight[front] == test::relative(0.19982, 0.015));
       CHECK(received[!front] == 0);
@@ -171,21 +171,21 @@ TEST_CASE("below a sheet is seen what its back sends, above it what its front se
 
 TEST_CASE("a surface drawn twice in one place sends and receives once") {
   Parameters alike;  // all parts of texels count alike
-  alike.open_gap = 0;
+  alike.access_gap = 0;
   test::BundleRig rig(plate(true), 700, 0.5f, {}, alike);
   const std::vector<AtlasTexel> texels = rig.texels();
   std::vector<bool> ceiling;
   for (const AtlasTexel& texel : texels) ceiling.push_back(rig.instance_of(texel.triangle) == 0);
   for (const bool from_ceiling : {false, true}) {
     CAPTURE(from_ceiling);
-    rig.send([&](uint32_t slot) { return glm::vec3(ceiling[slot] == from_ceiling ? 1.f : 0.f); });
+    rig.send([&](uint32_t side) { return glm::vec3(ceiling[side] == from_ceiling ? 1.f : 0.f); });
     const std::vector<glm::dvec4> before = rig.sums();
     const int count = 1024;
     rig.run(make_sequence(alike, 7), count);
     double received = 0, weight = 0;
-    for (uint32_t slot = 0; slot < rig.slots(); ++slot) {
-      if (ceiling[slot] == from_ceiling) continue;
-      const glm::dvec4 found = rig.sums()[slot] - (before.empty() ? glm::dvec4(0) : before[slot]);
+    for (uint32_t side = 0; side < rig.sides(); ++side) {
+      if (ceiling[side] == from_ceiling) continue;
+      const glm::dvec4 found = rig.sums()[side] - (before.empty() ? glm::dvec4(0) : before[side]);
       received += found.x;
       weight += found.w;
     }
@@ -208,25 +208,25 @@ TEST_CASE("the sides of a sheet are lit, seen in mirrors and send apart from eac
                add_mesh(scene, MeshBuilder("sheet").quad({0, .5f, 0}, {0, .5f, 1}, {1, .5f, 1}, {1, .5f, 0}).take()),
                white);
   Channels channels;
-  channels.hops = true;
+  channels.chains = true;
   channels.self_fed = false;
   channels.count = 2;  // reflected by the sheet, and by sheet and mirror
   Parameters parameters;
-  parameters.hop_share = 0.3f;  // less than all chains, each counting more
-  parameters.open_gap = 0;
+  parameters.chain_share = 0.3f;  // less than all chains, each counting more
+  parameters.access_gap = 0;
   for (const bool lit_up : {true, false}) {
     CAPTURE(lit_up);
     test::BundleRig rig(scene, 6000, 0.5f, channels, parameters);
     const std::vector<SurfacePoint> points = rig.points();
-    const auto is_sheet = [&](uint32_t slot, bool up) {
-      return points[slot].position.y > 0.4f && (points[slot].normal.y > 0) == up;
+    const auto is_sheet = [&](uint32_t side, bool up) {
+      return points[side].position.y > 0.4f && (points[side].normal.y > 0) == up;
     };
-    rig.set_direct([&](uint32_t slot) { return is_sheet(slot, lit_up) ? float(kPi) : 0.f; });
+    rig.set_direct([&](uint32_t side) { return is_sheet(side, lit_up) ? float(kPi) : 0.f; });
     rig.solve(make_sequence(parameters, 3), 2048);
     const std::vector<double> found = rig.indirect();
-    CHECK(rig.mean(found, [&](uint32_t slot) { return is_sheet(slot, true); }) == 0);  // it sees nothing
+    CHECK(rig.mean(found, [&](uint32_t side) { return is_sheet(side, true); }) == 0);  // it sees nothing
     // Form factor of squares at distance 1 times what the lit back sends.
-    const double below = rig.mean(found, [&](uint32_t slot) { return is_sheet(slot, false); });
+    const double below = rig.mean(found, [&](uint32_t side) { return is_sheet(side, false); });
     MESSAGE("below ", below);
     if (lit_up)
       CHECK(below == 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which random points of slots are interior, by walks in rounds: one from every point that is still in doubt.
+// Which random points of texel sides are interior, by walks in rounds: one from every point that is still in doubt.
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/services/interior_surfaces/walk.clh"
 #include "lucarium/shared/interior_point.h"
@@ -7,9 +7,9 @@
 #define INTERIOR_SEED 0x70726f62u
 #define STATE_CAUGHT 0xffu  // of a state: walks that were caught, of the first INTERIOR_COMMON rounds
 #define STATE_OPEN 0x100u   // of a state: some walk escaped
-#define INTERIOR_COMMON 8u  // rounds that all points of a slot take part in while one of them has not escaped
+#define INTERIOR_COMMON 8u  // rounds that all points of a texel side take part in while one of them has not escaped
 
-// A chunk of points begins: point i is point i % samples of slot first + i / samples.
+// A chunk of points begins: point i is point i % samples of texel side first + i / samples.
 __kernel void begin_interior(uint count, __global uint* restrict states, __global uint* restrict wanted,
                              __global uint* restrict total) {
   const uint i = get_global_id(0);
@@ -47,22 +47,22 @@ __kernel void judge_texel_walks(uint turn, __global const uint* restrict list, _
 
 // Which points take part in the round after `turn`: those from which no walk has escaped, and in the first rounds their
 // neighbours too, which tell what share of walks is caught that begins at a point that is not interior.
-__kernel void choose_texel_walks(uint slots, uint samples, uint turn, __global const uint* restrict states,
+__kernel void choose_texel_walks(uint sides, uint samples, uint turn, __global const uint* restrict states,
                                  __global uint* restrict wanted) {
-  const uint slot = get_global_id(0);
-  if (slot >= slots) return;
+  const uint side = get_global_id(0);
+  if (side >= sides) return;
   uint doubtful = 0u;
-  for (uint k = 0u; k < samples; ++k) doubtful += !(states[slot * samples + k] & STATE_OPEN);
+  for (uint k = 0u; k < samples; ++k) doubtful += !(states[side * samples + k] & STATE_OPEN);
   const bool joined = doubtful > 0u && turn + 1u < INTERIOR_COMMON;
-  for (uint k = 0u; k < samples; ++k) wanted[slot * samples + k] = joined || !(states[slot * samples + k] & STATE_OPEN);
+  for (uint k = 0u; k < samples; ++k) wanted[side * samples + k] = joined || !(states[side * samples + k] & STATE_OPEN);
 }
 
-// shares: x share of the slot's area that is not interior; y of its walks that are caught, the share that begins there
-// (1 where nothing is interior). interior: a bit per point.
-__kernel void finish_interior(uint first, uint slots, uint samples, __global const uint* restrict states,
+// shares: x share of the texel side's area that is not interior; y of its walks that are caught, the share that begins
+// there (1 where nothing is interior). interior: a bit per point.
+__kernel void finish_interior(uint first, uint sides, uint samples, __global const uint* restrict states,
                               __global float2* restrict shares, __global uint* restrict interior) {
   const uint i = get_global_id(0);
-  if (i >= slots) return;
+  if (i >= sides) return;
   uint bits = 0u, caught = 0u;
   for (uint k = 0u; k < samples; ++k) {
     const uint state = states[i * samples + k];
@@ -72,7 +72,7 @@ __kernel void finish_interior(uint first, uint slots, uint samples, __global con
       bits |= 1u << k;
   }
   const uint lost = popcount(bits);
-  // Of walks from all over the slot, lost / samples are caught since they begin inside, and so are others.
+  // Of walks from all over the texel side, lost / samples are caught since they begin inside, and so are others.
   const float from_open = (float)caught / (float)INTERIOR_COMMON;
   shares[first + i] =
       (float2)(1.0f - (float)lost / (float)samples, lost > 0u ? from_open / (from_open + (float)lost) : 1.0f);

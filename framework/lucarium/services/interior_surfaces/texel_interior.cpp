@@ -9,15 +9,16 @@
 namespace lucarium {
 namespace {
 
-constexpr uint32_t kChunk = 16384;  // slots at a time
+constexpr uint32_t kChunk = 16384;  // texel sides at a time
 // Walks: a point from which 3 of 4 are caught passes for interior in 1 of 100 cases.
 constexpr uint32_t kRounds = 16;
 
-uint32_t samples_per_slot(const SurfaceAtlas& atlas) {
+uint32_t samples_per_side(const SurfaceAtlas& atlas) {
   const auto samples = static_cast<uint32_t>(atlas.samples().count() / std::max(1u, atlas.info().texel_count));
   if (samples < 1 || samples > INTERIOR_MAX_SAMPLES)
-    throw_error(ErrorClass::usage, "interior of texels: {} samples per slot, not 1 to {}: see SurfaceAtlasOptions",
-                samples, INTERIOR_MAX_SAMPLES);
+    throw_error(ErrorClass::usage,
+                "interior of texels: {} samples per texel side, not 1 to {}: see SurfaceAtlasOptions", samples,
+                INTERIOR_MAX_SAMPLES);
   return samples;
 }
 
@@ -31,17 +32,17 @@ TexelInterior::TexelInterior(Device& device, KernelScheduler& scheduler, const S
       walks_(device, scene, intersector, rule),
       program_(device, SourceLibrary(),
                {"interior of texels", {"lucarium/services/interior_surfaces/texel_interior.cl"}, {}}),
-      slots_(atlas.info().texel_count),
-      samples_(samples_per_slot(atlas)),
-      chunk_(std::min(kChunk, slots_)),
-      shares_(device, owner, "open shares of slots", slots_, remedy),
-      hidden_(device, owner, "interior points of slots", slots_, remedy) {
+      sides_(atlas.info().texel_count),
+      samples_(samples_per_side(atlas)),
+      chunk_(std::min(kChunk, sides_)),
+      shares_(device, owner, "open shares of texel sides", sides_, remedy),
+      hidden_(device, owner, "interior points of texel sides", sides_, remedy) {
   record(atlas, owner);
 }
 
-size_t TexelInterior::estimate_bytes(size_t slots, size_t samples) {
-  const size_t points = samples * std::min<size_t>(slots, kChunk);
-  return slots * (sizeof(float2) + sizeof(uint32_t)) + points * (3 * sizeof(uint32_t) + sizeof(Ray) + sizeof(uint8_t)) +
+size_t TexelInterior::estimate_bytes(size_t sides, size_t samples) {
+  const size_t points = samples * std::min<size_t>(sides, kChunk);
+  return sides * (sizeof(float2) + sizeof(uint32_t)) + points * (3 * sizeof(uint32_t) + sizeof(Ray) + sizeof(uint8_t)) +
          InteriorWalks::estimate_bytes(points);
 }
 
@@ -87,7 +88,7 @@ void TexelInterior::record(const SurfaceAtlas& atlas, const std::string& owner) 
     if (round + 1 == kRounds) break;
     recorder.pass("choose walks", program_, "choose_texel_walks")
         .global(chunk_)
-        .arg("slots", count_)
+        .arg("sides", count_)
         .arg("samples", samples_)
         .arg("turn", round)
         .arg("states", states)
@@ -96,7 +97,7 @@ void TexelInterior::record(const SurfaceAtlas& atlas, const std::string& owner) 
   recorder.pass("finish interior", program_, "finish_interior")
       .global(chunk_)
       .arg("first", first_)
-      .arg("slots", count_)
+      .arg("sides", count_)
       .arg("samples", samples_)
       .arg("states", states)
       .arg("shares", shares_)
@@ -105,7 +106,7 @@ void TexelInterior::record(const SurfaceAtlas& atlas, const std::string& owner) 
 }
 
 bool TexelInterior::advance() {
-  const uint32_t count = std::min(chunk_, slots_ - next_);
+  const uint32_t count = std::min(chunk_, sides_ - next_);
   measure_.set(first_, next_);
   measure_.set(count_, count);
   measure_.set(points_, count * samples_);

@@ -9,9 +9,10 @@
 
 namespace lucarium {
 
-/// What of every slot of an atlas is interior (interior_walks.h): where surfaces pass through each other texels are
-/// partly, or all, where no light ever comes and nothing looks. Such parts must not count, or the texel would be too
-/// dark where it is seen. Measured by up to 16 walks from each random point of a slot, some slots at a time.
+/// What of every texel side of an atlas is interior (interior_walks.h): where surfaces pass through each other texels
+/// are partly, or all, where no light ever comes and nothing looks. Such parts must not count, or the texel would be
+/// too dark where it is seen. Measured by up to 16 walks from each random point of a texel side, some texel sides at a
+/// time.
 class TexelInterior {
  public:
   /// One step: a ray that meets a front sees something that may send light. So do the rays of bundles, one by one, and
@@ -24,18 +25,18 @@ class TexelInterior {
                 const SurfaceAtlas& atlas, const std::string& owner, const char* remedy,
                 const InteriorRule& rule = kSeenFromTexels);
 
-  /// Follows the walks of the next slots; false when cancelled, and nothing has changed.
+  /// Follows the walks of the next texel sides; false when cancelled, and nothing has changed.
   bool advance();
-  double progress() const { return static_cast<double>(next_) / slots_; }  ///< [1]
+  double progress() const { return static_cast<double>(next_) / sides_; }  ///< [1]
   /// What follows holds then.
-  bool complete() const { return next_ == slots_; }
+  bool complete() const { return next_ == sides_; }
 
-  /// Per slot: x the share of its area that light can reach; y which share of its rays that end at backs of
+  /// Per texel side: x the share of its area that light can reach; y which share of its rays that end at backs of
   /// single-sided surfaces leaves from there, and therefore counts.
   const TypedBuffer<float2>& shares() const { return shares_; }
-  /// Per slot, a bit for each of its points that no light can reach.
+  /// Per texel side, a bit for each of its points that no light can reach.
   const TypedBuffer<uint32_t>& hidden() const { return hidden_; }
-  static size_t estimate_bytes(size_t slots, size_t samples);
+  static size_t estimate_bytes(size_t sides, size_t samples);
 
  private:
   void record(const SurfaceAtlas& atlas, const std::string& owner);
@@ -43,12 +44,12 @@ class TexelInterior {
   Primitives primitives_;
   InteriorWalks walks_;
   Program program_;
-  uint32_t slots_, samples_, chunk_;
+  uint32_t sides_, samples_, chunk_;
   TypedBuffer<float2> shares_;
   TypedBuffer<uint32_t> hidden_;
   Schedule measure_;
   Variable<uint32_t> first_, count_, points_;
-  uint32_t next_ = 0;  ///< slots done
+  uint32_t next_ = 0;  ///< texel sides done
 };
 
 }  // namespace lucarium

@@ -11,8 +11,8 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double most_absorbed = 1.5;  // area that a texel may grow to [s²]
-constexpr double most_reach = 2;       // from a texel's sample position to what it absorbs [s]
+constexpr double max_absorbed = 1.5;  // area that a texel may grow to [s²]
+constexpr double max_reach = 2;       // from a texel's sample position to what it absorbs [s]
 constexpr double normal_degrees = 75;
 
 class Absorber {
@@ -60,14 +60,14 @@ class Absorber {
     for (uint32_t i = chart.first_triangle; i < chart.first_triangle + chart.triangle_count; ++i) {
       for (int k = 0; k < 3; ++k) {
         const dvec3 away = mesh_.position(parts_[part].triangles[i].triangle, k) - sample;
-        if (!(glm::length(away) <= most_reach * settings_.edge)) return false;
+        if (!(glm::length(away) <= max_reach * settings_.edge)) return false;
       }
     }
     return true;
   }
 
   void absorb(uint32_t part, PlacedChart& chart) {
-    static const double least_cosine = cos_degrees(normal_degrees);
+    static const double min_cosine = cos_degrees(normal_degrees);
     const double area = parts_[part].texels[chart.first_texel].area;
     double longest = 0;
     uint32_t best_part = 0, best_cell = LUCARIUM_NONE;
@@ -81,11 +81,11 @@ class Absorber {
         if (&beside == &chart || beside.absorbed_by != LUCARIUM_NONE) continue;
         const double length = glm::length(mesh_.position(triangle, (edge + 1) % 3) - mesh_.position(triangle, edge));
         const double cosine = double(glm::dot(mesh_.normal[triangle], mesh_.normal[other]));
-        if (length <= longest || (cosine < least_cosine && mesh_.normal[triangle] != glm::vec3(0))) continue;
+        if (length <= longest || (cosine < min_cosine && mesh_.normal[triangle] != glm::vec3(0))) continue;
         const uint32_t cell = cell_at(other, mesh_.edge_to(other, triangle));
         if (parts_[place.part].cells[cell] == LUCARIUM_NONE) continue;
         const PartTexel& texel = parts_[place.part].texels[parts_[place.part].cells[cell]];
-        if (texel.area + area > most_absorbed * settings_.edge * settings_.edge) continue;
+        if (texel.area + area > max_absorbed * settings_.edge * settings_.edge) continue;
         if (!within_reach(texel, part, chart)) continue;
         longest = length, best_part = place.part, best_cell = cell;
       }

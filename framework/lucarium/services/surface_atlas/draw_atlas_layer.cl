@@ -4,10 +4,10 @@
 #include "lucarium/shared/gbuffer.h"
 #include "lucarium/surface_atlas.clh"
 
-// A colour per slot, none of them dark; black where there is none.
-float4 slot_color(uint slot) {
-  if (slot == LUCARIUM_NONE) return (float4)(0.0f);
-  const uint hash = hash_uint2(slot, 0x61746c73u);
+// A colour per texel side, none of them dark; black where there is none.
+float4 side_color(uint side) {
+  if (side == LUCARIUM_NONE) return (float4)(0.0f);
+  const uint hash = hash_uint2(side, 0x61746c73u);
   const float3 value = convert_float3((uint3)(hash, hash >> 8, hash >> 16) & 255u) / 255.0f;
   return (float4)(0.05f + 0.9f * value * value, 1.0f);
 }
@@ -21,11 +21,11 @@ __kernel void draw_atlas_layer(AtlasInfo atlas_info, __global const AtlasTriangl
   const GBufferPoint point = points[i];
   if (point.state != LUCARIUM_GBUFFER_SURFACE) return;
   const uint texel = atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v);
-  colors[i] = slot_color(atlas_side(atlas_info, texel, point.normal.w == 0.0f));
+  colors[i] = side_color(atlas_side(atlas_info, texel, point.normal.w == 0.0f));
 }
 
-// The colour of every slot, for pictures of the atlas itself.
-__kernel void color_atlas_slots(uint count, __global float4* restrict colors) {
-  const uint slot = get_global_id(0);
-  if (slot < count) colors[slot] = slot_color(slot);
+// The colour of every texel side, for pictures of the atlas itself.
+__kernel void color_atlas_sides(uint count, __global float4* restrict colors) {
+  const uint side = get_global_id(0);
+  if (side < count) colors[side] = side_color(side);
 }

@@ -7,7 +7,7 @@
 
 namespace lucarium {
 
-/// Per instance: whether both of its sides have slots in an atlas.
+/// Per instance: whether both of its sides have texels in an atlas.
 std::vector<uint8_t> two_sided_instances(const Scene& scene);
 
 /// The scene's world-space triangles as the device derived them. `use_texcoord1`: lay out by TEXCOORD_1 where it is.

@@ -10,7 +10,7 @@
 namespace lucarium {
 namespace {
 
-constexpr uint64_t most_pixels = 1u << 28;
+constexpr uint64_t max_pixels = 1u << 28;
 
 }  // namespace
 
@@ -35,7 +35,7 @@ SurfaceAtlasImage::SurfaceAtlasImage(const SurfaceAtlas& atlas) : info_(atlas.in
     shelf = std::max(shelf, charts[c].height);
   }
   height_ = std::max(1u, y + shelf);
-  if (uint64_t{width_} * height_ > most_pixels) {
+  if (uint64_t{width_} * height_ > max_pixels) {
     throw_error(ErrorClass::usage, "a picture of the atlas would have {}x{} pixels: ask for fewer texels", width_,
                 height_);
   }
@@ -57,10 +57,10 @@ void SurfaceAtlasImage::add_layer(Film& film, const std::string& name, const std
   FilmLayer& layer = film.layer(name);
   layer.pixels.assign(texels_.size() * 3, 0.f);
   for (size_t i = 0; i < texels_.size(); ++i) {
-    uint32_t slot = texels_[i];
-    if (slot == LUCARIUM_NONE || (backs && slot >= info_.double_sided_count)) continue;
-    if (backs) slot += info_.double_sided_count;
-    const float4& value = values[slot];
+    uint32_t side = texels_[i];
+    if (side == LUCARIUM_NONE || (backs && side >= info_.double_sided_count)) continue;
+    if (backs) side += info_.double_sided_count;
+    const float4& value = values[side];
     layer.pixels[3 * i] = value.x, layer.pixels[3 * i + 1] = value.y, layer.pixels[3 * i + 2] = value.z;
   }
 }
@@ -73,15 +73,15 @@ Film SurfaceAtlasImage::draw(const SurfaceAtlas& atlas) const {
   const std::vector<AtlasMaterial> materials = atlas.materials().download();
   const auto add = [&](const char* name, const auto& value_of) {
     std::vector<float4> values(texels.size());
-    for (uint32_t slot = 0; slot < values.size(); ++slot) values[slot] = value_of(slot);
+    for (uint32_t side = 0; side < values.size(); ++side) values[side] = value_of(side);
     add_layer(film, name, values);
   };
-  add_layer(film, "atlas", atlas.slot_colors());
-  add("Albedo", [&](uint32_t slot) { return materials[slot].diffuse; });
-  add("Emission", [&](uint32_t slot) { return materials[slot].emission; });
-  add("P", [&](uint32_t slot) { return points[slot].position; });
-  add("N", [&](uint32_t slot) { return points[slot].normal; });
-  add("Area", [&](uint32_t slot) { return float4(texels[slot].area, texels[slot].area, texels[slot].area, 0.f); });
+  add_layer(film, "atlas", atlas.side_colors());
+  add("Albedo", [&](uint32_t side) { return materials[side].diffuse; });
+  add("Emission", [&](uint32_t side) { return materials[side].emission; });
+  add("P", [&](uint32_t side) { return points[side].position; });
+  add("N", [&](uint32_t side) { return points[side].normal; });
+  add("Area", [&](uint32_t side) { return float4(texels[side].area, texels[side].area, texels[side].area, 0.f); });
   return film;
 }
 

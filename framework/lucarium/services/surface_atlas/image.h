@@ -17,11 +17,11 @@ class SurfaceAtlasImage {
 
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
-  /// Adds values (one per slot, xyz) as a layer: fronts, or with `backs` the backs of double-sided texels; 0 where
-  /// there is nothing. Around a chart lie the texels beyond its smooth seams, elsewhere in its rectangle the nearest
-  /// texel's values.
+  /// Adds values (one per texel side, xyz) as a layer: fronts, or with `backs` the backs of double-sided texels; 0
+  /// where there is nothing. Around a chart lie the texels beyond its smooth seams, elsewhere in its rectangle the
+  /// nearest texel's values.
   void add_layer(Film& film, const std::string& name, const std::vector<float4>& values, bool backs = false) const;
-  /// The atlas itself: `atlas` (slots as colours; the picture), Albedo, Emission, P, N, Area [m²].
+  /// The atlas itself: `atlas` (texel sides as colours; the picture), Albedo, Emission, P, N, Area [m²].
   Film draw(const SurfaceAtlas& atlas) const;
 
  private:

@@ -101,7 +101,7 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
     std::vector<AtlasPart> placed = place_charts(
         mesh, sets, settings, threads, [&](double done) { watch.at(0.9 - share * (2 - done), "placing charts"); });
     absorb_fragments(mesh, settings, placed);
-    const SlotCount count = slot_count(placed, settings.edge);
+    const SideCount count = side_count(placed, settings.edge);
     const double wanted = double(options.texel_count);
     const double charged = double(count.all) - std::min(double(count.slivers), free_slivers * wanted);
     const double ratio = options.texel_edge > 0 ? 1 : charged / wanted;

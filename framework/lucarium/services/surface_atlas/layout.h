@@ -23,13 +23,13 @@ struct AtlasGeometry {
   std::vector<std::string> names;      ///< per instance, for messages; may be empty
 };
 
-/// How a layout is made. Either a wanted number of slots or a texel edge.
+/// How a layout is made. Either a wanted number of texel sides or a texel edge.
 struct AtlasLayoutOptions {
   uint64_t texel_count =
-      1'000'000;                  ///< wanted slots (reflecting sides of texels); met within about 13 %, slivers aside
-  double texel_edge = 0;          ///< [m]; above 0 it replaces texel_count
+      1'000'000;          ///< wanted texel sides (reflecting sides of texels); met within about 13 %, slivers aside
+  double texel_edge = 0;  ///< [m]; above 0 it replaces texel_count
   double merge_threshold = 0.25;  ///< texels below this share of s² join a neighbour, 0: none do
-  uint32_t samples = 0;           ///< random points per slot (AtlasLayout::samples)
+  uint32_t samples = 0;           ///< random points per texel side (AtlasLayout::samples)
   unsigned threads = 0;           ///< 0: all of the machine. The result does not depend on it.
   std::function<void(double fraction, const std::string& stage)> progress;  ///< called from the building thread
   std::function<bool()> cancelled;  ///< asked often; when it says so, Error{interrupted} is thrown
@@ -41,16 +41,17 @@ struct AtlasChart {
   uint32_t width, height;  ///< [cells], a ring of one cell around the chart included; 1 × 1 for charts of one texel
 };
 
-/// An atlas as plain data. Slots and cells as in kernels/lucarium/shared/surface_atlas.h.
+/// An atlas as plain data. Texel sides and cells as in kernels/lucarium/shared/surface_atlas.h.
 struct AtlasLayout {
   AtlasInfo info{};
   std::vector<AtlasTriangle> triangles;  ///< per world triangle
   std::vector<uint32_t> table;           ///< per cell: texel; cells that no triangle touches hold one that is near
   std::vector<uint8_t> links;            ///< per cell: LUCARIUM_ATLAS_LINK bits
-  std::vector<AtlasTexel> texels;        ///< per slot
-  std::vector<uint2> ranges;             ///< per slot: first and number of its pieces; backs share their front's
+  std::vector<AtlasTexel> texels;        ///< per texel side
+  std::vector<uint2> ranges;             ///< per texel side: first and number of its pieces; backs share their front's
   std::vector<AtlasPiece> pieces;
-  std::vector<AtlasSample> samples;  ///< per slot AtlasLayoutOptions::samples, uniform over its area; backs as fronts
+  std::vector<AtlasSample>
+      samples;  ///< per texel side AtlasLayoutOptions::samples, uniform over its area; backs as fronts
   std::vector<AtlasChart> charts;
   std::vector<uint32_t> left_out;  ///< triangles that rays cannot hit: in no texel, they look up one beside them
 };

@@ -8,7 +8,7 @@ namespace lucarium {
 
 namespace {
 
-constexpr double most_cells = 2e9;  // of one chart; cells have 32-bit numbers
+constexpr double max_cells = 2e9;  // of one chart; cells have 32-bit numbers
 
 }  // namespace
 
@@ -45,7 +45,7 @@ void ChartPlacer::place_one_texel(const std::vector<uint32_t>& triangles, AtlasP
 
 // chart_ on its grid, without what had to leave.
 void ChartPlacer::place_grid(AtlasPart& part) {
-  if (double(width_) * double(height_) > most_cells) {
+  if (double(width_) * double(height_) > max_cells) {
     throw_error(ErrorClass::usage, "surface atlas: a chart of {}x{} texels is too large; ask for fewer texels", width_,
                 height_);
   }

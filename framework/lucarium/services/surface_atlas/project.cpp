@@ -12,11 +12,11 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double steepest_degrees = 75;   // between the projection and a triangle, before another axis is tried
-constexpr double least_fill = 0.75;       // of the rectangle; below, a chart is bisected
-constexpr double least_fill_uncut = 0.3;  // below, a chart is halved even where that alone gains nothing
-constexpr double worth_bisecting = 16;    // rectangles up to this many s² stay whole
-constexpr double bisection_gain = 0.85;   // both rectangles together over the whole one, at most
+constexpr double steepest_degrees = 75;  // between the projection and a triangle, before another axis is tried
+constexpr double min_fill = 0.75;        // of the rectangle; below, a chart is bisected
+constexpr double min_fill_uncut = 0.3;   // below, a chart is halved even where that alone gains nothing
+constexpr double worth_bisecting = 16;   // rectangles up to this many s² stay whole
+constexpr double bisection_gain = 0.85;  // both rectangles together over the whole one, at most
 constexpr int bins = 16;
 constexpr double inset = 2e-3;  // of the chart's edges in their outermost cells [cells]
 
@@ -148,7 +148,7 @@ bool ChartPlacer::bisect(std::vector<uint32_t>& one, std::vector<uint32_t>& othe
   const double whole = size_.x * size_.y;
   double filled = 0;
   for (const ChartTriangle& t : chart_) filled += 0.5 * std::fabs(cross2(t.uv[1] - t.uv[0], t.uv[2] - t.uv[0]));
-  if (chart_.size() < 2 || whole <= worth_bisecting * settings_.edge * settings_.edge || filled >= least_fill * whole)
+  if (chart_.size() < 2 || whole <= worth_bisecting * settings_.edge * settings_.edge || filled >= min_fill * whole)
     return false;
   const auto bin_of = [&](const ChartTriangle& t, int axis) {
     const double center = (t.uv[0][axis] + t.uv[1][axis] + t.uv[2][axis]) / 3;
@@ -176,7 +176,7 @@ bool ChartPlacer::bisect(std::vector<uint32_t>& one, std::vector<uint32_t>& othe
   }
   if (best_axis < 0) {
     // Frames and the like gain only when their halves are cut again.
-    if (filled >= least_fill_uncut * whole) return false;
+    if (filled >= min_fill_uncut * whole) return false;
     best_axis = size_.x >= size_.y ? 0 : 1, best_bin = bins / 2 - 1;
   }
   for (const ChartTriangle& t : chart_) (bin_of(t, best_axis) <= best_bin ? one : other).push_back(t.triangle);

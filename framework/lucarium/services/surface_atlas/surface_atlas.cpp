@@ -36,7 +36,7 @@ double scene_side_area(const Scene& scene) {
 }
 
 void measure_texels(const AtlasLayout& layout, SurfaceAtlasReport& report) {
-  report.slots = layout.info.texel_count;
+  report.sides = layout.info.texel_count;
   report.texels = layout.info.texel_count - layout.info.double_sided_count;
   report.charts = layout.charts.size();
   report.one_texel_charts = static_cast<uint64_t>(
@@ -173,18 +173,18 @@ void SurfaceAtlas::State::upload(const AtlasLayout& layout) {
 }
 
 void SurfaceAtlas::State::record() {
-  const size_t slots = std::max<size_t>(1, info.texel_count);
-  ScheduleRecorder placing = scheduler.record("place atlas slots", owner);
-  PassBuilder place_pass = placing.pass("place atlas slots", program, "place_atlas_slots");
+  const size_t sides = std::max<size_t>(1, info.texel_count);
+  ScheduleRecorder placing = scheduler.record("place atlas texel sides", owner);
+  PassBuilder place_pass = placing.pass("place atlas texel sides", program, "place_atlas_sides");
   buffers.bind(place_pass);
   bind(place_pass);
-  place_pass.global(slots);
+  place_pass.global(sides);
   place = placing.compile();
-  ScheduleRecorder shading = scheduler.record("shade atlas slots", owner);
-  PassBuilder shade_pass = shading.pass("shade atlas slots", program, "shade_atlas_slots");
+  ScheduleRecorder shading = scheduler.record("shade atlas texel sides", owner);
+  PassBuilder shade_pass = shading.pass("shade atlas texel sides", program, "shade_atlas_sides");
   buffers.bind(shade_pass);
   bind(shade_pass);
-  shade_pass.global(slots);
+  shade_pass.global(sides);
   shade = shading.compile();
   scene_generation = buffers.generation();
 }
@@ -237,12 +237,12 @@ void SurfaceAtlas::resolve(const TypedBuffer<GBufferPoint>& points, Film& film) 
   for (const float4& color : colors.download()) layer.pixels.insert(layer.pixels.end(), {color.x, color.y, color.z});
 }
 
-std::vector<float4> SurfaceAtlas::slot_colors() const {
+std::vector<float4> SurfaceAtlas::side_colors() const {
   State& s = *state_;
   if (s.info.texel_count == 0) return {};
   const TypedBuffer<float4> colors(s.device, s.owner, "atlas colors", s.info.texel_count, s.options.remedy);
-  ScheduleRecorder recorder = s.scheduler.record("color atlas slots", s.owner);
-  recorder.pass("color atlas slots", s.program, "color_atlas_slots")
+  ScheduleRecorder recorder = s.scheduler.record("color atlas texel sides", s.owner);
+  recorder.pass("color atlas texel sides", s.program, "color_atlas_sides")
       .global(s.info.texel_count)
       .arg("count", s.info.texel_count)
       .arg("colors", colors);
@@ -261,11 +261,11 @@ size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
   const double wanted = options.texel_edge > 0 ? scene_side_area(scene) / (options.texel_edge * options.texel_edge)
                                                : static_cast<double>(options.texel_count);
-  const size_t slots = static_cast<size_t>(std::min(wanted, 1e14));
+  const size_t sides = static_cast<size_t>(std::min(wanted, 1e14));
   const size_t triangles = static_cast<size_t>(scene.triangle_count());
-  const size_t per_slot = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2) +
+  const size_t per_side = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2) +
                           options.samples * sizeof(AtlasSample);
-  return slots * (per_slot + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(AtlasPiece) / 2) +
+  return sides * (per_side + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(AtlasPiece) / 2) +
          triangles * (sizeof(AtlasTriangle) + 2 * sizeof(AtlasPiece));
 }
 

@@ -20,7 +20,7 @@ struct SurfaceAtlasOptions : AtlasLayoutOptions {
 
 /// What was built.
 struct SurfaceAtlasReport {
-  uint64_t slots = 0;   ///< reflecting sides of texels
+  uint64_t sides = 0;   ///< reflecting sides of texels
   uint64_t texels = 0;  ///< fronts
   uint64_t charts = 0, one_texel_charts = 0;
   uint64_t cells = 0;                              ///< of the look-up table
@@ -32,8 +32,8 @@ struct SurfaceAtlasReport {
 };
 
 /// Every point of every surface of a scene has a texel, of uniform density in world space. Both sides of double-sided
-/// and transmissive surfaces have slots of their own; texels never join surfaces that do not touch. Construction and
-/// measurements: docs/surface_atlas.md. Look-ups in kernels: kernels/lucarium/surface_atlas.clh.
+/// and transmissive surfaces have texel sides of their own; texels never join surfaces that do not touch. Construction
+/// and measurements: docs/surface_atlas.md. Look-ups in kernels: kernels/lucarium/surface_atlas.clh.
 class SurfaceAtlas {
  public:
   /// Builds and fills the atlas. Refuses with Error{device} and the numbers when it does not fit the device's memory.
@@ -55,14 +55,14 @@ class SurfaceAtlas {
   const TypedBuffer<AtlasTriangle>& triangles() const;
   const TypedBuffer<uint32_t>& table() const;
   const TypedBuffer<uint8_t>& links() const;
-  /// Per slot: sample position and area; the same as a receiver (DirectLight::accumulate_irradiance); what it scatters
-  /// and emits; first and number of its pieces.
+  /// Per texel side: sample position and area; the same as a receiver (DirectLight::accumulate_irradiance); what it
+  /// scatters and emits; first and number of its pieces.
   const TypedBuffer<AtlasTexel>& texels() const;
   const TypedBuffer<SurfacePoint>& surface_points() const;
   const TypedBuffer<AtlasMaterial>& materials() const;
   const TypedBuffer<uint2>& ranges() const;
   const TypedBuffer<AtlasPiece>& pieces() const;
-  /// SurfaceAtlasOptions::samples random points per slot, uniform over its area.
+  /// SurfaceAtlasOptions::samples random points per texel side, uniform over its area.
   const TypedBuffer<AtlasSample>& samples() const;
   const std::vector<AtlasChart>& charts() const;
 
@@ -77,8 +77,8 @@ class SurfaceAtlas {
   /// Adds the layer `atlas` to a film: the texel that each pixel of a G-buffer shows, its id hashed to a colour.
   void resolve(const TypedBuffer<GBufferPoint>& points, Film& film) const;
 
-  /// The colours of that layer, per slot.
-  std::vector<float4> slot_colors() const;
+  /// The colours of that layer, per side.
+  std::vector<float4> side_colors() const;
 
   /// Expected edge s of texels [m].
   static double estimate_edge(const Scene& scene, const AtlasLayoutOptions& options);

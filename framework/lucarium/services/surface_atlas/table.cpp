@@ -61,13 +61,13 @@ class Joiner {
       add_texel(part, part.texels[i], next++, chart.two_sided);
   }
 
-  void add_texel(const AtlasPart& part, const PartTexel& texel, uint32_t slot, bool two_sided) {
+  void add_texel(const AtlasPart& part, const PartTexel& texel, uint32_t side, bool two_sided) {
     const uint32_t first = static_cast<uint32_t>(layout_.pieces.size());
     add_pieces(part, texel);
     for (const TexelPlace& extra : texel.extra) add_pieces(parts_[extra.part], parts_[extra.part].texels[extra.texel]);
     const AtlasTexel record{texel.triangle, texel.b1, texel.b2, static_cast<float>(texel.area)};
     const uint2 range{first, static_cast<uint32_t>(layout_.pieces.size()) - first};
-    for (const uint32_t at : {slot, slot + (two_sided ? layout_.info.double_sided_count : 0)}) {
+    for (const uint32_t at : {side, side + (two_sided ? layout_.info.double_sided_count : 0)}) {
       layout_.texels[at] = record;
       layout_.ranges[at] = range;
     }
@@ -109,22 +109,22 @@ class Joiner {
 
 }  // namespace
 
-SlotCount slot_count(std::span<const AtlasPart> parts, double edge) {
-  SlotCount sum;
+SideCount side_count(std::span<const AtlasPart> parts, double edge) {
+  SideCount sum;
   for (const AtlasPart& part : parts) {
     for (const PlacedChart& chart : part.charts) {
       if (chart.absorbed_by != LUCARIUM_NONE) continue;
-      const uint64_t sides = chart.two_sided ? 2 : 1;
-      sum.all += sides * chart.texel_count;
+      const uint64_t faces = chart.two_sided ? 2 : 1;
+      sum.all += faces * chart.texel_count;
       for (uint32_t i = chart.first_texel; i < chart.first_texel + chart.texel_count; ++i)
-        if (part.texels[i].area < sliver_area * edge * edge) sum.slivers += sides;
+        if (part.texels[i].area < sliver_area * edge * edge) sum.slivers += faces;
     }
   }
   return sum;
 }
 
 AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, double edge) {
-  const uint64_t slots = slot_count(parts, edge).all;
+  const uint64_t sides = side_count(parts, edge).all;
   uint64_t both = 0, cells = 0, pieces = 0, charts = 0;
   for (const AtlasPart& part : parts) {
     for (const PlacedChart& chart : part.charts) {
@@ -135,13 +135,13 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
     }
     pieces += part.pieces.size();
   }
-  if (std::max({cells, pieces, slots}) >= LUCARIUM_NONE / 2) {
+  if (std::max({cells, pieces, sides}) >= LUCARIUM_NONE / 2) {
     throw_error(ErrorClass::usage,
-                "surface atlas: {} slots in {} cells are more than 32-bit ids can name; ask for fewer texels", slots,
-                cells);
+                "surface atlas: {} texel sides in {} cells are more than 32-bit ids can name; ask for fewer texels",
+                sides, cells);
   }
   AtlasLayout layout;
-  layout.info = {static_cast<uint32_t>(slots), static_cast<uint32_t>(both), static_cast<uint32_t>(cells),
+  layout.info = {static_cast<uint32_t>(sides), static_cast<uint32_t>(both), static_cast<uint32_t>(cells),
                  static_cast<float>(edge)};
   layout.triangles.resize(mesh.triangle_count());
   layout.table.reserve(cells);

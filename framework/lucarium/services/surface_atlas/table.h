@@ -11,11 +11,11 @@ namespace lucarium {
 /// and 2 s from its sample position, normals within 75 degrees.
 void absorb_fragments(const AtlasMesh& mesh, const ChartSettings& settings, std::vector<AtlasPart>& parts);
 
-/// Slots that these parts make; of them those of slivers, less than s²/64 in area.
-struct SlotCount {
+/// Texel sides that these parts make; of them those of slivers, less than s²/64 in area.
+struct SideCount {
   uint64_t all = 0, slivers = 0;
 };
-SlotCount slot_count(std::span<const AtlasPart> parts, double edge);
+SideCount side_count(std::span<const AtlasPart> parts, double edge);
 
 /// Numbers texels (double-sided ones first) and cells over all parts, in order, and writes the look-up records.
 AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, double edge);
@@ -31,7 +31,7 @@ void place_left_out(const AtlasMesh& mesh, AtlasLayout& layout);
 /// however coarsely uv was interpolated, finds nothing.
 void fill_empty_cells(AtlasLayout& layout);
 
-/// Fills AtlasLayout::samples, `count` per slot.
+/// Fills AtlasLayout::samples, `count` per side.
 void sample_texels(const AtlasMesh& mesh, AtlasLayout& layout, uint32_t count);
 
 }  // namespace lucarium

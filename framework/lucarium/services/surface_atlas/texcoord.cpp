@@ -14,9 +14,9 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double most_off = 2;           // of density along any direction
+constexpr double max_off = 2;            // of density along any direction
 constexpr double tolerated_area = 1e-3;  // of an instance whose density is off
-constexpr double least_overlap = 1e-4;   // of the smaller triangle's area
+constexpr double min_overlap = 1e-4;     // of the smaller triangle's area
 
 double cross2(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
@@ -100,12 +100,12 @@ class TexcoordCheck {
     for (uint32_t t = first_; t < last_; ++t) {
       if (mesh_.left_out[t]) continue;
       const auto [least, most] = stretch(t);
-      if (least >= scale / most_off && most <= scale * most_off) continue;
+      if (least >= scale / max_off && most <= scale * max_off) continue;
       off += mesh_.area[t];
       if (mesh_.area[t] > mesh_.area[worst]) worst = t;
     }
     if (off > tolerated_area * area) {
-      refuse(fmt::format("has a density that is off by more than {} over {:.1f} % of its area (triangle {})", most_off,
+      refuse(fmt::format("has a density that is off by more than {} over {:.1f} % of its area (triangle {})", max_off,
                          100 * off / area, worst - first_));
     }
   }
@@ -145,7 +145,7 @@ class TexcoordCheck {
         for (int x = from.x; x <= to.x; ++x) {
           std::vector<uint32_t>& cell = grid[size_t(y) * cells + x];
           for (const uint32_t other : cell) {
-            if (common_share(uv(t), uv(other)) > least_overlap)
+            if (common_share(uv(t), uv(other)) > min_overlap)
               refuse(fmt::format("overlaps itself: triangles {} and {}", other - first_, t - first_));
           }
           cell.push_back(t);

@@ -175,12 +175,12 @@ TEST_CASE("texels count the part of their area that is not inside solids") {
     const std::vector<float2> shares = interior.shares().download();
     const std::vector<uint32_t> hidden = interior.hidden().download();
     double area = 0;
-    for (size_t slot = 0; slot < shares.size(); ++slot) {
-      area += static_cast<double>(texels[slot].area * (1 - shares[slot].x));
-      CHECK(std::popcount(hidden[slot]) == std::lround(8 * (1 - shares[slot].x)));
-      if (hidden[slot] == 0) CHECK(shares[slot].y == 1.f);
-      CHECK(shares[slot].y >= 0.f);
-      CHECK(shares[slot].y <= 1.f);
+    for (size_t side = 0; side < shares.size(); ++side) {
+      area += static_cast<double>(texels[side].area * (1 - shares[side].x));
+      CHECK(std::popcount(hidden[side]) == std::lround(8 * (1 - shares[side].x)));
+      if (hidden[side] == 0) CHECK(shares[side].y == 1.f);
+      CHECK(shares[side].y >= 0.f);
+      CHECK(shares[side].y <= 1.f);
     }
     CHECK(area == test::relative(expected, 0.03));
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The atlas on the device: kernels find what the host finds, slots know their surface, receive light and are drawn.
+// The atlas on the device: kernels find what the host finds, texel sides know their surface, receive light and are
+// drawn.
 #include <cmath>
 
 #include "context.h"
@@ -42,7 +43,7 @@ TEST_CASE("kernels find the texels that the host finds") {
   CHECK(elsewhere < 20);
 }
 
-TEST_CASE("slots lie on their triangles and know what the surface does") {
+TEST_CASE("texel sides lie on their triangles and know what the surface does") {
   Scene scene = make_builtin_scene("cornell");
   scene.materials[0].double_sided = true;
   AtlasContext context(std::move(scene), 5000);
@@ -53,22 +54,22 @@ TEST_CASE("slots lie on their triangles and know what the surface does") {
   const auto materials = atlas.materials().download();
   const uint32_t k = atlas.info().double_sided_count;
   double area = 0;
-  for (uint32_t slot = 0; slot < texels.size(); ++slot) {
-    area += double(texels[slot].area);
-    const uint32_t t = texels[slot].triangle;
-    CHECK(points[slot].triangle == t);
-    CHECK(glm::length(glm::dvec3(points[slot].position.xyz()) - point_on(g, t, texels[slot].b1, texels[slot].b2)) <
+  for (uint32_t side = 0; side < texels.size(); ++side) {
+    area += double(texels[side].area);
+    const uint32_t t = texels[side].triangle;
+    CHECK(points[side].triangle == t);
+    CHECK(glm::length(glm::dvec3(points[side].position.xyz()) - point_on(g, t, texels[side].b1, texels[side].b2)) <
           1e-6);
-    const bool back = slot >= k && slot < 2 * k;
+    const bool back = side >= k && side < 2 * k;
     const glm::dvec3 n =
         glm::normalize(glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0)));
-    CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), n) == test::relative(back ? -1 : 1, 1e-5));
+    CHECK(glm::dot(glm::dvec3(points[side].normal.xyz()), n) == test::relative(back ? -1 : 1, 1e-5));
     const SceneMaterial& material = context.scene.materials[context.scene.instances[g.instance[t]].material];
     if (material.emits()) {
-      CHECK(materials[slot].emission.x == test::relative(material.emissive_factor.x * material.emissive_strength));
+      CHECK(materials[side].emission.x == test::relative(material.emissive_factor.x * material.emissive_strength));
     } else {
-      CHECK(materials[slot].emission.x == 0.f);
-      CHECK(materials[slot].diffuse.x == test::relative(material.base_color.x, 1e-4));
+      CHECK(materials[side].emission.x == 0.f);
+      CHECK(materials[side].diffuse.x == test::relative(material.base_color.x, 1e-4));
     }
   }
   CHECK(area == test::relative(side_area(g), 1e-6));
@@ -97,11 +98,11 @@ TEST_CASE("the sides of a sheet know what is seen of them") {
   const auto materials = context.atlas->materials().download();
   REQUIRE(2 * k == points.size());
   uint32_t lamps = 0, volumes = 0;
-  for (uint32_t slot = 0; slot < 2 * k; ++slot) {
-    CAPTURE(slot);
-    const AtlasMaterial& m = materials[slot];
-    const bool back = slot >= k;
-    if (points[slot].position.x < 2) {
+  for (uint32_t side = 0; side < 2 * k; ++side) {
+    CAPTURE(side);
+    const AtlasMaterial& m = materials[side];
+    const bool back = side >= k;
+    if (points[side].position.x < 2) {
       ++lamps;
       CHECK(m.emission.x == test::relative(3));
       CHECK(m.emission.w == 0);
@@ -133,12 +134,12 @@ TEST_CASE("the sample positions are receivers for DirectLight") {
   const auto points = context.atlas->surface_points().download();
   const auto irradiance = sums.download();
   uint32_t lit = 0;
-  for (size_t slot = 0; slot < points.size(); ++slot) {
-    const glm::dvec3 to = light - glm::dvec3(points[slot].position.xyz());
-    const double d = glm::length(to), cosine = glm::dot(to, glm::dvec3(points[slot].normal.xyz())) / d;
-    if (irradiance[slot].x == 0) continue;
+  for (size_t side = 0; side < points.size(); ++side) {
+    const glm::dvec3 to = light - glm::dvec3(points[side].position.xyz());
+    const double d = glm::length(to), cosine = glm::dot(to, glm::dvec3(points[side].normal.xyz())) / d;
+    if (irradiance[side].x == 0) continue;
     ++lit;
-    CHECK(double(irradiance[slot].x) ==
+    CHECK(double(irradiance[side].x) ==
           test::relative(double(context.scene.lights[0].intensity.x) * cosine / (d * d), 1e-3));
   }
   CHECK(lit > points.size() / 2);
@@ -157,7 +158,7 @@ TEST_CASE("the layer shows every texel in its colour") {
   context.atlas->resolve(gbuffer.points(), film);
   const FilmLayer* layer = film.find("atlas");
   REQUIRE(layer);
-  const auto colors = context.atlas->slot_colors();
+  const auto colors = context.atlas->side_colors();
   const auto records = context.atlas->triangles().download();
   const auto table = context.atlas->table().download();
   const auto points = gbuffer.points().download();
@@ -185,7 +186,7 @@ TEST_CASE("the layer shows backs in the colours of backs") {
   REQUIRE(gbuffer.render(0));
   Film film(16, 16);
   context.atlas->resolve(gbuffer.points(), film);
-  const auto colors = context.atlas->slot_colors();
+  const auto colors = context.atlas->side_colors();
   const auto records = context.atlas->triangles().download();
   const auto table = context.atlas->table().download();
   const auto points = gbuffer.points().download();
@@ -201,16 +202,16 @@ TEST_CASE("the packed picture has every texel") {
   scene.materials[0].double_sided = true;
   AtlasContext context(std::move(scene), 3000);
   const SurfaceAtlasImage image(*context.atlas);
-  const uint32_t slots = context.atlas->info().texel_count, k = context.atlas->info().double_sided_count;
+  const uint32_t sides = context.atlas->info().texel_count, k = context.atlas->info().double_sided_count;
   std::vector<float4> values;
-  for (uint32_t slot = 0; slot < slots; ++slot) values.emplace_back(float(slot + 1), 0.f, 0.f, 0.f);
+  for (uint32_t side = 0; side < sides; ++side) values.emplace_back(float(side + 1), 0.f, 0.f, 0.f);
   Film film(image.width(), image.height());
   image.add_layer(film, "fronts", values);
   image.add_layer(film, "backs", values, true);
-  std::vector<uint8_t> seen(slots + 1, 0);
+  std::vector<uint8_t> seen(sides + 1, 0);
   for (const char* name : {"fronts", "backs"})
     for (size_t i = 0; i < film.pixel_count(); ++i) seen[size_t(film.find(name)->pixels[3 * i])] = 1;
-  for (uint32_t slot = 0; slot < slots; ++slot) CHECK(seen[slot + 1]);
+  for (uint32_t side = 0; side < sides; ++side) CHECK(seen[side + 1]);
   CHECK(k > 0);
   const Film drawn = image.draw(*context.atlas);
   for (const char* name : {"atlas", "Albedo", "Emission", "P", "N", "Area"}) CHECK(drawn.find(name));
@@ -224,7 +225,7 @@ TEST_CASE("memory: refused with numbers, estimated about right") {
   SurfaceAtlasOptions by_edge;
   by_edge.texel_edge = context.atlas->report().texel_edge;
   CHECK(double(SurfaceAtlas::estimate_bytes(scene, by_edge)) == test::relative(estimate, 0.05));
-  CHECK(context.atlas->report().slots == context.atlas->info().texel_count);
+  CHECK(context.atlas->report().sides == context.atlas->info().texel_count);
   CHECK(context.atlas->report().area_p50 == test::relative(1, 0.05));
   DeviceOptions little;
   little.memory_limit_bytes = 10 << 20;

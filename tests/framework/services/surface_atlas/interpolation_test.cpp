@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values between the atlas's slots, as kernels interpolate them.
+// Values between the atlas's texel sides, as kernels interpolate them.
 #include <cmath>
 
 #include "context.h"
@@ -18,12 +18,12 @@ double wave(const glm::dvec3& p, double extent) {
   return std::sin(k * (p.x + 0.4 * p.y + 0.3 * p.z)) + std::cos(k * (0.3 * p.x - 0.2 * p.y + p.z));
 }
 
-/// What kernels get between the slots' values at points of the fronts, or of the backs.
+/// What kernels get between the texel sides' values at points of the fronts, or of the backs.
 std::vector<float4> interpolate(AtlasContext& context, const std::vector<float4>& values, const Points& p,
                                 bool front = true) {
-  const auto slots = test_buffer(values), results = test_buffer<float4>(p.points.size());
+  const auto sides = test_buffer(values), results = test_buffer<float4>(p.points.size());
   run_at(context, "interpolate_atlas", p,
-         [&](PassBuilder& pass) { pass.arg("values", slots).arg("front", front ? 1u : 0u).arg("results", results); });
+         [&](PassBuilder& pass) { pass.arg("values", sides).arg("front", front ? 1u : 0u).arg("results", results); });
   return results.download();
 }
 

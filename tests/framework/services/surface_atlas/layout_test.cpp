@@ -88,7 +88,7 @@ TEST_CASE("a texel edge instead of a count") {
   for (const AtlasTexel& texel : layout.texels) CHECK(double(texel.area) == test::relative(0.01, 0.01));
 }
 
-TEST_CASE("double-sided surfaces have twice the slots, fronts first") {
+TEST_CASE("double-sided surfaces have twice the texel sides, fronts first") {
   std::vector<glm::vec3> corners;
   add_floor(corners, 0, 0, 1, 1);
   AtlasGeometry g = soup(corners);
@@ -103,9 +103,9 @@ TEST_CASE("double-sided surfaces have twice the slots, fronts first") {
   const AtlasLayout layout = lay_out(g, 300);
   CHECK(layout.info.texel_count == 300);
   CHECK(layout.info.double_sided_count == 100);
-  for (uint32_t slot = 0; slot < 300; ++slot) {
-    CHECK(g.instance[layout.texels[slot].triangle] == (slot < 200 ? 1 : 0));
-    if (slot < 100) CHECK(std::memcmp(&layout.texels[slot], &layout.texels[slot + 100], sizeof(AtlasTexel)) == 0);
+  for (uint32_t side = 0; side < 300; ++side) {
+    CHECK(g.instance[layout.texels[side].triangle] == (side < 200 ? 1 : 0));
+    if (side < 100) CHECK(std::memcmp(&layout.texels[side], &layout.texels[side + 100], sizeof(AtlasTexel)) == 0);
   }
   check_layout(g, layout, 2000);
 }

@@ -12,7 +12,7 @@ using namespace lucarium::test;
 
 namespace {
 
-/// Slots after a change of geometry lie on the triangles as they are now, and their areas sum to the surface's.
+/// Texel sides after a change of geometry lie on the triangles as they are now, and their areas sum to the surface's.
 void check_follows(const AtlasContext& context) {
   const AtlasGeometry g = read_atlas_geometry(context.scene, context.buffers, false);
   const auto texels = context.atlas->texels().download();
@@ -20,26 +20,26 @@ void check_follows(const AtlasContext& context) {
   const auto ranges = context.atlas->ranges().download();
   const auto pieces = context.atlas->pieces().download();
   double area = 0;
-  for (uint32_t slot = 0; slot < texels.size(); ++slot) {
-    const uint32_t t = texels[slot].triangle;
-    const glm::dvec3 exact = point_on(g, t, texels[slot].b1, texels[slot].b2);
-    CHECK(glm::length(glm::dvec3(points[slot].position.xyz()) - exact) < 1e-5);
+  for (uint32_t side = 0; side < texels.size(); ++side) {
+    const uint32_t t = texels[side].triangle;
+    const glm::dvec3 exact = point_on(g, t, texels[side].b1, texels[side].b2);
+    CHECK(glm::length(glm::dvec3(points[side].position.xyz()) - exact) < 1e-5);
     const glm::dvec3 n = glm::cross(corner(g, t, 1) - corner(g, t, 0), corner(g, t, 2) - corner(g, t, 0));
     const uint32_t k = context.atlas->info().double_sided_count;
-    const bool back = slot >= k && slot < 2 * k;
-    CHECK(glm::dot(glm::dvec3(points[slot].normal.xyz()), glm::normalize(n)) == test::relative(back ? -1 : 1, 1e-4));
+    const bool back = side >= k && side < 2 * k;
+    CHECK(glm::dot(glm::dvec3(points[side].normal.xyz()), glm::normalize(n)) == test::relative(back ? -1 : 1, 1e-4));
     double expected = 0;
-    for (uint32_t i = ranges[slot].x; i < ranges[slot].x + ranges[slot].y; ++i)
+    for (uint32_t i = ranges[side].x; i < ranges[side].x + ranges[side].y; ++i)
       expected += double(pieces[i].fraction) * area_of(g, pieces[i].triangle);
-    CHECK(double(texels[slot].area) == test::relative(expected, 1e-4));
-    area += double(texels[slot].area);
+    CHECK(double(texels[side].area) == test::relative(expected, 1e-4));
+    area += double(texels[side].area);
   }
   CHECK(area == test::relative(side_area(g), 1e-6));
 }
 
 }  // namespace
 
-TEST_CASE("a rigid motion moves the slots and keeps their areas") {
+TEST_CASE("a rigid motion moves the texel sides and keeps their areas") {
   AtlasContext context(make_builtin_scene("cornell"), 4000);
   const auto before = context.atlas->texels().download();
   const uint64_t generation = context.atlas->generation();
@@ -96,27 +96,27 @@ TEST_CASE("a change of material is seen; one of its sides rebuilds") {
   context.buffers.update(context.scene, change);
   context.atlas->refit(context.scene, change);
   CHECK(context.atlas->generation() == 1);
-  const auto slots_of_material = [&] {
+  const auto sides_of_material = [&] {
     const AtlasGeometry g = read_atlas_geometry(context.scene, context.buffers, false);
     const auto texels = context.atlas->texels().download();
     const auto materials = context.atlas->materials().download();
     uint32_t count = 0;
-    for (size_t slot = 0; slot < texels.size(); ++slot) {
-      if (context.scene.instances[g.instance[texels[slot].triangle]].material != 0) continue;
-      CHECK(materials[slot].diffuse.x == test::relative(0.25));
-      CHECK(materials[slot].diffuse.z == test::relative(0.75));
+    for (size_t side = 0; side < texels.size(); ++side) {
+      if (context.scene.instances[g.instance[texels[side].triangle]].material != 0) continue;
+      CHECK(materials[side].diffuse.x == test::relative(0.25));
+      CHECK(materials[side].diffuse.z == test::relative(0.75));
       ++count;
     }
     return count;
   };
-  const uint32_t before = slots_of_material();
+  const uint32_t before = sides_of_material();
   CHECK(before > 0);
   CHECK(context.atlas->info().double_sided_count == 0);
   context.scene.materials[0].double_sided = true;
   context.buffers.update(context.scene, change);
   context.atlas->refit(context.scene, change);
   CHECK(context.atlas->generation() == 2);
-  CHECK(2 * context.atlas->info().double_sided_count == slots_of_material());
+  CHECK(2 * context.atlas->info().double_sided_count == sides_of_material());
 }
 
 TEST_CASE("triangles that had no area get texels when they gain one") {

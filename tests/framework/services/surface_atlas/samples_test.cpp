@@ -29,10 +29,10 @@ TEST_CASE("points of texels look up their texel") {
     REQUIRE(layout.samples.size() == size_t{layout.info.texel_count} * count);
     const uint32_t both = layout.info.double_sided_count;
     size_t elsewhere = 0;
-    for (uint32_t slot = 0; slot < layout.info.texel_count; ++slot) {
-      const uint32_t texel = slot >= both && slot < 2 * both ? slot - both : slot;
+    for (uint32_t side = 0; side < layout.info.texel_count; ++side) {
+      const uint32_t texel = side >= both && side < 2 * both ? side - both : side;
       for (uint32_t k = 0; k < count; ++k) {
-        const AtlasSample& s = layout.samples[size_t{slot} * count + k];
+        const AtlasSample& s = layout.samples[size_t{side} * count + k];
         REQUIRE(s.triangle < g.triangles.size());
         CHECK((s.b1 >= 0 && s.b2 >= 0 && s.b1 + s.b2 <= 1.000001f));
         elsewhere += layout.table[atlas_cell(layout.triangles[s.triangle], s.b1, s.b2)] != texel;

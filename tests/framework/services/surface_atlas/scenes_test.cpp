@@ -27,7 +27,7 @@ void check_scene(const std::string& name, const AtlasGeometry& g, uint64_t texel
   for (const AtlasTexel& texel : layout.texels) areas.push_back(double(texel.area) / s2);
   std::sort(areas.begin(), areas.end());
   const auto percentile = [&](double q) { return areas[size_t(q * double(areas.size() - 1))]; };
-  std::printf("%s: %zu triangles, %u slots, %zu charts, %u cells, %zu pieces, area %.2f %.2f %.2f s^2, %.2f s\n",
+  std::printf("%s: %zu triangles, %u texel sides, %zu charts, %u cells, %zu pieces, area %.2f %.2f %.2f s^2, %.2f s\n",
               name.c_str(), g.triangles.size(), layout.info.texel_count, layout.charts.size(), layout.info.cell_count,
               layout.pieces.size(), percentile(0.05), percentile(0.5), percentile(0.95), seconds);
   CHECK(double(layout.info.texel_count) == test::relative(double(texels), 0.13));

@@ -65,7 +65,7 @@ inline RandomPoint random_point(std::mt19937& random) {
   return {u, v};
 }
 
-/// Texel areas sum to the surface's, slots are numbered as said, pieces cover every triangle once.
+/// Texel areas sum to the surface's, texel sides are numbered as said, pieces cover every triangle once.
 inline void check_sums(const AtlasGeometry& g, const AtlasLayout& layout) {
   const AtlasInfo& info = layout.info;
   REQUIRE(layout.texels.size() == info.texel_count);
@@ -77,18 +77,18 @@ inline void check_sums(const AtlasGeometry& g, const AtlasLayout& layout) {
   for (const AtlasTexel& texel : layout.texels) area += double(texel.area);
   CHECK(area == test::relative(side_area(g), 1e-6));
   std::vector<double> covered(g.triangles.size(), 0);
-  for (uint32_t slot = 0; slot < info.texel_count; ++slot) {
-    const bool two_sided = slot < 2 * info.double_sided_count;
-    const bool back = two_sided && slot >= info.double_sided_count;
+  for (uint32_t side = 0; side < info.texel_count; ++side) {
+    const bool two_sided = side < 2 * info.double_sided_count;
+    const bool back = two_sided && side >= info.double_sided_count;
     double texel_area = 0;
-    const uint2 range = layout.ranges[slot];
+    const uint2 range = layout.ranges[side];
     for (uint32_t i = range.x; i < range.x + range.y; ++i) {
       const AtlasPiece& piece = layout.pieces[i];
       REQUIRE(bool(g.two_sided[g.instance[piece.triangle]]) == two_sided);
       if (!back) covered[piece.triangle] += double(piece.fraction);
       texel_area += double(piece.fraction) * area_of(g, piece.triangle);
     }
-    CHECK(texel_area == test::relative(double(layout.texels[slot].area), 1e-5));
+    CHECK(texel_area == test::relative(double(layout.texels[side].area), 1e-5));
   }
   for (uint32_t t = 0; t < covered.size(); ++t) {
     const glm::uvec3& v = g.triangles[t];

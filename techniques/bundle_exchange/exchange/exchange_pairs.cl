@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The exchange itself: a row of rays along omega, with their fragments in the order in which omega meets them.
+// Consecutive fragments see each other: the side of the nearer one that faces omega, and the side of the farther one
+// that faces -omega. Each receives what the other sends, and counts it by how open its own part of the texel is. Ends
+// of rays see the environment. A side that does not reflect (the back of a single-sided surface) sends nothing, but
+// what sees it has seen black: that counts.
+#include "bundle_exchange/base/exchange_layout.clh"
+#include "bundle_exchange/texels/side_parts.clh"
+
+typedef struct Exchange {
+  const global AtlasTriangle* atlas_triangles;
+  const global uint* atlas_table;
+  const global uint* accessibility;
+  const global float2* interior;  // y: what a ray counts that meets a back
+  global float4* records;
+  float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
+  float weight;                // w of exchange_layout.clh
+  uint double_sided;           // texels that have a back
+} Exchange;
+
+#define BUNDLE_PAIRS Exchange
+#include "bundle_exchange/exchange/bundle_pairs.clh"
+
+void bundle_expect(Exchange* exchange, uint texel) {
+  LUCARIUM_PREFETCH(exchange->records + (size_t)texel * BUNDLE_RECORD);
+  LUCARIUM_PREFETCH(exchange->accessibility + (size_t)texel * SIDE_PART_WORDS);
+}
+
+// Weight of a ray at one of its ends.
+float end_weight(const Exchange* exchange, FragmentSide end) {
+  return exchange->weight * part_accessibility(exchange->accessibility, end.side, end.part);
+}
+
+// A texel side sees another, which counts the ray by `sender_weight`: equation 3 (Hermes et al. 2010) from sender x to
+// receiver y. The cosine is implicit, since a texel side is met by as many rays as it shows area to omega; f_r follows
+// when y sends (make_senders()), and 2π = 1/p is in the weight.
+void receive(Exchange* exchange, uint receiver, float weight, uint sender, float sender_weight) {
+  global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
+  const global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
+  to[0].w += sender_weight;
+  to[1] += weight * (float4)(from[0].xyz, 1.0f);
+  for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel)
+    to[2u * channel + 1u].xyz += weight * from[2u * channel].xyz;
+}
+
+// A texel side sees the end of the ray, where the environment is a light source like any (section 5.1): `radiance`
+// there, in the channel of emission.
+void receive_end(Exchange* exchange, FragmentSide end, float3 radiance) {
+  if (end.side == LUCARIUM_NONE) return;
+  exchange->records[(size_t)end.side * BUNDLE_RECORD + 1u] += end_weight(exchange, end) * (float4)(radiance, 1.0f);
+}
+
+// The ray of a texel side ends at the back of a single-sided surface: black, and counted unless it began in a hidden
+// place.
+void meet_back(Exchange* exchange, FragmentSide end) {
+  if (end.side == LUCARIUM_NONE) return;
+  exchange->records[(size_t)end.side * BUNDLE_RECORD + 1u].w +=
+      end_weight(exchange, end) * exchange->interior[end.side].y;
+}
+
+void layered_ray_begins(Exchange* exchange, uint payload, bool front) {
+  receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_near);
+}
+
+// Consecutive fragments of the pixel are opposite sampling points (section 4.2; x and y of figure 3). Both receive.
+void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
+  const FragmentSide near = fragment_side(exchange, gap.near, gap.near_front);
+  const FragmentSide far = fragment_side(exchange, gap.far, gap.far_front);
+  if (near.side == LUCARIUM_NONE || far.side == LUCARIUM_NONE) {
+    meet_back(exchange, near.side == LUCARIUM_NONE ? far : near);
+    return;
+  }
+  const float near_weight = end_weight(exchange, near), far_weight = end_weight(exchange, far);
+  receive(exchange, near.side, near_weight, far.side, far_weight);
+  receive(exchange, far.side, far_weight, near.side, near_weight);
+}
+
+void layered_ray_ends(Exchange* exchange, uint payload, bool front) {
+  receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_far);
+}
+
+// ends: radiance that enters along omega, and along -omega.
+__kernel void exchange_pairs(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info,
+                             __global const AtlasTriangle* atlas_triangles, __global const uint* atlas_table,
+                             __global const uint* accessibility, __global const float2* interior, float weight,
+                             __global const float4* ends, __global float4* records) {
+  Exchange exchange;
+  exchange.atlas_triangles = atlas_triangles;
+  exchange.atlas_table = atlas_table;
+  exchange.accessibility = accessibility;
+  exchange.interior = interior;
+  exchange.records = records;
+  exchange.from_near = ends[0].xyz;
+  exchange.from_far = ends[1].xyz;
+  exchange.weight = weight;
+  exchange.double_sided = atlas_info.double_sided_count;
+  LAYERED_RUN_TILES(&exchange);
+}

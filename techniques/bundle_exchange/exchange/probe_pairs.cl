@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Counts, for every part of every texel side, the rays of a bundle, those that meet backs, and those that soon meet
+// something else.
+#include "bundle_exchange/texels/side_parts.clh"
+
+typedef struct Probe {
+  const global AtlasTriangle* atlas_triangles;
+  const global uint* atlas_table;
+  global uint* counts;
+  uint double_sided;
+  uint access_gap;  // shorter gaps are near, in steps of LAYERED_KEY_DEPTH
+} Probe;
+
+#define BUNDLE_PAIRS Probe
+#include "bundle_exchange/exchange/bundle_pairs.clh"
+
+void bundle_expect(Probe* probe, uint texel) { LUCARIUM_PREFETCH(probe->counts + (size_t)texel * SIDE_PARTS); }
+
+// See PROBE_RAYS; no more than it holds.
+void count_ray(Probe* probe, FragmentSide end, bool near, bool back) {
+  if (end.side == LUCARIUM_NONE) return;
+  global uint* count = probe->counts + (size_t)end.side * SIDE_PARTS + end.part;
+  if (PROBE_RAYS(*count) < PROBE_MAX) *count += 1u | (uint)(near && !back) << 10u | (uint)back << 20u;
+}
+
+void layered_ray_begins(Probe* probe, uint payload, bool front) {
+  count_ray(probe, fragment_side(probe, payload, front), false, false);
+}
+
+void layered_ray_crosses(Probe* probe, LayeredGap gap) {
+  const FragmentSide near = fragment_side(probe, gap.near, gap.near_front);
+  const FragmentSide far = fragment_side(probe, gap.far, gap.far_front);
+  count_ray(probe, near, gap.length < probe->access_gap, far.side == LUCARIUM_NONE);
+  count_ray(probe, far, gap.length < probe->access_gap, near.side == LUCARIUM_NONE);
+}
+
+void layered_ray_ends(Probe* probe, uint payload, bool front) {
+  count_ray(probe, fragment_side(probe, payload, front), false, false);
+}
+
+// access_gap [m].
+__kernel void probe_pairs(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle* atlas_triangles,
+                          __global const uint* atlas_table, float access_gap, __global uint* counts) {
+  Probe probe;
+  probe.atlas_triangles = atlas_triangles;
+  probe.atlas_table = atlas_table;
+  probe.counts = counts;
+  probe.double_sided = atlas_info.double_sided_count;
+  probe.access_gap = (uint)(access_gap * layered_views[layered_view].depth_scale * 4194304.0f);
+  LAYERED_RUN_TILES(&probe);
+}

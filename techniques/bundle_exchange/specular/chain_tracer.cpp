@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_exchange/specular/chain_tracer.h"
+
+namespace lucarium::bundle {
+namespace {
+
+const char* const kOwner = "bundle_exchange";
+
+}  // namespace
+
+ChainTracer::ChainTracer(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+                         const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& diffuse,
+                         const Options& options)
+    : contribution_(device, kOwner, "found for " + options.what, size_t{options.targets} * options.contributions),
+      chains_(device, scheduler, scene, intersector, {options.targets, options.punctual, kOwner, options.what},
+              {.program = program,
+               .advance = "advance_texel_chains",
+               .add_light = "add_punctual",
+               .bind_advance =
+                   [=, &atlas, contribution = contribution_](PassBuilder& pass) {
+                     atlas.bind(pass, program, "advance_texel_chains");
+                     pass.arg("diffuse", diffuse).arg("layout", options.layout).arg("contribution", contribution);
+                   },
+               .bind_add_light =
+                   [layout = options.layout, contribution = contribution_](PassBuilder& pass) {
+                     pass.arg("layout", layout).arg("contribution", contribution);
+                   }}) {}
+
+}  // namespace lucarium::bundle

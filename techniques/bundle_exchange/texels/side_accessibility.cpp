@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_exchange/texels/side_accessibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/shared/texel_sides.h"
+#include "bundle_exchange/texels/texel_extent.h"
+#include "lucarium/base/error.h"
+#include "lucarium/services/bundles/bundle_view.h"
+#include "lucarium/services/layered_raster/layered_raster.h"
+
+namespace lucarium::bundle {
+namespace {
+
+constexpr uint32_t kMaxCells = 1u << BUNDLE_PART;
+constexpr double kMinBundles = 32, kMaxBundles = 1024;
+constexpr uint64_t kSeed = 0x6f70656e;  // not that of a run, whose directions then are others
+const char* const kOwner = "bundle_exchange";
+const char* const kFewerTexels = "lower texels";
+
+}  // namespace
+
+/// The bundles that tell how open parts are, and what they have counted so far.
+struct SideAccessibility::Probes {
+  KernelScheduler* scheduler = nullptr;
+  Bounds bounds;
+  double pixel = 0;
+  uint64_t count = 0;  ///< bundles
+  bool only_hidden = false;
+  TypedBuffer<uint32_t> hidden, counts;
+  TypedBuffer<LayeredView> views;
+  TypedBuffer<float4> ends;
+  DirectionSequence sequence{{}, kSeed};
+  Schedule begin, draw, sum;
+  Variable<LayeredView> view;
+};
+
+SideAccessibility::SideAccessibility(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
+                                     const Options& options)
+    : options_(options),
+      shares_(device, kOwner, "accessibility of texel sides", atlas.info().texel_count, kFewerTexels),
+      parts_(device, kOwner, "accessibility of texel sides' parts", size_t{atlas.info().texel_count} * SIDE_PART_WORDS,
+             kFewerTexels),
+      points_(device, kOwner, "accessibility of texel sides' points", atlas.info().texel_count, kFewerTexels) {
+  if (atlas.info().cell_count > kMaxCells)
+    throw_error(ErrorClass::usage, "bundle_exchange: the atlas has {} cells, more than {}: lower texels",
+                atlas.info().cell_count, kMaxCells);
+  const double wanted = options.pixel_size * static_cast<double>(atlas.info().texel_edge);
+  // Work-items that count for the same texel at a time would lose rays of it.
+  safe_pixel_ = std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
+}
+
+SideAccessibility::~SideAccessibility() = default;
+
+double SideAccessibility::bundles(float pixel_size, int rays) {
+  return std::clamp(std::ceil(double{pixel_size} * pixel_size * rays), kMinBundles, kMaxBundles);
+}
+
+void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
+                              const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& interior,
+                              const LayeredRaster& raster) {
+  const uint32_t sides = atlas.info().texel_count;
+  probes_ = std::make_unique<Probes>();
+  Probes& probes = *probes_;
+  probes.scheduler = &scheduler;
+  probes.bounds = scene.bounds();
+  probes.pixel = safe_pixel_;
+  // About two rays per part by default: of few, the mean is right too.
+  probes.count = static_cast<uint64_t>(bundles(options_.pixel_size, options_.rays));
+  probes.only_hidden = options_.access_gap <= 0;
+  probes.hidden = interior.hidden();
+  probes.counts =
+      TypedBuffer<uint32_t>(device, kOwner, "probes of texel sides", size_t{sides} * SIDE_PARTS, kFewerTexels);
+  probes.counts.fill_zero();
+  probes.views = TypedBuffer<LayeredView>(device, kOwner, "view of a probe", 1);
+  probes.ends = TypedBuffer<float4>(device, kOwner, "ends of rays", 2);
+
+  ScheduleRecorder begin = scheduler.record("begin accessibility", kOwner);
+  probes.view = begin.variable("view", LayeredView{});
+  const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
+  PassBuilder pass = begin.pass("begin probe", begin_program, "begin_direction");
+  buffers.bind(pass, begin_program, "begin_direction");
+  pass.global(1).local(1).arg("view", probes.view).arg("omega", float4(0, 0, 1, 0)).arg("emission", 0u);
+  pass.arg("views", probes.views).arg("ends", probes.ends);
+  probes.begin = begin.compile();
+
+  ScheduleRecorder draw = scheduler.record("accessibility", kOwner);
+  const Program probe = make_bundle_program(device, "exchange/probe_pairs", raster.defines());
+  raster.record_tiles(
+      draw, "probe", {probes.views, draw.variable("view index", 0u)}, probe, "probe_pairs", [&](PassBuilder& rows) {
+        atlas.bind(rows, probe, "probe_pairs");
+        rows.arg("access_gap", options_.access_gap * atlas.info().texel_edge).arg("counts", probes.counts);
+      });
+  probes.draw = draw.compile();
+
+  ScheduleRecorder sum = scheduler.record("accessibility of parts", kOwner);
+  PassBuilder finish = sum.pass("finish accessibility", program, "finish_accessibility");
+  atlas.bind(finish, program, "finish_accessibility");
+  finish.global(sides).arg("sides", sides).arg("counts", probes.counts);
+  finish.arg("interior", interior.shares()).arg("hidden", interior.hidden());
+  finish.arg("share", shares_).arg("accessibility", parts_).arg("points", points_);
+  probes.sum = sum.compile();
+}
+
+bool SideAccessibility::advance() {
+  Probes& probes = *probes_;
+  if (drawn_ == 0 && probes.only_hidden) {
+    probes.scheduler->finish();
+    const std::vector<uint32_t> hidden = probes.hidden.download();
+    if (std::none_of(hidden.begin(), hidden.end(), [](uint32_t bits) { return bits != 0; }))
+      drawn_ = probes.count;  // all is open
+  }
+  if (drawn_ < probes.count) {
+    const BundleDirection direction = probes.sequence.at(drawn_);
+    probes.begin.set(probes.view,
+                     make_bundle_view(probes.bounds, direction, probes.pixel, static_cast<uint32_t>(drawn_ + 1)).view);
+    if (probes.scheduler->run(probes.begin) == RunResult::cancelled) return false;
+    probes.scheduler->run_to_end(probes.draw);  // half a bundle image would be counted twice
+    ++drawn_;
+  }
+  if (drawn_ < probes.count) return true;
+  probes.scheduler->run_to_end(probes.sum);
+  probes.scheduler->finish();
+  complete_ = true;
+  probes_.reset();
+  return true;
+}
+
+double SideAccessibility::progress() const {
+  return probes_ ? static_cast<double>(drawn_) / static_cast<double>(probes_->count) : 1.0;
+}
+
+size_t SideAccessibility::estimate_bytes(size_t sides) {
+  return sides * (sizeof(float) + (1 + SIDE_PART_WORDS) * sizeof(uint32_t) + SIDE_PARTS * sizeof(uint32_t));
+}
+
+}  // namespace lucarium::bundle

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+
+#include "lucarium/compute/schedule/scheduler.h"
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/interior_surfaces/texel_interior.h"
+#include "lucarium/services/layered_raster/layered_raster.h"
+
+namespace lucarium::bundle {
+
+/// How accessible the parts of texel sides are: a(x), the share of the rays from place x that go farther than a gap g,
+/// `access_gap`.
+///
+/// A texel has one radiance, but brightness and visibility vary together within it: places close to an occluder are
+/// both darker and seen less. A ray from x reaches far receivers with probability a(x), so what they get of a texel of
+/// area A, and what the plain mean gives them, are
+///
+///   ∫ a L dx  and  ∫ a dx · ∫ L dx / A,
+///
+/// which is too little wherever a and L grow together. The mean weighted by a, ∫ a L dx / ∫ a dx, is right; likewise
+/// for what the texel receives, since its open places are what is displayed and sent on. So each ray counts by the a of
+/// the part that receives it, each light sample by that of its point, and areas in errors and interpolation by the mean
+/// of a. The balance of power sums rays as they are weighted and needs no areas. This is the projection of L on
+/// constants in the inner product ∫ a u v dx: uniform fields stay exact, and so does the balance.
+///
+/// The price: rays shorter than g get the radiance that is right for far receivers, so places close to an occluder
+/// receive too much; they count little in the result.
+///
+/// Measured by rays of bundles (probe_pairs.cl), one bundle at a time, for the parts of side_parts.clh. Two or so rays
+/// per part suffice, and two bits to store it, rounded at random: the mean needs a to be right on average only.
+class SideAccessibility {
+ public:
+  struct Options {
+    float pixel_size = 0.5f;  ///< edge of a bundle pixel in texel edges
+    float access_gap = 2;     ///< in texel edges; 0: all rays are open
+    int rays = 256;           ///< of a texel that faces all directions
+  };
+  /// Bundles that give a texel which faces all directions so many rays, within what is sensible.
+  static double bundles(float pixel_size, int rays);
+  SideAccessibility(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const Options& options);
+  ~SideAccessibility();
+
+  /// Prepares the bundles. `raster`: for bundle images of safe_pixel() at least.
+  void begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
+             const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& interior,
+             const LayeredRaster& raster);
+  /// When `interior` is complete: draws the next bundle; false when cancelled, and nothing has changed. Without a gap
+  /// only hidden parts are looked for, and no bundle is drawn where there are none.
+  bool advance();
+  const char* measured() const { return options_.access_gap > 0 ? "accessibility" : "extent of hidden places"; }
+  double progress() const;  ///< what of the bundles has been drawn [1]
+  bool complete() const { return complete_; }
+
+  // What holds when complete:
+  /// Per texel side: mean accessibility over its area [1], which is what its area counts.
+  const TypedBuffer<float>& shares() const { return shares_; }
+  /// Per texel side: accessibility of its parts, four words (side_parts.clh).
+  const TypedBuffer<uint32_t>& parts() const { return parts_; }
+  /// Per texel side: the same of its random points, 4 bits each; 0: hidden, or closed.
+  const TypedBuffer<uint32_t>& points() const { return points_; }
+  /// Least edge of bundle pixels, from `pixel_size` on, with which no two work-items reach the same texel at a time
+  /// [m].
+  double safe_pixel() const { return safe_pixel_; }
+  static size_t estimate_bytes(size_t sides);
+
+ private:
+  struct Probes;
+  Options options_;
+  TypedBuffer<float> shares_;
+  TypedBuffer<uint32_t> parts_;
+  TypedBuffer<uint32_t> points_;
+  double safe_pixel_ = 0;
+  uint64_t drawn_ = 0;  ///< bundles
+  bool complete_ = false;
+  std::unique_ptr<Probes> probes_;  ///< null before begin() and when complete
+};
+
+}  // namespace lucarium::bundle

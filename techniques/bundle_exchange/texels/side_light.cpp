@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bundle_exchange/texels/side_light.h"
+
+#include <algorithm>
+
+#include "bundle_exchange/base/bundle_program.h"
+#include "lucarium/base/seed.h"
+
+namespace lucarium::bundle {
+namespace {
+
+constexpr uint32_t kChunk = 65536;  // shadow rays of an iteration: about 20 ms
+const char* const kFewerTexels = "lower texels";
+
+}  // namespace
+
+SideLight::SideLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+                     const Intersector& intersector, const SurfaceAtlas& atlas, const SideAccessibility& accessibility,
+                     uint32_t kinds)
+    : scheduler_(&scheduler),
+      none_(kinds == 0),
+      sides_(atlas.info().texel_count),
+      chunk_(std::min(kChunk, sides_)),
+      samples_(device, "bundle_exchange", "light at texel sides", chunk_, kFewerTexels),
+      light_samples_(device, "bundle_exchange", "direct light of texel sides", sides_, kFewerTexels) {
+  ScheduleRecorder sample = scheduler_->record("sample light at texel sides", "bundle_exchange");
+  first_ = sample.variable("first", 0u);
+  round_ = sample.variable("round", 0u);
+  sample_seed_ = sample.variable("seed", 0u);
+  const auto bind_points = [&](PassBuilder& pass) {
+    pass.arg("atlas_info", atlas.info())
+        .arg("atlas_samples", atlas.samples())
+        .arg("levels", accessibility.points())
+        .arg("first", first_)
+        .arg("sides", sides_)
+        .arg("round_index", round_);
+  };
+  const LightAtPoints light(device, scene, intersector, program, chunk_, bind_points, "bundle_exchange", kFewerTexels);
+  light.record_samples(
+      sample, round_, sample_seed_, [&](PassBuilder& pass) { pass.arg("sums", samples_); }, kinds);
+  sample_ = sample.compile();
+  ScheduleRecorder scatter = scheduler_->record("light texel sides", "bundle_exchange");
+  scatter_first_ = scatter.variable("first", 0u);
+  scatter_count_ = scatter.variable("count", chunk_);
+  scatter_round_ = scatter.variable("round", 0u);
+  scatter.pass("light texel sides", program, "scatter_samples")
+      .global(chunk_)
+      .arg("first", scatter_first_)
+      .arg("count", scatter_count_)
+      .arg("round_index", scatter_round_)
+      .arg("levels", accessibility.points())
+      .arg("samples", samples_)
+      .arg("light_samples", light_samples_);
+  scatter_ = scatter.compile();
+}
+
+size_t SideLight::estimate_bytes(size_t sides) {
+  const size_t chunk = std::min<size_t>(sides, kChunk);
+  return chunk * sizeof(float4) + sides * sizeof(float4) + LightAtPoints::estimate_bytes(chunk);
+}
+
+bool SideLight::sample() {
+  const uint32_t first = static_cast<uint32_t>(position_ % sides_);
+  sample_.set(first_, first);
+  sample_.set(round_, static_cast<uint32_t>(position_ / sides_));
+  // Points of different runs share their numbers in the buffer, so that each run has a seed of its own.
+  sample_.set(sample_seed_, mixed_seed(seed_, first));
+  pending_ = 0;
+  if (scheduler_->run(sample_) == RunResult::cancelled) return false;
+  pending_ = std::min(chunk_, sides_ - first);
+  return true;
+}
+
+void SideLight::commit() {
+  scatter_.set(scatter_first_, static_cast<uint32_t>(position_ % sides_));
+  scatter_.set(scatter_count_, pending_);
+  scatter_.set(scatter_round_, static_cast<uint32_t>(position_ / sides_));
+  scheduler_->run_to_end(scatter_);
+  position_ += pending_;
+  pending_ = 0;
+}
+
+void SideLight::reset(uint32_t seed) {
+  light_samples_.fill_zero();
+  seed_ = seed;
+  position_ = 0;
+  pending_ = 0;
+}
+
+void SideLight::warm_up() {
+  scheduler_->warm_up(sample_);
+  scheduler_->warm_up(scatter_);
+}
+
+}  // namespace lucarium::bundle

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <algorithm>
+
+#include "bundle_exchange/texels/side_accessibility.h"
+#include "lucarium/services/light_at_points/light_at_points.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
+
+namespace lucarium::bundle {
+
+/// Direct irradiance of every texel side by light samples, of all lights or of some kinds (LUCARIUM_LIGHT_* bits; 0:
+/// none): the mean over the texel side by accessibility, at one random point after the other. A run of texel sides gets
+/// one more sample per iteration, so that iterations stay short.
+class SideLight {
+ public:
+  SideLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+            const Intersector& intersector, const SurfaceAtlas& atlas, const SideAccessibility& accessibility,
+            uint32_t kinds);
+
+  /// Samples the next run of texel sides; false when cancelled. commit() then adds it; without it nothing has changed.
+  bool sample();
+  void commit();
+  void reset(uint32_t seed);
+  void warm_up();
+  /// Whether every texel side has samples enough to begin with: what is missing in them, all directions would send.
+  bool complete() const { return none_ || position_ >= sides_ * uint64_t{kFirstSamples}; }
+  /// Whether more samples are of no use.
+  bool exhausted() const { return none_ || position_ >= sides_ * uint64_t{kSamples}; }
+  /// Runs of texel sides in an iteration: many while the exchange waits, then one.
+  uint32_t runs() const {
+    const uint64_t all = sides_ * uint64_t{kFirstSamples} / chunk_;
+    return complete() ? 1 : static_cast<uint32_t>(std::clamp<uint64_t>(all / kIterations, 4, 16));
+  }
+
+  /// Per texel side: xyz sum of irradiance [lx], w of the samples, by accessibility.
+  const TypedBuffer<float4>& light_samples() const { return light_samples_; }
+  static size_t estimate_bytes(size_t sides);
+
+ private:
+  static constexpr uint32_t kFirstSamples = 64, kSamples = 1024;
+  static constexpr uint32_t kIterations = 8;  ///< that only light texel sides; a run is about 20 ms
+  KernelScheduler* scheduler_;
+  bool none_;  ///< there is nothing to sample
+  uint32_t sides_, chunk_;
+  TypedBuffer<float4> samples_, light_samples_;
+  Schedule sample_, scatter_;
+  Variable<uint32_t> first_, round_, sample_seed_, scatter_first_, scatter_count_, scatter_round_;
+  uint64_t position_ = 0;  ///< texel sides sampled so far, all rounds
+  uint32_t pending_ = 0;   ///< texel sides of the run that waits for commit()
+  uint32_t seed_ = 1;
+};
+
+}  // namespace lucarium::bundle
