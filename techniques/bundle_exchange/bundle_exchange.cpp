@@ -30,11 +30,11 @@
 // interior_surfaces/ are services of the framework):
 //
 //   equation 1 (Eq. 1), rendering equation   solved for both sides of all texels at once
-//   equation 2 (Eq. 2), sum over directions  senders/accumulate.cl: accumulate_batch(); base/exchange_layout.clh:
-//   side_mean() equation 3 (Eq. 3), transfer             exchange/exchange_pairs.cl: receive() (L_x cosθ);
-//                                            senders/senders.cl: make_senders() (f_r);
+//   equation 2 (Eq. 2), sum over directions  senders/accumulate_batch.cl; ratio: side_mean() (base/exchange_layout.clh)
+//   equation 3 (Eq. 3), transfer             exchange/exchange_pairs.cl: receive() (L_x cosθ);
+//                                            senders/make_senders.cl: make_senders() (f_r);
 //                                            term by term in exchange/exchange_texels.cl: exchange_texels()
-//   equation 4 (Eq. 4), transfer atlas       senders/direction_history.cl: receive_history(), send_history()
+//   equation 4 (Eq. 4), transfer atlas       senders/receive_history.cl, senders/send_history.cl
 //   figure 3, loop over directions           bundle_exchange.cpp: run_batch(), exchange_along()
 //   figure 5, self-localization              exchange/exchange_texels.cl: exchange_texels() (transfer=texel);
 //                                            layered_raster/fragment_list.clh: seen_fragment()
@@ -44,20 +44,18 @@
 //   section 4.3, global ray directions       bundles/direction_sequence.cpp: point()
 //   section 5.1, direct illumination         exchange/begin_direction.cl: begin_direction();
 //                                            exchange/exchange_pairs.cl: receive_end() (direct_mode=exchange)
-//   section 5.2, diffuse, ping-pong          senders/accumulate.cl: finish_bounce() (interleave=pingpong)
-//   section 5.3, final glossy bounce         pixels/pixel_gather.cl: gather_pixels() (pixel_rays=bundle);
-//                                            specular/side_chains.cl: begin_pixel_chains() (by rays)
-//   section 5.4, glossy interreflections     senders/direction_history.h; specular/side_chains.cl: begin_side_chains()
-//   (by rays) section 5.5, interleaved light transfer  senders/senders.cl: make_senders(); senders/accumulate.cl:
-//   accumulate_batch();
+//   section 5.2, diffuse, ping-pong          senders/finish_bounce.cl (interleave=pingpong)
+//   section 5.3, final glossy bounce         pixels/gather_pixels.cl (pixel_rays=bundle);
+//                                            specular/begin_pixel_chains.cl (by rays)
+//   section 5.4, glossy interreflections     senders/direction_history.h; specular/begin_side_chains.cl (by rays)
+//   section 5.5, interleaved light transfer  senders/make_senders.cl, senders/accumulate_batch.cl;
 //                                            senders/sender_weights.cpp: next()
 //   section 6.4, direct light first          senders/side_means.cpp: direct_only(), reflecting() (direct_first)
-//   section 6.5, separate direct light       texels/side_light.cl: light_point() (direct_mode=nee)
+//   section 6.5, separate direct light       texels/sample_side_light.cl: light_point() (direct_mode=nee)
 //
-// Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/senders.cl:
-// balance_scale()), accessibility (texels/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains
-// (specular/), the preview (senders/preview.cl) and the start from what is known (senders/side_means.cpp:
-// start_from()).
+// Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/balance_power.cl),
+// accessibility (texels/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains (specular/), the
+// preview (senders/smooth_preview.cl) and the start from what is known (senders/side_means.cpp: start_from()).
 
 #include <fmt/format.h>
 
@@ -69,6 +67,7 @@
 #include "bundle_exchange/bundle_parts.h"
 #include "bundle_exchange/cost.h"
 #include "bundle_exchange/declaration.h"
+#include "bundle_exchange/direction_plan.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
 
@@ -121,12 +120,11 @@ class BundleExchange : public TechniqueBase<Parameters> {
  protected:
   // ---- the loop over directions
 
-  /// An iteration: light samples for some texels, directions of about kPixels bundle pixels, a camera sample, which
-  /// alone changes the image. What a cancelled one has completed is kept; the next goes on from there.
+  /// An iteration: light samples for some texels, some directions, a camera sample, which alone changes the image. What
+  /// a cancelled one has completed is kept; the next goes on from there.
   bool step() override {
     BundleParts& parts = *parts_;
-    if (!step_.begun)
-      step_ = {true, false, parts.side_light.runs(), position(), position() + directions_per_iteration()};
+    if (!step_.begun) step_ = {true, false, parts.side_light.runs(), position(), end_of_iteration()};
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
     if (!sample_texels() || !exchange_directions() || !parts.camera.sample()) return false;
@@ -146,7 +144,9 @@ class BundleExchange : public TechniqueBase<Parameters> {
                                            : static_cast<double>(directions_) / parameters_.directions;
     const bool seen = parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
     result.converged = now == Phase::done && !wants_light() && seen;
-    result.phase = result.converged ? why_converged() : describe(now);
+    result.phase = result.converged ? why_converged(parameters_, parts_->means, directions_, exchanges(),
+                                                    parts_->camera.atlas_samples())
+                                    : describe(now);
     return result;
   }
 
@@ -156,7 +156,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     directions_ = gathers_ = 0;
     step_ = {};
     batch_ = {};
-    sequence_ = make_sequence(sequence_parameters(), full_seed(), guide_, has_history());
+    sequence_ = make_sequence(parameters_, full_seed(), guide_, has_history());
     if (parts_->specular) parts_->specular->reset();
     parts_->side_light.reset(seed());
     parts_->means.reset();
@@ -204,20 +204,14 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   Phase phase() const {
     if (!(parts_->side_light.complete() || settings().max_bounces == 0)) return Phase::light;
-    if (!exchanges() || directions_ >= static_cast<uint64_t>(parameters_.directions) || is_accurate())
+    if (!exchanges() || directions_ >= static_cast<uint64_t>(parameters_.directions) ||
+        is_accurate(parameters_, parts_->means, directions_))
       return Phase::done;
     return parts_->means.reflected_light_done() ? Phase::emission_only : Phase::exchange;
   }
 
   /// Whether bundles carry anything.
   bool exchanges() const { return settings().max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange; }
-
-  /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before
-  /// the end: both use up their directions.
-  bool is_accurate() const {
-    return forgets(parameters_) && parameters_.stop_error > 0 && parts_->means.carries_all(directions_) &&
-           parts_->means.relative_error() < parameters_.stop_error;
-  }
 
   bool shows_preview() const { return parts_->preview && phase() != Phase::done; }
 
@@ -240,28 +234,18 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return parts_->means.reflected_light_done() ? "direct light" : "exchange";
   }
 
-  std::string why_converged() const {
-    if (!exchanges()) return fmt::format("all {} camera_samples are done", parameters_.camera_samples);
-    if (is_accurate())
-      return fmt::format("the relative error is {:.2g}, below stop_error", parts_->means.relative_error());
-    const bool by_samples =
-        parts_->camera.atlas_samples() == static_cast<uint64_t>(parameters_.camera_samples);  // which it waited for
-    if (by_samples)
-      return fmt::format("all {} directions and {} camera_samples are done", parameters_.directions,
-                         parameters_.camera_samples);
-    return fmt::format("all {} directions are done", parameters_.directions);
-  }
-
   // ---- an iteration
 
   /// Directions so far, those of pixels only included.
   uint64_t position() const { return directions_ + batch_.done + gathers_; }
 
-  uint32_t directions_per_iteration() const {
-    // Fragments that are stored cost about three times as much as those that are exchanged at once.
-    const double images = (parameters_.transfer == Transfer::texel ? 3 : 1) + (parts_->camera.pixel_gather() ? 3 : 0);
-    const double count = kPixels / images / parts_->transfer.largest_image();
-    return static_cast<uint32_t>(std::clamp(count, 1.0, 64 / images));
+  uint64_t end_of_iteration() const {
+    return position() + directions_per_iteration(parameters_, parts_->transfer.largest_image(),
+                                                 parts_->camera.pixel_gather() != nullptr);
+  }
+
+  uint32_t next_batch() const {
+    return phase() == Phase::done ? 0 : batch_size(parameters_, parts_->means, directions_);
   }
 
   /// Light samples at the runs of texels of this iteration. False when cancelled.
@@ -283,21 +267,6 @@ class BundleExchange : public TechniqueBase<Parameters> {
       if (!(exchanging ? run_batch() : run_gather())) return false;
     }
     return true;
-  }
-
-  /// Directions of the next batch: few at first, when much is learnt from each, and none across a boundary.
-  uint32_t next_batch() const {
-    if (phase() == Phase::done) return 0;
-    const uint64_t first = static_cast<uint64_t>(parameters_.direct_first);
-    const bool direct_only = parts_->means.direct_only(directions_);
-    uint64_t count = parameters_.batch;
-    if (!direct_only)
-      count = std::min<uint64_t>(count, 1 + (directions_ - (parts_->means.direct_only(0) ? first : 0)) / 32);
-    if (direct_only && directions_ < first) count = std::min(count, first - directions_);
-    count = std::min<uint64_t>(count, parameters_.directions - directions_);
-    if (parameters_.interleave == Interleave::pingpong)
-      count = std::min<uint64_t>(count, parameters_.block - parts_->means.reflecting(directions_) % parameters_.block);
-    return static_cast<uint32_t>(count);
   }
 
   /// Directions of the batch, which share what senders know, up to its end or that of the iteration; batches of one are
@@ -395,14 +364,6 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   bool has_history() const { return parts_->specular && parts_->specular->has_history(); }
 
-  /// Where directions are reflected to each other, near ones must come together in a block: it holds 64 windows at
-  /// least.
-  Parameters sequence_parameters() const {
-    Parameters result = parameters_;
-    if (has_history()) result.block = std::max(result.block, 64 * result.glossy_window);
-    return result;
-  }
-
   /// Where an iteration is.
   struct Step {
     bool begun = false, seen = false;
@@ -415,7 +376,6 @@ class BundleExchange : public TechniqueBase<Parameters> {
     uint32_t count = 0, done = 0;  ///< directions
   };
 
-  static constexpr double kPixels = 4e6;  ///< bundle pixels of an iteration, about 100 ms
   std::shared_ptr<const EnvironmentGuide> guide_;
   uint64_t directions_ = 0, gathers_ = 0;
   Step step_;

@@ -1,27 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_exchange/bundle_parts.h"
 
-#include <fmt/format.h>
-
+#include "bundle_exchange/base/bundle_program.h"
 #include "lucarium/base/error.h"
-#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/bvh.h"
-
-const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
 namespace lucarium::bundle {
 namespace {
 
 const char* const kOwner = "bundle_exchange";
-
-Program make_program(Device& device, const Channels& channels) {
-  std::vector<std::string> files;
-  for (const char* file : {"senders/senders", "senders/accumulate", "texels/side_accessibility", "texels/side_light",
-                           "pixels/camera_light", "specular/side_chains", "senders/direction_history",
-                           "pixels/pixel_gather", "senders/preview"})
-    files.push_back(fmt::format("bundle_exchange/{}", file));
-  return make_program(device, bundle_exchange_kernels(), files, channels.defines());
-}
 
 std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlasOptions options) {
   options.progress = [report = c.progress](double fraction, const std::string& stage) {
@@ -34,7 +21,7 @@ std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlas
 
 BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept)
     : atlas(kept.atlas ? std::move(kept.atlas) : make_atlas(c, plan.atlas)),
-      program(make_program(*c.device, plan.channels)),
+      program(make_technique_program(*c.device, plan.channels.defines())),
       interior(kept.interior ? std::move(kept.interior)
                              : std::make_unique<TexelInterior>(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas,
                                                                kOwner, "lower texels")),

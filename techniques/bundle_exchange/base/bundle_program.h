@@ -9,6 +9,9 @@
 
 namespace lucarium::bundle {
 
+/// The program of everything but the exchange itself, whose kernels share exchange_layout.clh.
+Program make_technique_program(Device& device, std::map<std::string, std::string> defines);
+
 /// The program of one kernel file of the technique, FILE.cl.
 Program make_bundle_program(Device& device, const std::string& file, std::map<std::string, std::string> defines);
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
+
 #include "lucarium/services/bundles/direction_sequence.h"
 #include "lucarium/technique/parameters.h"
 
@@ -141,12 +143,14 @@ inline bool forgets(const Parameters& parameters) {
   return parameters.interleave == Interleave::sd || parameters.interleave == Interleave::running;
 }
 
-/// The directions of the exchange. `permuted`: where texel sides reflect directions, for pairs of them.
+/// The directions of the exchange. `permuted`: where texel sides reflect directions, for pairs of them; near ones must
+/// come together in a block, which holds 64 windows at least.
 inline DirectionSequence make_sequence(const Parameters& parameters, uint64_t seed,
                                        std::shared_ptr<const EnvironmentGuide> guide = nullptr, bool permuted = false) {
   DirectionOptions options;
   options.order = parameters.sequence;
-  options.block = static_cast<uint32_t>(parameters.block);
+  options.block =
+      static_cast<uint32_t>(permuted ? std::max(parameters.block, 64 * parameters.glossy_window) : parameters.block);
   options.total = static_cast<uint32_t>(parameters.directions);
   options.guiding = static_cast<double>(parameters.env_guiding);
   options.permuted = permuted;

@@ -7,7 +7,7 @@
 
 namespace lucarium::bundle {
 
-/// The last reflection towards the eye, gathered from the stored fragments of bundles (pixel_gather.cl): one ray per
+/// The last reflection towards the eye, gathered from the stored fragments of bundles (gather_pixels.cl): one ray per
 /// pixel and direction, the same directions for all pixels.
 class PixelGather {
  public:

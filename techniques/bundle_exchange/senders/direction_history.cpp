@@ -41,7 +41,7 @@ void DirectionHistory::record(const Program& program, const SceneBuffers& scene,
   PassBuilder send = surface_pass(sending, "send glossy light", program, "send_history", scene, atlas);
   send.global(count_)
       .arg("count", count_)
-      .arg("step", send_step_)
+      .arg("history_step", send_step_)
       .arg("omega", omega_)
       .arg("directions", directions_)
       .arg("list", list_)
@@ -55,7 +55,7 @@ void DirectionHistory::record(const Program& program, const SceneBuffers& scene,
   receiving.pass("receive glossy light", program, "receive_history")
       .global(count_)
       .arg("count", count_)
-      .arg("step", receive_step_)
+      .arg("history_step", receive_step_)
       .arg("list", list_)
       .arg("records", means.records())
       .arg("before", before_)

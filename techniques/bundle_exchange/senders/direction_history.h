@@ -8,7 +8,7 @@
 namespace lucarium::bundle {
 
 /// What glossy texel sides send: what they reflect, towards a bundle's direction, of the light that the directions
-/// before it have brought (the transfer atlas of the paper, section 5.4, equation 4). Formulas: direction_history.cl.
+/// before it have brought (the transfer atlas of the paper, section 5.4, equation 4). Formulas: send_history.cl.
 /// No rays are traced. Light of a direction is reflected by the next M ones only, so that every glossy bounce comes
 /// about M / 2 directions later. With M = 1 and unlimited bounces variance is infinite where 2π ∫ f² cos² > 1, f the
 /// lobe.

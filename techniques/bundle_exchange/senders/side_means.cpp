@@ -45,7 +45,7 @@ SideMeans::SideMeans(Device& device, KernelScheduler& scheduler, const Program& 
       records_(device, kOwner, "exchange records", size_t{sides_} * 2 * channels.count, kFewerTexels),
       senders_(device, kOwner, "sender means", size_t{sides_} * channels.reflected(), kFewerTexels),
       display_(device, kOwner, "display means", size_t{sides_} * channels.count, kFewerTexels),
-      finished_(device, kOwner, "settled bounces", one_by_one() ? sides_ : 1, kFewerTexels),
+      finished_(device, kOwner, "finished bounces", one_by_one() ? sides_ : 1, kFewerTexels),
       statistics_(device, kOwner, "batch statistics", size_t{sides_} * (channels.exchanged() ? 2 : 1), kFewerTexels),
       shown_(device, kOwner, "displayed texel sides", sides_, kFewerTexels),
       shown_direct_(device, kOwner, "displayed direct light", channels.exchanged() ? sides_ : 1, kFewerTexels),
@@ -230,7 +230,6 @@ uint64_t SideMeans::reflecting(uint64_t directions) const {
   return done - std::min(done, head);
 }
 
-// Equal shares of the total: of the directions that carry reflected light, how many are done.
 double SideMeans::fixed_share() const {
   const uint64_t total = std::max<uint64_t>(1, reflecting(static_cast<uint64_t>(parameters_.directions)));
   return static_cast<double>(reflecting(directions_)) / static_cast<double>(total);

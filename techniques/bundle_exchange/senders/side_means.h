@@ -11,13 +11,12 @@ namespace lucarium::bundle {
 
 /// What travels along the rays at once (exchange_layout.clh).
 struct Channels {
-  bool emission = false;  ///< channel 0 carries emitted light
-  bool to_history =
-      false;  ///< which only glossy texel sides take, for a direction history: direct light comes from elsewhere
-  bool chains = false;  ///< chains of specular vertices are followed
+  bool emission = false;    ///< channel 0 carries emitted light
+  bool to_history = false;  ///< for direction histories of glossy texel sides alone: direct light comes from elsewhere
+  bool chains = false;      ///< chains of specular vertices are followed
+  bool self_fed = true;     ///< one channel of reflected light, all bounces; else one per bounce
+  uint32_t count = 1;       ///< all channels
   bool operator==(const Channels&) const = default;
-  bool self_fed = true;  ///< one channel of reflected light, all bounces; else one per bounce
-  uint32_t count = 1;    ///< all channels
   bool exchanged() const { return emission && !to_history; }  ///< bundles bring direct light
   uint32_t reflected() const { return count - (emission ? 1 : 0); }
   /// Preprocessor definitions for the kernels.
@@ -63,19 +62,18 @@ class SideMeans {
   /// After reset(). False where it does not fit: nothing has changed then.
   bool start_from(Kept kept);
 
-  const TypedBuffer<float4>& records() const { return records_; }  ///< per texel side 2 · channels float4
-  const TypedBuffer<float4>& shown() const {
-    return shown_;
-  }  ///< per texel side irradiance / π of indirect light times accessibility, and that
-  const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }  ///< the same of exchanged emitted light
-  /// What texel sides reflect diffusely (Channels::chains), per texel side reflected() float4: in the batch, and by the
-  /// best means. Per texel side: xyz diffuse albedo, w area times accessibility [m^2].
-  const TypedBuffer<float4>& albedo() const { return albedo_; }
+  // Per texel side:
+  const TypedBuffer<float4>& records() const { return records_; }  ///< 2 · channels float4 (exchange_layout.clh)
+  const TypedBuffer<float4>& albedo() const { return albedo_; }    ///< xyz diffuse albedo, w area times accessibility
+  /// Irradiance / π of indirect light times accessibility, and that; the same of exchanged emitted light.
+  const TypedBuffer<float4>& shown() const { return shown_; }
+  const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }
+  /// What is reflected diffusely (Channels::chains), reflected() float4: in the batch, and by the best means.
   const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
   const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
   const Channels& channels() const { return channels_; }
-  /// Of batches, per texel side, for its error, those of exchanged emitted light behind the others (accumulate.cl); and
-  /// how many batches there were.
+  /// Of batches, per texel side, for its error, those of exchanged emitted light behind the others
+  /// (accumulate_batch.cl); and how many batches there were.
   const TypedBuffer<float4>& statistics() const { return statistics_; }
   uint64_t batches() const { return batches_; }
   /// Relative standard error of the displayed irradiance, area-weighted; infinity before 16 batches of all the light.
@@ -100,7 +98,7 @@ class SideMeans {
   /// Senders are scaled by the balance of power.
   bool balanced() const;
   void set_shares();
-  /// Of the first `directions`, those that carry reflected light.
+  /// Of all directions that are to carry reflected light, the share that is done.
   double fixed_share() const;
   void measure_errors();
   KernelScheduler* scheduler_;
@@ -110,8 +108,12 @@ class SideMeans {
   uint32_t sides_, chunks_;
   TypedBuffer<float4> light_samples_;
   TypedBuffer<float> accessibility_;
-  TypedBuffer<float4> albedo_, emission_, records_, senders_, display_, finished_, statistics_, shown_, shown_direct_,
-      diffuse_, radiance_, chunk_sums_, scale_, specular_;
+  TypedBuffer<float4> albedo_, emission_, records_;
+  TypedBuffer<float4> senders_, display_, finished_;  ///< S, D, bounces that are done (pingpong)
+  TypedBuffer<float4> statistics_;
+  TypedBuffer<float4> shown_, shown_direct_;
+  TypedBuffer<float4> diffuse_, radiance_;             ///< of chains' ends
+  TypedBuffer<float4> chunk_sums_, scale_, specular_;  ///< of the balance
   TypedBuffer<float2> visible_;
   TypedBuffer<float> errors_, indirect_errors_, values_, sums_;
   Schedule materials_, make_senders_, accumulate_, finish_bounce_, measure_;

@@ -5,7 +5,8 @@
 namespace lucarium::bundle {
 
 /// What texel sides display, smoothed within charts and across smooth seams, where neighbours differ no more than their
-/// standard errors say (preview.cl): for images that have not converged. Where errors vanish, so does the smoothing.
+/// standard errors say (smooth_preview.cl): for images that have not converged. Where errors vanish, so does the
+/// smoothing.
 class SidePreview {
  public:
   SidePreview(Device& device, KernelScheduler& scheduler, const Program& program, const SurfaceAtlas& atlas,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where specular chains add what they find (side_chains.cl).
+// Where specular chains add what they find (advance_chains.cl).
 #ifndef BUNDLE_EXCHANGE_SHARED_CONTRIBUTION_LAYOUT_H
 #define BUNDLE_EXCHANGE_SHARED_CONTRIBUTION_LAYOUT_H
 

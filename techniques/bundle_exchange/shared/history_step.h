@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One direction's step of glossy reflection from directions to directions (direction_history.cl).
+// One direction's step of glossy reflection from directions to directions (send_history.cl).
 #ifndef BUNDLE_EXCHANGE_SHARED_HISTORY_STEP_H
 #define BUNDLE_EXCHANGE_SHARED_HISTORY_STEP_H
 #include "lucarium/shared/dialect.h"

@@ -8,7 +8,7 @@
 namespace lucarium::bundle {
 
 /// Specular chains that look up the diffuse light of texel sides, and the light that they find for their targets
-/// (side_chains.cl).
+/// (advance_chains.cl).
 class ChainTracer {
  public:
   struct Options {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/exchange/bundle_transfer.h"
 #include "bundle_exchange/senders/side_means.h"
 #include "bundle_exchange/senders/side_preview.h"
@@ -12,13 +13,10 @@
 #include "bundle_exchange/texels/side_accessibility.h"
 #include "bundle_exchange/texels/side_light.h"
 #include "bundle_exchange/texels/texel_extent.h"
-#include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bundles/direction_sequence.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/direct_light/direct_light.h"
-
-const lucarium::EmbeddedSources& bundle_exchange_kernels();
 
 namespace lucarium::test {
 
@@ -231,16 +229,8 @@ class BundleRig {
   }
   static Program make_program(Device& device, const bundle::Channels& channels,
                               std::map<std::string, std::string> defines) {
-    SourceLibrary library;
-    library.add(bundle_exchange_kernels());
     for (const auto& [name, value] : channels.defines()) defines[name] = value;
-    return Program(device, library,
-                   {"bundle_exchange/test",
-                    {"bundle_exchange/senders/senders.cl", "bundle_exchange/senders/accumulate.cl",
-                     "bundle_exchange/specular/side_chains.cl", "bundle_exchange/senders/direction_history.cl",
-                     "bundle_exchange/texels/side_accessibility.cl", "bundle_exchange/texels/side_light.cl",
-                     "bundle_exchange/senders/preview.cl"},
-                    defines});
+    return bundle::make_technique_program(device, std::move(defines));
   }
   static std::vector<double> red(const TypedBuffer<float4>& values) {
     std::vector<double> result;

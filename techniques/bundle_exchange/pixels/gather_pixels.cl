@@ -2,27 +2,12 @@
 // The final glossy bounce of Hermes et al. 2010, section 5.3: the last reflection towards the eye from the bundle
 // itself. A pixel's point is looked up in the fragments of the bundle image, and reflects what its neighbour along the
 // bundle sends. All pixels share the directions of the bundles.
-#include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/base/fragment_side.clh"
+#include "bundle_exchange/pixels/gather_light.clh"
 #include "bundle_exchange/specular/pixel_lobes.clh"
 #include "lucarium/bsdf.clh"
 #include "lucarium/gbuffer.clh"
 #include "lucarium/shared/ray.h"
-
-// Adds the light that a texel side (or, beyond the scene, `end`) sends to a pixel: scattered once in
-// contribution[2 i], more often in contribution[2 i + 1].
-void gather_light(global float4* contribution, uint i, float3 share, const global float4* records, uint side,
-                  float3 end) {
-  float3 once = (float3)(0.0f), more = (float3)(0.0f);
-#ifdef BUNDLE_EXCHANGED
-  once = side == LUCARIUM_NONE ? end : records[(size_t)side * BUNDLE_RECORD].xyz;
-#endif
-  if (side != LUCARIUM_NONE)
-    for (uint channel = BUNDLE_FIRST; channel < BUNDLE_CHANNELS; ++channel)
-      more += records[(size_t)side * BUNDLE_RECORD + 2u * channel].xyz;
-  contribution[2u * i].xyz += share * once;
-  contribution[2u * i + 1u].xyz += share * more;
-}
 
 // Work-item i: pixel i. Equation 3 with the pixel's own f_r towards the eye (ω_{i+1} = ω_o). What is not found in its
 // bundle pixel gets a ray. first: 1 where contributions begin at 0. shares: xyz what of the light arrives at the eye.
@@ -62,39 +47,4 @@ __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     }
   }
   rays[i] = ray;
-}
-
-// What the rays have found.
-__kernel void gather_missed(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                            __global const AtlasTriangle* restrict atlas_triangles,
-                            __global const uint* restrict atlas_table, uint count,
-                            __global const LayeredView* restrict views, __global const float4* restrict ends,
-                            __global const Ray* restrict rays, __global const Hit* restrict hits,
-                            __global const float4* restrict shares, __global const float4* restrict records,
-                            __global float4* restrict contribution) {
-  const uint i = get_global_id(0);
-  if (i >= count || !ray_is_active(rays[i])) return;
-  LUCARIUM_SCENE_BIND(scene);
-  const Hit hit = hits[i];
-  const float3 in = rays[i].direction.xyz;
-  // Find the texel side that the ray met, or the end of the bundle.
-  uint side = LUCARIUM_NONE;
-  float3 end = (float3)(0.0f);
-  if (hit.triangle == LUCARIUM_NO_HIT) {
-    end = dot(in, views[0].row_w.xyz) > 0.0f ? ends[1].xyz : ends[0].xyz;
-  } else {
-    const Surface surface = make_surface(&scene, hit, in, 0u);
-    side = atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, hit.triangle, hit.u, hit.v),
-                      surface.flags & LUCARIUM_SURFACE_FRONT);
-  }
-  gather_light(contribution, i, shares[i].xyz, records, side, end);
-}
-
-// A batch counts: its light and the number of its directions (w of the first contribution).
-__kernel void add_gathered(uint count, uint directions, __global const float4* restrict contribution,
-                           __global float4* restrict gathered) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  gathered[2u * i] += (float4)(contribution[2u * i].xyz, (float)directions);
-  gathered[2u * i + 1u] += (float4)(contribution[2u * i + 1u].xyz, 0.0f);
 }

@@ -10,8 +10,8 @@
 // What is displayed of a texel side, without its accessibility; w: 1, or 0 where it is not known.
 float4 shown_light(float4 shown) { return shown.w > 0.0f ? (float4)(shown.xyz / shown.w, 1.0f) : (float4)(0.0f); }
 
-// variance: of the luminance of shown + direct, from the batches so far (statistics as in accumulate.cl); 0: not known;
-// -1: no ray has come. correction: n / (n - 1) of n batches.
+// variance: of the luminance of shown + direct, from the batches so far (statistics as in accumulate_batch.cl); 0: not
+// known; -1: no ray has come. correction: n / (n - 1) of n batches.
 __kernel void begin_preview(uint sides, float correction, __global const float4* restrict shown,
                             __global const float4* restrict shown_direct, __global const float4* restrict statistics,
                             __global float4* restrict indirect, __global float4* restrict direct,

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Glossy interreflections (Hermes et al. 2010, section 5.4): texel sides remember what the last directions of the
-// sequence brought, and send towards the next one what their specular lobe reflects of it. The transfer atlas of the
-// paper stores L_x f_r(y, ω_i, ω_{i+1}) cosθ (equation 4) of the one direction before; a window of more of them varies
-// less.
-//
-// history: [direction modulo its length][channel][entry of the list of texel sides], xyz: sum of w L, w: sum of w.
+// Glossy interreflections (Hermes et al. 2010, section 5.4), second half: texel sides send towards the next direction
+// what their specular lobe reflects of what the last ones brought (receive_history.cl). The transfer atlas of the paper
+// stores L_x f_r(y, ω_i, ω_{i+1}) cosθ (equation 4) of the one direction before; a window of more of them varies less.
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/shared/history_step.h"
 #include "lucarium/bsdf.clh"
@@ -34,47 +31,17 @@ float3 reflection_albedo(const global float* table, const Bsdf* bsdf) {
   return bsdf->f0 * (e.x - e.y) + bsdf->f90 * e.y;
 }
 
-// Light that arrived through channel `output` of what is reflected: that of one scattering less.
-float3 history_input(const global float4* record, uint output) {
-  float3 light = (float3)(0.0f);
-#ifdef BUNDLE_EMISSION
-  if (output == 0u) light = record[1].xyz;
-#endif
-#ifdef BUNDLE_SELF_FED
-  light += record[2u * BUNDLE_FIRST + 1u].xyz;
-#else
-  if (output > 0u) light = record[2u * (BUNDLE_FIRST + output - 1u) + 1u].xyz;
-#endif
-  return light;
-}
-
-// Work-item i: what entry i has received from the direction that was exchanged last (L_x cosθ of equation 4, before
-// f_r is known). before: sums of the batch up to then.
-__kernel void receive_history(uint count, HistoryStep step, __global const uint* restrict list,
-                              __global const float4* restrict records, __global float4* restrict before,
-                              __global float4* restrict history) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  const global float4* record = records + (size_t)list[i] * BUNDLE_RECORD;
-  for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
-    const size_t own = (size_t)k * count + i;
-    const float4 now = (float4)(history_input(record, k), record[1].w);
-    const float4 old = step.first ? (float4)(0.0f) : before[own];
-    history[(size_t)step.index * BUNDLE_REFLECTED * count + own] = now - old;
-    before[own] = now;
-  }
-}
-
-// Work-item i: adds to what entry i sends towards `omega` the light that it reflects of the last step.reflected
+// Work-item i: adds to what entry i sends towards `omega` the light that it reflects of the last history_step.reflected
 // directions: equation 4, evaluated when `omega` = ω_{i+1} has come and not in advance, so that one record serves all
 // later ones. With f the specular lobe, ρ its albedo, L and w of the rays that came from those directions (their cosine
 // is implicit), and A the texel side's area times accessibility:
-//   by their share:  ρ Σ f w L / Σ f w        by themselves:  Σ f w L / (step.reflected A)
-// albedo: w is A. diffuse: what the texel side sends otherwise; null where step.adds says that the record holds it.
+//   by their share:  ρ Σ f w L / Σ f w        by themselves:  Σ f w L / (history_step.reflected A)
+// albedo: w is A. diffuse: what the texel side sends otherwise; null where history_step.adds says that the record holds
+// it.
 __kernel void send_history(__global const float* restrict scene_albedo_table,
                            __global const AtlasTexel* restrict atlas_texels,
                            __global const SurfacePoint* restrict atlas_points,
-                           __global const AtlasMaterial* restrict atlas_materials, uint count, HistoryStep step,
+                           __global const AtlasMaterial* restrict atlas_materials, uint count, HistoryStep history_step,
                            float4 omega, __global const float4* restrict directions, __global const uint* restrict list,
                            __global const float4* restrict history, __global const float4* restrict diffuse,
                            __global const float4* restrict albedo, __global float4* restrict records) {
@@ -87,8 +54,8 @@ __kernel void send_history(__global const float* restrict scene_albedo_table,
   float3 light[BUNDLE_REFLECTED], share = (float3)(0.0f);
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] = (float3)(0.0f);
   // Add what each remembered direction brought, latest first.
-  for (uint m = 0u; m < step.reflected; ++m) {
-    const uint index = (step.index + step.length - 1u - m) % step.length;
+  for (uint m = 0u; m < history_step.reflected; ++m) {
+    const uint index = (history_step.index + history_step.length - 1u - m) % history_step.length;
     const float3 axis = directions[index].xyz, in = dot(n_g, axis) > 0.0f ? axis : -axis;
     const float cosine = dot(bsdf.n_s, in);
     if (!(cosine > 1e-6f)) continue;
@@ -99,15 +66,16 @@ __kernel void send_history(__global const float* restrict scene_albedo_table,
     share += f * received[0].w;
   }
   // Normalize the sum: by the rays expected, or by the lobe's share of those that came, which varies less.
-  const float measure = (float)step.reflected * albedo[side].w / (step.by_area ? 1.0f : atlas_texels[side].area);
+  const float measure =
+      (float)history_step.reflected * albedo[side].w / (history_step.by_area ? 1.0f : atlas_texels[side].area);
   float3 scale = (float3)(measure > 0.0f ? 1.0f / measure : 0.0f);
-  if (step.by_share) {
+  if (history_step.by_share) {
     const float3 albedo = bsdf.p_reflect > 0.0f ? reflection_albedo(scene_albedo_table, &bsdf) : (float3)(0.0f);
     scale = select((float3)(0.0f), albedo / share, share > 0.0f);
   }
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
     global float4* send = records + (size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
-    const float3 otherwise = step.adds ? (*send).xyz : diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz;
+    const float3 otherwise = history_step.adds ? (*send).xyz : diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz;
     (*send).xyz = otherwise + scale * light[k];
   }
 }

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <string>
+
+#include "bundle_exchange/senders/side_means.h"
+
+namespace lucarium::bundle {
+
+/// Directions of the batch that begins with direction `directions`: few at first, when much is learnt from each, and
+/// none across a boundary of what they carry.
+uint32_t batch_size(const Parameters& parameters, const SideMeans& means, uint64_t directions);
+
+/// Directions of an iteration of about 100 ms. `largest_image`: of a direction [pixels]; `gathers`: pixels gather along
+/// them.
+uint32_t directions_per_iteration(const Parameters& parameters, double largest_image, bool gathers);
+
+/// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before
+/// the end: both use up their directions.
+bool is_accurate(const Parameters& parameters, const SideMeans& means, uint64_t directions);
+
+/// Why an image has converged, for people. `exchanges`: bundles carry anything; camera_samples: of the image.
+std::string why_converged(const Parameters& parameters, const SideMeans& means, uint64_t directions, bool exchanges,
+                          uint32_t camera_samples);
+
+}  // namespace lucarium::bundle

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chains of specular vertices, from texel sides (begin_side_chains.cl) and from what the camera sees
+// (begin_pixel_chains.cl). At every vertex the atlas gives the diffuse light, so a chain only follows specular lobes.
+// Each target has one chain at a time.
+#include "bundle_exchange/base/exchange_layout.clh"
+#include "bundle_exchange/shared/contribution_layout.h"
+#include "lucarium/atlas_surface.clh"
+#include "lucarium/surface_atlas.clh"
+
+// What chains find for their targets.
+typedef struct Contributions {
+  global float4* contribution;
+  uint layout;  // HOP_GAIN_*
+  // Of the atlas; not set where only light samples are added.
+  AtlasInfo atlas_info;
+  const global AtlasTriangle* atlas_triangles;
+  const global uint* atlas_table;
+  const global float4* diffuse;  // what texel sides send by their diffuse lobe, BUNDLE_REFLECTED channels each
+  uint limit;                    // ChainSettings::limit
+} Contributions;
+#define CHAIN_CONSUMER Contributions
+#include "lucarium/services/specular_chains/advance.clh"
+
+void chain_light(Contributions* contributions, uint target, uint scatterings, float3 light) {
+  size_t index = target;
+  if (contributions->layout == CONTRIBUTION_CHANNELS) index = (size_t)target * BUNDLE_REFLECTED + scatterings - 1u;
+  if (contributions->layout == CONTRIBUTION_LAYERS) index = 2u * (size_t)target + (scatterings > 1u);
+  contributions->contribution[index].xyz += light;
+}
+
+// Diffuse light of a texel side; the backs of single-sided surfaces are none and end the chain.
+bool chain_surface(Contributions* contributions, const Scene* scene, const SpecularChain* chain, const Surface* surface,
+                   Hit hit) {
+  const uint texel =
+      atlas_texel(contributions->atlas_triangles, contributions->atlas_table, hit.triangle, hit.u, hit.v);
+  const uint side = atlas_side(contributions->atlas_info, texel, surface->flags & LUCARIUM_SURFACE_FRONT);
+  if (side == LUCARIUM_NONE) return false;
+  for (uint k = 0u; k < BUNDLE_REFLECTED &&
+                    (contributions->limit == LUCARIUM_NONE || k + 1u + chain->vertices <= contributions->limit);
+       ++k)
+    chain_light(contributions, chain->target, k + 1u + chain->vertices,
+                chain->throughput.xyz * contributions->diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz);
+  return true;
+}
+
+__kernel void advance_texel_chains(LUCARIUM_CHAIN_PARAMETERS AtlasInfo atlas_info,
+                                   __global const AtlasTriangle* restrict atlas_triangles,
+                                   __global const uint* restrict atlas_table, __global const float4* restrict diffuse,
+                                   uint layout, __global float4* restrict contribution) {
+  Contributions contributions = {contribution, layout,  atlas_info,    atlas_triangles,
+                                 atlas_table,  diffuse, settings.limit};
+  LUCARIUM_ADVANCE_CHAINS(&contributions);
+}
+
+__kernel void add_punctual(LUCARIUM_CHAIN_LIGHT_PARAMETERS uint layout, __global float4* restrict contribution) {
+  Contributions contributions;
+  contributions.contribution = contribution;
+  contributions.layout = layout;
+  LUCARIUM_ADD_CHAIN_LIGHT(&contributions);
+}
