@@ -98,3 +98,32 @@ TEST_CASE("texels half under a slab: light samples and bundles bring the same of
   CHECK(found.mean == test::relative(5. / 3, 0.07));
   CHECK(found.sampled == test::relative(found.mean, 0.02));
 }
+
+TEST_CASE("rays that soon meet a back say nothing of how accessible a place is") {
+  // A floor, and above it for x < kEdge a lid that has no underside. Beside the lid all other rays go far.
+  Scene scene;
+  const int white = add_lambert(scene, "white", glm::vec3(0.5f));
+  add_instance(scene, add_mesh(scene, MeshBuilder("floor").box_face({0, 0, 0}, {1, 1, 1}, 1, 0, true).take()), white);
+  const float h = 0.05f;
+  add_instance(
+      scene,
+      add_mesh(scene,
+               MeshBuilder("lid").quad({-.5f, h, -.5f}, {-.5f, h, 1.5f}, {kEdge, h, 1.5f}, {kEdge, h, -.5f}).take()),
+      white);
+  Parameters parameters;
+  parameters.access_gap = 2;
+  test::BundleRig rig(scene, 300, 0.5f, {}, parameters);
+  const std::vector<float> accessibility = rig.accessibility();
+  const std::vector<AtlasTexel> texels = rig.texels();
+  const std::vector<SurfacePoint> points = rig.points();
+  int beside = 0;
+  for (uint32_t side = 0; side < rig.sides(); ++side) {
+    if (rig.instance_of(texels[side].triangle) != 0) continue;
+    const double from_lid = double{points[side].position.x - kEdge} / rig.texel_edge();
+    if (from_lid < 0.6 || from_lid > 1.4) continue;  // below the lid's edge no part of it
+    CHECK(accessibility[side] == 1.f);
+    ++beside;
+  }
+  MESSAGE(beside, " texels, the lid ", double{h} / rig.texel_edge(), " edges above them");
+  CHECK(beside > 5);
+}

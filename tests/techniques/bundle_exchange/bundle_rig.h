@@ -146,6 +146,8 @@ class BundleRig {
     scheduler_.finish();
     return red(preview.shown());
   }
+  /// Forgets what was solved.
+  void reset() { means_.reset(); }
   double relative_error() const { return means_.relative_error(); }
   float4 balance() const { return means_.balance(); }
   /// Area-weighted mean over texel sides that `counts`.

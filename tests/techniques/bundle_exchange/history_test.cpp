@@ -96,3 +96,28 @@ TEST_CASE("walls of a diffuse and a glossy lobe together: chains of rays and the
   CHECK(mean_light(scene, history(32, GlossyNorm::self), 1, 2048, false, 3.14159265f) ==
         test::relative(expected, 0.01));
 }
+
+TEST_CASE("a window of one: a direction sends what the one before it has brought, not what was there before that") {
+  Parameters parameters = history(1, GlossyNorm::self);
+  parameters.batch = 1;
+  parameters.average_exponent = 0;
+  test::BundleRig rig(shining_box(1, 0.7f), 600, 0.1f, glossy_channels(1), parameters);
+  const DirectionSequence sequence = make_sequence(parameters, 3, nullptr, true);
+  rig.solve(sequence, 2);
+  // The first direction brings emission of 1, of which the second sends the albedo of the lobe, between 0.65 and 0.85.
+  // A texel is met by rays in proportion to its cosine.
+  const std::vector<double> found = rig.indirect();
+  const std::vector<SurfacePoint> points = rig.points();
+  for (int axis = 0; axis < 3; ++axis) {
+    CAPTURE(axis);
+    const double first = std::abs(double{sequence.at(0).direction[axis]}),
+                 second = std::abs(double{sequence.at(1).direction[axis]});
+    const double light = rig.mean(found, [&](uint32_t side) {
+      const SurfacePoint& p = points[side];
+      return std::abs(axis == 0 ? p.normal.x : axis == 1 ? p.normal.y : p.normal.z) > 0.5f;
+    }) / (second / (first + second));
+    MESSAGE("albedo ", light);
+    CHECK(light > 0.65);
+    CHECK(light < 0.85);
+  }
+}
