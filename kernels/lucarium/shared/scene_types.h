@@ -115,7 +115,7 @@ LUCARIUM_STRUCT_END(AliasEntry, 16)
 
 // Whole-scene facts.
 LUCARIUM_STRUCT_BEGIN(SceneInfo)
-float4 bounds_min;          // world space; w: reach of lamps [m], 0: there are none (LightList)
+float4 bounds_min;          // world space; w unused
 float4 bounds_max;          // w: radius of the bounding sphere about the centre [m]
 float4 environment_factor;  // xyz: radiance multiplier (the constant radiance when width is 0); w unused
 float4 environment_row0;    // world → environment rotation rows
@@ -125,7 +125,9 @@ uint triangle_count, instance_count, light_count, material_count;
 uint environment_light;                      // index in scene_lights, LUCARIUM_NONE: no environment
 uint environment_width, environment_height;  // 0: constant
 uint flags;                                  // LUCARIUM_SCENE_*
-LUCARIUM_STRUCT_END(SceneInfo, 128)
+float lamp_reach;                            // [m], 0: there are no lamps (LightList::reach)
+float pad0, pad1, pad2;
+LUCARIUM_STRUCT_END(SceneInfo, 144)
 
 #define LUCARIUM_SCENE_HAS_ALPHA 1u  // some material is MASK or BLEND: traversal must test alpha
 

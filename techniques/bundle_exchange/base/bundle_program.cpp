@@ -27,8 +27,8 @@ Program make_bundle_program(Device& device, const std::string& file, std::map<st
 PassBuilder surface_pass(ScheduleRecorder& recorder, const std::string& name, const Program& program,
                          const std::string& kernel, const SceneBuffers& scene, const SurfaceAtlas& atlas) {
   PassBuilder pass = recorder.pass(name, program, kernel);
-  scene.bind(pass, program, kernel);
-  atlas.bind(pass, program, kernel);
+  scene.bind(pass);
+  atlas.bind(pass);
   return pass;
 }
 

@@ -58,7 +58,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
   result.weight = recorder.variable("weight", 1.f);
   const LayeredRaster::ViewRef view{views_, recorder.variable("view index", 0u)};
   PassBuilder begin = recorder.pass("begin direction", begin_program, "begin_direction");
-  buffers.bind(begin, begin_program, "begin_direction");
+  buffers.bind(begin);
   begin.global(1)
       .local(1)
       .arg("view", result.view)
@@ -77,7 +77,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
     if (!by_texels) defines.merge(raster_.defines());
     const Program program = make_bundle_program(device, std::string("exchange/") + kernel, defines);
     const auto bind = [&](PassBuilder& pass) {
-      atlas.bind(pass, program, kernel);
+      atlas.bind(pass);
       pass.arg("accessibility", accessibility.parts())
           .arg("weight", result.weight)
           .arg("ends", ends_)
@@ -87,7 +87,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
     if (by_texels) {
       const LayeredRaster::Stored stored = raster_.record_stored(recorder, "fragments", view);
       PassBuilder pass = recorder.pass("exchange", program, kernel);
-      buffers.bind(pass, program, kernel);
+      buffers.bind(pass);
       bind(pass);
       pass.global(atlas.info().texel_count)
           .arg("sides", atlas.info().texel_count)

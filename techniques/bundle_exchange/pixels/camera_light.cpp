@@ -84,7 +84,7 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
   ScheduleRecorder recorder = scheduler_->record("begin chains of pixels", kOwner);
   settings_ = recorder.variable("settings", ChainSettings{});
   PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_chains");
-  scene.bind(begin, program, "begin_pixel_chains");
+  scene.bind(begin);
   begin.global(pixels_)
       .arg("points", eye_.points())
       .arg("count", pixels_)

@@ -78,7 +78,7 @@ void SideMeans::record_materials(const Program& program, const SurfaceAtlas& atl
                                  const TypedBuffer<float>& accessibility) {
   ScheduleRecorder recorder = scheduler_->record("texel side materials", kOwner);
   PassBuilder pass = recorder.pass("take materials", program, "copy_materials");
-  atlas.bind(pass, program, "copy_materials");
+  atlas.bind(pass);
   pass.global(sides_).arg("sides", sides_).arg("accessibility", accessibility);
   pass.arg("albedo", albedo_).arg("emission", emission_);
   materials_ = recorder.compile();

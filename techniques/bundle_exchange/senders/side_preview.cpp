@@ -36,7 +36,7 @@ SidePreview::SidePreview(Device& device, KernelScheduler& scheduler, const Progr
   for (uint32_t level = 0; level < kLevels; ++level) {
     const uint32_t from = level % 2, to = 1 - from;
     PassBuilder pass = recorder.pass("smooth texel sides " + std::to_string(1u << level), program, "smooth_preview");
-    atlas.bind(pass, program, "smooth_preview");
+    atlas.bind(pass);
     pass.global(sides)
         .slice(kSlice)
         .arg("sides", sides)

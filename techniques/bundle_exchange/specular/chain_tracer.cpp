@@ -18,7 +18,7 @@ ChainTracer::ChainTracer(Device& device, KernelScheduler& scheduler, const Progr
                .add_light = "add_punctual",
                .bind_advance =
                    [=, &atlas, contribution = contribution_](PassBuilder& pass) {
-                     atlas.bind(pass, program, "advance_texel_chains");
+                     atlas.bind(pass);
                      pass.arg("diffuse", diffuse).arg("layout", options.layout).arg("contribution", contribution);
                    },
                .bind_add_light =

@@ -81,7 +81,7 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   probes.view = begin.variable("view", LayeredView{});
   const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
   PassBuilder pass = begin.pass("begin probe", begin_program, "begin_direction");
-  buffers.bind(pass, begin_program, "begin_direction");
+  buffers.bind(pass);
   pass.global(1).local(1).arg("view", probes.view).arg("omega", float4(0, 0, 1, 0)).arg("emission", 0u);
   pass.arg("views", probes.views).arg("ends", probes.ends);
   probes.begin = begin.compile();
@@ -90,14 +90,14 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   const Program probe = make_bundle_program(device, "exchange/probe_pairs", raster.defines());
   raster.record_tiles(
       draw, "probe", {probes.views, draw.variable("view index", 0u)}, probe, "probe_pairs", [&](PassBuilder& rows) {
-        atlas.bind(rows, probe, "probe_pairs");
+        atlas.bind(rows);
         rows.arg("access_gap", options_.access_gap * atlas.info().texel_edge).arg("counts", probes.counts);
       });
   probes.draw = draw.compile();
 
   ScheduleRecorder sum = scheduler.record("accessibility of parts", kOwner);
   PassBuilder finish = sum.pass("finish accessibility", program, "finish_accessibility");
-  atlas.bind(finish, program, "finish_accessibility");
+  atlas.bind(finish);
   finish.global(sides).arg("sides", sides).arg("counts", probes.counts);
   finish.arg("interior", interior.shares()).arg("hidden", interior.hidden());
   finish.arg("share", shares_).arg("accessibility", parts_).arg("points", points_);

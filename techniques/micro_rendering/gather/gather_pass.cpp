@@ -85,7 +85,7 @@ void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, con
                         const DynamicShading& shading) const {
   PassBuilder pass = recorder.pass(name, program_, "mr_gather");
   if (sky_) {
-    scene.bind(pass, program_, "mr_gather");
+    scene.bind(pass);
     pass.arg("sky", results.sky);
   }
   if (levels_) pass.arg("levels", results.levels);

@@ -145,7 +145,7 @@ void LeafLight::record_lobes() {
   const uint32_t leaves = forest_.leaf_count();
   ScheduleRecorder recorder = scheduler_.record("lobes of leaves", owner_);
   PassBuilder pass = recorder.pass("lobes of leaves", program_, "mr_leaf_lobes");
-  scene_.bind(pass, program_, "mr_leaf_lobes");
+  scene_.bind(pass);
   pass.global(leaves).arg("leaves", forest_.leaves).arg("count", leaves).arg("leaf_lobes", shading_.leaf_lobes);
   lobes_schedule_ = recorder.compile();
 }

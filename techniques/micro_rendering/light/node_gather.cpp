@@ -85,7 +85,7 @@ void NodeGather::record_list() {
   primitives_.record_exclusive_scan(recorder, "slots of cuts", slots_, slots_, node_count_, roots_);
   for (uint32_t t = 0; t < trees; ++t) {
     PassBuilder pass = pass_of("gathers at nodes", "mr_cut_gathers", t);
-    scene_.bind(pass, program_, "mr_cut_gathers");
+    scene_.bind(pass);
     pass.arg("leaves", forest_.leaves)
         .arg("first_slot", first_root_[t])
         .arg("most", most)

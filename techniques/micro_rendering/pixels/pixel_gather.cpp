@@ -92,7 +92,7 @@ void PixelGather::record_gather() {
   const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", size_t{sides_} * capacity_, kRemedy);
   const BufferRef values = recorder.transient<uint32_t>("sorted pixels", size_t{sides_} * capacity_, kRemedy);
   PassBuilder keying = recorder.pass("keys of pixels", program_, "mr_list_keys");
-  scene_.bind(keying, program_, "mr_list_keys");
+  scene_.bind(keying);
   keying.global(capacity_)
       .arg("points", points_)
       .arg("sub", gather_sub_)
@@ -114,7 +114,7 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
   const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity, kRemedy);
   primitives_.record_sort_pairs(recorder, "sort pixels", keys, values, capacity, 31);
   PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
-  scene_.bind(fill, program_, "mr_list_fill");
+  scene_.bind(fill);
   fill.global(capacity)
       .arg("points", points_)
       .arg("keys", keys)
@@ -139,7 +139,7 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
   const BufferRef keys = recorder.transient<uint32_t>("keys of failed pixels", size_t{sides_} * pixels, kRemedy);
   const BufferRef values = recorder.transient<uint32_t>("sorted failed pixels", size_t{sides_} * pixels, kRemedy);
   PassBuilder pass = recorder.pass("upsample", program_, "mr_upsample");
-  scene_.bind(pass, program_, "mr_upsample");
+  scene_.bind(pass);
   pass.global(pixels)
       .arg("points", points_)
       .arg("height", height_)
@@ -163,7 +163,7 @@ void PixelGather::record_add() {
   add_sub_ = recorder.variable("sub_image", SubImage{});
   lattice_ = recorder.variable("lattice", SubImage{});
   PassBuilder pass = recorder.pass("add indirect light", program_, "mr_add_indirect");
-  scene_.bind(pass, program_, "mr_add_indirect");
+  scene_.bind(pass);
   pass.global(added_)
       .arg("points", points_)
       .arg("sub", add_sub_)

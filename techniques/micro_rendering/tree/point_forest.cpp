@@ -249,7 +249,7 @@ void PointForest::set_transform(ForestTree& tree) const {
 void PointForest::derive_albedo() {
   ScheduleRecorder recorder = scheduler_.record("albedo of leaves", owner_);
   PassBuilder pass = recorder.pass("albedo of leaves", program_, "mr_leaf_albedo");
-  buffers_.bind(pass, program_, "mr_leaf_albedo");
+  buffers_.bind(pass);
   pass.global(leaf_count_).arg("leaves", leaves).arg("count", leaf_count_).arg("leaf_albedo", leaf_albedo);
   Schedule schedule = recorder.compile();
   scheduler_.run_to_end(schedule);
@@ -274,7 +274,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
     rules.all_cullable = options_.all_cullable;
     rules.least_area = 1 / (options_.disc_scale * options_.disc_scale);
     PassBuilder leaf_pass = recorder.pass("update leaves", program_, "mr_leaf_update");
-    buffers_.bind(leaf_pass, program_, "mr_leaf_update");
+    buffers_.bind(leaf_pass);
     leaf_pass.global(tree.leaves())
         .arg("mesh_vertices", buffers_.scene_mesh_vertices)
         .arg("leaves", leaves)

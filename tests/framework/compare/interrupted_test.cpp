@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interrupts of a comparison at moments that its own lines tell; the runs are processes of the program.
+// Comparisons that are interrupted, at moments that their own lines tell, and resumed; the runs are processes of the
+// program.
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -107,4 +109,49 @@ TEST_CASE("a comparison that is interrupted while it plans left an empty folder 
   CHECK(end_of(comparison) == ErrorClass::interrupted);
   CHECK(told);
   CHECK(!fs::exists(comparison.options.folder));
+}
+
+TEST_CASE("a comparison resumed on another machine mixed seeds whose parameters had been planned differently") {
+  SmallComparison comparison;
+  comparison.spec.seeds = 3;
+  const ComparisonResult first = comparison.run();
+  REQUIRE(first.pieces.size() == 3);
+  const auto summary = [&](int seed) {
+    return comparison.options.folder / fmt::format("pieces/scene1-variant1-budget1-seed{}.json", seed);
+  };
+  const auto plan_otherwise = [&](int seed) {
+    nlohmann::json json = nlohmann::json::parse(read_file(summary(seed)));
+    json["parameters"] = "planned elsewhere";
+    json["planned"] = "points 2 -> 1";
+    write_file_atomically(summary(seed), json.dump(1));
+  };
+  int told = 0;
+  comparison.options.resume = true;
+  comparison.options.progress = [&](const std::string& line) {
+    told += line.find("rendered with other parameters (planned elsewhere) than seed") != std::string::npos;
+  };
+  const auto check_resumed = [&] {
+    const ComparisonResult resumed = comparison.run();
+    REQUIRE(resumed.pieces.size() == 3);
+    for (size_t i = 0; i < 3; ++i) {
+      CHECK(resumed.pieces[i].seed == i + 1);
+      CHECK(resumed.pieces[i].parameters == first.pieces[i].parameters);
+      CHECK(resumed.pieces[i].metrics == first.pieces[i].metrics);
+    }
+    CHECK(resumed.scenes[0].warnings == first.scenes[0].warnings);
+    CHECK(comparison.results().find("planned elsewhere") == std::string::npos);
+  };
+
+  SUBCASE("the seeds that were missing are rendered here, and then the others again") {
+    plan_otherwise(1);
+    plan_otherwise(2);
+    fs::remove(summary(3));
+    check_resumed();
+    CHECK(told == 2);
+  }
+  SUBCASE("all seeds are there, but not alike") {
+    plan_otherwise(1);
+    check_resumed();
+    CHECK(told == 1);
+  }
 }

@@ -278,7 +278,7 @@ TEST_CASE("scene buffers are bound by the names of a kernel's parameters") {
   ScheduleRecorder recorder = scheduler.record("probe", "test");
   TypedBuffer<uint> result(*test::test_device(), "test", "result", 4);
   PassBuilder pass = recorder.pass("probe", program, "probe").global(1).local(1).arg("result", result);
-  buffers.bind(pass, program, "probe");
+  buffers.bind(pass);
   Schedule schedule = recorder.compile();
   scheduler.run(schedule);
   scheduler.finish();

@@ -58,6 +58,7 @@ void read_summary(PieceResult& piece, const ComparisonBudget& budget) {
   try {
     const json summary = json::parse(piece.render_summary);
     read_clocks(piece, summary.at("clocks"));
+    piece.parameters = summary.at("parameters");
     piece.samples = summary.at("samples");
     piece.iterations = summary.at("iterations");
     piece.converged = summary.at("converged");

@@ -197,6 +197,7 @@ bool ComparisonRunner::is_finished(const SummaryKey& key, uint32_t seed) const {
 /// Returns false when interrupted before all is done.
 bool ComparisonRunner::run_missing_pieces() {
   size_t total = 0, number = 0;
+  bool complete = true;  // no piece was dropped that was passed before
   for (const ScenePlan& plan : plans_) total += plan.pieces * spec_.budgets.size() * spec_.seeds;
   for (size_t scene = 0; scene < spec_.scenes.size(); ++scene) {
     for (size_t budget = 0; budget < spec_.budgets.size(); ++budget) {
@@ -210,6 +211,7 @@ bool ComparisonRunner::run_missing_pieces() {
           PieceResult piece = run_piece(scene, variant, budget, seed);
           if (interrupt_requested() && !piece.failure.empty()) return false;  // its partial result does not count
           tell(piece, number, total);
+          if (drop_unlike_pieces(piece)) complete = false;
           add_piece(std::move(piece));
           save();
           if (page_is_due()) write_page();
@@ -217,6 +219,28 @@ bool ComparisonRunner::run_missing_pieces() {
       }
     }
   }
+  return complete || run_missing_pieces();
+}
+
+/// Removes pieces of other seeds that were rendered with other parameters than this one, by another machine or version
+/// that planned otherwise for the budget: means of unlike pictures say nothing. Returns whether there were any.
+bool ComparisonRunner::drop_unlike_pieces(const PieceResult& piece) {
+  if (!piece.failure.empty()) return false;
+  const auto unlike = [&](const PieceResult& other) {
+    return other.failure.empty() && other.scene == piece.scene && other.variant == piece.variant &&
+           other.budget == piece.budget && other.parameters != piece.parameters;
+  };
+  for (const PieceResult& other : result_.pieces) {
+    if (!unlike(other)) continue;
+    say(fmt::format(
+        "{}: rendered with other parameters ({}) than seed {} ({}); again",
+        (options_.folder / (piece_stem(other.scene, other.variant, other.budget, other.seed) + ".json")).string(),
+        other.parameters, piece.seed, piece.parameters));
+  }
+  if (std::erase_if(result_.pieces, unlike) == 0) return false;
+  result_.scenes[piece.scene].warnings = plans_[piece.scene].result.warnings;
+  for (const PieceResult& other : result_.pieces)
+    if (other.scene == piece.scene) add_warnings(other);
   return true;
 }
 
@@ -237,6 +261,11 @@ void ComparisonRunner::tell(const PieceResult& piece, size_t number, size_t tota
 
 void ComparisonRunner::add_piece(PieceResult piece) {
   changed_.push_back({piece.scene, piece.variant, piece.budget});
+  add_warnings(piece);
+  result_.pieces.push_back(std::move(piece));
+}
+
+void ComparisonRunner::add_warnings(const PieceResult& piece) {
   if (is_unfinished(piece)) {
     result_.scenes[piece.scene].warnings.push_back(
         fmt::format("{}, {}, seed {}: the budget ended too early; light is missing, or the picture is coarse",
@@ -248,7 +277,6 @@ void ComparisonRunner::add_piece(PieceResult piece) {
                                          spec_.budgets[piece.budget].label(), changes);
     if (std::find(warnings.begin(), warnings.end(), line) == warnings.end()) warnings.push_back(line);
   }
-  result_.pieces.push_back(std::move(piece));
 }
 
 PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, size_t budget, uint32_t seed) {
@@ -296,7 +324,9 @@ void ComparisonRunner::load_finished_pieces() {
       for (size_t budget = 0; budget < spec_.budgets.size(); ++budget) {
         for (uint32_t seed = 1; seed <= spec_.seeds; ++seed) {
           PieceResult piece{scene, variant, budget, seed};
-          if (load_finished_piece(piece)) add_piece(std::move(piece));
+          if (!load_finished_piece(piece)) continue;
+          drop_unlike_pieces(piece);  // those of the last seeds are the newest
+          add_piece(std::move(piece));
         }
       }
     }

@@ -40,6 +40,8 @@ class ComparisonRunner {
   bool run_missing_pieces();
   PieceResult run_piece(size_t scene, size_t variant, size_t budget, uint32_t seed);
   void add_piece(PieceResult piece);
+  void add_warnings(const PieceResult& piece);
+  bool drop_unlike_pieces(const PieceResult& piece);
   bool is_wanted(size_t scene, size_t variant) const;
   bool is_finished(const SummaryKey& key, uint32_t seed) const;
   const ReferenceResult& reference_of(size_t scene, size_t variant) const;

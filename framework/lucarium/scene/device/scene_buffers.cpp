@@ -175,7 +175,7 @@ void SceneBuffers::refresh_info(const Scene& scene) {
   Bounds all;
   for (const Bounds& bounds : instance_bounds_) all.add(bounds);
   const Bounds bounds = padded(all);
-  info_.bounds_min = float4(bounds.min, light_list_.reach);
+  info_.bounds_min = float4(bounds.min, 0.f);
   info_.bounds_max = float4(bounds.max, bounds.radius());
   info_.triangle_count = static_cast<uint>(layout_.world_triangles);
   info_.instance_count = static_cast<uint>(layout_.instances.size());
@@ -210,7 +210,7 @@ void SceneBuffers::refresh_lights(const Scene& scene) {
   light_list_ = std::move(list);
   info_.light_count = static_cast<uint>(light_list_.lights.size());
   info_.environment_light = light_list_.environment_light;
-  info_.bounds_min.w = light_list_.reach;
+  info_.lamp_reach = light_list_.reach;
   store(scene_info, "info", std::vector<SceneInfo>{info_});
 }
 

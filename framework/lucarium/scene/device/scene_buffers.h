@@ -33,7 +33,6 @@ class SceneBuffers {
 
   /// Binds every scene buffer the pass's kernel has a parameter for (LUCARIUM_SCENE_PARAMETERS, or single ones).
   void bind(PassBuilder& pass) const;
-  void bind(PassBuilder& pass, const Program&, std::string_view) const { bind(pass); }
 
 #define LUCARIUM_DECLARE_SCENE_BUFFER(type, name, meaning) TypedBuffer<type> name;
   LUCARIUM_SCENE_BUFFERS(LUCARIUM_DECLARE_SCENE_BUFFER)

@@ -205,7 +205,7 @@ void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name
       .arg("capacity", capacity)
       .arg("bvh_nodes", nodes)
       .arg("bvh_blocks", blocks);
-  if (program_alpha) scene->bind(pass, program, kernel);
+  if (program_alpha) scene->bind(pass);
 }
 
 Bvh::Bvh(Device& device, const Scene& scene, const SceneBuffers& buffers, BvhTraversal traversal)

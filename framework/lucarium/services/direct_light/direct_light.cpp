@@ -92,7 +92,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   const BufferRef bsdf_weights = recorder.transient<float4>("BSDF weights", count, kFewerPoints);
   const BufferRef hits = recorder.transient<Hit>("hits", count, kFewerPoints);
   PassBuilder sample = recorder.pass("sample direct light", program, "sample_direct_radiance");
-  scene.bind(sample, program, "sample_direct_radiance");
+  scene.bind(sample);
   sample.global(count)
       .arg("points", points)
       .arg("count", count)
@@ -106,7 +106,7 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, point_count, 0, count);
   intersector.record_closest(recorder, "BSDF rays", bsdf_rays, hits, point_count, 0, count);
   PassBuilder add = recorder.pass("add direct light", program, "add_direct_radiance");
-  scene.bind(add, program, "add_direct_radiance");
+  scene.bind(add);
   add.global(count)
       .arg("count", count)
       .arg("kinds", kinds)

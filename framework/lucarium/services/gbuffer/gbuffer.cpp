@@ -86,7 +86,7 @@ void GBuffer::State::record_follow() {
   const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
   intersector.record_closest(recorder, "closest hit", rays, hits, active, 0, pixels);
   PassBuilder fill = recorder.pass("fill G-buffer", program, "fill_gbuffer");
-  scene.bind(fill, program, "fill_gbuffer");
+  scene.bind(fill);
   fill.global_by(active)
       .arg("frame", follow_frame)
       .arg("sample_index", follow_sample)

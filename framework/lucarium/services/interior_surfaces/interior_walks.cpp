@@ -16,7 +16,7 @@ void InteriorWalks::record(ScheduleRecorder& recorder, const BufferRef& rays, co
   for (uint32_t step = 0; step < rule_.steps; ++step) {
     intersector_->record_closest(recorder, "steps of walks", rays, hits, counter, 0, capacity);
     PassBuilder pass = recorder.pass("step walks", program_, "step_walks");
-    scene_->bind(pass, program_, "step_walks");
+    scene_->bind(pass);
     pass.global_by(counter)
         .arg("walks", counter)
         .arg("number", step)

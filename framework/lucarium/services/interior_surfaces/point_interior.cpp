@@ -52,7 +52,7 @@ std::vector<uint8_t> PointInterior::walk(std::span<const InteriorPoint> points, 
   const Variable<uint32_t> number = recorder.variable("number", 0u);
   const BufferRef rays = recorder.transient<Ray>("steps of walks", count, remedy_);
   PassBuilder begin = recorder.pass("begin walks", walks_.program(), "begin_point_walks");
-  walks_.scene().bind(begin, walks_.program(), "begin_point_walks");
+  walks_.scene().bind(begin);
   begin.global(count)
       .arg("points", list)
       .arg("count", count)

@@ -67,8 +67,8 @@ void TexelInterior::record(const SurfaceAtlas& atlas, const std::string& owner) 
   for (uint32_t round = 0; round < kRounds; ++round) {
     primitives_.record_compact(recorder, "compact points in doubt", wanted, list, active, 0, all, 0, capacity);
     PassBuilder aim = recorder.pass("aim walks", program_, "aim_texel_walks");
-    walks_.scene().bind(aim, program_, "aim_texel_walks");
-    atlas.bind(aim, program_, "aim_texel_walks");
+    walks_.scene().bind(aim);
+    atlas.bind(aim);
     aim.global_by(active)
         .arg("samples", samples_)
         .arg("first", first_)

@@ -2,6 +2,8 @@
 #include "lucarium/services/layered_raster/layered_raster.h"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
@@ -20,16 +22,20 @@ constexpr const char* smaller_film = "lower the film's resolution";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
-/// Per block of 16 triangles, those (bits) that have an area.
-std::vector<uint32_t> drawn_triangles(const SceneBuffers& scene, uint32_t count) {
-  const std::vector<Triangle> triangles = scene.scene_triangles.download();
-  const std::vector<Vertex> vertices = scene.scene_vertices.download();
-  std::vector<uint32_t> result(divide_up(std::max(1u, count), 16), 0);
-  for (uint32_t i = 0; i < count; ++i) {
-    const Triangle& t = triangles[i];
-    if (!is_degenerate(vertices[t.v0], vertices[t.v1], vertices[t.v2])) result[i / 16] |= 1u << i % 16;
+/// Takes the triangles of `lanes_to_test` (bits) that have no area out of their block. True if there are any.
+bool leave_out_of_block(std::span<float> block, uint32_t lanes_to_test) {
+  bool any = false;
+  for (uint32_t lane = 0; lane < 16; ++lane) {
+    if (!(lanes_to_test >> lane & 1u)) continue;
+    const auto corner = [&](uint32_t k) {
+      return glm::vec3(block[3 * k * 16 + lane], block[(3 * k + 1) * 16 + lane], block[(3 * k + 2) * 16 + lane]);
+    };
+    if (!is_degenerate(corner(0), corner(1), corner(2))) continue;
+    for (uint32_t word = 0; word < 9; ++word) block[word * 16 + lane] = std::numeric_limits<float>::quiet_NaN();
+    block[9 * 16 + lane] = 0;
+    any = true;
   }
-  return result;
+  return any;
 }
 
 }  // namespace
@@ -74,20 +80,44 @@ void LayeredRaster::State::follow() {
     geometry =
         TypedBuffer<float>(scheduler.device(), owner, "de-indexed triangles",
                            size_t{LAYERED_BLOCK_WORDS} * divide_up(std::max(1u, triangles), 16), fewer_triangles);
-    drawn = {};
-    drawn = TypedBuffer<uint32_t>(scheduler.device(), owner, "drawn triangles", divide_up(std::max(1u, triangles), 16),
-                                  fewer_triangles);
+    unsure = {};
+    unsure = TypedBuffer<uint32_t>(scheduler.device(), owner, "triangles to test",
+                                   divide_up(std::max(1u, triangles), 16), fewer_triangles);
     ScheduleRecorder recorder = scheduler.record("gather triangles", owner);
     PassBuilder pass = recorder.pass("gather triangles", program, "layered_gather_triangles");
-    scene.bind(pass, program, "layered_gather_triangles");
+    scene.bind(pass);
     pass.global(divide_up(std::max(1u, triangles), 16))
         .local(1)
-        .arg("layered_drawn", drawn)
+        .arg("layered_unsure", unsure)
         .arg("layered_geometry", geometry);
     gather = recorder.compile();
   }
-  drawn.upload(drawn_triangles(scene, triangles));
   scheduler.run_to_end(gather);  // cancelled, it would leave triangles of zeros that nothing would gather again
+  leave_out_degenerate();
+}
+
+void LayeredRaster::State::leave_out_degenerate() {
+  // Only the triangles come to the host for which single precision cannot tell: in most scenes there are none.
+  const std::vector<uint32_t> bits = unsure.download();
+  std::vector<size_t> blocks;
+  for (size_t block = 0; block < bits.size(); ++block)
+    if (bits[block]) blocks.push_back(block);
+  if (blocks.empty()) return;
+  // Many blocks: one transfer of all from the first to the last costs less than one for each.
+  constexpr size_t most_transfers = 16;
+  const size_t first = blocks.front(), last = blocks.back();
+  const bool whole = blocks.size() > most_transfers;
+  std::vector<float> run;
+  if (whole) run = geometry.download(first * LAYERED_BLOCK_WORDS, (last - first + 1) * LAYERED_BLOCK_WORDS);
+  bool any = false;
+  for (const size_t block : blocks) {
+    if (!whole) run = geometry.download(block * LAYERED_BLOCK_WORDS, LAYERED_BLOCK_WORDS);
+    const size_t start = whole ? (block - first) * LAYERED_BLOCK_WORDS : 0;
+    const bool changed = leave_out_of_block(std::span(run).subspan(start, LAYERED_BLOCK_WORDS), bits[block]);
+    if (changed && !whole) geometry.upload(run, block * LAYERED_BLOCK_WORDS);
+    any = any || changed;
+  }
+  if (any && whole) geometry.upload(run, first * LAYERED_BLOCK_WORDS);
 }
 
 LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const std::string& name,
@@ -185,14 +215,14 @@ void LayeredRaster::State::record_tiles(ScheduleRecorder& recorder, const std::s
     pass.global(divide_up(rows - parity, 2))
         .local(1)
         .slice(std::max(1u, slice_pixels / (options.max_width * LAYERED_TILE_ROWS)));
-    bind_tiles(pass, view, bins, consumer, kernel, parity);
+    bind_tiles(pass, view, bins, parity);
     bind(pass);
   }
 }
 
 void LayeredRaster::State::bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins,
-                                      const Program& consumer, std::string_view kernel, uint32_t parity) const {
-  if (alpha) scene.bind(pass, consumer, kernel);
+                                      uint32_t parity) const {
+  if (alpha) scene.bind(pass);
   pass.arg("layered_views", view.views)
       .arg("layered_view", view.index)
       .arg("layered_records", bins.records)

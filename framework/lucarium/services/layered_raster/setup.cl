@@ -1,29 +1,47 @@
 // SPDX-License-Identifier: Apache-2.0
 // From world-space triangles to LayeredRecords of a view: gather, project, snap, orient, bound. LAYERED_PERSPECTIVE and
 // LAYERED_CONSERVATIVE as LayeredRaster::defines() says.
+#include "lucarium/math.clh"
 #include "lucarium/services/layered_raster/project.clh"
 
+// Whether |a b - c d| may be 0, were it not for rounding: the factors are differences of floats, `size` bounds them.
+// A term's relative error is below 4 * 2^-24, and what is flushed to zero is below 2^-126.
+bool layered_may_vanish(float a, float b, float c, float d, float size) {
+  const float p = a * b, q = c * d;
+  return !(fabs(p - q) > 1e-6f * (fabs(p) + fabs(q)) + 1e-37f * (1.0f + size));
+}
+
+// Whether a triangle may have no area: is_degenerate() (degenerate_triangle.h) decides it in double precision.
+bool layered_unsure_area(const float4* p) {
+  const float3 u = p[1].xyz - p[0].xyz, v = p[2].xyz - p[0].xyz;
+  const float size = max_component(fabs(u)) + max_component(fabs(v));
+  return layered_may_vanish(u.y, v.z, u.z, v.y, size) && layered_may_vanish(u.z, v.x, u.x, v.z, size) &&
+         layered_may_vanish(u.x, v.y, u.y, v.x, size);
+}
+
 // De-indexed positions in blocks of 16 triangles, component by component, so that set-up is all vector loads.
-// layered_drawn: per block, the triangles (bits) that have an area; the others would get one where corners are snapped,
-// and have fragments though no ray hits them.
+// layered_unsure: per block, the triangles (bits) that may have no area. Those that have none would get one where
+// corners are snapped, and have fragments though no ray hits them: the host takes them out.
 __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __global const Vertex* scene_vertices,
                                        __global const Triangle* scene_triangles,
                                        __global const Instance* scene_instances,
-                                       __global const Material* scene_materials, __global const uint* layered_drawn,
+                                       __global const Material* scene_materials, __global uint* layered_unsure,
                                        __global float* layered_geometry) {
   const uint block = get_global_id(0);
   __global float* out = layered_geometry + block * LAYERED_BLOCK_WORDS;
+  uint unsure = 0u;
   for (uint lane = 0u; lane < 16u; ++lane) {
     const uint index = block * 16u + lane;
     float4 p[3] = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
     uint flags = 0u;
-    if (layered_drawn[block] >> lane & 1u) {
+    if (index < scene_info->triangle_count) {
       const Triangle triangle = scene_triangles[index];
       p[0] = scene_vertices[triangle.v0].position;
       p[1] = scene_vertices[triangle.v1].position;
       p[2] = scene_vertices[triangle.v2].position;
       const uint material = scene_materials[scene_instances[triangle.instance].material].flags;
       flags = material & (LUCARIUM_MATERIAL_MASK | LUCARIUM_MATERIAL_BLEND) ? LAYERED_RECORD_ALPHA : 0u;
+      if (layered_unsure_area(p)) unsure |= 1u << lane;
     }
     for (uint corner = 0u; corner < 3u; ++corner) {
       out[(3u * corner + 0u) * 16u + lane] = p[corner].x;
@@ -32,6 +50,7 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
     }
     out[9u * 16u + lane] = as_float(flags);
   }
+  layered_unsure[block] = unsure;
 }
 
 // Records and tile bounds of 16 triangles. Triangles that must be clipped get no bounds here, but are counted.

@@ -22,14 +22,15 @@ struct LayeredRaster::State {
   State(KernelScheduler& scheduler, const SceneBuffers& scene, const LayeredRasterOptions& options,
         const std::string& owner);
   void follow();
+  /// Takes the triangles that have no area out of `geometry`.
+  void leave_out_degenerate();
   std::map<std::string, std::string> defines() const;
   LayeredBins record_bins(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view) const;
   void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
                     const Program& consumer, std::string_view kernel,
                     const std::function<void(PassBuilder&)>& bind) const;
   /// Binds LAYERED_TILE_PARAMETERS (and the scene, if the kernel wants it).
-  void bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins, const Program& consumer,
-                  std::string_view kernel, uint32_t parity) const;
+  void bind_tiles(PassBuilder& pass, const ViewRef& view, const LayeredBins& bins, uint32_t parity) const;
   Stored record_tile_store(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
                            uint32_t keep) const;
   void record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const BufferRef& depth,
@@ -44,8 +45,8 @@ struct LayeredRaster::State {
   Primitives primitives;
   Program program;
   mutable std::map<std::pair<std::string, uint32_t>, Program> consumers;
-  TypedBuffer<float> geometry;  ///< blocks of 16 de-indexed triangles
-  TypedBuffer<uint32_t> drawn;  ///< per block, those that have an area (bits)
+  TypedBuffer<float> geometry;   ///< blocks of 16 de-indexed triangles
+  TypedBuffer<uint32_t> unsure;  ///< per block, those (bits) that may have no area
   Schedule gather;
   uint32_t triangles = 0;
   bool alpha = false;

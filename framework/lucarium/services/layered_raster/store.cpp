@@ -150,7 +150,7 @@ class LayeredRaster::ListStore {
   void emit(const std::string& what, uint32_t mode, const BufferRef& capacity, const BufferRef& counts,
             const BufferRef& node_count, const BufferRef& fragments, const BufferRef& next) {
     PassBuilder pass = recorder_.pass(name_ + "." + what, lists_, "layered_list_fragments");
-    state_.bind_tiles(pass, view_, bins_, lists_, "layered_list_fragments", 0);
+    state_.bind_tiles(pass, view_, bins_, 0);
     pass.global((std::max(1u, state_.triangles) + records_per_item - 1) / records_per_item)
         .local(1)
         .arg("layered_bounds", bins_.bounds)

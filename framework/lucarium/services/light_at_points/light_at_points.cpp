@@ -41,7 +41,7 @@ LightAtPoints::Shadows LightAtPoints::shadows(ScheduleRecorder& recorder) const 
 
 PassBuilder LightAtPoints::point_pass(ScheduleRecorder& recorder, const std::string& name, const char* kernel) const {
   PassBuilder pass = recorder.pass(name, program_, kernel);
-  scene_.bind(pass, program_, kernel);
+  scene_.bind(pass);
   bind_points_(pass);
   pass.global(points_).arg("count", points_);
   return pass;
@@ -50,7 +50,7 @@ PassBuilder LightAtPoints::point_pass(ScheduleRecorder& recorder, const std::str
 PassBuilder LightAtPoints::add_pass(ScheduleRecorder& recorder, const char* kernel, const Shadows& shadows,
                                     const Variable<uint32_t>& number, const Bind& bind_sums) const {
   PassBuilder add = recorder.pass("add light at points", program_, kernel);
-  scene_.bind(add, program_, kernel);
+  scene_.bind(add);
   bind_sums(add);
   add.global(points_)
       .arg("count", points_)

@@ -38,7 +38,7 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
   const BufferRef hits = recorder.transient<Hit>("hits of light paths", paths, options_.remedy);
   const BufferRef states = recorder.transient<LightPathState>("light paths", paths, options_.remedy);
   PassBuilder emit = recorder.pass("emit light paths", program, "emit_light_paths");
-  scene_.bind(emit, program, "emit_light_paths");
+  scene_.bind(emit);
   emit.global(paths)
       .slice(kPathsPerSlice)
       .arg("rules", rules)
@@ -49,7 +49,7 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
   for (uint32_t number = 0; number < options_.vertices; ++number) {
     intersector_.record_closest(recorder, "trace light paths", rays, hits, count_, 0, paths);
     PassBuilder advance = recorder.pass("vertices of light paths", program, "advance_light_paths");
-    scene_.bind(advance, program, "advance_light_paths");
+    scene_.bind(advance);
     advance.global(paths)
         .slice(kPathsPerSlice)
         .arg("rules", rules)

@@ -61,7 +61,7 @@ void SpecularChains::record(const SceneBuffers& scene) {
   recorder.fill_zero("clear count", counts_);
   intersector_->record_closest(recorder, "hits of " + options_.what, rays_, hits, active_, 0, targets);
   PassBuilder advance = recorder.pass("advance " + options_.what, consumer_.program, consumer_.advance);
-  scene.bind(advance, consumer_.program, consumer_.advance);
+  scene.bind(advance);
   advance.global_by(active_)
       .arg("settings", settings_)
       .arg("rays", rays_)

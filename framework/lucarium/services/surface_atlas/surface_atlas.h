@@ -69,7 +69,6 @@ class SurfaceAtlas {
   /// Binds what the kernel has a parameter for: atlas_info (by value), atlas_triangles, atlas_table, atlas_links,
   /// atlas_texels, atlas_points, atlas_materials, atlas_ranges, atlas_pieces, atlas_samples.
   void bind(PassBuilder& pass) const;
-  void bind(PassBuilder& pass, const Program&, std::string_view) const { bind(pass); }
 
   /// Compiles what refit() will launch.
   void warm_up();

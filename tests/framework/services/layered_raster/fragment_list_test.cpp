@@ -68,7 +68,7 @@ std::vector<uint4> look_up(LayeredScene& scene, const LayeredView& view, const s
   const LayeredRaster::Stored stored =
       scene.raster().record_stored(recorder, "layers", {views, recorder.variable("view", 0u)});
   PassBuilder pass = recorder.pass("look up", program, "look_up");
-  scene.buffers().bind(pass, program, "look_up");
+  scene.buffers().bind(pass);
   pass.global(points.size())
       .arg("positions", position_buffer)
       .arg("normals", normal_buffer)

@@ -97,6 +97,38 @@ TEST_CASE("triangles without area have no fragments, wherever their corners are 
   for (int i = 0; i < 20; ++i) CHECK(scene.store(view_along(random.direction(), 1.1f, size)).fragments.empty());
 }
 
+TEST_CASE("lines among triangles take nothing away from them, were it the thinnest") {
+  constexpr uint32_t size = 100, count = 2400;  // 150 blocks
+  for (const uint32_t step : {2390u, 13u}) {    // two lines, then some in every block
+    CAPTURE(step);
+    Random random(4);
+    Soup with_lines, without;
+    for (uint32_t i = 0; i < count; ++i) {
+      const glm::vec3 a = random.in_cube(0.6f), edge = random.in_cube(0.3f);
+      const bool needle = i % 3 == 0;  // of a few units in the last place, with a corner along its edge
+      const bool line = i % step == 5;
+      const glm::vec3 c = line ? a : a + (needle ? 0.4f : 1.f) * edge + (needle ? 3e-7f : 0.3f) * random.in_cube(1);
+      with_lines.add_triangle(a, a + edge, c);
+      if (line) {
+        without.add_triangle(glm::vec3(9, 0, 0), glm::vec3(9, 1, 0), glm::vec3(9, 0, 1));  // beside the film
+      } else {
+        without.add_triangle(a, a + edge, c);
+      }
+    }
+    LayeredScene scene(scene_of(with_lines), {.max_width = size, .max_height = size});
+    LayeredScene other(scene_of(without), {.max_width = size, .max_height = size});
+    const LayeredView view = view_along(random.direction(), 1.1f, size);
+    const HostLayers got = scene.store(view), expected = other.store(view);
+    CHECK(got.pixel_start == expected.pixel_start);
+    REQUIRE(got.fragments.size() == expected.fragments.size());
+    CHECK(std::memcmp(got.fragments.data(), expected.fragments.data(),
+                      got.fragments.size() * sizeof(LayeredFragment)) == 0);
+    const bool needles = std::any_of(got.fragments.begin(), got.fragments.end(),
+                                     [](const LayeredFragment& f) { return (f.triangle & ~LAYERED_AWAY) % 3 == 0; });
+    CHECK(needles);
+  }
+}
+
 TEST_CASE("fans about pixel centres cover each pixel once") {
   for (const uint32_t spokes : {3u, 4u, 8u, 17u, 100u}) {
     CAPTURE(spokes);

@@ -65,7 +65,7 @@ class ChainRig {
   glm::dvec3 reflected(float u, float v, const glm::vec3& direction, const glm::vec3& light, float intensity) {
     const auto result = test_buffer<float4>(1);
     run_kernel(program_, "reflected_light", 1, 1, [&](PassBuilder& pass) {
-      buffers_.bind(pass, program_, "reflected_light");
+      buffers_.bind(pass);
       pass.arg("u", u).arg("v", v).arg("direction", float4(direction, 0)).arg("light", float4(light, 0));
       pass.arg("intensity", float4(intensity, intensity, intensity, 0)).arg("result", result);
     });

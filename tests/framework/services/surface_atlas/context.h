@@ -61,7 +61,7 @@ void run_at(AtlasContext& context, const std::string& kernel, const Points& p, B
   const Program program = lookup_program();
   ScheduleRecorder recorder = context.scheduler.record(kernel, "test");
   PassBuilder pass = recorder.pass(kernel, program, kernel);
-  context.atlas->bind(pass, program, kernel);
+  context.atlas->bind(pass);
   pass.global(count).local(64).arg("triangles", triangles).arg("points", points).arg("count", count);
   bind(pass);
   Schedule schedule = recorder.compile();
