@@ -191,7 +191,7 @@ void add_report_command(Command program, Action& action) {
     ReportOptions options;
   };
   auto arguments = std::make_shared<ReportArguments>();
-  Command command = program.add_subcommand("report", "write report.html anew from the results in a folder");
+  Command command = program.add_subcommand("report", "write report.html again from the results in a folder");
   command.add_option("folder", arguments->folder, "folder of the results")->required();
   command.add_flag("--link-images", arguments->options.link_images, "images beside the page, in full precision");
   command.callback(

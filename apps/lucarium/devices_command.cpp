@@ -38,7 +38,7 @@ int devices(const DeviceArguments& arguments, bool json) {
                        {"max_allocation_bytes", device.max_allocation_bytes},
                        {"local_memory_bytes", device.local_memory_bytes}});
     if (json) continue;
-    print_result("{}  {}  ({}, {} compute units, {} in all, {} at once)\n   {}, {}, driver {}\n", device.index,
+    print_result("{}  {}  ({}, {} compute units, {} of memory, {} per buffer)\n   {}, {}, driver {}\n", device.index,
                  device.name, type_name(device.type), device.compute_units, format_bytes(device.global_memory_bytes),
                  format_bytes(device.max_allocation_bytes), device.platform, device.opencl_version,
                  device.driver_version);

@@ -89,7 +89,7 @@ ordered_json metrics_json(const ImageMetrics& metrics) {
   return json;
 }
 
-/// The reference's own error, where its file tells, and what is left of the measured one without it.
+/// The reference's own error, where its file states it, and the measured error without it.
 ordered_json reference_json(const Film& reference, const ImageMetrics& whole) {
   ReferenceError own;
   if (!estimate_reference_error(reference, own)) return nullptr;
@@ -149,7 +149,7 @@ void print_reference(const ordered_json& reference) {
                  reference[std::string("debiased_") + key].get<double>(),
                  reference[std::string(key) + "_resolved"].get<bool>()
                      ? "."
-                     : ": the reference is too noisy to tell (above a tenth).");
+                     : ": the reference is too noisy to decide (above a tenth).");
   }
 }
 

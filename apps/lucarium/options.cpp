@@ -45,9 +45,9 @@ void DeviceArguments::add_to(Command command) {
   command.add_option("--device", options.selector,
                      "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
   command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")
-      ->check(in_range(0, most_threads));
+      ->check(in_range(0, max_threads));
   command.add_option("--cache-dir", options.cache_dir, "folder of compiled kernels and references");
-  command.add_flag("--no-cache", no_cache, "compile every kernel anew");
+  command.add_flag("--no-cache", no_cache, "compile every kernel again");
   command.add_option("--memory-limit", memory_limit, "most device memory to use, as 500M or 2G");
   command.add_option("--allocation-limit", allocation_limit, "most device memory of one buffer");
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr uint64_t default_samples = 64;
 constexpr double no_time = 1e-9;  // 0 would be no limit
 
-/// What iterating is left of `seconds`; tells where there is nothing left.
+/// Seconds left for iterating; warns where nothing is left.
 double seconds_left_of(const char* option, double seconds, double spent, const std::string& of_it = "") {
   if (spent >= seconds)
     log_warning("{} {:g} was over before the first iteration: what comes before took {:.1f} s{}", option, seconds,
@@ -50,8 +50,8 @@ std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budge
   return arguments.seconds > 0 ? "--time" : "--compute-time";
 }
 
-constexpr double start_seconds = 1;     // of the program: devices, the scene's file, kernels from the cache
-constexpr double least_seconds = 1e-3;  // what is planned for where the start takes all
+constexpr double start_seconds = 1;   // of the program: devices, the scene's file, kernels from the cache
+constexpr double min_seconds = 1e-3;  // what is planned for where the start takes all
 
 /// Whether --time is used up before --compute-time.
 bool is_wall_time(const BudgetArguments& arguments) {
@@ -86,8 +86,7 @@ void tell_first_picture(const BudgetArguments& arguments, const RenderSession& s
 }  // namespace
 
 double planned_seconds(const BudgetArguments& arguments) {
-  return is_wall_time(arguments) ? std::max(arguments.seconds - start_seconds, least_seconds)
-                                 : arguments.compute_seconds;
+  return is_wall_time(arguments) ? std::max(arguments.seconds - start_seconds, min_seconds) : arguments.compute_seconds;
 }
 
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique) {

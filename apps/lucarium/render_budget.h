@@ -27,10 +27,10 @@ void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const s
 struct RenderEnd {
   bool interrupted = false;
   std::string by;                      ///< the option whose budget is used up, "Ctrl-C", or what the technique says
-  std::optional<double> seconds_left;  ///< until the technique ends by itself, where that can be told
+  std::optional<double> seconds_left;  ///< until the technique ends by itself, where that is known
 };
 
-/// Renders one picture within the budget, or if that is over before, up to the first picture; tells when so.
+/// Renders one picture within the budget, or if that is over before, up to the first picture, with a warning.
 /// `relmse` gives the image's present error where it is known.
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
                                const std::function<std::optional<double>(RenderSession&)>& relmse,

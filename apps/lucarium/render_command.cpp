@@ -31,7 +31,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-constexpr int most_frames = 100000;
+constexpr int max_frames = 100000;
 
 struct RenderArguments {
   std::string scene;
@@ -60,8 +60,8 @@ std::optional<FrameRange> parse_frames(const std::string& text) {
   FrameRange range;
   char rest = 0;
   if (std::sscanf(text.c_str(), "%7d:%7d%c", &range.first, &range.last, &rest) != 2 || range.first < 0 ||
-      range.last < range.first || range.last - range.first >= most_frames) {
-    throw_error(ErrorClass::usage, "--frames {} is not FIRST:LAST with at most {} frames", text, most_frames);
+      range.last < range.first || range.last - range.first >= max_frames) {
+    throw_error(ErrorClass::usage, "--frames {} is not FIRST:LAST with at most {} frames", text, max_frames);
   }
   return range;
 }
@@ -216,7 +216,7 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session,
       if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
     } catch (const Error& error) {
       if (i == 0 || error.error_class() != ErrorClass::interrupted) throw;
-      return true;  // frames that are done are told of
+      return true;  // frames that are done are reported
     }
     const RenderEnd end = render_within_budget(arguments.budget, session, arguments.output.quiet, relmse, start);
     if (end.interrupted && session.last().samples == 0 && !session.last().visible) return true;
@@ -251,7 +251,7 @@ bool render_frames(const RenderArguments& arguments, RenderSession& session,
   return false;
 }
 
-/// The scene with its light, its warnings told.
+/// Loads the scene, requires a light, logs warnings.
 Scene load(const RenderArguments& arguments) {
   Scene scene = arguments.overrides.load(arguments.scene);
   require_light(scene);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium reproduce: experiments of papers, each a comparison with what is to be read off it.
+// lucarium reproduce: experiments of papers, each a comparison and the values read off it.
 #include <algorithm>
 
 #include "commands.h"

@@ -19,7 +19,7 @@ std::vector<std::filesystem::path> scene_files(const std::string& scene, const s
 
 /// Renders in a process of its own, then again whenever an input changes, until interrupted; returns 0. A render that
 /// fails, or dies, says why and leaves the files of the last good one. The process is this one's command line without
-/// --watch and with --overwrite, so that plug-ins are loaded anew.
+/// --watch and with --overwrite, so that plug-ins are loaded again.
 int render_and_watch(const WatchedInputs& inputs);
 
 }  // namespace lucarium::app

@@ -58,14 +58,15 @@ std::vector<std::string> limitations(const MicroParameters& parameters, const Sc
                                      const RenderSettings& settings) {
   std::vector<std::string> list;
   if (settings.max_bounces < 0)
-    list.push_back(fmt::format("computes {} bounces (unlimited_bounces), not all", bounces(parameters, settings)));
+    list.push_back(fmt::format("computes {} bounces instead of unlimited ones (unlimited_bounces)",
+                               bounces(parameters, settings)));
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
     return m.transmission > 0 || m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
   });
   if (parameters.node_shading == NodeShading::dynamic && bounces(parameters, settings) > 1)
     list.push_back(
-        "node_shading=dynamic: beyond one bounce only the second vertex from the eye is glossy, only for light samples "
-        "and virtual lights");
+        "node_shading=dynamic: with several bounces only the second vertex from the eye is glossy, and only for light "
+        "samples and virtual lights");
   if (parameters.multibounce == MultiBounce::instant_radiosity &&
       (bounces(parameters, settings) > 1 || parameters.shows_virtual_lights()))
     list.push_back("virtual lights' geometry term is bounded by vpl_clamp: corners are too dark");
@@ -76,26 +77,24 @@ std::vector<std::string> limitations(const MicroParameters& parameters, const Sc
       parameters.photon_direct)
     list.push_back("node_shading=dynamic has no effect: photons stand for light samples (photon_direct=on)");
   if (parameters.shows_virtual_lights())
-    list.push_back(
-        "final_gather=off: visible surfaces reflect indirect light by their diffuse lobes alone, and nothing is "
-        "gathered");
+    list.push_back("final_gather=off: visible surfaces reflect indirect light by their diffuse lobes only");
   if (!parameters.final_gather && !parameters.shows_virtual_lights())
     list.push_back("final_gather=off has no effect without multibounce=instant_radiosity");
   if (parameters.adaptive > 0 && parameters.largest_edge() < parameters.micro_size * 3 / 2)
-    list.push_back(fmt::format("adaptive: larger micro-buffers have edges of {} micro-pixels, not {}",
+    list.push_back(fmt::format("adaptive: enlarged micro-buffers have edges of {} micro-pixels, not {}",
                                parameters.largest_edge(), parameters.micro_size * 3 / 2));
   const bool inspects = parameters.inspect_x >= 0 || parameters.inspect_y >= 0;
   const auto inside = [](int at, uint32_t size) { return at >= 0 && static_cast<uint32_t>(at) < size; };
   if (inspects && !(inside(parameters.inspect_x, settings.width) && inside(parameters.inspect_y, settings.height)))
-    list.push_back(fmt::format("no micro-buffer is shown: inspect_x={}, inspect_y={} is no pixel of {}×{}",
+    list.push_back(fmt::format("no micro-buffer is shown: inspect_x={}, inspect_y={} is not a pixel of {}×{}",
                                parameters.inspect_x, parameters.inspect_y, settings.width, settings.height));
   else if (inspects && (bounces(parameters, settings) == 0 || parameters.shows_virtual_lights()))
     list.push_back("no micro-buffer is shown: nothing is gathered (inspect_x, inspect_y)");
   if (parameters.backface == Backface::cull)
-    list.push_back("backs of single-sided surfaces let light through, which the reference's block (backface=cull)");
+    list.push_back("backs of single-sided surfaces let light through; in the reference they block it (backface=cull)");
   if (ideal)
     list.push_back(
-        "mirrors and glass are seen by the eye alone: no caustics, no reflections in reflections of rough surfaces");
+        "only the camera sees mirrors and glass: no caustics, no reflections in reflections of rough surfaces");
   return list;
 }
 

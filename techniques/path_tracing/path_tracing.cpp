@@ -44,20 +44,23 @@ struct PathTracingParameters {
 
   template <class V>
   void describe(V& v) {
-    v.choice("estimator", options.estimator,
-             {{"mis", PathEstimator::mis}, {"nee", PathEstimator::nee_only}, {"bsdf", PathEstimator::bsdf_only}},
-             "how light of surfaces and environment is found: by light samples (nee), by hits (bsdf), or both (mis)");
+    v.choice(
+        "estimator", options.estimator,
+        {{"mis", PathEstimator::mis}, {"nee", PathEstimator::nee_only}, {"bsdf", PathEstimator::bsdf_only}},
+        "how light of surfaces and the environment is found: light samples (nee), BSDF samples (bsdf), or both (mis)");
     v.choice("sampler", options.sampler, {{"sobol", PathSampler::sobol}, {"random", PathSampler::random}},
              "Owen-scrambled Sobol points, or independent random numbers");
     v.choice("light_choice", options.light_choice, {{"power", LightChoice::power}, {"uniform", LightChoice::uniform}},
-             "which light a vertex samples: in proportion to its power, or all alike");
-    v.flag("roulette", options.roulette, "Russian roulette (never used when max_bounces is below 8)");
-    v.number("roulette_start", options.roulette_start, 0, 4096, "scatterings", "when Russian roulette begins");
+             "probability of sampling a light: proportional to its power, or uniform");
+    v.flag("roulette", options.roulette, "end paths by Russian roulette (never when max_bounces is below 8)");
+    v.number("roulette_start", options.roulette_start, 0, 4096, "scatterings",
+             "counted scatterings before Russian roulette begins");
     v.number("replicates", options.replicates, 1, 64, "",
-             "independent sample sets; 2 or more give the error per pixel");
+             "independent sample sets; two or more give the error per pixel (layer Variance)");
     v.number("samples_per_iteration", options.samples_per_iteration, 1, 4096, "samples/pixel",
-             "samples per pixel of one iteration");
-    v.number("batch_paths", options.batch_paths, 1024, 1 << 22, "paths", "most paths in flight; memory grows with it");
+             "samples per pixel and iteration");
+    v.number("batch_paths", options.batch_paths, 1024, 1 << 22, "paths",
+             "maximum paths in flight; memory grows with it");
     describe_path_set(v);
   }
 
@@ -76,11 +79,11 @@ struct PathTracingParameters {
     v.flag("eye_delta", set.eye_delta, "include mirrors and ideal refraction seen by the eye");
     v.flag("light_delta", set.light_delta, "include mirrors and ideal refraction behind the first counted scattering");
     v.flag("secondary_lambert_only", set.secondary_lambert_only,
-           "behind the first non-delta vertex keep only the diffuse lobe");
-    v.flag("geometric_normals", set.geometric_normals, "shade with geometric instead of shading normals");
-    v.flag("blend", set.blend, "BLEND surfaces are crossed at random; off: they are opaque");
+           "keep only diffuse lobes behind the first non-delta vertex");
+    v.flag("geometric_normals", set.geometric_normals, "shade with geometric normals instead of shading normals");
+    v.flag("blend", set.blend, "cross BLEND surfaces at random by their alpha; off: they are opaque");
     v.number("indirect_clamp", set.indirect_clamp, 0.0, 1e30, "cd/m²",
-             "upper bound of one sample's indirect light, which biases; 0: none");
+             "maximum indirect light of one sample, which causes a bias; 0: no maximum");
   }
 };
 

@@ -116,7 +116,7 @@ double environment_power(const Environment& e) {
   return sum * double{e.factor.y};
 }
 
-/// What flux times all densities is to be: radiance and cosine, or what stands for them (of cases without textures).
+/// Expected product of flux and all densities: radiance and cosine, or their equivalent (of cases without textures).
 double sent_light(const Case& c, const Light& light, const glm::vec3& direction) {
   const double cosine = double{glm::dot(direction, light.direction.xyz())};
   if (light.kind == LUCARIUM_LIGHT_TRIANGLE) return c.brightness * std::abs(double{glm::dot(direction, lamp_normal)});

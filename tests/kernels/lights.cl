@@ -2,8 +2,8 @@
 #include "lucarium/lights.clh"
 #include "lucarium/sobol.clh"
 // Densities that jump: no slivers missed, but no use in refining for ever.
-#define GRID_FEWEST 48u
-#define GRID_MOST 96u
+#define GRID_MIN 48u
+#define GRID_MAX 96u
 #include "sphere_grid.clh"
 
 // Samples of the mixture for a point: xyz direction, w pdf; xyz radiance, w: 1 punctual, 2 at infinity; end points.

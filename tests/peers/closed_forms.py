@@ -24,7 +24,7 @@ SEEDS = range(1, 9)
 
 
 def render_both(writer, options, size, bounces, samples, folder, kernel_path=None, area_lights=True):
-    """Images (h, w) of the first channel: ours, theirs; `samples` per pixel, in all."""
+    """Images (h, w) of the first channel: ours, theirs; `samples` per pixel altogether."""
     scene = folder / "scene.glb"
     lucarium.export(writer.write(folder / "made.gltf"), options, scene)
     ours, _ = lucarium.render(scene, size, bounces, samples // 16, 16, folder / "ours.exr", kernel_path)

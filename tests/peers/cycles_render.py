@@ -255,7 +255,7 @@ def make_world(environment):
     elif environment.radiance is not None:
         picture = (*environment.radiance.tolist(), 1.0)
     else:
-        # Blender looks up u = 1/2 - atan2(y, x) / 2 pi, y = -z of glTF: the same picture but for its own turn.
+        # Blender looks up u = 1/2 - atan2(y, x) / 2 pi, y = -z of glTF: the same picture up to its own rotation.
         direction = nodes.node("ShaderNodeTexCoord").outputs["Generated"]
         turned = nodes.node("ShaderNodeVectorRotate", {"Vector": direction, "Angle": -environment.rotation},
                             rotation_type="Z_AXIS").outputs[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Are two renders of one scene the same but for noise? Welch's t per pixel and channel, on block means and on the mean
+"""Are two renders of one scene the same up to noise? Welch's t per pixel and channel, on block means and on the mean
 of the image, each at a level corrected for the number of tests (Sidak). Works on independent replicates.
 """
 

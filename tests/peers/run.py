@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Renders scenes with Lucarium and with another renderer and tells whether the images are the same but for noise.
+"""Renders scenes with Lucarium and with another renderer and checks whether the images are the same up to noise.
 
 Prints a table, writes OUT/results.json. Exit code: 0 all passed, 1 a difference, 77 nothing could be compared.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The scenes that are compared: what the program is told, and how both sides render it."""
+"""The scenes that are compared: arguments of the program, and how both sides render them."""
 
 from dataclasses import dataclass
 from pathlib import Path

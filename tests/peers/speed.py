@@ -83,7 +83,7 @@ class Mitsuba:
 
 
 class Cycles:
-    """Blender starts anew each round; its first image builds the acceleration structure and is not counted."""
+    """Blender starts again each round; its first image builds the acceleration structure and is not counted."""
 
     def __init__(self, file, folder, size, samples):
         self.file, self.folder, self.size, self.samples = file, folder, size, samples
@@ -110,7 +110,7 @@ def summary(renderer, images, walls, cpus, size, target):
 
 
 def renderers(arguments, file, scene, size):
-    """Those that are here, by name; the others are told."""
+    """Those that are installed, by name; warns about the others."""
     folder, samples = Path(arguments.out), arguments.samples
     makers = {
         "lucarium": lambda: Ours(file, folder, size, samples),
@@ -135,7 +135,7 @@ def parse():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--samples", type=int, default=16, help="per pixel and image")
     parser.add_argument("--size", default="640x360")
-    parser.add_argument("--target", type=float, default=0.01, help="relMSE whose time is told")
+    parser.add_argument("--target", type=float, default=0.01, help="relMSE whose time is measured")
     parser.add_argument("--only", action="append", help="name of a renderer; may be repeated")
     return parser.parse_args()
 

@@ -33,7 +33,7 @@ class ImageTest(unittest.TestCase):
     def test_one_percent_energy(self):
         result = self.verdict(render(seed=1), render(scale=1.01, seed=2))
         self.assertFalse(result["passed"])
-        self.assertEqual(result["pixels"]["failed"], 0)  # it is the mean that tells
+        self.assertEqual(result["pixels"]["failed"], 0)  # the mean fails
 
     def test_one_block(self):
         result = self.verdict(render(seed=1), render(patch=1.2, seed=2))

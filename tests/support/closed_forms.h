@@ -53,14 +53,14 @@ class ClosedForms {
   /// The standard errors must be at most 5e-4 of the exact value, or a third of the slack; in a quick run,
   /// `quick_error` of it.
   void check(double quick_error = 5e-4) const {
-    const double most_error = full_run() ? 5e-4 : quick_error;
+    const double max_error = full_run() ? 5e-4 : quick_error;
     for (const Row& row : rows_) {
       const double t = student_t_quantile(sidak_level(0.01, rows_.size()), row.estimate.replicates - 1);
       const double allowed = t * row.estimate.error + 2e-4 * row.exact + row.slack;
       INFO(row.name, ": mean ", row.estimate.mean, " +- ", row.estimate.error, ", exact ", row.exact, ", allowed ",
            allowed);
       CHECK(std::abs(row.estimate.mean - row.exact) <= allowed);
-      CHECK(row.estimate.error <= std::max(most_error * row.exact, row.slack / 3));
+      CHECK(row.estimate.error <= std::max(max_error * row.exact, row.slack / 3));
     }
   }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// ambient_occlusion: how open to its surroundings a surface point is
-// ------------------------------------------------------------------
+// ambient_occlusion: share of the hemisphere of a surface point that is not occluded
+// -----------------------------------------------------------------------------------
 //
-// Idea. The openness of a point x with normal n is
+// Idea. The accessibility of a point x with normal n is
 //
 //   A(x) = 1/π ∫ V(x, ω, d) (n·ω) dω
 //
@@ -37,7 +37,7 @@ struct Options {
 
   template <class V>
   void describe(V& v) {
-    v.number("distance", distance, 1e-6f, 1e6f, "scene radii", "what lies farther away does not occlude");
+    v.number("distance", distance, 1e-6f, 1e6f, "scene radii", "distance beyond which surfaces do not occlude");
   }
 };
 
@@ -47,7 +47,7 @@ TechniqueInfo describe_technique() {
   TechniqueInfo info;
   info.name = "ambient_occlusion";
   info.version = "1.0";
-  info.summary = "openness of every visible point within a distance; no light";
+  info.summary = "ambient occlusion of every visible point within a distance; no light";
   info.citation = "S. Zhukov, A. Iones and G. Kronin, An Ambient Light Illumination Model, Rendering Techniques 1998";
   info.capabilities.materials = all_kinds<MaterialKind>();
   info.capabilities.changes = all_kinds<ChangeKind>();
@@ -62,7 +62,7 @@ class AmbientOcclusion : public TechniqueBase<Options> {
   PathSet path_set(const Scene&, const RenderSettings&) const override { return PathSet::no_light_transport(); }
 
   std::vector<std::string> limitations(const Scene&, const RenderSettings&) const override {
-    return {"it shows openness, not light"};
+    return {"computes accessibility, not light"};
   }
 
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {

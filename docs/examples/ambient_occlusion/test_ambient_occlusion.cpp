@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// test_ambient_occlusion FOLDER_OF_THE_PLUGIN: two scenes whose openness is known exactly.
+// test_ambient_occlusion FOLDER_OF_THE_PLUGIN: two scenes whose accessibility is known exactly.
 #include <cstdio>
 
 #include "lucarium/scene/load/load_scene.h"
@@ -9,7 +9,7 @@ using namespace lucarium;
 
 namespace {
 
-/// Number of pixels of the scene whose openness is not `expected` after a few samples.
+/// Number of pixels of the scene whose accessibility is not `expected` after a few samples.
 int count_wrong(const TechniqueType& type, const char* scene_name, const char* distance, float expected) {
   Scene scene = load_scene(scene_name);
   RenderSettings settings;

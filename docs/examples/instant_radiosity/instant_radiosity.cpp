@@ -42,9 +42,9 @@ struct Options {
 
   template <class V>
   void describe(V& v) {
-    v.number("lights", lights, 1, 4096, "paths/iteration", "virtual lights of an iteration");
+    v.number("lights", lights, 1, 4096, "paths/iteration", "light paths per iteration, each with one virtual light");
     v.number("max_geometry", max_geometry, 0.01f, 1e6f, "1/R²",
-             "upper bound of the geometry term, R the scene's radius");
+             "maximum geometry term of a virtual light; R is the scene's radius");
   }
 };
 

@@ -183,7 +183,7 @@ ChildResult run_child(const std::vector<std::string>& arguments,
       passed_on = true;
     }
     if (ready < 0 && errno != EINTR)
-      throw_error(ErrorClass::internal, "cannot read what {} says: {}", arguments[0], std::strerror(errno));
+      throw_error(ErrorClass::internal, "cannot read the output of {}: {}", arguments[0], std::strerror(errno));
     if (ready <= 0) continue;
     for (pollfd& stream : streams) {
       if (stream.fd < 0 || !(stream.revents & (POLLIN | POLLHUP | POLLERR))) continue;

@@ -7,8 +7,8 @@
 
 namespace lucarium {
 
-/// Progress of long work on standard error: a bar with rate and, as soon as it can be told, time left on a terminal, a
-/// plain line now and then otherwise, nothing when quiet.
+/// Progress of long work on standard error: on a terminal a bar with rate and, once it can be
+/// estimated, time left; otherwise a plain line now and then; nothing when quiet.
 class Progress {
  public:
   enum class Style { quiet, automatic };

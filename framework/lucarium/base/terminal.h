@@ -16,8 +16,8 @@ std::string printable(std::string_view text);
 /// The same with line feeds and tabs written out as well: for a name, or a message of one line.
 std::string printable_line(std::string_view text);
 
-/// Writes printable(text) to standard output. Throws Error{input} when it cannot be written (a full disk), but for an
-/// interrupted run: its terminal may be gone, and what it keeps matters more.
+/// Writes printable(text) to standard output. Throws Error{input} when it cannot be written (a full disk), except in an
+/// interrupted run: its terminal may be gone, and saving its results matters more.
 void print_text(std::string_view text);
 template <class... Args>
 void print_result(fmt::format_string<Args...> format, Args&&... args) {

@@ -6,7 +6,7 @@
 namespace lucarium {
 namespace {
 
-constexpr double least_growth = 0.05, least_seconds = 10;
+constexpr double min_growth = 0.05, min_seconds = 10;
 
 }  // namespace
 
@@ -25,7 +25,7 @@ std::optional<double> TimeLeft::estimate() const {
 }
 
 std::optional<double> TimeLeft::settled_estimate() const {
-  const bool settled = fraction_ - first_fraction_ >= least_growth || seconds_ - first_seconds_ >= least_seconds;
+  const bool settled = fraction_ - first_fraction_ >= min_growth || seconds_ - first_seconds_ >= min_seconds;
   return settled ? estimate() : std::nullopt;
 }
 

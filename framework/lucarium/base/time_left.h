@@ -4,8 +4,8 @@
 
 namespace lucarium {
 
-/// Time that work still takes, by how fast its fraction has grown since the first update, or since it began to: what
-/// came before tells nothing of it. Where the fraction falls, another piece of work has begun.
+/// Estimates the remaining time of work from how fast its fraction has grown since the first update, or since it began
+/// to grow. A fraction that falls means that other work has begun, and the estimate starts over.
 class TimeLeft {
  public:
   /// `fraction` of the work is done after `seconds`; negative: unknown.

@@ -112,13 +112,13 @@ Outcome compare_samples(CheckContext& context, const Scene& before, const Scene&
     return list;
   };
   const BlockTest test = compare_blocks(images(true), images(false), 32, 32);
-  return verdict_of(test.passes(context.can().bias), "against a new run: " + test.describe(context.can().bias));
+  return verdict_of(test.passes(context.can().bias), "compared with a new run: " + test.describe(context.can().bias));
 }
 
 }  // namespace
 
 Outcome check_camera_cost(CheckContext& context) {
-  if (!context.claims(ChangeKind::camera)) return {Verdict::not_claimed, "does not follow the camera"};
+  if (!context.claims(ChangeKind::camera)) return {Verdict::not_claimed, "does not support camera changes"};
   Scene scene = context.plain_scene();
   RenderSession session = context.session(scene);
   context.run_long(session);
@@ -139,7 +139,7 @@ Outcome check_camera_cost(CheckContext& context) {
 }
 
 Outcome check_change(CheckContext& context, ChangeKind kind) {
-  if (!context.claims(kind)) return {Verdict::not_claimed, "does not follow it"};
+  if (!context.claims(kind)) return {Verdict::not_claimed, "does not support this change"};
   const LightKind light = light_for(context, kind);
   const Scene before = make_changing_scene(light);
   Scene after = before;
@@ -152,14 +152,14 @@ Outcome check_change(CheckContext& context, ChangeKind kind) {
   changed.change_scene([&](Scene& scene) { return apply(kind, scene); });
   const Picture now = context.run_short(changed), expected = context.run_short(fresh);
   const std::string different = difference(now, expected);
-  if (!different.empty()) return verdict_of(false, "not the image of a fresh start: " + different);
+  if (!different.empty()) return verdict_of(false, "differs from the image of a fresh start: " + different);
   return verdict_of(true, difference(old, now).empty() ? "same bits as a fresh start (and as before the change)"
                                                        : "same bits as a fresh start");
 }
 
 Outcome check_alpha_change(CheckContext& context) {
-  if (!context.claims(ChangeKind::materials)) return {Verdict::not_claimed, "does not follow materials"};
-  if (!context.claims(MaterialKind::mask)) return {Verdict::not_claimed, "has no mask"};
+  if (!context.claims(ChangeKind::materials)) return {Verdict::not_claimed, "does not support material changes"};
+  if (!context.claims(MaterialKind::mask)) return {Verdict::not_claimed, "does not support masks"};
   const Scene opaque = context.plain_scene();
   Scene masked = opaque;
   set_mask(masked, true);
@@ -169,8 +169,8 @@ Outcome check_alpha_change(CheckContext& context) {
     changed.change_scene([on](Scene& scene) { return set_mask(scene, on); });
     const std::string different = difference(context.run_short(changed), context.run_short(fresh));
     if (!different.empty()) {
-      return verdict_of(
-          false, fmt::format("{} a mask: not the image of a fresh start: {}", on ? "with" : "without", different));
+      return verdict_of(false, fmt::format("{} a mask: differs from the image of a fresh start: {}",
+                                           on ? "with" : "without", different));
     }
   }
   return verdict_of(true, "same bits as a fresh start, with and without a mask");

@@ -20,11 +20,11 @@ struct Check {
 
 void add_radiometric_checks(std::vector<Check>& list, const CheckContext& context) {
   const std::string bias =
-      context.can().bias > 0 ? fmt::format(" or the admitted {:.3g} %", 100 * context.can().bias) : "";
+      context.can().bias > 0 ? fmt::format(" or the declared bias of {:.3g} %", 100 * context.can().bias) : "";
   const std::string exact = fmt::format("within t({}) standard errors{}", level, bias);
   const std::string agrees = context.can().bias > 0
                                  ? fmt::format("difference of at most {:.3g} % beyond noise", 100 * context.can().bias)
-                                 : fmt::format("no block and not the whole different at the level {}", level);
+                                 : fmt::format("no block and not the whole image different at the level {}", level);
   list.push_back({"furnace", exact, check_furnace});
   list.push_back({"shining_box", exact, check_shining_box});
   for (const LightKind light : all_kinds<LightKind>())
@@ -43,9 +43,9 @@ void add_radiometric_checks(std::vector<Check>& list, const CheckContext& contex
 
 std::vector<Check> make_list(const CheckContext& context) {
   std::vector<Check> list = {
-      {"declaration", "known words, nothing left out", check_declaration},
-      {"parameters", "documented, values read back, others refused", check_parameters},
-      {"layers", "those declared and of the path set", check_layers},
+      {"declaration", "known names, none missing", check_declaration},
+      {"parameters", "documented, values read back, others rejected", check_parameters},
+      {"layers", "those declared, and those of the path set", check_layers},
       {"finite", "no NaN, infinite or negative value", check_finite},
       {"repeat/seed", "same bits", check_seed},
       {"repeat/reset", "same bits", check_reset},
@@ -58,10 +58,10 @@ std::vector<Check> make_list(const CheckContext& context) {
                     [kind](CheckContext& c) { return check_change(c, kind); }});
   list.push_back({"change/alpha", "the image of a fresh start", check_alpha_change});
   list.push_back({"memory/returned", "as before", check_memory});
-  list.push_back({"memory/stated", "at most 1.1 times what is stated", check_estimate});
-  list.push_back({"budget/iterations", "exactly as asked, and samples are counted", check_iterations});
-  list.push_back({"budget/seconds", "at most 1 s more than asked", check_seconds});
-  list.push_back({"cancellation", "within 1 s, without trace", check_cancellation});
+  list.push_back({"memory/stated", "at most 1.1 times the estimate", check_estimate});
+  list.push_back({"budget/iterations", "exactly as requested, and samples are counted", check_iterations});
+  list.push_back({"budget/seconds", "at most 1 s over the budget", check_seconds});
+  list.push_back({"cancellation", "within 1 s, image unchanged", check_cancellation});
   add_radiometric_checks(list, context);
   list.push_back({"oclgrind", "no error", check_oclgrind});
   return list;

@@ -63,7 +63,7 @@ std::string values_mistake(ParameterTable& table, const ParameterInfo& info) {
     if (!reads_back(value)) return fmt::format("{} reads back as {}", value, table.get(info.name));
   }
   for (const std::string& value : bad) {
-    if (!refuses(table, info.name, value)) return fmt::format("takes '{}', which is outside {}", value, info.range);
+    if (!refuses(table, info.name, value)) return fmt::format("accepts '{}', which is outside {}", value, info.range);
   }
   if (!reads_back(info.default_value))
     return fmt::format("default {} reads back as {}", info.default_value, table.get(info.name));
@@ -106,14 +106,14 @@ Outcome check_parameters(CheckContext& context) {
   const std::vector<ParameterTable::Entry> entries = table.entries();
   for (const ParameterTable::Entry& entry : entries) {
     const ParameterInfo& info = entry.info;
-    if (!is_identifier(info.name)) mistakes.push_back(fmt::format("'{}' is no name of a-z, 0-9 and _", info.name));
-    if (!names.insert(info.name).second) mistakes.push_back(fmt::format("{} is there twice", info.name));
-    if (info.doc.empty()) mistakes.push_back(fmt::format("{} has no meaning written down", info.name));
+    if (!is_identifier(info.name)) mistakes.push_back(fmt::format("'{}' is not a name of a-z, 0-9 and _", info.name));
+    if (!names.insert(info.name).second) mistakes.push_back(fmt::format("{} is declared twice", info.name));
+    if (info.doc.empty()) mistakes.push_back(fmt::format("{} has no description", info.name));
     if (const std::string mistake = values_mistake(table, info); !mistake.empty()) {
       mistakes.push_back(fmt::format("{}: {}", info.name, mistake));
     }
   }
-  if (!refuses(table, "no_such_parameter", "1")) mistakes.emplace_back("takes a parameter that it does not have");
+  if (!refuses(table, "no_such_parameter", "1")) mistakes.emplace_back("accepts an unknown parameter");
   if (!mistakes.empty()) return verdict_of(false, fmt::format("{}", fmt::join(mistakes, "; ")));
   return verdict_of(true, fmt::format("{} parameters", entries.size()));
 }
@@ -129,9 +129,9 @@ Outcome check_layers(CheckContext& context) {
        {std::pair{"emission", set.emission}, {"direct", set.direct}, {"indirect", set.indirect}}) {
     const FilmLayer* there = film.find(layer);
     if (computed && !(there && there->additive))
-      mistakes.push_back(fmt::format("its path set has {}, its film has not", layer));
+      mistakes.push_back(fmt::format("its path set has {}, its film does not", layer));
     if (!computed && there && there->additive)
-      mistakes.push_back(fmt::format("its film has {}, its path set has not", layer));
+      mistakes.push_back(fmt::format("its film has {}, its path set does not", layer));
   }
   for (const FilmLayer& layer : film.layers()) {
     if (std::find(declared.begin(), declared.end(), layer.name) == declared.end()) {

@@ -53,7 +53,7 @@ Outcome check_estimate(CheckContext& context) {
   const size_t taken = own_bytes(context.device->memory()) - others;
   const size_t stated = session.technique().estimate_bytes(session.scene(), session.settings());
   return verdict_of(static_cast<double>(taken) <= allowed_estimate * static_cast<double>(stated),
-                    fmt::format("takes {}, states {} at 256×256", format_bytes(taken), format_bytes(stated)));
+                    fmt::format("uses {}, estimates {} at 256×256", format_bytes(taken), format_bytes(stated)));
 }
 
 Outcome check_iterations(CheckContext& context) {
@@ -85,12 +85,12 @@ Outcome check_seconds(CheckContext& context) {
   const double seconds = watch.seconds();
   return verdict_of(
       seconds <= time_budget + allowed_overrun,
-      fmt::format("{:.2f} s asked for, {:.2f} s taken, {} iterations", time_budget, seconds, session.iterations()));
+      fmt::format("budget {:.2f} s, used {:.2f} s, {} iterations", time_budget, seconds, session.iterations()));
 }
 
 /// Cancels an iteration at its first request, then at its second, and so on until one gets through.
 Outcome check_cancellation(CheckContext& context) {
-  constexpr int most_requests = 200;
+  constexpr int max_requests = 200;
   const Scene scene = context.plain_scene();
   RenderSession session = context.session(scene), reference = context.session(scene);
   const Picture before = context.run_short(session, 2), complete = context.run_short(reference, 3);
@@ -98,7 +98,7 @@ Outcome check_cancellation(CheckContext& context) {
   double longest = 0;
   int cancelled = 0;
   bool through = session.last().converged;
-  for (; cancelled < most_requests && !through; ++cancelled) {
+  for (; cancelled < max_requests && !through; ++cancelled) {
     int requests = 0;
     Stopwatch asked;
     session.scheduler().set_cancel([&] {
@@ -113,18 +113,18 @@ Outcome check_cancellation(CheckContext& context) {
     if (through) break;
     const std::string traces = difference(context.picture(session), before);
     if (!traces.empty())
-      return verdict_of(false,
-                        fmt::format("cancelled at request {}, the iteration left traces: {}", cancelled + 1, traces));
+      return verdict_of(
+          false, fmt::format("cancelled at request {}, the iteration changed the image: {}", cancelled + 1, traces));
   }
   if (longest > allowed_overrun)
-    return verdict_of(false, fmt::format("went on for {:.2f} s after it was cancelled", longest));
+    return verdict_of(false, fmt::format("ran on for {:.2f} s after the request to cancel", longest));
   if (!through)
-    return verdict_of(false, fmt::format("no iteration got through when cancelled at its request {}", most_requests));
+    return verdict_of(false, fmt::format("no iteration completed when cancelled at its request {}", max_requests));
   const std::string different = difference(context.picture(session), complete);
   if (!different.empty())
-    return verdict_of(false, "after cancelled iterations, not the image of an undisturbed run: " + different);
-  return verdict_of(
-      true, fmt::format("{} cancelled without trace, at most {:.1f} ms after the request", cancelled, 1e3 * longest));
+    return verdict_of(false, "after cancelled iterations, the image differs from an undisturbed run: " + different);
+  return verdict_of(true, fmt::format("{} cancelled, image unchanged, at most {:.1f} ms after the request", cancelled,
+                                      1e3 * longest));
 }
 
 }  // namespace lucarium::check

@@ -50,14 +50,15 @@ Outcome compare_with_reference(CheckContext& context, const Scene& scene) {
   const auto& types = context.registry.types();
   const auto reference =
       std::find_if(types.begin(), types.end(), [](const TechniqueType& t) { return t.info().name == reference_name; });
-  if (reference == types.end()) return {Verdict::skipped, "the technique path_tracing is not there"};
+  if (reference == types.end()) return {Verdict::skipped, "the technique path_tracing is not installed"};
 
   const std::unique_ptr<Technique> technique = context.type.create();
   technique->parameters().set_all(context.options.parameters);
   const PathSet set = technique->path_set(scene, context.settings(scene));
   const BlockTest test =
       compare_blocks(technique_images(context, scene), reference_images(context, scene, set, *reference), 32, 32);
-  if (test.noise > largest_noise) return {Verdict::skipped, "too noisy to tell: " + test.describe(context.can().bias)};
+  if (test.noise > largest_noise)
+    return {Verdict::skipped, "too noisy to decide: " + test.describe(context.can().bias)};
   return verdict_of(test.passes(context.can().bias), test.describe(context.can().bias));
 }
 

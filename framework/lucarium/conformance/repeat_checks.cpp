@@ -107,7 +107,7 @@ Outcome check_observing(CheckContext& context) {
 
 Outcome check_threads(CheckContext& context) {
   if (context.options.program.empty()) return {Verdict::skipped, "needs the program lucarium"};
-  if (!context.device->info().is_pocl) return {Verdict::skipped, "threads are a setting of PoCL's CPU device"};
+  if (!context.device->info().is_pocl) return {Verdict::skipped, "only PoCL's CPU device has a number of threads"};
   const TemporaryFolder folder;
   RenderSession counted = context.session(context.plain_scene());
   context.run_short(counted);
@@ -129,7 +129,7 @@ Outcome check_oclgrind(CheckContext& context) {
   if (context.options.program.empty()) return {Verdict::skipped, "needs the program lucarium"};
   if (oclgrind.empty()) return {Verdict::skipped, "oclgrind is not installed"};
   if (detail::plugin_header().sanitizers[0])
-    return {Verdict::skipped, "not together with the sanitizers of this build"};
+    return {Verdict::skipped, "not possible with the sanitizers of this build"};
   const TemporaryFolder folder;
   // Unoptimized, kernels hold no compiler intrinsics that the interpreter does not know; the scalar traversal is short.
   const std::vector<std::string> interpreted = {

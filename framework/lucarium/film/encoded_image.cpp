@@ -118,17 +118,16 @@ struct JpegFrame {
   uint64_t blocks() const {
     const size_t components = segment[9];
     if (segment.size() < 10 + 3 * components) return 0;
-    uint64_t most_h = 0, most_v = 0, count = 0;
+    uint64_t max_h = 0, max_v = 0, count = 0;
     const auto sampling = [this](size_t c) { return segment[11 + 3 * c]; };
     for (size_t c = 0; c < components; ++c) {
-      most_h = std::max<uint64_t>(most_h, sampling(c) >> 4);
-      most_v = std::max<uint64_t>(most_v, sampling(c) & 15);
+      max_h = std::max<uint64_t>(max_h, sampling(c) >> 4);
+      max_v = std::max<uint64_t>(max_v, sampling(c) & 15);
     }
-    if (most_h == 0 || most_v == 0) return 0;
+    if (max_h == 0 || max_v == 0) return 0;
     for (size_t c = 0; c < components; ++c) {
       const uint64_t h = sampling(c) >> 4, v = sampling(c) & 15;
-      count +=
-          ((size().width * h + 8 * most_h - 1) / (8 * most_h)) * ((size().height * v + 8 * most_v - 1) / (8 * most_v));
+      count += ((size().width * h + 8 * max_h - 1) / (8 * max_h)) * ((size().height * v + 8 * max_v - 1) / (8 * max_v));
     }
     return count;
   }

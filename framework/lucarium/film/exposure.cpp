@@ -9,7 +9,7 @@ namespace {
 
 constexpr double percentile = 0.9;
 constexpr float darkest = 0.2f, brightest = 1;  // linear; 0.2 is 0.48 in sRGB
-constexpr float most_stops = 100;               // 2^±100 is a finite float
+constexpr float max_stops = 100;                // 2^±100 is a finite float
 
 }  // namespace
 
@@ -26,7 +26,7 @@ float automatic_exposure(const std::vector<float>& rgb) {
   std::nth_element(lit.begin(), at, lit.end());
   const float wanted = std::clamp(*at, darkest, brightest);
   if (wanted == *at) return 0;
-  const float stops = std::clamp(std::log2(wanted) - std::log2(*at), -most_stops, most_stops);
+  const float stops = std::clamp(std::log2(wanted) - std::log2(*at), -max_stops, max_stops);
   return std::round(10 * stops) / 10 + 0.f;  // never -0
 }
 

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr float largest_half = 65504.f;
-constexpr uint64_t most_values = uint64_t{1} << 31;  // of all channels; larger files are refused before memory is taken
+constexpr uint64_t max_values = uint64_t{1} << 31;  // of all channels; larger files are refused before memory is taken
 constexpr std::string_view attribute_prefix = "lucarium:";
 const std::string additive_attribute = "lucarium:additive_layers";
 
@@ -134,7 +134,7 @@ void fill_layers(Film& film, const OIIO::ImageSpec& spec, const std::vector<floa
 void check_size(const fs::path& file, int64_t width, int64_t height, int64_t channels) {
   // Each is an int, so that only the product of all three could overflow.
   if (width > 0 && height > 0 && channels > 0 &&
-      static_cast<uint64_t>(width) * static_cast<uint64_t>(height) <= most_values / static_cast<uint64_t>(channels)) {
+      static_cast<uint64_t>(width) * static_cast<uint64_t>(height) <= max_values / static_cast<uint64_t>(channels)) {
     return;
   }
   throw_error(ErrorClass::input, "{}: {}×{} pixels with {} channels is not an image this program reads", file.string(),

@@ -50,7 +50,7 @@ void visit_image(Visitor& visit, TheJob& job) {
 template <class Visitor, class Device>
 void visit_device(Visitor& visit, Device& device) {
   visit("name", device.selector);
-  visit("threads", device.threads, 0, most_threads);
+  visit("threads", device.threads, 0, max_threads);
   visit("memory_limit_bytes", device.memory_limit_bytes);
   visit("allocation_limit_bytes", device.allocation_limit_bytes);
   visit("cache_folder", device.cache_dir);
@@ -137,7 +137,7 @@ class Reader {
       stops = static_cast<float>(file_.number(*member, at));
     }
   }
-  /// The member, whose absence is told in the end.
+  /// The member of that name, or null; finish() reports the first absent one.
   const json* find(const char* key) {
     keys_.emplace_back(key);
     const auto found = object_.find(key);

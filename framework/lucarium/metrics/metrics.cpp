@@ -204,7 +204,7 @@ const std::vector<Metric>& metric_table() {
        false, &ImageMetrics::ssim},
       {"LDR_FLIP", "mean FLIP of the clamped image at that exposure, 67.0206 pixels per degree", "", true,
        &ImageMetrics::ldr_flip},
-      {"HDR_FLIP", "mean over pixels of the greatest FLIP over the reference's exposures, tone-mapped", "", true,
+      {"HDR_FLIP", "mean over pixels of the maximum FLIP over the reference's exposures, tone-mapped", "", true,
        &ImageMetrics::hdr_flip}};
   return table;
 }

@@ -30,7 +30,7 @@ auto call_technique(const TechniqueInfo& info, Call&& call) {
   }
 }
 
-/// What a technique may not hand out: layers of the wrong size, NaN, infinity. Negative radiance is told.
+/// Throws on layers of the wrong size, NaN and infinity; warns about negative radiance.
 void check_film(const Film& film, const TechniqueInfo& info) {
   bool additive = false;
   for (const FilmLayer& layer : film.layers()) {
@@ -41,7 +41,7 @@ void check_film(const Film& film, const TechniqueInfo& info) {
                   layer.name, layer.pixels.size(), film.pixel_count(), layer.channels.size());
     }
   }
-  if (!additive) throw_error(ErrorClass::technique, "{}: gave no layer that is part of the image", info.name);
+  if (!additive) throw_error(ErrorClass::technique, "{}: wrote no layer of the image", info.name);
   const BadPixels bad = film.count_bad_pixels();
   const std::string where =
       fmt::format("the first in layer {} at pixel ({}, {})", bad.first_layer, bad.first_x, bad.first_y);
@@ -66,8 +66,9 @@ void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
   }
   if (std::find(can.pixel_sampling.begin(), can.pixel_sampling.end(), settings.pixel_sampling) ==
       can.pixel_sampling.end()) {
-    throw_error(ErrorClass::technique, "{} cannot sample pixels in mode {} (0 jitter, 1 centre, n grid); it knows {}",
-                info.name, settings.pixel_sampling, fmt::join(can.pixel_sampling, ", "));
+    throw_error(ErrorClass::technique,
+                "{} cannot sample pixels in mode {} (0 jitter, 1 centre, n grid); it supports {}", info.name,
+                settings.pixel_sampling, fmt::join(can.pixel_sampling, ", "));
   }
 }
 
@@ -82,8 +83,8 @@ namespace {
 /// What lowers the need for memory: settings of the framework, and the technique's parameters that do when they are
 /// halved (those whose least value stands for an automatic choice: when they are 1 instead), largest savings first.
 std::string describe_remedy(Technique& technique, const Scene& scene, const RenderSettings& settings) {
-  constexpr double least_saving = 0.1;
-  constexpr size_t most_named = 3;
+  constexpr double min_saving = 0.1;
+  constexpr size_t max_named = 3;
   const auto bytes = static_cast<double>(technique.estimate_bytes(scene, settings));
   std::vector<std::pair<double, std::string>> savings;
   for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
@@ -98,19 +99,19 @@ std::string describe_remedy(Technique& technique, const Scene& scene, const Rend
       } catch (const Error&) {  // no value that it takes
       }
       entry.set(value);
-      if (saved < least_saving * bytes) continue;
+      if (saved < min_saving * bytes) continue;
       savings.emplace_back(saved, entry.info.name);
       break;
     }
   }
   std::sort(savings.rbegin(), savings.rend());
-  savings.resize(std::min(savings.size(), most_named));
+  savings.resize(std::min(savings.size(), max_named));
   std::string remedy = "lower --size or --texture-size";
   for (const auto& [saved, name] : savings) remedy += fmt::format(", {}", name);
   return remedy;
 }
 
-/// Tells on_preparing what of the device's kernels is being compiled, for as long as it lives.
+/// While it lives, reports to on_preparing which of the device's kernels is being compiled.
 class ReportCompilation {
  public:
   ReportCompilation(Device& device, const RenderSession::OnPreparing& on_preparing) : device_(device) {
@@ -182,7 +183,7 @@ struct RenderSession::State {
     const std::vector<ChangeKind>& can = type.info().capabilities.changes;
     const auto require = [&](bool happens, ChangeKind kind) {
       if (!happens || std::find(can.begin(), can.end(), kind) != can.end()) return;
-      throw_error(ErrorClass::technique, "cannot follow a change of {}; it knows {}; render the time alone with --at",
+      throw_error(ErrorClass::technique, "cannot follow a change of {} (supported: {}); render single times with --at",
                   name_of(kind), fmt::join(names_of(can), ", "));
     };
     require(change.camera, ChangeKind::camera);
@@ -213,7 +214,7 @@ struct RenderSession::State {
     SceneChange change = edit(edited);
     require_change(change);
     if (change.camera && edited.cameras.empty())
-      throw_error(ErrorClass::technique, "a change of the camera left the scene without one; keep at least one");
+      throw_error(ErrorClass::technique, "the change left the scene without a camera; keep at least one");
     scene = std::move(edited);
     return change;
   }

@@ -59,7 +59,7 @@ class RenderSession {
   uint64_t iterations() const;  ///< whole ones: one that was cancelled does not count
   IterationResult last() const;
 
-  /// Starts anew from zero samples with another seed; the clocks run on.
+  /// Starts over from zero samples with another seed; the clocks run on.
   void restart(uint64_t seed);
   /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique. Clocks and
   /// iterations then count from there. A change that the technique does not declare is refused: nothing has changed.

@@ -152,7 +152,7 @@ ImageEstimate ImageEstimate::from_film(const Film& film, const std::string& show
   const auto dof = film.metadata.find("variance_dof");
   if (!variance || dof == film.metadata.end())
     throw_error(ErrorClass::input,
-                "{} does not know its own error: render it with path_tracing and replicates=16 or more", shown_name);
+                "{} has no estimate of its error; render it with path_tracing and replicates=16 or more", shown_name);
   const std::vector<float> image = film.image();
   if (variance->pixels.size() != image.size())
     throw_error(ErrorClass::input, "{}: layer Variance has another size than the image", shown_name);

@@ -8,7 +8,7 @@ namespace lucarium {
 namespace {
 
 constexpr double picture_share = 0.5;      // of the budget, for the first whole picture
-constexpr double least_saving = 0.1;       // of the time, that a smaller value must be worth
+constexpr double min_saving = 0.1;         // of the time, that a smaller value must be worth
 constexpr double triangle_seconds = 3e-6;  // of a core: upload and BVH; measured on builtin:atrium
 
 /// Names of the parameters that are the user's: those given, and all where a preset is given, since it gives all.
@@ -72,7 +72,7 @@ class Savings {
     for (size_t k = next_[i]; k < saving.values.size(); ++k) {
       parameters.set(saving.parameter, saving.values[k]);
       const double seconds = estimate();
-      if (seconds <= (1 - least_saving) * seconds_ && technique_.path_set(scene_, settings_).to_string() == path_set_) {
+      if (seconds <= (1 - min_saving) * seconds_ && technique_.path_set(scene_, settings_).to_string() == path_set_) {
         seconds_ = seconds;
         next_[i] = k + 1;
         return true;

@@ -86,7 +86,7 @@ class Technique {
   /// Parameters that a plan may lower, in the order in which they take turns.
   virtual std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const { return {}; }
 
-  /// Compiles programs, allocates, records schedules; short. Long precomputation is made of iterations, or tells its
+  /// Compiles programs, allocates, records schedules; short. Long precomputation is done in iterations, or reports its
   /// progress and ends soon with Error{interrupted} when interrupt_requested() (base/interrupt.h).
   virtual void prepare(const TechniqueContext& context) = 0;
   /// The scene or camera changed; buffers are already up to date.

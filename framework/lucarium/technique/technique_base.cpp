@@ -78,8 +78,8 @@ IterationResult TechniqueLifeCycle::state() const {
 
 void TechniqueLifeCycle::resolve(Film& film) {
   if (!built_ && interrupted_)
-    throw Error(ErrorClass::interrupted, "interrupted while it followed the scene's last change; nothing to show");
-  if (!built_) throw Error(ErrorClass::input, "the scene's last change could not be followed; nothing to show");
+    throw Error(ErrorClass::interrupted, "interrupted while applying the last change of the scene; there is no image");
+  if (!built_) throw Error(ErrorClass::input, "the last change of the scene could not be applied; there is no image");
   scheduler().finish();
   write(film);
 }

@@ -15,7 +15,7 @@ namespace lucarium {
 class TechniqueLifeCycle : public Technique {
  public:
   void prepare(const TechniqueContext& context) override;
-  /// Interrupted while it builds, it leaves that to the next iterate(): there is nothing to show until then.
+  /// When interrupted while building, it leaves that to the next iterate(): there is no image until then.
   void update(const SceneChange& change) override;
   IterationResult iterate() override;
   void resolve(Film& film) override;

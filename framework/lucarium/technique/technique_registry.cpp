@@ -60,7 +60,7 @@ auto call_plugin(const std::string& who, Call&& call) {
   } catch (const std::exception& error) {
     throw_error(ErrorClass::technique, "{}: {}", who, error.what());
   } catch (...) {
-    throw_error(ErrorClass::technique, "{}: threw something that is no exception", who);
+    throw_error(ErrorClass::technique, "{}: threw something that is not an exception", who);
   }
 }
 
@@ -157,7 +157,7 @@ void TechniqueRegistry::load(const fs::path& file) {
     throw_error(ErrorClass::technique, "has an empty descriptor");
   type.info_ = call_plugin("info() failed", [&] { return type.descriptor_->info(); });
   if (!is_technique_name(type.info_.name)) {
-    throw_error(ErrorClass::technique, "calls itself '{}'; a name consists of a-z, 0-9 and _", type.info_.name);
+    throw_error(ErrorClass::technique, "is named '{}'; a name consists of a-z, 0-9 and _", type.info_.name);
   }
   library.keep();
   const bool taken = std::any_of(types_.begin(), types_.end(),

@@ -47,7 +47,7 @@ uint triangle;  // world triangle | LAYERED_AWAY
 float depth;
 LUCARIUM_STRUCT_END(LayeredFragment, 8)
 
-// Sort key: depth in steps of 1 / 2^22 of the film's range, then LAYERED_KEY_TOWARDS, then 6 bits that tell where the
+// Sort key: depth in steps of 1 / 2^22 of the film's range, then LAYERED_KEY_TOWARDS, then 6 bits that say where the
 // payload is. Nothing: all ones.
 // Where two surfaces meet, rounding may swap their depths. What is less than a step apart (up to two may be) counts as
 // equal there, and LAYERED_AWAY comes first (Hermes et al.; a closed room's near wall is before its far wall at their

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the kernels of PathIntegrator are told: which paths to follow, and which samples a batch holds.
+// Settings of PathIntegrator's kernels: which paths to follow, and which samples a batch holds.
 #ifndef LUCARIUM_SHARED_PATH_SETTINGS_H
 #define LUCARIUM_SHARED_PATH_SETTINGS_H
 #include "lucarium/shared/dialect.h"

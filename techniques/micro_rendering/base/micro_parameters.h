@@ -62,75 +62,76 @@ struct MicroParameters {
 
   template <class V>
   void describe(V& v) {
-    v.number("points_log2", points_log2, 10, 23, "log2", "points on the scene's surfaces: leaves of the hierarchy");
-    v.number("micro_size", micro_size, 8, 64, "micro-pixels", "edge of a micro-buffer");
+    v.number("points_log2", points_log2, 10, 23, "log2",
+             "number of points on the surfaces, the leaves of the hierarchy");
+    v.number("micro_size", micro_size, 8, 64, "micro-pixels", "edge length of a micro-buffer");
     v.number("cut_kappa", cut_kappa, 0.25f, 4, "micro-pixels", "solid angle above which a node is split");
     v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"centre", CutBound::centre}},
-             "size of a micro-pixel that a node is compared with: the smallest over the node, or that at its centre");
+             "micro-pixel that a node is compared with: the smallest one it covers (conservative), or the one at its "
+             "centre");
     v.number("cut_error", cut_error, 0, 1, "",
-             "share of a micro-buffer's mean that a node may err by: uneven ones are split, to cut_kappa / 4; where "
-             "all are even the cut is 4 times as coarse; 0: off");
+             "maximum error of a node, relative to the mean of the micro-buffer; splits uneven nodes, coarsens even "
+             "cuts; 0: off");
     v.choice("splat", splat, {{"sample", Splat::sample}, {"nearest", Splat::nearest}},
-             "which micro-pixels a node covers: those whose sample direction meets its disc, or the one at its centre");
-    v.number("splat_radius", splat_radius, 0.8f, 1.7f, "",
-             "radius of a splat over that of the disc of the node's area");
-    v.number("disc_scale", disc_scale, 1, 2.2f, "",
-             "radius of a leaf's disc over that of the disc of its area, which is the inverse of the points' density");
+             "micro-pixels that a node covers: those whose sample direction hits its disc (sample), or the one at its "
+             "centre");
+    v.number("splat_radius", splat_radius, 0.8f, 1.7f, "", "radius of a splat, relative to a disc of the node's area");
+    v.number("disc_scale", disc_scale, 1, 2.2f, "", "radius of a leaf's disc, relative to a disc of the leaf's area");
     v.choice("warp", warp, {{"analytic", Warp::analytic}, {"table", Warp::table}, {"nusselt", Warp::nusselt}},
-             "projection of micro-buffers: by the lobes' own maps, by tables of the BSDF, or none (the unit disc)");
-    v.number("table_size", table_size, 8, 64, "cells", "edge of the tables of warp=table");
-    v.flag("hole_fill", hole_fill, "empty micro-pixels among covered ones take the mean of their neighbours");
-    v.flag("raycast", raycast, "leaves larger than a micro-pixel are ray-cast as discs");
-    v.flag("morton", morton, "gather in Morton order of the points, not of the pixels");
+             "projection of micro-buffers: by analytic maps of the lobes, by tables of the BSDF, or to the unit disc "
+             "(nusselt)");
+    v.number("table_size", table_size, 8, 64, "cells", "edge length of the BSDF tables (warp=table)");
+    v.flag("hole_fill", hole_fill, "fill empty micro-pixels between covered ones with the mean of their neighbours");
+    v.flag("raycast", raycast, "ray-cast leaves that are larger than a micro-pixel as discs");
+    v.flag("morton", morton, "gather in Morton order of the points instead of pixel order");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
-             "what single-sided surfaces are from behind: black, as for the reference, or transparent");
-    v.flag(
-        "skip_hidden", skip_hidden,
-        "no points inside solids of single-sided surfaces, whose backs are transparent where nothing else sees them");
-    v.number("adaptive", adaptive, 0, 1, "",
-             "relative deviation between frames above which, and where interpolation fails, micro-buffers get edges "
-             "1.5 times as long, 64 at most; 0: off");
-    v.number("gather_step", gather_step, 1, 8, "pixels",
-             "gather at every n-th pixel of every n-th row, and interpolate; above 1 all gathers of a frame are one "
-             "iteration");
-    v.number("upsample_fail", upsample_fail, 0, 1, "",
-             "weight of neighbours below which a pixel gathers itself; 0: never, what nothing agrees with takes what "
-             "there is");
-    v.flag("gather_env", gather_env,
-           "empty micro-pixels see the environment; light samples of the layer direct leave it out");
-    v.choice(
-        "node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},
-        "what nodes shine with: their diffuse lobes, stored before, or their glossy ones too, towards each gather");
-    v.choice("multibounce", multibounce,
-             {{"jacobi", MultiBounce::jacobi},
-              {"instant_radiosity", MultiBounce::instant_radiosity},
-              {"photon_map", MultiBounce::photon_map}},
-             "how light reaches the points over several bounces");
-    v.number("jacobi_level", jacobi_level, 6, 23, "log2", "nodes of this level gather for the bounces before the last");
-    v.number("jacobi_cone", jacobi_cone, 1, 180, "degrees",
-             "spread of normals beyond which nodes below them gather instead; at most twice as many in all");
-    v.number("vpls", vpls, 1, 65536, "paths",
-             "light paths of instant radiosity; each has one virtual light per bounce");
-    v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²",
-             "bound of a virtual light's geometry term, R the scene's radius");
-    v.flag("final_gather", final_gather,
-           "gather; off, with multibounce=instant_radiosity: virtual lights light the diffuse lobes of visible points "
-           "themselves, for comparison");
-    v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
-    v.number("photon_k", photon_k, 4, 256, "photons", "from which a density is estimated");
-    v.flag("photon_direct", photon_direct, "photons stand for direct light too, instead of light samples");
-    v.choice("depth_bits", depth_bits, {{"8", DepthBits::eight}, {"32", DepthBits::thirty_two}},
-             "bits of the micro-buffers' depth");
-    v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
-    v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of the layer direct per frame");
-    v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces",
-             "bounces that are computed where their number is not limited");
+             "back of single-sided surfaces: black, as in the reference, or transparent (cull)");
+    v.flag("skip_hidden", skip_hidden, "place no points on surfaces that lie inside other solids");
     v.number(
-        "batch_gathers", batch_gathers, 64, 1 << 24, "gathers",
-        "most gathers of one iteration at pixels; light at points takes iterations of its own beyond as much work");
+        "adaptive", adaptive, 0, 1, "",
+        "relative deviation between frames above which a micro-buffer becomes 1.5 times as wide, at most 64; 0: off");
+    v.number(
+        "gather_step", gather_step, 1, 8, "pixels",
+        "gather at every n-th pixel of every n-th row and interpolate the others; above 1 a frame is one iteration");
+    v.number("upsample_fail", upsample_fail, 0, 1, "",
+             "minimum sum of bilateral weights; pixels below it are gathered; 0: always interpolate");
+    v.flag("gather_env", gather_env,
+           "take light from the environment from empty micro-pixels instead of light samples");
+    v.choice("node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},
+             "light that nodes reflect: diffuse, stored in advance (stored), or glossy too, computed for each gather "
+             "(dynamic)");
+    v.choice(
+        "multibounce", multibounce,
+        {{"jacobi", MultiBounce::jacobi},
+         {"instant_radiosity", MultiBounce::instant_radiosity},
+         {"photon_map", MultiBounce::photon_map}},
+        "how light of several bounces reaches the points: by gathers at nodes (jacobi), virtual lights, or photons");
+    v.number("jacobi_level", jacobi_level, 6, 23, "log2",
+             "level of the nodes that gather for all bounces before the last");
+    v.number("jacobi_cone", jacobi_cone, 1, 180, "degrees",
+             "half angle of the normal cone above which the descendants of a node gather instead; at most twice the "
+             "gathers");
+    v.number("vpls", vpls, 1, 65536, "paths",
+             "light paths of instant radiosity, each with one virtual light per bounce");
+    v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²",
+             "maximum geometry term of a virtual light; R is the scene's radius");
+    v.flag("final_gather", final_gather,
+           "gather at visible points; off: virtual lights light their diffuse lobes (multibounce=instant_radiosity)");
+    v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
+    v.number("photon_k", photon_k, 4, 256, "photons", "photons per density estimate");
+    v.flag("photon_direct", photon_direct, "take direct light at points from photons instead of light samples");
+    v.choice("depth_bits", depth_bits, {{"8", DepthBits::eight}, {"32", DepthBits::thirty_two}},
+             "bits per depth value of a micro-buffer");
+    v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
+    v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of direct light per pixel and frame");
+    v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces",
+             "bounces computed when max_bounces is unlimited");
+    v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers",
+             "maximum gathers per iteration; lighting the points is split into iterations of about the same cost");
     v.number("inspect_x", inspect_x, -1, 1 << 15, "pixels",
-             "column of the pixel whose micro-buffer is shown; -1: none");
-    v.number("inspect_y", inspect_y, -1, 1 << 15, "pixels", "row of that pixel");
+             "column of the pixel whose micro-buffer the layer micro_buffer shows; -1: none");
+    v.number("inspect_y", inspect_y, -1, 1 << 15, "pixels",
+             "row of the pixel whose micro-buffer the layer micro_buffer shows; -1: none");
     v.presets({{"paper",
                 {{"points_log2", "20"},
                  {"cut_bound", "centre"},
@@ -140,7 +141,7 @@ struct MicroParameters {
                  {"backface", "cull"},
                  {"skip_hidden", "off"},
                  {"depth_bits", "8"}}}},
-              "paper: the variants of Ritschel et al. 2009");
+              "set of values; paper: the choices of Ritschel et al. 2009");
   }
 };
 

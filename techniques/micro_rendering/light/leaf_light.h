@@ -22,7 +22,7 @@ class LeafLight {
 
   /// Whether the nodes shine with samples that belong to `frame`.
   bool lit(uint32_t frame, uint32_t seed) const { return stage_ == Stage::done && frame_ == frame && seed_ == seed; }
-  /// One step on the way there; begins anew for another frame or seed. False when cancelled: begins anew too.
+  /// The next step towards lit(); starts over for another frame or seed, and when cancelled (false).
   bool step(uint32_t frame, uint32_t seed);
   /// What the last step was worth [gathers].
   double last_work() const { return last_work_; }

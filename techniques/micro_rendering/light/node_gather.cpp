@@ -50,7 +50,7 @@ NodeGather::NodeGather(Device& device, KernelScheduler& scheduler, const SceneBu
   record_gather();
 }
 
-/// Nodes of about the same size in all trees, but some detail in small ones.
+/// Level of the nodes that gather: about the same size of nodes in all trees, finer in small ones.
 uint32_t NodeGather::level_of(const ForestTree& tree) const {
   const int depth = static_cast<int>(tree.record.depth);
   const int level = parameters_.jacobi_level - (parameters_.points_log2 - depth);

@@ -57,7 +57,7 @@ class ExposedSampler {
   /// Share of a tree's surface whose front something sees, from `points` points; 1 for what moves.
   double exposed_share(const TreeSource& source, uint32_t points) const;
   /// sample_surface() there. `share`: exposed_share(); where it was too large hidden points make up the number.
-  /// SampledSurface::area is that of what is seen; points are told whether they are solid.
+  /// SampledSurface::area is the visible area; points know whether they are solid.
   SampledSurface sample(const TreeSource& source, double share, uint32_t count,
                         const PointExposure::Progress& progress) const;
 

@@ -194,7 +194,7 @@ SampledSurface sample_surface(const std::vector<SurfaceSide>& sides, uint32_t co
 
   for (uint32_t first = 0; first < count;) {
     const uint32_t strata = std::min(first == 0 ? kFirstRound : first, count - first);
-    const double spacing = std::sqrt(table.total() / strata);  // of the points that there are, but for the first round
+    const double spacing = std::sqrt(table.total() / strata);  // of the points so far, except in the first round
     grid.rebuild(points, first, static_cast<float>(std::max(spacing, 1e-20)));
     for (uint32_t sub = 0; sub < kSubRounds; ++sub) {
       const uint32_t members = (strata + kSubRounds - 1 - sub) / kSubRounds;

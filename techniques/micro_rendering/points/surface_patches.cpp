@@ -15,7 +15,7 @@ constexpr float kCrease = 0.35f;  // angle from which on an edge counts [rad]
 constexpr float kBorder = 1e9f;
 constexpr size_t kMostFaces =
     64;  // of one edge that are compared: copies of a triangle must not cost their number's square
-constexpr uint32_t kSheets = 127;  // that are told apart
+constexpr uint32_t kSheets = 127;  // maximum number of different sheets
 
 struct Face {
   std::array<glm::vec3, 3> corners;

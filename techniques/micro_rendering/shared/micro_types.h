@@ -19,7 +19,7 @@
 //   xyz radiance towards the front [units of radiance_unit[0] cd/m²], mean over the leaves by area
 //   w   largest difference of any leaf's radiance (largest channel) below the node, for error-driven cuts.
 //
-// Grid coordinates: world coordinates moved, turned and scaled alike in all directions, so that the cube about the
+// Grid coordinates: world coordinates after translation, rotation and uniform scaling, so that the cube about the
 // tree's points becomes [0, 65535]^3. Angles are those of the world, so that a gather that maps its position and frame
 // into the grid needs no further scaling: a centre is its three integers.
 #ifndef MICRO_RENDERING_SHARED_MICRO_TYPES_H

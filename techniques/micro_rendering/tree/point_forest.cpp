@@ -22,11 +22,11 @@ namespace lucarium::micro {
 namespace {
 
 constexpr int kLeastDepth = 4;           // of a tree
-constexpr uint32_t kQualityLevel = 8;    // whose radii tell when a refitted tree is too loose
+constexpr uint32_t kQualityLevel = 8;    // whose radii decide when a refitted tree is too loose
 constexpr double kLoosest = 1.5;         // times the sum when built
-constexpr double kMostGrowth = 4;        // of a tree's area, until it gets points anew
+constexpr double kMostGrowth = 4;        // of a tree's area, beyond which it gets new points
 constexpr double kContact = 0.01;        // of a disc's radius: fronts that are nearer to each other touch
-constexpr double kMostPilots = 1 << 14;  // points that tell how much of a tree is exposed
+constexpr double kMostPilots = 1 << 14;  // points that estimate how much of a tree is exposed
 constexpr double kBent = 30;  // degrees that the normals of a pair of leaves are off their mean, for fine details
 constexpr uint32_t kPlacingSeed = 1;  // every run of a scene has the same points
 const char* const kRemedy = "lower points_log2";
@@ -143,7 +143,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
       device_, owner_, "edges of triangles",
       find_patches(sources, buffers_.scene_triangles.download(0, buffers_.info().triangle_count)));
   throw_if_interrupted("edges of triangles");
-  const double expected = std::exp2(options_.points_log2);  // points, but for rounding
+  const double expected = std::exp2(options_.points_log2);  // points, up to rounding
   Stopwatch watch;
   const ScenePoints points(scene_, buffers_);
   // Of what rests nothing may depend on where things move.

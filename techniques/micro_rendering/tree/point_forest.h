@@ -52,7 +52,7 @@ class PointForest {
   PointForest(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
               const ForestOptions& options, const std::string& owner);
 
-  /// Follows moved and deformed instances and changed materials; returns false when the forest must be made anew
+  /// Follows moved and deformed instances and changed materials; returns false when the forest must be rebuilt
   /// (topology; something moved that rests; a deformed tree has become too loose; something has grown so much that its
   /// points no longer suffice; coverage may have changed).
   bool update(const SceneChange& change);

@@ -21,7 +21,7 @@ class SceneForest {
   SceneForest(const TechniqueContext& context, const MicroParameters& parameters, const std::string& owner);
 
   const PointForest* get() const { return forest_.get(); }
-  /// Follows a change; false: make() it anew, when nothing refers to it any more.
+  /// Follows a change; false: call make() again, when nothing refers to it any more.
   bool follow(const SceneChange& change);
   /// Throws Error{interrupted}; there is no forest then.
   void make();

@@ -74,7 +74,7 @@ Sheet find_sheet(std::span<const Item> items, int axis, float longest) {
   return sheet;
 }
 
-/// Equal keys are told apart by indices, so that the result does not depend on the library's algorithm.
+/// Equal keys are ordered by index, so that the result does not depend on the library's algorithm.
 template <class Key>
 void partition_at_median(std::span<Item> items, Key key) {
   std::nth_element(items.begin(), items.begin() + items.size() / 2, items.end(), [&](const Item& a, const Item& b) {
@@ -84,7 +84,7 @@ void partition_at_median(std::span<Item> items, Key key) {
 }
 
 /// Halves the list at the median of its longest axis, and both halves in the same manner (Ritschel et al. 2009, section
-/// 2.1), but for thin sheets.
+/// 2.1), except for thin sheets.
 void split(std::span<Item> items, ForkJoin& fork_join) {
   if (items.size() < 2 || interrupt_requested()) return;
   glm::vec3 low = items[0].position, high = low;

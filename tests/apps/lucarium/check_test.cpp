@@ -22,7 +22,7 @@ TEST_CASE("exit code 0 when nothing fails, 1 and what was required when somethin
   const ProgramResult bad = run_lucarium(faulty(":fault=undocumented") + "--only parameters");
   CHECK(bad.exit_code == 1);
   CHECK(contains(bad.out, "failed       parameters"));
-  CHECK(contains(bad.out, "unnamed has no meaning written down"));
+  CHECK(contains(bad.out, "unnamed has no description"));
   CHECK(contains(bad.out, "required: documented"));
 }
 

@@ -77,7 +77,7 @@ TEST_CASE("a comparison writes results that parse, a table and a page") {
   const std::string before = text_of(results / "results.json");
   check_refused(comparison(folder, ""), 2, "--resume");
   CHECK(text_of(results / "results.json") == before);
-  check_refused(comparison(folder, "--resume --max-bounces 2"), 2, "another comparison");
+  check_refused(comparison(folder, "--resume --max-bounces 2"), 2, "holds a different comparison");
   CHECK(run_lucarium("report " + results.string()).exit_code == 0);
 }
 
@@ -90,13 +90,13 @@ TEST_CASE("a user's own files in the folder of the results were deleted") {
   write(results / "references" / "mine.exr", "precious");
   write(results / "notes.txt", "mine");
   for (const char* option : {"", "--overwrite", "--resume"}) {
-    check_refused(comparison(folder, option), 2, "references is there, and no comparison wrote it");
+    check_refused(comparison(folder, option), 2, "references exists, but no comparison wrote it");
   }
   // A comparison file that a person wrote is no result either, whatever its name.
   fs::rename(results / "references", folder.path() / "kept");
   const std::string by_hand = "// my study\n{\"schema\": \"lucarium-comparison-1\"}\n";
   write(results / "comparison.json", by_hand);
-  check_refused(comparison(folder, "--overwrite"), 2, "comparison.json is there, and no comparison wrote it");
+  check_refused(comparison(folder, "--overwrite"), 2, "comparison.json exists, but no comparison wrote it");
   CHECK(text_of(results / "comparison.json") == by_hand);
   fs::remove(results / "comparison.json");
   fs::rename(folder.path() / "kept", results / "references");
@@ -154,7 +154,7 @@ TEST_CASE("a comparison that was killed goes on where it stopped; what was finis
   CHECK(json::parse(text_of(results / "results.json"))["pieces"].size() == 4);
 }
 
-TEST_CASE("a picture whose budget ended too early is told of where its error stands") {
+TEST_CASE("a picture whose budget ended too early has a warning beside its error") {
   const TemporaryFolder folder;
   const fs::path results = folder.path() / "results";
   const ProgramResult run = run_lucarium(

@@ -253,7 +253,7 @@ TEST_CASE("technique: exit code 5, and a failure leaves no file") {
                 "an exception of the plug-in's own");
   check_refused("render builtin:cornell " + constant_technique() + "--max-bounces 7" + out, 5, "at most 3 bounces");
   check_refused("render builtin:cornell " + constant_technique("failure=error,fail_at=2") + out, 5,
-                "it was told to fail");
+                "it fails as requested");
   check_refused("render builtin:cornell " + constant_technique("failure=exception,fail_at=2") + out, 5,
                 "an exception that is no Error");
   check_refused("render builtin:cornell " + constant_technique("failure=nan,fail_at=2") + out, 5, "values are NaN");

@@ -28,7 +28,7 @@ TEST_CASE("an EXR with layers and metadata, a picture, and a summary that parses
   CHECK(summary["clocks"]["iterate_seconds"].get<double>() > 0);
   CHECK(summary["seconds"].get<double>() > summary["clocks"]["iterate_seconds"].get<double>());
   CHECK(summary["peak_device_memory_bytes"].get<uint64_t>() >= 16 * 8 * 16);
-  CHECK(summary["limitations"][0] == "it does not look at the scene");
+  CHECK(summary["limitations"][0] == "the scene is ignored");
   CHECK(summary["counters"]["samples"] == 3);
   CHECK(summary["files"] == json({exr, png}));
   const Film film = read_image(exr);
@@ -43,13 +43,13 @@ TEST_CASE("an EXR with layers and metadata, a picture, and a summary that parses
   CHECK(count_files(folder.path()) == 2);
 }
 
-TEST_CASE("what ended a rendering is told: the technique in its own words, or an option") {
+TEST_CASE("the reason why a rendering ended is printed: the technique's own words, or an option") {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "a.png").string();
   const std::string common = "render builtin:cornell " + constant_technique("converge_at=3") + "--overwrite -o " + file;
-  const ProgramResult told = run_lucarium(common + " --spp 8");
-  CHECK(contains(told.out, "3 samples per pixel"));
-  CHECK(contains(told.out, "ended by constant: converge_at is reached"));
+  const ProgramResult ended = run_lucarium(common + " --spp 8");
+  CHECK(contains(ended.out, "3 samples per pixel"));
+  CHECK(contains(ended.out, "ended by constant: converge_at is reached"));
   CHECK(json::parse(run_lucarium(common + " --spp 8 --json --quiet").out)["ended_by"] == "converge_at is reached");
   const json half = json::parse(run_lucarium(common + " --spp 2 --json --quiet").out);
   CHECK(half["ended_by"] == "--spp");
@@ -142,7 +142,7 @@ TEST_CASE("what a display shows well is left as it is, and frames share the expo
   for (const json& frame : frames) CHECK(frame["exposure_stops"] == -3);
 }
 
-TEST_CASE("--half stores 16-bit floats and tells what does not fit") {
+TEST_CASE("--half stores 16-bit floats and reports values that do not fit") {
   const TemporaryFolder folder;
   const std::string exr = (folder.path() / "a.exr").string();
   const ProgramResult result =

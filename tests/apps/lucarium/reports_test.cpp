@@ -94,7 +94,7 @@ TEST_CASE("scene reports a scene, also as JSON") {
   CHECK(json::parse(result.out).is_object());
 }
 
-TEST_CASE("diff --statistical tells noise from difference") {
+TEST_CASE("diff --statistical separates noise from difference") {
   const TemporaryFolder folder;
   const std::string path = folder.path().string();
   const auto render = [&](const std::string& name, const std::string& seed, const std::string& replicates) {

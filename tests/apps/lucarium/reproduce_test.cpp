@@ -108,7 +108,7 @@ TEST_CASE("the quick setting leaves things unknown, and a finished run is only r
   REQUIRE(run_lucarium(arguments).exit_code == 0);
   const ProgramResult again = run_lucarium(arguments + " --resume");
   CHECK(again.exit_code == 0);
-  CHECK(contains(again.err, "1 pieces were finished before"));
+  CHECK(contains(again.err, "1 pieces are finished already"));
   const json reproduction = results_of(paper.output()).at("reproduction");
   CHECK(reproduction.at("quick") == true);
   CHECK(!reproduction.at("values")[1].contains("ours"));
@@ -128,9 +128,9 @@ TEST_CASE("mistakes in experiments name file, line and key") {
   refuse("/schema", "x", "errors.json:");
   refuse("/values/0/technique", "nearr", "no technique has the label 'nearr'; did you mean 'near'?");
   refuse("/values/0/value", "sqrt(MSE", "values/0/value");
-  refuse("/values/2/name", "far", "'far' is there already");
+  refuse("/values/2/name", "far", "'far' is given twice");
   refuse("/values/1/name", "a b", "must be letters");
-  refuse("/values/1/scene", 1, "there are 1, counted from 0");
+  refuse("/values/1/scene", 1, "there are 1, numbered from 0");
   refuse("/trends/0/holds", "near < fa", "no value is called 'fa'; did you mean 'far'?");
   refuse("/comparison/seeds", 0, "comparison/seeds");
   refuse("/quick", {{"seds", 1}}, "quick");

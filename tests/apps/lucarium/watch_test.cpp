@@ -101,7 +101,7 @@ TEST_CASE("the picture follows the scene, the kernel and the plug-in; a kernel t
   CHECK(contains(log, "fill_constant.cl:1"));
   CHECK(contains(log, "the last image is kept"));
 
-  // Without the override the embedded kernel counts again, and a plug-in put in place anew is loaded anew.
+  // Without the override the embedded kernel counts again, and a plug-in that is replaced is loaded again.
   fs::remove(folder / "kernels/constant/fill_constant.cl");
   REQUIRE(watcher.rendered(5));
   CHECK(text_of(folder / "a.png") == darker);

@@ -57,7 +57,7 @@ TEST_CASE("an error of poll waited for ever for a child that fills its pipe") {
     ::setrlimit(RLIMIT_NOFILE, &none);
   };
   CHECK_THROWS_WITH_AS(run_child({"sh", "-c", "echo x >&2; head -c 1000000 /dev/zero"}, break_poll),
-                       doctest::Contains("cannot read what sh says: Invalid argument"), Error);
+                       doctest::Contains("cannot read the output of sh: Invalid argument"), Error);
   ::setrlimit(RLIMIT_NOFILE, &before);
   CHECK(::waitpid(-1, nullptr, WNOHANG) == -1);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What signals do, each in a process of its own that tells how far it is.
+// Effects of signals, each in a process of its own that reports its progress.
 #include "lucarium/base/interrupt.h"
 
 #include <doctest/doctest.h>

@@ -99,7 +99,7 @@ TEST_CASE("mistakes in a comparison file are named with line and key") {
         "my.json:4: budgets/0: must have exactly one of \"seconds\", \"iterations\" and \"relmse\"");
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 0}]")) == "my.json:4: budgets/0/seconds: must be above 0");
   CHECK(complaint(with("\"budgets\": [{\"relmse\": 0.1}]")) ==
-        "my.json:4: budgets/0: \"relmse\" and \"limit_seconds\" go together");
+        "my.json:4: budgets/0: \"relmse\" and \"limit_seconds\" must be given together");
   CHECK(complaint(with("\"budgets\": []")) == "my.json:4: budgets: must be an array with at least one element");
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}],\n\n\"size\": [640]")) ==
         "my.json:6: size: must be [width, height]");

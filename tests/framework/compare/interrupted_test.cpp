@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comparisons that are interrupted, at moments that their own lines tell, and resumed; the runs are processes of the
+// Comparisons that are interrupted, at moments that their own lines mark, and resumed; the runs are processes of the
 // program.
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -98,16 +98,16 @@ TEST_CASE("Ctrl-C while a resumed comparison renders a reference ended it with a
 TEST_CASE("a comparison that is interrupted while it plans left an empty folder with a lock") {
   SmallComparison comparison;
   comparison.spec.scenes.resize(2);
-  comparison.spec.scenes[1].source = "/nonexistent.glb";  // told in the middle of planning
-  bool told = false;
+  comparison.spec.scenes[1].source = "/nonexistent.glb";  // reported in the middle of planning
+  bool reported = false;
   comparison.options.progress = [&](const std::string& line) {
-    if (line.find("/nonexistent.glb") == std::string::npos || told) return;
-    told = true;
+    if (line.find("/nonexistent.glb") == std::string::npos || reported) return;
+    reported = true;
     CHECK(!fs::exists(comparison.options.folder));
     set_interrupt_requested(true);
   };
   CHECK(end_of(comparison) == ErrorClass::interrupted);
-  CHECK(told);
+  CHECK(reported);
   CHECK(!fs::exists(comparison.options.folder));
 }
 
@@ -125,10 +125,10 @@ TEST_CASE("a comparison resumed on another machine mixed seeds whose parameters 
     json["planned"] = "points 2 -> 1";
     write_file_atomically(summary(seed), json.dump(1));
   };
-  int told = 0;
+  int reported = 0;
   comparison.options.resume = true;
   comparison.options.progress = [&](const std::string& line) {
-    told += line.find("rendered with other parameters (planned elsewhere) than seed") != std::string::npos;
+    reported += line.find("rendered with other parameters (planned elsewhere) than seed") != std::string::npos;
   };
   const auto check_resumed = [&] {
     const ComparisonResult resumed = comparison.run();
@@ -147,11 +147,11 @@ TEST_CASE("a comparison resumed on another machine mixed seeds whose parameters 
     plan_otherwise(2);
     fs::remove(summary(3));
     check_resumed();
-    CHECK(told == 2);
+    CHECK(reported == 2);
   }
   SUBCASE("all seeds are there, but not alike") {
     plan_otherwise(1);
     check_resumed();
-    CHECK(told == 1);
+    CHECK(reported == 1);
   }
 }

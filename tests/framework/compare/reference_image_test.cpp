@@ -43,7 +43,7 @@ double mean_squared_error(const Film& film) {
 
 }  // namespace
 
-TEST_CASE("rounds merge by their samples, and halves tell the error of the whole, also when they differ in size") {
+TEST_CASE("rounds merge by their samples, and halves give the error of the whole, also when they differ in size") {
   std::mt19937 random(7);
   for (const auto& rounds : {std::vector<std::pair<uint64_t, size_t>>{{16, 0}, {16, 1}, {32, 0}, {32, 1}},
                              std::vector<std::pair<uint64_t, size_t>>{{16, 0}, {16, 1}, {128, 0}, {5, 1}}}) {

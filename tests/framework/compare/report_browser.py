@@ -121,7 +121,7 @@ def themes(browser, address):
 
 def paper(browser):
     browser.media(media='print')
-    check('print: no control is on paper, but for headings of tables and windows, which are pictures', browser.run(
+    check('print: no control is on paper except headings of tables and windows, which are pictures', browser.run(
         "return [...document.querySelectorAll('button, select, input')].every(e => e.offsetParent === null ||"
         " e.closest('table, .crops'))"))
     check('print: black on white', browser.run(LUMINANCE) > 200)

@@ -172,7 +172,7 @@ TEST_CASE("Welch's ratio holds the truth as often as it says") {
   CHECK(held / static_cast<double>(runs) == test::relative(0.95, 0.02));
 }
 
-TEST_CASE("the mean over seeds is written, and its bias told from its variance") {
+TEST_CASE("the mean over seeds is written, and its bias separated from its variance") {
   const test::TemporaryFolder folder;
   std::mt19937 random(5);
   std::normal_distribution<float> noise(0, 0.1f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the first run with a fresh cache tells while kernels are compiled.
+// Reports of the first run with a fresh cache while kernels are compiled.
 #include "lucarium/compute/device/compile_progress.h"
 
 #include <doctest/doctest.h>
@@ -55,7 +55,7 @@ TEST_CASE("launches are counted once each, out of those announced since somebody
   CHECK(fractions == std::vector<double>{-1, 0, 1. / 3});
 }
 
-TEST_CASE("a warm-up tells which kernel of how many is compiled, a second one nothing") {
+TEST_CASE("a warm-up reports which kernel of how many is compiled, a second one nothing") {
   SourceLibrary library;
   library.add(test_compute_kernels());
   const Program program(*test_device(), library, {"progress", {"test_compute/schedule_kernels.cl"}, {}});

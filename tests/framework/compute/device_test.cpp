@@ -114,7 +114,7 @@ TEST_CASE("the number of threads can be chosen") {
   CHECK(run_case("child: open a device with one thread").exit_code == 0);
 }
 
-TEST_CASE("PoCL's files lie in a folder of the process that goes with it") {
+TEST_CASE("PoCL's files lie in a folder of the process, which is removed with it") {
   if (!test_device()->info().is_pocl) return skip("PoCL");
   REQUIRE(driver_folder());
   CHECK(fs::is_directory(driver_folder()->path()));

@@ -155,7 +155,7 @@ TEST_CASE("a cache folder that cannot be written is no harm") {
   check_results(program);
 }
 
-TEST_CASE("the key tells source, options and version apart") {
+TEST_CASE("the key distinguishes source, options and version") {
   const TemporaryFolder folder;
   const auto device = device_with(folder.path());
   const ProgramCache& cache = device->program_cache();

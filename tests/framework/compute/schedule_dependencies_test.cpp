@@ -47,7 +47,7 @@ Steps random_steps(std::mt19937& random, int count) {
 
 }  // namespace
 
-TEST_CASE("the three hazards are found and told apart") {
+TEST_CASE("the three hazards are found and distinguished") {
   const Steps steps = {{{0, 0, 8, kWrite}}, {{0, 0, 8, kRead}}, {{0, 0, 8, kWrite}}, {{0, 0, 8, kWrite}}};
   const std::vector<Dependency> found = derive_dependencies(steps);
   REQUIRE(found.size() == 4);

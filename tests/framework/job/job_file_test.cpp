@@ -121,7 +121,7 @@ TEST_CASE("a job file that job_json() would not write is refused with file, line
   CHECK(changed("/device/use_cache", 1) == "job.json:33: device/use_cache: must be true or false");
   CHECK(changed("/scene/exposure", "bright") == "job.json:11: scene/exposure: must be a number");
   CHECK(changed("/scene/lights", "none") == "job.json:7: scene/lights: must be an array");
-  CHECK(changed("/scene/materials/0", json::object()) == "job.json:15: scene/materials/0: must be a text");
+  CHECK(changed("/scene/materials/0", json::object()) == "job.json:15: scene/materials/0: must be a string");
   CHECK(changed("/render/iterations", -1)
             .ends_with("render/iterations: must be a whole number from 0 to "
                        "18446744073709551615"));

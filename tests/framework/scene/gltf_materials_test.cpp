@@ -96,7 +96,7 @@ TEST_CASE("Occlusion textures that are left out are warned of") {
   GltfBuilder builder = GltfBuilder::textured_triangle(png_2x1(), "image/png");
   CHECK_FALSE(warns(load(builder), "occlusion"));
   builder.json["materials"][0]["occlusionTexture"] = {{"index", 0}};
-  CHECK(warns(load(builder), "occlusion textures are left out"));
+  CHECK(warns(load(builder), "occlusion textures are ignored"));
 }
 
 TEST_CASE("Images that are missing, of another kind, or too large") {

@@ -130,8 +130,8 @@ TEST_CASE("textures that each are small enough took all memory together") {
   options.max_texture_bytes = 30 * 1024;  // 40 KiB are needed
   // It is refused before anything is decoded: nobody has seen that the first is damaged.
   CHECK_THROWS_WITH_AS(load(builder, options),
-                       doctest::Contains("test.gltf: its textures need more than 30.0 KiB together, which is the most "
-                                         "allowed; scale them down with --texture-size 32"),
+                       doctest::Contains("test.gltf: its textures need more than 30.0 KiB together, which is the "
+                                         "maximum; scale them down with --texture-size 32"),
                        Error);
   options.max_texture_size = 32;
   CHECK_THROWS_WITH_AS(load(builder, options), doctest::Contains("damaged PNG: a checksum is wrong"), Error);

@@ -58,7 +58,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEST_CASE("budgets end a run, and the film has the image, the layers and where they come from") {
   RenderSession session = make_session({{"red", "0.75"}});
-  CHECK(session.limitations() == std::vector<std::string>{"it does not look at the scene"});
+  CHECK(session.limitations() == std::vector<std::string>{"the scene is ignored"});
   CHECK_FALSE(session.run({.iterations = 3}));
   CHECK(session.iterations() == 3);
   CHECK_FALSE(session.run({.samples = 5}));
@@ -136,7 +136,7 @@ TEST_CASE("only Error leaves a technique, and no NaN leaves a session") {
   CHECK(negative.resolve().count_bad_pixels().negative == 1);
 }
 
-TEST_CASE("a change of the scene starts anew; one that the technique cannot follow is refused") {
+TEST_CASE("a change of the scene starts over; one that the technique cannot follow is refused") {
   RenderSession session = make_session();
   session.run({.iterations = 3});
   session.set_camera(session.settings().camera);

@@ -93,8 +93,8 @@ TEST_CASE("a pipe with the name of a plug-in was waited for without end") {
 
 TEST_CASE("whatever a plug-in throws becomes a reason, also types of its own") {
   CHECK(reason_of("throws_in_info") == "info() failed: an exception of the plug-in's own");
-  CHECK(reason_of("throws_an_int") == "info() failed: threw something that is no exception");
-  CHECK(contains(reason_of("bad_name"), "calls itself 'bad name:x=1'"));
+  CHECK(reason_of("throws_an_int") == "info() failed: threw something that is not an exception");
+  CHECK(contains(reason_of("bad_name"), "is named 'bad name:x=1'"));
   const TechniqueRegistry registry({plugin_folder("throws_in_create")});
   try {
     registry.find("throws_in_create").create();

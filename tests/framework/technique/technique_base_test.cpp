@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// TechniqueBase over a technique that counts what is asked of it, and fails when told to.
+// TechniqueBase over a technique that counts its calls, and fails on request.
 #include "lucarium/technique/technique_base.h"
 
 #include <doctest/doctest.h>
@@ -116,7 +116,7 @@ TEST_CASE("an update that failed is made up for by the next call, and nothing ca
   CHECK_THROWS_WITH_AS(t.update(lights_changed()), "no memory", Error);
   CHECK_FALSE(t.built());
   Film film(4, 4);
-  CHECK_THROWS_WITH_AS(t.resolve(film), "the scene's last change could not be followed; nothing to show", Error);
+  CHECK_THROWS_WITH_AS(t.resolve(film), "the last change of the scene could not be applied; there is no image", Error);
   CHECK_THROWS_AS(t.iterate(), Error);
   t.builds_fail = false;
   SUBCASE("iterate") { CHECK(t.iterate().samples == 1); }
@@ -137,7 +137,7 @@ TEST_CASE("an interrupted update is left to the next iteration, and says so") {
   Film film(4, 4);
   try {
     t.resolve(film);
-    FAIL("there is nothing to show");
+    FAIL("there must be no image");
   } catch (const Error& error) {
     CHECK(error.error_class() == ErrorClass::interrupted);
   }
@@ -170,7 +170,7 @@ TEST_CASE("a second failure says what it was: not an interrupt any more, or one 
   CHECK(shown() == ErrorClass::interrupted);
 }
 
-TEST_CASE("a technique that could not be restarted is built anew") {
+TEST_CASE("a technique that could not be restarted is rebuilt") {
   Rig rig;
   Counting& t = rig.technique;
   t.iterate();

@@ -117,7 +117,7 @@ TEST_CASE("lights that change cost light and gathers, and no geometry") {
   }
 }
 
-TEST_CASE("other colours cost light and gathers; another sidedness places the points anew") {
+TEST_CASE("other colours cost light and gathers; another sidedness places the points again") {
   for (const bool sides : {false, true}) {
     CAPTURE(sides);
     const auto change = [&](Scene& scene) {
@@ -255,7 +255,7 @@ TEST_CASE("the first batch of the first frame is a picture that is worth keeping
   CHECK(std::abs(mean(coarse) - mean(whole)) < 0.2 * mean(whole));
 }
 
-TEST_CASE("counters go on where the points are placed anew") {
+TEST_CASE("counters go on where the points are placed again") {
   CountedSession counted(load_scene("builtin:room"), 1);
   const double before = counted.session().technique().counters().at("gathers");
   CHECK(before > 0);

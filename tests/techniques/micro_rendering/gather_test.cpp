@@ -50,7 +50,7 @@ TEST_CASE("a closed room of radiance 1 reflects all of it, and its micro-buffers
   struct Case {
     const char* sample;
     float splat_radius;
-    double most_holes;
+    double max_holes;
   };
   for (const Case& c : {Case{"1", 1.35f, 0.005}, Case{"1", 1.6f, 0.001}, Case{"0", 1.35f, 0.005}}) {
     CAPTURE(c.splat_radius);
@@ -59,7 +59,7 @@ TEST_CASE("a closed room of radiance 1 reflects all of it, and its micro-buffers
     const auto result = test::gather(forest, buffers, points_on_cube(count), settings,
                                      gather_program({{"MICRO_SAMPLE_SPLAT", c.sample}}));
     for (const float4& e : result.irradiance) CHECK(std::abs(e.x / pi - 1) < 0.01);
-    CHECK(result.total().holes < c.most_holes * 576 * count);
+    CHECK(result.total().holes < c.max_holes * 576 * count);
     MESSAGE("empty " << mean_empty(result));
     CHECK(mean_empty(result) < 0.0005);
   }

@@ -169,7 +169,7 @@ TEST_CASE("light in a sphere grows bounce by bounce as the closed form says, and
     for (uint32_t frame = 0; frame < frames; ++frame) {
       REQUIRE(light.receive(frame, 1));
       scheduler.finish();
-      // The half is told by the leaves' places in the tree, whose root splits the sphere in the middle.
+      // The half follows from the leaves' places in the tree, whose root splits the sphere in the middle.
       std::vector<float4> received(forest.leaf_count(), float4(0, 0, 0, 0));
       std::fill_n(received.begin(), received.size() / 2, float4(glm::vec3(static_cast<float>(4 * pi)), 0));
       light.received().write(received.data(), received.size() * sizeof(float4));

@@ -87,17 +87,17 @@ TEST_CASE("a packed cone contains the given one and is hardly wider") {
   const std::vector<Node> nodes = random_nodes(1 << 16), packed = packed_and_unpacked(nodes);
   const double step = 3.14159265358979 / 255;
   size_t outside = 0, loose = 0;
-  double most_turned = 0;
+  double max_turned = 0;
   for (size_t i = 0; i < nodes.size(); ++i) {
     const double turned = angle(nodes[i].cone.xyz(), packed[i].cone.xyz());
-    most_turned = std::max(most_turned, turned);
+    max_turned = std::max(max_turned, turned);
     const double needed = std::min(turned + nodes[i].cone.w, 3.14159265);
     outside += packed[i].cone.w < needed * (1 - 1e-6);
     loose += packed[i].cone.w > needed + 1.01 * step;
   }
   CHECK(outside == 0);
   CHECK(loose == 0);
-  CHECK(most_turned < octahedral_error(1022));
+  CHECK(max_turned < octahedral_error(1022));
 }
 
 TEST_CASE("axes and flags are kept") {

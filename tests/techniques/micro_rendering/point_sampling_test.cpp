@@ -123,7 +123,7 @@ TEST_CASE("points are where the test says that the surface is") {
   for (const SampledPoint& p : sampled.points) CHECK(p.weights.x + p.weights.y < 0.5f);
 }
 
-TEST_CASE("placing points tells how far it is, and ends when the user asks") {
+TEST_CASE("placing points reports progress, and ends when interrupted") {
   std::vector<SurfaceSide> sides;
   add_square(sides, 0, 1, 2, true, 0);
   uint32_t last = 0;

@@ -94,7 +94,7 @@ TEST_CASE("a node's area is what it shows along its axis") {
   }
 }
 
-TEST_CASE("folds much finer than discs are told, wide ones are not") {
+TEST_CASE("folds much finer than discs are reported, wide ones are not") {
   for (const int folds : {1, 100}) {
     Scene scene;
     scene.source = "test:folds";

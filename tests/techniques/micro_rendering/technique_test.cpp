@@ -300,8 +300,8 @@ TEST_CASE("layers to look inside: the chosen pixel's micro-buffer, level of the 
     session.run({.iterations = 1});
     return session.resolve();
   };
-  // Diffuse only: the mean over the micro-buffer is E / pi but for its holes, which the layer shows; the floor's albedo
-  // is 0.7.
+  // Diffuse only: the mean over the micro-buffer is E / pi except for its holes, which the layer shows; the floor's
+  // albedo is 0.7.
   const Film inspected = film({{"inspect_x", "9"}, {"inspect_y", "20"}});
   const std::vector<float>& buffer = inspected.find("micro_buffer")->pixels;
   const std::vector<float>& light = inspected.find("indirect")->pixels;

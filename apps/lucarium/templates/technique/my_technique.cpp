@@ -4,7 +4,7 @@
 // --------------------------
 //
 // Idea. Per iteration and pixel: find the point that the pixel sees (G-buffer; mirrors and clear glass are looked
-// through), sample the light that reaches it once (DirectLight), and add what the eye sees shine by itself with a
+// through), sample the light that reaches it once (DirectLight), and add what the camera sees emit with a
 // kernel of our own, add_emission.cl. Replace this by your idea, its equations, and the paper they come from.
 //
 // What is counted. Layers `emission` and `direct`; no indirect light, whatever --max-bounces says. path_set() below
@@ -33,7 +33,7 @@ struct Options {
 
   template <class V>
   void describe(V& v) {
-    v.flag("emission", emission, "compute the layer emission: lamps and sky as the eye sees them");
+    v.flag("emission", emission, "compute the layer emission (lamps and sky that the camera sees)");
   }
 };
 

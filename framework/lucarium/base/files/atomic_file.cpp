@@ -33,7 +33,7 @@ void flush_to_disk(const fs::path& path) {
   ::close(file);
 }
 
-/// "; no space is left there" when that is why. Libraries do not tell.
+/// "; no space is left" if the disk is full, which image libraries do not report.
 std::string space_left(const fs::path& target) {
   constexpr uintmax_t little = 1 << 16;
   std::error_code failure;

@@ -35,7 +35,7 @@ uint64_t JsonFile::count(const json& value, const std::string& pointer) const {
 }
 
 const std::string& JsonFile::text(const json& value, const std::string& pointer) const {
-  if (!value.is_string()) fail(pointer, "must be a text");
+  if (!value.is_string()) fail(pointer, "must be a string");
   return value.get_ref<const std::string&>();
 }
 

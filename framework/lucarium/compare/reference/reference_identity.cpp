@@ -55,7 +55,7 @@ std::vector<std::string> ReferenceIdentity::differences(const Film& film) const 
     if (key == "path_set" && found != film.metadata.end()) {
       for (const std::string& line : PathSet::parse(theirs).differences(PathSet::parse(value))) lines.push_back(line);
     } else if (key == "scene_hash") {
-      lines.push_back("another scene, or another state of it");
+      lines.push_back("another scene, or another version of it");
     } else if (key == "renderer") {
       lines.push_back("rendered by another version of Lucarium");
     } else if (key == "camera") {

@@ -94,7 +94,7 @@ ReferenceImage::ReferenceImage(Film film, const std::string& shown_name) : film_
 
 void ReferenceImage::add(const Film& round, uint64_t samples, size_t half) {
   if (round.width() != film_.width() || round.height() != film_.height()) {
-    throw_error(ErrorClass::internal, "a round of another size cannot be added to a reference");
+    throw_error(ErrorClass::internal, "cannot add a round of another image size to a reference");
   }
   if (samples == 0) return;
   const double before = static_cast<double>(this->samples()), more = static_cast<double>(samples);

@@ -57,7 +57,7 @@ bool extend_reference(RenderSession& session, ReferenceImage& image, const Refer
                       const std::function<void(ReferenceImage&)>& keep,
                       const std::function<void(const ReferenceProgress&)>& on_progress) {
   if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) {
-    throw Error(ErrorClass::internal, "a reference needs a goal");
+    throw Error(ErrorClass::internal, "a reference needs a number of samples, seconds or a relMSE");
   }
   double seconds = 0;
   while (!reached(image, goal, seconds)) {

@@ -28,7 +28,7 @@ std::vector<std::pair<std::string, std::string>> reference_parameters(const Path
 /// State of a reference in progress, for people.
 struct ReferenceProgress {
   double fraction = 0;   ///< of the goal, estimated; 0 … 1
-  uint64_t samples = 0;  ///< per pixel, in all rounds
+  uint64_t samples = 0;  ///< per pixel, summed over rounds
   double seconds = 0;    ///< of this call
 };
 

@@ -103,7 +103,7 @@ std::string deflate_bytes(const std::string& bytes) {
   z_stream stream{};
   // Residuals are small numbers without repeated strings, which is what Z_FILTERED is for; higher levels gain nothing.
   if (deflateInit2(&stream, 4, Z_DEFLATED, 15, 9, Z_FILTERED) != Z_OK)
-    throw_error(ErrorClass::internal, "zlib refuses to start");
+    throw_error(ErrorClass::internal, "zlib cannot be initialized");
   std::string packed(deflateBound(&stream, static_cast<uLong>(bytes.size())), '\0');
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
   stream.avail_in = static_cast<uInt>(bytes.size());

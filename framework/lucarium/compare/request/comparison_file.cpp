@@ -134,7 +134,7 @@ class ComparisonReader {
       } else if (parameter.is_string() || parameter.is_number()) {
         text = parameter.is_string() ? parameter.get<std::string>() : parameter.dump();
       } else {
-        file_.fail(pointer + "/parameters/" + name, "must be a number, a text, true or false");
+        file_.fail(pointer + "/parameters/" + name, "must be a number, a string, true or false");
       }
       result.parameters.emplace_back(name, text);
     }
@@ -147,7 +147,7 @@ class ComparisonReader {
       file_.fail(pointer, "must have exactly one of \"seconds\", \"iterations\" and \"relmse\"");
     }
     if (value.contains("relmse") != value.contains("limit_seconds")) {
-      file_.fail(pointer, "\"relmse\" and \"limit_seconds\" go together");
+      file_.fail(pointer, "\"relmse\" and \"limit_seconds\" must be given together");
     }
     ComparisonBudget result;
     if (value.contains("seconds")) result.seconds = positive(value, "seconds", pointer);

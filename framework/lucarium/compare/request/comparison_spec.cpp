@@ -136,7 +136,7 @@ void check_comparison(const ComparisonSpec& spec) {
     throw_error(ErrorClass::usage, "device_arguments/{}: {}", mistake->index, mistake->what);
   if (spec.seeds == 0 || spec.seeds > 1000) throw_error(ErrorClass::usage, "seeds must be from 1 to 1000");
   if (spec.reference.file && spec.scenes.size() > 1) {
-    throw_error(ErrorClass::usage, "a reference file goes with one scene; {} were given", spec.scenes.size());
+    throw_error(ErrorClass::usage, "a reference file fits one scene only; {} were given", spec.scenes.size());
   }
   if (!spec.fallback_environment.empty()) {
     const std::string what = fallback_mistake(spec.fallback_environment);

@@ -30,7 +30,7 @@ struct ComparisonBudget {
   std::string label() const;  ///< "2.5 s", "64 iterations", "relMSE 0.001"
 };
 
-/// A scene with what is to be changed about it.
+/// A scene and the changes to it.
 struct ComparisonScene {
   std::string source;  ///< file or builtin:NAME
   SceneOverrides overrides;

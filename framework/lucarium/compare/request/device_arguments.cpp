@@ -27,8 +27,8 @@ void set_threads(DeviceOptions& device, const char*, const std::string& value) {
   int threads = -1;
   const auto [end, failure] = std::from_chars(value.data(), value.data() + value.size(), threads);
   const bool whole = failure == std::errc() && end == value.data() + value.size();
-  if (!whole || threads < 0 || threads > most_threads)
-    throw_error(ErrorClass::usage, "'{}' is not a number of threads from 0 to {}", value, most_threads);
+  if (!whole || threads < 0 || threads > max_threads)
+    throw_error(ErrorClass::usage, "'{}' is not a number of threads from 0 to {}", value, max_threads);
   device.threads = threads;
 }
 

@@ -89,7 +89,7 @@ class ExperimentReader {
     result.budget = position(object, at, "budget", full_.budgets.size());
     if (object.contains("paper")) result.paper = file_.number(object["paper"], at + "/paper");
     if (!is_expression_name(result.name)) file_.fail(at + "/name", "must be letters, digits and _, a letter first");
-    if (!names_.insert(result.name).second) file_.fail(at + "/name", fmt::format("'{}' is there already", result.name));
+    if (!names_.insert(result.name).second) file_.fail(at + "/name", fmt::format("'{}' is given twice", result.name));
     check_expression(result.expression, at + "/value");
     return result;
   }
@@ -129,7 +129,7 @@ class ExperimentReader {
   size_t position(const json& object, const std::string& at, const std::string& key, size_t count) const {
     if (!object.contains(key)) return 0;
     const size_t index = file_.count(object[key], at + "/" + key);
-    if (index >= count) file_.fail(at + "/" + key, fmt::format("there are {}, counted from 0", count));
+    if (index >= count) file_.fail(at + "/" + key, fmt::format("there are {}, numbered from 0", count));
     return index;
   }
 

@@ -25,7 +25,7 @@ struct ExperimentTrend {
   std::string claim, expression;
 };
 
-/// A table or figure of a paper as a comparison with what is to be read off it (docs/reproducing.md).
+/// A table or figure of a paper: a comparison, and the values read off it (docs/reproducing.md).
 struct Experiment {
   std::string paper, name;  ///< "hermes2010", "resolution"
   std::string title;
@@ -45,7 +45,7 @@ struct Paper {
   std::string name;  ///< of the folder: "hermes2010"
   std::filesystem::path folder;
   std::string citation, technique, machine;
-  std::vector<std::string> experiments;  ///< names, in the order in which they are to be run
+  std::vector<std::string> experiments;  ///< names, in the order in which they run
 };
 
 /// The folder's paper.json. Throws Error{input} naming file, line and key.

@@ -49,14 +49,14 @@ struct ReferenceResult {
   uint64_t samples = 0;
   bool from_cache = false;
   double seconds = 0;
-  bool error_known = false;    ///< false for an image given as a file that does not tell
+  bool error_known = false;    ///< false for an image file without an error estimate
   double mse = 0, relmse = 0;  ///< its own error
 };
 
 /// One variant on one scene.
 struct SceneVariant {
   size_t reference = 0;                  ///< index into the scene's references
-  std::vector<std::string> limitations;  ///< what of the scene it cannot do
+  std::vector<std::string> limitations;  ///< parts of the scene that it cannot compute
   std::string refused;                   ///< why it does not run at all
   size_t device_bytes = 0;               ///< estimate, with scene and BVH
 };

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr size_t most_errors = 6;
+constexpr size_t max_errors = 6;
 const char* const error_metric = "relMSE";
 
 std::vector<double> collect(const std::vector<const PieceResult*>& pieces, double (*value)(const PieceResult&)) {
@@ -160,10 +160,10 @@ void add_times_to_error(const ComparisonResult& result, size_t scene, size_t bud
   }
   if (!(smallest < largest)) return;
   std::vector<double> errors;
-  for (int exponent = static_cast<int>(std::floor(std::log10(smallest))); errors.size() < most_errors; ++exponent) {
+  for (int exponent = static_cast<int>(std::floor(std::log10(smallest))); errors.size() < max_errors; ++exponent) {
     for (const double mantissa : {1.0, 3.0}) {
       const double error = mantissa * std::pow(10.0, exponent);
-      if (error >= smallest && error < largest && errors.size() < most_errors) errors.push_back(error);
+      if (error >= smallest && error < largest && errors.size() < max_errors) errors.push_back(error);
     }
     if (std::pow(10.0, exponent) > largest) break;
   }

@@ -18,7 +18,7 @@ struct ComparisonOptions {
   bool resume = false;           ///< continue what is there
   bool overwrite = false;        ///< replace what is there
   std::vector<Gate> gates;
-  std::optional<Experiment> experiment;  ///< what is to be read off the results
+  std::optional<Experiment> experiment;  ///< values to read off the results
   std::filesystem::path baseline;        ///< folder of an earlier run
   ReportOptions report;
   std::filesystem::path program;                         ///< the lucarium executable that renders the pieces

@@ -25,7 +25,7 @@ inline constexpr uint64_t reference_seed = 0x5eed;
 /// Error for mistakes in the comparison itself (unknown technique or parameter).
 ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& scene, const TechniqueRegistry& registry);
 
-/// The job of one piece, or of a reference: scene, image and device; what is to be done with them is not set.
+/// The job of one piece, or of a reference: scene, image and device; its work is not set.
 Job scene_job(const ComparisonSpec& spec, const ComparisonScene& scene, const ScenePlan& plan,
               const ComparisonOptions& options, uint64_t seed);
 

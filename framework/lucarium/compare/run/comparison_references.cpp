@@ -69,7 +69,7 @@ void ComparisonRunner::measure_reference(ReferenceResult& reference) {
                               ? fmt::format("from the cache, {} samples per pixel", reference.samples)
                               : fmt::format("{} samples per pixel, {:.1f} s", reference.samples, reference.seconds);
   say(fmt::format("  reference: {}{}", how,
-                  reference.error_known ? fmt::format(", its own relMSE {:.2g}", own.relmse) : ""));
+                  reference.error_known ? fmt::format(", error of the reference: relMSE {:.2g}", own.relmse) : ""));
 }
 
 /// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
@@ -116,7 +116,7 @@ bool ComparisonRunner::render_reference(size_t scene, size_t index) {
   const bool was_cached = fs::exists(cached);
   ChildResult child = run_reference(scene, index, cached);
   if (was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
-    say("  what is in the cache is not usable, rendering it again");
+    say("  the cached reference is not usable; rendering it again");
     fs::remove(cached, ignored);
     child = run_reference(scene, index, cached);
   }
@@ -126,7 +126,7 @@ bool ComparisonRunner::render_reference(size_t scene, size_t index) {
     return false;
   }
   if (child.exit_code != 0) {
-    throw_error(ErrorClass::technique, "rendering it ended with {}: {}", describe_end(child),
+    throw_error(ErrorClass::technique, "rendering the reference ended with {}: {}", describe_end(child),
                 child.last_words.empty() ? "no message" : child.last_words.back());
   }
   const json summary = json::parse(child.out);

@@ -27,7 +27,7 @@ using nlohmann::json;
 namespace {
 
 // Between two reports while it runs: pictures take time to encode, which shall be a tenth of the whole at most.
-constexpr double least_page_interval = 60;  // [s]
+constexpr double min_page_interval = 60;  // [s]
 constexpr double page_interval_costs = 10;
 
 /// Whether the budget ended before all light was in the picture.
@@ -110,7 +110,7 @@ ComparisonResult ComparisonRunner::run() {
 void ComparisonRunner::check_folder() const {
   if (const fs::path foreign = find_foreign_file(options_.folder); !foreign.empty()) {
     throw_error(ErrorClass::usage,
-                "{} is there, and no comparison wrote it: {} has no comparison.json of one; choose another --output",
+                "{} exists, but no comparison wrote it ({} has no comparison.json); choose another --output",
                 foreign.string(), options_.folder.string());
   }
   const fs::path file = options_.folder / "comparison.json";
@@ -124,8 +124,7 @@ void ComparisonRunner::check_folder() const {
   }
   if (read_file(file) != spec_.to_json()) {
     throw_error(ErrorClass::usage,
-                "{} holds another comparison than the one asked for; give the same arguments to resume it, or choose "
-                "another --output",
+                "{} holds a different comparison; give the same arguments to resume it, or choose another --output",
                 options_.folder.string());
   }
 }
@@ -156,7 +155,7 @@ void ComparisonRunner::write_page() {
 
 bool ComparisonRunner::page_is_due() const {
   const double age = std::chrono::duration<double>(std::chrono::steady_clock::now() - page_written_).count();
-  return age > std::max(least_page_interval, page_interval_costs * page_seconds_);
+  return age > std::max(min_page_interval, page_interval_costs * page_seconds_);
 }
 
 void ComparisonRunner::update_conclusions() {
@@ -251,8 +250,8 @@ void ComparisonRunner::tell(const PieceResult& piece, size_t number, size_t tota
                           piece.samples);
     if (is_unfinished(piece)) outcome += ", unfinished: light is missing, or the picture is coarse";
     if (spec_.budgets[piece.budget].relmse > 0) {
-      outcome +=
-          piece.reached_seconds ? fmt::format(", there after {:.1f} s", *piece.reached_seconds) : ", not there in time";
+      outcome += piece.reached_seconds ? fmt::format(", reached after {:.1f} s", *piece.reached_seconds)
+                                       : ", not reached in time";
     }
   }
   say(fmt::format("[{}/{}] {}  {}  {}  seed {}: {}", number, total, result_.scenes[piece.scene].name,
@@ -331,7 +330,7 @@ void ComparisonRunner::load_finished_pieces() {
       }
     }
   }
-  if (!result_.pieces.empty()) say(fmt::format("{} pieces were finished before", result_.pieces.size()));
+  if (!result_.pieces.empty()) say(fmt::format("{} pieces are finished already", result_.pieces.size()));
 }
 
 bool ComparisonRunner::load_finished_piece(PieceResult& piece) {
@@ -346,7 +345,7 @@ bool ComparisonRunner::load_finished_piece(PieceResult& piece) {
     const json summary = json::parse(piece.render_summary);
     if (summary.at("scene_hash") != result_.scenes[piece.scene].hash || summary.at("version") != LUCARIUM_VERSION ||
         summary.at("path_set") != reference_of(piece.scene, piece.variant).path_set) {
-      say(fmt::format("{}: rendered from another scene or by another version; again", file.string()));
+      say(fmt::format("{}: rendered from another scene or by another version; rendering it again", file.string()));
       return false;
     }
     read_image(options_.folder / piece.image);  // throws when it is damaged

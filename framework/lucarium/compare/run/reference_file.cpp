@@ -15,7 +15,8 @@ namespace {
 void check_reference(const Film& film, const fs::path& file, const ReferenceResult& wanted, const SceneResult& scene) {
   const auto path_set = film.metadata.find("path_set"), hash = film.metadata.find("scene_hash");
   if (hash != film.metadata.end() && hash->second != scene.hash) {
-    throw_error(ErrorClass::usage, "{} shows another scene than {}, or another state of it", file.string(), scene.name);
+    throw_error(ErrorClass::usage, "{} shows another scene than {}, or another version of it", file.string(),
+                scene.name);
   }
   if (path_set == film.metadata.end() || path_set->second == wanted.path_set) return;
   std::string text;
@@ -23,8 +24,7 @@ void check_reference(const Film& film, const fs::path& file, const ReferenceResu
     text += (text.empty() ? "" : "; ") + line;
   }
   throw_error(ErrorClass::usage,
-              "{} shows other light paths than the technique computes ({}); leave out --reference to have the right "
-              "one rendered",
+              "{} shows other light paths than the technique computes ({}); omit --reference to render the right one",
               file.string(), text);
 }
 
@@ -33,7 +33,7 @@ void check_reference(const Film& film, const fs::path& file, const ReferenceResu
 void check_one_reference(const SceneResult& scene) {
   if (scene.references.size() <= 1) return;
   throw_error(ErrorClass::usage,
-              "the techniques compute {} different sets of light paths, for which one --reference file cannot be true",
+              "the techniques compute {} different sets of light paths; one --reference file cannot match them all",
               scene.references.size());
 }
 

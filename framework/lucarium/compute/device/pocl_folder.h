@@ -32,7 +32,7 @@ class DriverFolder {
 
  private:
   std::filesystem::path path_;
-  int lock_ = -1;  ///< held while this process lives, so that others can tell abandoned folders
+  int lock_ = -1;  ///< held while this process lives, so that others recognize abandoned folders
   int process_ = 0;
 };
 

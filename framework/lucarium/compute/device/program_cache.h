@@ -26,7 +26,7 @@ struct CachedProgram {
 };
 
 /// Compiled programs on disk, one file each. A file holds magic, length, checksum and content and is written to a
-/// temporary first; what is not whole and ours is ignored, removed and made anew. No failure here is ever fatal, and
+/// temporary first; a damaged or foreign file is ignored, removed and written again. No failure here is ever fatal, and
 /// any number of processes may use the folder at once.
 class ProgramCache {
  public:

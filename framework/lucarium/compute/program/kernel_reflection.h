@@ -8,7 +8,7 @@
 namespace lucarium {
 
 /// Signatures of all kernels of a program that was built with -cl-kernel-arg-info, in the driver's order. Throws
-/// Error{device} when the program has no kernel or the driver cannot tell.
+/// Error{device} when the program has no kernel or the driver gives no signatures.
 std::vector<KernelSignature> reflect_kernels(const Device& device, cl_program program, const std::string& program_name);
 
 }  // namespace lucarium

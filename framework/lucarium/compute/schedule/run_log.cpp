@@ -101,7 +101,7 @@ void RunLog::report_failure(const Waiting& run, cl_int code) {
 }
 
 void RunLog::sum_up(const Waiting& run) {
-  std::vector<uint64_t> ends;  // of all commands, to tell waiting for the device from launching
+  std::vector<uint64_t> ends;  // of all commands, to separate waiting for the device from launching
   for (const RunRecord::StepEvent& each : run.record.events) {
     if (run.slots) ends.push_back(timestamp(each.event.get(), CL_PROFILING_COMMAND_END));
   }

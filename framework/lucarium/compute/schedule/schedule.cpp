@@ -35,7 +35,7 @@ Schedule::State::~State() {
   try {
     device->finish();  // arenas and staging must outlive what is enqueued
   } catch (const Error&) {
-    // A destructor has nobody to tell; the failing command was reported by the run.
+    // A destructor cannot throw; the run has already reported the command that failed.
   }
 }
 

@@ -12,8 +12,8 @@ struct TransientUse {
   bool discards = false;  ///< overwrites everything: what was there is dead before this step
 };
 
-/// The steps [first, last] between which the contents of a transient matter. A transient that is discarded and
-/// filled anew has several lives, each with memory of its own.
+/// Live range of a transient, the steps [first, last]. A transient that is discarded and filled again has several live
+/// ranges, each with memory of its own.
 struct Life {
   int transient = 0;
   int first = 0, last = 0;

@@ -250,8 +250,8 @@ void SceneBuffers::update_geometry(const Scene& scene, const SceneChange& change
     }
   }
   // Many scattered ranges: one pass over all from the first to the last costs less than a launch for each.
-  constexpr size_t most_passes = 16;
-  if (ranges.size() > most_passes) {
+  constexpr size_t max_passes = 16;
+  if (ranges.size() > max_passes) {
     const VertexRange& last = ranges.back();
     ranges = {{ranges.front().first, last.first + last.count - ranges.front().first}};
   }

@@ -141,7 +141,7 @@ void check_version(const Json& root, const ImportContext& context) {
     if (asset == root.end() || !asset->is_object()) return "";
     const auto found = asset->find(key);
     if (found == asset->end()) return "";
-    if (!found->is_string()) context.fail("/asset/{} must be a text", key);
+    if (!found->is_string()) context.fail("/asset/{} must be a string", key);
     return found->get<std::string>();
   };
   const std::string version = text_of("version"), minimum = text_of("minVersion");

@@ -42,8 +42,9 @@ class ImportContext {
     spent_ += bytes;
     const uint64_t limit = std::min(options.max_triangles * bytes_per_triangle + (1u << 20), 64 * input_ + (1u << 30));
     if (spent_ <= limit) return;
-    fail("its meshes, instances and animations need more than {} MiB, the most for {} triangles and {} bytes of data",
-         limit >> 20, options.max_triangles, input_);
+    fail(
+        "its meshes, instances and animations need more than {} MiB, the maximum for {} triangles and {} bytes of data",
+        limit >> 20, options.max_triangles, input_);
   }
 
   const std::string& name() const { return name_; }

@@ -65,7 +65,7 @@ class MaterialReader {
       material_.normal_texture.strength = static_cast<float>(source_.normalTexture.scale);
     }
     if (with_textures_ && source_.occlusionTexture.index >= 0) {
-      context_.warn("occlusion textures are left out: what they darken, techniques compute from the geometry");
+      context_.warn("occlusion textures are ignored: techniques compute occlusion from the geometry");
     }
     material_.unlit = find("KHR_materials_unlit") != nullptr;
   }

@@ -241,8 +241,8 @@ int MeshImporter::default_material() {
   material.name = "default";
   scene_.materials.push_back(material);
   context_.warn(
-      "some primitives have no material: glTF's default is used (white, so that light hardly fades); "
-      "--material default:... changes it");
+      "some primitives have no material: glTF's default is used (white, so light barely fades); --material default:... "
+      "changes it");
   return default_material_;
 }
 

@@ -145,7 +145,7 @@ void TextureImporter::count(ImageSize size) {
   if (bytes_ <= limit_) return;
   context_.fail("its textures need more than {} together, which is {}; scale them down with --texture-size {}",
                 format_bytes(limit_),
-                limit_ == context_.options.max_texture_bytes ? "the most allowed" : "half of the memory that is free",
+                limit_ == context_.options.max_texture_bytes ? "the maximum" : "half of the memory that is free",
                 std::max(1u, std::bit_floor(largest_side_ - 1)));
 }
 

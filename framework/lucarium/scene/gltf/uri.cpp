@@ -92,7 +92,7 @@ std::filesystem::path resolve(const std::string& uri, const std::filesystem::pat
                               const ImportContext& context) {
   const std::string decoded = decode_percent(uri);
   if (decoded.empty() || decoded.find('\0') != std::string::npos) {
-    context.fail("{}: the URI '{}' is no file name", where, shown_uri(uri));
+    context.fail("{}: the URI '{}' is not a file name", where, shown_uri(uri));
   }
   const std::filesystem::path relative = std::filesystem::path(decoded).lexically_normal();
   if (relative.is_absolute() || decoded.starts_with('\\') || *relative.begin() == "..") {

@@ -30,7 +30,7 @@ Kind sniff(const std::filesystem::path& file) {
 void check_size(const OIIO::ImageSpec& spec, const std::string& name, const ImportOptions& options) {
   if (spec.width <= 0 || spec.height <= 0) throw_error(ErrorClass::input, "{}: it has no pixels", name);
   if (spec.depth > 1 || spec.deep)
-    throw_error(ErrorClass::input, "{}: deep and volume images are no environment maps", name);
+    throw_error(ErrorClass::input, "{}: deep and volume images are not environment maps", name);
   const uint64_t pixels = static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height);
   const uint64_t tile =
       static_cast<uint64_t>(std::max(spec.tile_width, 1)) * static_cast<uint64_t>(std::max(spec.tile_height, 1));

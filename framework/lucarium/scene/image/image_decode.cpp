@@ -34,7 +34,7 @@ Kind sniff(std::span<const uint8_t> bytes) {
   if (starts("DDS ")) return {nullptr, "a DDS image"};
   if (starts("GIF8")) return {nullptr, "a GIF image"};
   if (starts("BM")) return {nullptr, "a BMP image"};
-  return {nullptr, "not an image known here"};
+  return {nullptr, "of an unknown format"};
 }
 
 ImageSize halved(ImageSize size) { return {std::max(1u, size.width / 2), std::max(1u, size.height / 2)}; }

@@ -14,8 +14,8 @@ struct DecodedImage {
 };
 
 /// Decodes a PNG or JPEG to RGBA8 (grey, palette, 1, 2, 4 and 16 bits and CMYK are converted, alpha stays
-/// unassociated) and halves it, while it is decoded, until it fits options.max_texture_size. The kind is told from
-/// the contents. Images of more than options.max_image_pixels are refused before any pixel is decoded. Colour
+/// unassociated) and halves it, while it is decoded, until it fits options.max_texture_size. The format is found
+/// from the contents. Images of more than options.max_image_pixels are refused before any pixel is decoded. Colour
 /// profiles and other metadata are ignored, as glTF demands. Throws Error{input} that starts with `what`.
 DecodedImage decode_image(std::span<const uint8_t> encoded, const std::string& what, const ImportOptions& options);
 

@@ -98,7 +98,7 @@ const std::vector<MaterialKey>& keys() {
       number_key("alpha_cutoff", "a number from 0 to 1", &SceneMaterial::alpha_cutoff, 0, 1),
       flag_key("double_sided", &SceneMaterial::double_sided),
       flag_key("unlit", &SceneMaterial::unlit),
-      {"textures", "none, which drops them", set_textures},
+      {"textures", "none, which removes them", set_textures},
   };
   return table;
 }

@@ -80,8 +80,8 @@ EnvironmentChoice parse_environment(std::string_view text) {
   choice.factor = take_suffix(rest, '*').value_or(1.f);
   if (rest.empty() || choice.factor < 0) {
     throw_error(ErrorClass::usage,
-                "environment '{}': expected FILE.hdr, FILE.exr, R,G,B [cd/m2] or none, with *FACTOR (not negative) "
-                "and @DEGREES behind it",
+                "environment '{}': expected FILE.hdr, FILE.exr, R,G,B [cd/m2] or none, optionally followed by *FACTOR "
+                "(not negative) and @DEGREES",
                 text);
   }
   if (const auto color = parse_color(rest)) {

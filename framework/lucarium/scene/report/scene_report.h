@@ -7,7 +7,7 @@
 
 namespace lucarium {
 
-/// What `lucarium scene FILE` tells about a loaded scene.
+/// What `lucarium scene FILE` prints about a loaded scene.
 struct SceneReport {
   struct Lamp {
     std::string name, type;

@@ -125,7 +125,7 @@ void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) 
   for (const size_t part : moved) {
     if (forest.refit(part, geometry.vertices, geometry.triangles)) continue;
     if (part == BvhParts::resting) {
-      // What moves among things at rest would spoil them again: it leaves them for good.
+      // A moving instance would degrade the static part again and again: give it a part of its own.
       parts.separate(change);
       build(geometry.vertices, geometry.triangles, parts.ranges(buffers));
       return;

@@ -21,7 +21,7 @@ struct BvhStatistics {
 };
 
 /// How rays are traversed. All compute hits by the same operations, so that they find the same ones to the bit on one
-/// device (but for needle-thin triangles, whose computed distance may lie in front of the boxes that hold them).
+/// device (except for needle-thin triangles, whose computed distance may lie in front of the boxes that hold them).
 enum class BvhTraversal {
   automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
   wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item: coherent runs of 16 as packets,
@@ -45,7 +45,7 @@ class Bvh : public Intersector {
   ~Bvh() override;
 
   /// Follows a change; to be called after buffers.update(). Instances that an animation, skin or morph can move have
-  /// hierarchies of their own below a small one: when they move only these are refitted, or built anew when their
+  /// hierarchies of their own below a small one: when they move only these are refitted, or rebuilt when their
   /// quality fell (SAH cost above 1.5× built). Instances that move without such announcement are refitted with the
   /// rest, and get hierarchies of their own when that is not good enough. Changed topology, also where it shows in the
   /// counts only, rebuilds everything. To be called for changed materials, too: the kernels are compiled for whether

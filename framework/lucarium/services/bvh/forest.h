@@ -14,13 +14,13 @@ struct TriangleRange {
 };
 
 /// Hierarchies of parts of a scene that move independently, joined by a small one over their boxes into a single wide
-/// hierarchy in one memory layout. What moves is refitted, what falls in quality is built anew, and everything else
-/// stays: a part's motion costs what that part and the top cost. A single part has no top and is as if there were no
+/// hierarchy in one memory layout. A part that moves is refitted, or rebuilt when its quality drops; all others
+/// stay: a part's motion costs what that part and the top cost. A single part has no top and is as if there were no
 /// forest; its words are held once until it is refitted, and can be given up meanwhile. Otherwise they are held twice,
 /// as parts and joined.
 class BvhForest {
  public:
-  /// A part is built anew when its SAH cost has grown to this times that as built.
+  /// A part is rebuilt when its SAH cost has grown by this factor since it was built.
   static constexpr double rebuild_ratio = 1.5;
 
   using Part = std::vector<TriangleRange>;
@@ -29,8 +29,8 @@ class BvhForest {
 
   /// Builds everything: one hierarchy for each part. Empty parts are allowed, also none.
   void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles, std::vector<Part> parts);
-  /// The vertices of a part have moved: fits its boxes to them. Returns false when it must be built anew, because it
-  /// has become worse than rebuild_ratio or a triangle that could not be hit now can. can_refit() must be true.
+  /// The vertices of a part have moved: fits its boxes to them. Returns false when it must be rebuilt, because it has
+  /// become worse than rebuild_ratio or a triangle that could not be hit now can. can_refit() must be true.
   bool refit(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   void rebuild(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   /// After parts were refitted or rebuilt: brings everything together again.

@@ -56,12 +56,12 @@ class WideBvh::Collapse {
     Costs left_cost, right_cost;
     fork_join_.run(
         node.count > parallel_grain, [&] { left_cost = plan(left); }, [&] { right_cost = plan(right); });
-    const int left_most = static_cast<int>(std::min<uint32_t>(binary_.nodes[left].count, max_width));
-    const int right_most = static_cast<int>(std::min<uint32_t>(binary_.nodes[right].count, max_width));
+    const int left_max = static_cast<int>(std::min<uint32_t>(binary_.nodes[left].count, max_width));
+    const int right_max = static_cast<int>(std::min<uint32_t>(binary_.nodes[right].count, max_width));
     const int most = std::min(width_, static_cast<int>(std::min<uint32_t>(node.count, max_width)));
     const auto distribute = [&](int roots, uint8_t& best_left) {
       float best = INFINITY;
-      for (int k = std::max(1, roots - right_most); k <= std::min(roots - 1, left_most); ++k) {
+      for (int k = std::max(1, roots - right_max); k <= std::min(roots - 1, left_max); ++k) {
         const float total = left_cost[k] + right_cost[roots - k];
         if (total < best) best = total, best_left = static_cast<uint8_t>(k);
       }

@@ -15,8 +15,8 @@ namespace lucarium {
 ///
 /// Users differ in one parameter, how many steps prove that light gets somewhere, and the reason is theirs to say.
 struct InteriorRule {
-  /// 1: whatever a first ray meets but backs counts as seen. More tell solids inside solids, and gaps between solids,
-  /// from open places; each costs a ray.
+  /// 1: unless the first ray hits a back, the surface counts as seen. More steps also find solids inside solids and
+  /// gaps between solids; each costs a ray.
   uint32_t steps = 6;
   /// Fronts that are no farther apart see nothing of each other: walks between solids that touch are caught [m].
   float contact = 0;

@@ -18,7 +18,7 @@ constexpr uint32_t lanes = 16;               // pixels per row of a tile
 constexpr uint32_t chunks = 16;              // runs of triangles binned in parallel
 constexpr uint32_t slice_pixels = 1u << 22;  // of the film between two looks whether to stop, about 0.1 s
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
-constexpr const char* smaller_film = "lower the film's resolution";
+constexpr const char* smaller_film = "lower the resolution of the raster";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
@@ -45,8 +45,8 @@ LayeredRaster::State::State(KernelScheduler& scheduler_, const SceneBuffers& sce
     : scheduler(scheduler_), scene(scene_), options(options_), owner(owner_), primitives(scheduler_.device()) {
   if (options.max_width == 0 || options.max_height == 0 || options.max_width > LAYERED_MAX_FILM ||
       options.max_height > LAYERED_MAX_FILM)
-    throw_error(ErrorClass::usage, "layered raster: film of {} x {} pixels, each side must be 1 to {}",
-                options.max_width, options.max_height, LAYERED_MAX_FILM);
+    throw_error(ErrorClass::usage, "layered raster: {} x {} pixels, each side must be 1 to {}", options.max_width,
+                options.max_height, LAYERED_MAX_FILM);
   follow();
 }
 

@@ -68,7 +68,7 @@ class LayeredRaster {
                     std::string_view kernel, const std::function<void(PassBuilder&)>& bind) const;
 
   /// A stored A-buffer: pixel_start holds width · height + 1 uints (exclusive sums; row by row of the view's width),
-  /// fragments LayeredFragment, dropped one uint (0 but for k_buffer). All live in the schedule.
+  /// fragments LayeredFragment, dropped one uint (0 except with k_buffer). All live in the schedule.
   struct Stored {
     BufferRef pixel_start, fragments, dropped;
   };

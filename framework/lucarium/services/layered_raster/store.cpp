@@ -10,7 +10,7 @@ namespace lucarium {
 
 namespace {
 
-constexpr const char* smaller_film = "lower the film's resolution";
+constexpr const char* smaller_film = "lower the resolution of the raster";
 constexpr uint32_t records_per_item = 64;
 
 }  // namespace

@@ -19,8 +19,8 @@ namespace lucarium {
 ///                       "my technique", "use fewer points");
 ///   light.record_samples(recorder, sample, seed, [&](PassBuilder& pass) { pass.arg("sums", sums); });
 ///
-/// What is added changes in the last pass of a recording alone, so that a cancelled run has changed nothing; but for
-/// photons, whose pass is sliced: light may have been added to some of the points, and sums must begin anew.
+/// Sums change in the last pass of a recording only, so that a cancelled run has changed nothing. Photons are the
+/// exception, since their pass is sliced: some points may have received light, and the sums must be cleared.
 class LightAtPoints {
  public:
   using Bind = std::function<void(PassBuilder&)>;

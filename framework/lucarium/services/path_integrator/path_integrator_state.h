@@ -43,7 +43,7 @@ struct PathIntegrator::State {
   State(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
         const Frame& frame, const PathIntegratorOptions& options, const std::string& owner);
 
-  /// What the kernels are told, from the options and what the scene holds.
+  /// Settings of the kernels, from the options and the contents of the scene.
   PathSettings make_settings() const;
   void allocate();
   void record_generate();

@@ -25,7 +25,8 @@ constexpr size_t parts = 64;  // independent of the number of threads, and so is
 void check(const AtlasLayoutOptions& options) {
   if (options.texel_edge < 0 || !std::isfinite(options.texel_edge) ||
       (options.texel_edge == 0 && options.texel_count == 0)) {
-    throw_error(ErrorClass::usage, "surface atlas: neither {} texels nor a texel edge of {} m can be had",
+    throw_error(ErrorClass::usage,
+                "surface atlas: {} texels and a texel edge of {} m are not possible; one of them must be above 0",
                 options.texel_count, options.texel_edge);
   }
   if (!(options.merge_threshold >= 0 && options.merge_threshold <= 1)) {
@@ -40,7 +41,7 @@ double side_area(const AtlasMesh& mesh) {
   return sum;
 }
 
-/// Asks whether to stop and tells how far it is.
+/// Checks for cancellation and reports progress.
 class Watch {
  public:
   explicit Watch(const AtlasLayoutOptions& options) : options_(options) {}

@@ -77,7 +77,7 @@ class TexcoordCheck {
     const uint32_t instance = mesh_.geometry.instance[first_];
     const std::string name = instance < mesh_.geometry.names.size() ? mesh_.geometry.names[instance] : "";
     throw_error(ErrorClass::input,
-                "surface atlas: TEXCOORD_1 of mesh \"{}\" (instance {}) {}; do without it, or unwrap the mesh anew",
+                "surface atlas: TEXCOORD_1 of mesh \"{}\" (instance {}) {}; leave it out, or unwrap the mesh again",
                 name, instance, what);
   }
 
@@ -179,7 +179,7 @@ std::vector<double> check_texcoord1(const AtlasMesh& mesh) {
     scale[g.instance[first]] = TexcoordCheck(mesh, first, last).run();
   }
   if (!any) {
-    throw Error(ErrorClass::input, "surface atlas: no mesh of the scene has TEXCOORD_1; lay the atlas out without it");
+    throw Error(ErrorClass::input, "surface atlas: no mesh of the scene has TEXCOORD_1; compute a layout instead");
   }
   return scale;
 }

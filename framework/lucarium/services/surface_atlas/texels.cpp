@@ -10,13 +10,13 @@ namespace lucarium {
 
 namespace {
 
-constexpr double most_merged = 1.5;  // area that a texel may grow to by merging [s²]
-constexpr uint32_t most_across = 2;  // cells of one texel along each axis
+constexpr double max_merged = 1.5;  // area that a texel may grow to by merging [s²]
+constexpr uint32_t max_across = 2;  // cells of one texel along each axis
 
 /// The cells of a texel.
 struct CellBox {
   uint32_t x0, y0, x1, y1;
-  bool small() const { return x1 - x0 < most_across && y1 - y0 < most_across; }
+  bool small() const { return x1 - x0 < max_across && y1 - y0 < max_across; }
 };
 CellBox joint(const CellBox& a, const CellBox& b) {
   return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
@@ -83,7 +83,7 @@ void ChartPlacer::merge_small_cells() {
       const uint32_t n = neighbor_cell(c, dx, dy);
       if (n == LUCARIUM_NONE || !cells_share_triangle(c, n, true)) continue;
       const uint32_t other = find_root(texel_of_, n);
-      if (other == root || cell_area_[other] + cell_area_[root] > most_merged * s2) continue;
+      if (other == root || cell_area_[other] + cell_area_[root] > max_merged * s2) continue;
       if (!joint(box[root], box[other]).small()) continue;
       if (best == LUCARIUM_NONE || cell_area_[other] > cell_area_[best]) best = other;
     }

@@ -74,7 +74,7 @@ TEST_CASE("a block of 128 directions has one in each of 128 equal cells of its s
       if (phi < 0) phi += 1;
       cells.insert({int((1 - d.z) * 16), int(phi * 8)});
     }
-    CHECK(cells.size() >= 126);  // all 128, but for directions whose single precision falls into the next cell
+    CHECK(cells.size() >= 126);  // all 128, except directions whose single precision falls into the next cell
   }
 }
 

@@ -135,7 +135,7 @@ TEST_CASE("instances that nobody announced cost one build when they move far, an
   moving.check_hits();
 }
 
-TEST_CASE("a deformed instance is refitted, and built anew alone when it has changed too much") {
+TEST_CASE("a deformed instance is refitted, and rebuilt alone when it has changed too much") {
   Tracer tracer;
   Random random(5);
   Scene scene = make_spheres(4, 0, random);

@@ -29,7 +29,7 @@ Soup box_soup(float half) {
 
 TEST_CASE("no ray escapes a closed mesh") {
   Tracer tracer;
-  const int batches = full_run() ? 25 : 1;  // 10⁸ rays in all: two meshes, two traversals
+  const int batches = full_run() ? 25 : 1;  // 10⁸ rays together: two meshes, two traversals
   // At the origin, and far from it, where coordinates are coarse.
   for (const glm::vec3 offset : {glm::vec3(0), glm::vec3(300, -200, 1000)}) {
     const Soup soup = rough_sphere(50, 64, 21, offset);

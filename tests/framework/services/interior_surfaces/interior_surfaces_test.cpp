@@ -88,7 +88,7 @@ TEST_CASE("points below a solid that stands in the floor are interior, others op
   }
 }
 
-TEST_CASE("several steps tell a solid within a solid from an open place") {
+TEST_CASE("several steps distinguish a solid within a solid from an open place") {
   Scene scene = floor_scene();
   add_box(scene, {-1, -0.5f, -1}, {1, 1, 1});
   add_box(scene, {-0.25f, 0.5f, -0.25f}, {0.25f, 0.8f, 0.25f});  // its front is all that some first rays meet
@@ -124,7 +124,7 @@ TEST_CASE("glass lets walks escape, two-sided sheets let them go on") {
     // Inside a solid the sheet helps nobody.
     add_box(scene, {-1.5f, -1, -1.5f}, {1.5f, 1, 1.5f});
     const double inside = open_shares(places(scene, {.steps = 6}, kOwn, 8), 1)[0];
-    // A walk that stays between floor and sheet cannot tell.
+    // A walk that stays between floor and sheet cannot decide.
     CHECK(inside >= (glass ? 1 : 0.01));
   }
 }

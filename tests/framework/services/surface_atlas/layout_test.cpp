@@ -258,15 +258,15 @@ TEST_CASE("nothing to lay out, and options that cannot be had") {
   CHECK_THROWS_AS(make_atlas_layout(nothing, options), Error);
 }
 
-TEST_CASE("progress is told and a build can be cancelled") {
+TEST_CASE("progress is reported and a build can be cancelled") {
   const AtlasGeometry g = geometry_of(make_builtin_scene("atrium"));
   AtlasLayoutOptions options;
   options.texel_count = 50000;
-  std::vector<double> told;
-  options.progress = [&](double fraction, const std::string&) { told.push_back(fraction); };
+  std::vector<double> reported;
+  options.progress = [&](double fraction, const std::string&) { reported.push_back(fraction); };
   make_atlas_layout(g, options);
-  CHECK(told.size() > 20);
-  CHECK(std::is_sorted(told.begin(), told.end()));
+  CHECK(reported.size() > 20);
+  CHECK(std::is_sorted(reported.begin(), reported.end()));
   for (const size_t after : {size_t{0}, size_t{5}, size_t{15}}) {
     size_t asked = 0;
     options.cancelled = [&] { return asked++ >= after; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The palette of Okabe and Ito (2008), which colour-blind readers can tell apart; every technique also has a shape and
+// The palette of Okabe and Ito (2008), which colour-blind readers can distinguish; every technique also has a shape and
 // a dash pattern of its own.
 
 const palette = ['#0072b2', '#d55e00', '#009e73', '#cc79a7', '#e69f00', '#56b4e9', '#8c6bb1', '#7f7f7f'];

@@ -96,5 +96,5 @@ function curveChart(scene, budget) {
       'figure', {}, chart,
       h('figcaption', {}, 'Error over time: mean over seeds with its 95 % interval, fitted slope dotted. ',
         '−1 is what Monte Carlo does. The horizontal line is the reference’s own error: ' +
-            'what comes near it cannot be told apart.'));
+            'errors close to it cannot be distinguished.'));
 }

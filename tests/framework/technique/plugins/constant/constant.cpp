@@ -32,8 +32,9 @@ struct ConstantParameters {
     v.number("green", green, 0.f, 100.f, "cd/m²", "radiance of every pixel");
     v.number("blue", blue, 0.f, 100.f, "cd/m²", "radiance of every pixel");
     v.number("sleep", sleep, 0, 60000, "ms", "pause in every iteration");
-    v.number("converge_at", converge_at, 0, 1000000, "iterations", "when it says that it has converged; 0: never");
-    v.number("fail_at", fail_at, 0, 1000000, "iterations", "when `failure` happens");
+    v.number("converge_at", converge_at, 0, 1000000, "iterations",
+             "iteration at which it reports convergence; 0: never");
+    v.number("fail_at", fail_at, 0, 1000000, "iterations", "iteration at which `failure` happens");
     v.choice("failure", failure,
              {{"none", Failure::none},
               {"error", Failure::error},
@@ -41,7 +42,7 @@ struct ConstantParameters {
               {"nan", Failure::nan},
               {"negative", Failure::negative}},
              "what goes wrong");
-    v.number("extra_megabytes", extra_megabytes, 0, 1 << 30, "MB", "memory that it says it needs");
+    v.number("extra_megabytes", extra_megabytes, 0, 1 << 30, "MB", "memory that it declares");
   }
 };
 
@@ -70,7 +71,7 @@ class Constant : public Technique {
   }
 
   std::vector<std::string> limitations(const Scene&, const RenderSettings&) const override {
-    return {"it does not look at the scene"};
+    return {"the scene is ignored"};
   }
 
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
@@ -132,7 +133,7 @@ class Constant : public Technique {
   void fail() {
     switch (parameters_.failure) {
       case Failure::none: break;
-      case Failure::error: throw_error(ErrorClass::technique, "it was told to fail");
+      case Failure::error: throw_error(ErrorClass::technique, "it fails as requested");
       case Failure::exception: throw std::runtime_error("an exception that is no Error");
       case Failure::nan: bad_ = std::numeric_limits<float>::quiet_NaN(); break;
       case Failure::negative: bad_ = -1; break;

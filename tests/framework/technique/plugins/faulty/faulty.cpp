@@ -70,8 +70,8 @@ struct FaultyParameters {
               {"turned_sky", Fault::turned_sky},
               {"one_sided", Fault::one_sided},
               {"no_coat", Fault::no_coat}},
-             "which promise is broken");
-    v.number("gain", gain, 0.f, 10.f, "", "factor of all light");
+             "promise that is broken");
+    v.number("gain", gain, 0.f, 10.f, "", "factor on all light");
     if (fault == Fault::undocumented) v.number("unnamed", unnamed, 0, 1, "", "");
   }
 };
