@@ -20,11 +20,11 @@
 // exp(-2 (1 - ρ) √N), and is what is sent; D is nearly a plain mean, and is what is displayed. A balance of the power
 // sent and held scales S meanwhile. With max_bounces there is a mean per bounce, each fed by the one before.
 //
-// Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee), or, but for point, spot and
-// directional lights, the bundles themselves: what texels emit, and the environment at the ends of rays (exchange).
-// Specular lobes (mirrors, glass, metals, coats): texels send what a ray finds that leaves by such a lobe; from vertex
-// to vertex it follows specular lobes only, since the atlas knows the diffuse light. So do rays from the pixels towards
-// the eye.
+// Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee), or the bundles themselves:
+// emission of texels, and the environment at the ends of rays (exchange; point, spot and directional lights are always
+// sampled). Specular lobes (mirrors, glass, metals, coats): a texel traces a ray by such a lobe and sends what it
+// finds. The ray follows specular lobes only, since the atlas holds the diffuse light. So do rays from the pixels
+// towards the eye.
 //
 // Where the paper stands in the source (files below this folder; bundles/, layered_raster/, surface_atlas/ and
 // interior_surfaces/ are services of the framework):
@@ -345,7 +345,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   static bool touches_surfaces(const SceneChange& change) { return change.geometry() || !change.materials.empty(); }
 
-  /// The atlas, which knows surfaces and their emission only, and what of its texels counts.
+  /// The atlas, which holds surfaces and their emission only, and the interior and accessibility of its texels.
   BundleParts::Kept keep_surfaces() {
     return {std::move(parts_->atlas), std::move(parts_->interior), std::move(parts_->accessibility)};
   }

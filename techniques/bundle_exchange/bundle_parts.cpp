@@ -49,7 +49,7 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
 void BundleParts::measure_accessibility(const std::function<void(double, const std::string&)>& report) {
   const auto check = [](bool done) {
     if (!done)
-      throw Error(ErrorClass::interrupted, "bundle_exchange: interrupted while texels were measured; nothing is kept");
+      throw Error(ErrorClass::interrupted, "bundle_exchange: interrupted while preparing the texels; nothing was kept");
   };
   for (; !interior->complete(); report(interior->progress(), "hidden places")) check(interior->advance());
   for (; !accessibility->complete(); report(accessibility->progress(), accessibility->measured()))

@@ -13,7 +13,7 @@ namespace lucarium::bundle {
 
 /// Everything that is made for one scene, in the order of dependence.
 struct BundleParts {
-  /// What may outlast a change of the scene, or null: the atlas, and what of its texels counts.
+  /// Parts that may outlast a change of the scene, or null: the atlas, and interior and accessibility of its texels.
   struct Kept {
     std::unique_ptr<SurfaceAtlas> atlas;
     std::unique_ptr<TexelInterior> interior;

@@ -96,28 +96,27 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
       settings.max_bounces != 0)
     result.push_back("indirect light is left out: all directions carry emission only (direct_first)");
   if (parameters.interleave == Interleave::fixed)
-    result.push_back("light of several bounces is lost (interleave=fixed is there for comparison)");
+    result.push_back("light of several bounces is lost (interleave=fixed, for comparison only)");
   if (parameters.interleave == Interleave::running && settings.max_bounces < 0)
     result.push_back(
-        "light of many bounces comes late: 19 % are missing after 2048 directions where surfaces reflect 0.8 "
-        "(interleave=running is there for comparison)");
+        "light of many bounces converges slowly: 19 % is missing after 2048 directions at albedo 0.8 "
+        "(interleave=running, for comparison only)");
   const bool history = SideSpecular::uses_history(parameters) && has_specular_lobes(scene) &&
                        parameters.glossy_bounces == GlossyBounces::multiple;
   if (history) {
     if (parameters.sequence == DirectionOrder::halton)
-      result.push_back(
-          "glossy light between surfaces is about half of what it should be (sequence=halton with glossy_window)");
+      result.push_back("glossy light between surfaces is too dark by about half (sequence=halton with glossy_window)");
     if (std::none_of(scene.materials.begin(), scene.materials.end(), [&](const SceneMaterial& m) {
           return m.roughness * m.roughness >= SideSpecular::min_alpha(parameters);
         }))
-      result.push_back(fmt::format(
-          "glossy_window has no effect: no surface is as rough as history_alpha asks for (GGX width {:.2f})",
-          SideSpecular::min_alpha(parameters)));
+      result.push_back(
+          fmt::format("glossy_window has no effect: no surface has the minimum GGX alpha of {:.2f} (history_alpha)",
+                      SideSpecular::min_alpha(parameters)));
   }
   if (parameters.interleave == Interleave::pingpong && history)
-    result.push_back("glossy light of several bounces mixes (interleave=pingpong with glossy_window)");
+    result.push_back("bounces of glossy light are mixed (interleave=pingpong with glossy_window)");
   if (parameters.interleave == Interleave::pingpong && has_specular_lobes(scene))
-    result.push_back("specular reflections between diffuse ones are no bounces of their own (interleave=pingpong)");
+    result.push_back("specular reflections between diffuse ones do not count as bounces (interleave=pingpong)");
   if (parameters.interleave == Interleave::pingpong && parameters.pixel_rays == PixelRays::bundle)
     result.push_back("pixel_rays=bundle has no effect: bundles carry one bounce at a time (interleave=pingpong)");
   for (const auto& [name, on] :
@@ -126,7 +125,7 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
       result.push_back(fmt::format("{}=on has no effect: it needs interleave=sd or running", name));
   if (parameters.final_gather == FinalGather::off && has_specular_lobes(scene))
     result.push_back(parameters.direct_mode == DirectMode::exchange
-                         ? "what specular lobes reflect towards the eye is left out but for light of punctual lights "
+                         ? "light that specular lobes reflect towards the eye is left out, except from punctual lights "
                            "(final_gather=off)"
                          : "indirect light that specular lobes reflect towards the eye is left out (final_gather=off)");
   return result;

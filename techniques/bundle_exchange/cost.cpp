@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kAtlasSeconds = 3e-6;          // a texel of the atlas …
 constexpr double kChartSeconds = 3e-6;          // … and a triangle
-constexpr double kHiddenSeconds = 1.3e-5;       // a texel's walks that tell what is hidden
+constexpr double kHiddenSeconds = 1.3e-5;       // a texel's walks that find hidden places
 constexpr double kAccessibilitySeconds = 4e-8;  // a ray of a texel that measures accessibility
 constexpr double kSideLightSeconds = 1.8e-5;    // a texel's first light samples
 constexpr double kTexelSeconds = 8e-8;          // a texel, in a direction

@@ -24,7 +24,7 @@ ChildResult run_child(const std::vector<std::string>& arguments,
                       const std::function<void(std::string_view)>& on_error_line = {}, std::string_view input = {});
 
 /// In a program that run_child() started: asks to be interrupted when the parent ends, however it ends, so that nothing
-/// goes on rendering for nobody. Call it after install_interrupt_handler().
+/// goes on rendering in vain. Call it after install_interrupt_handler().
 void end_with_parent();
 
 /// "killed by signal 9 (Killed)" or "exit code 4".

@@ -115,7 +115,7 @@ class Writer {
   ordered_json json_ = ordered_json::object();
 };
 
-/// Reads the members of the object at `pointer`; finish() complains about those that nobody read and those that lack.
+/// Reads the members of the object at `pointer`; finish() throws on unknown and on missing ones.
 class Reader {
  public:
   Reader(const JsonFile& file, const json& object, std::string pointer)

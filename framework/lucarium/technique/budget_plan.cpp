@@ -26,7 +26,7 @@ std::set<std::string> given_names(Technique& technique, const std::vector<std::p
   return names;
 }
 
-/// The way down from the parameters as they are to the least ones: the same for every budget.
+/// The steps from the present parameters down to the smallest ones: the same for every budget.
 class Savings {
  public:
   Savings(Technique& technique, const std::set<std::string>& given, const Scene& scene, const RenderSettings& settings,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smaller values for the parameters that nobody has set, so that a budget of time ends in a picture.
+// Smaller values for parameters that the user has not set, so that a budget of time ends in a picture.
 #pragma once
 #include <string>
 #include <utility>

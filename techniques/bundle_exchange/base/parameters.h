@@ -47,77 +47,74 @@ struct Parameters {
 
   template <class V>
   void describe(V& v) {
-    v.number("directions", directions, 1, 1000000, "directions", "directions of exchange");
-    v.number("batch", batch, 1, 64, "directions", "directions that share one set of senders; begins at 1 and grows");
-    v.choice("sequence", sequence,
-             {{"iid", DirectionOrder::iid},
-              {"blocks", DirectionOrder::blocks},
-              {"halton", DirectionOrder::halton},
-              {"hammersley", DirectionOrder::hammersley}},
-             "directions: independent, Owen-scrambled Sobol points in blocks, Halton, or Hammersley points");
+    v.number("directions", directions, 1, 1000000, "directions", "number of directions along which light is exchanged");
+    v.number("batch", batch, 1, 64, "directions",
+             "maximum directions per batch; directions of a batch share their senders");
     v.choice(
-        "interleave", interleave,
-        {{"sd", Interleave::sd},
-         {"running", Interleave::running},
-         {"fixed", Interleave::fixed},
-         {"pingpong", Interleave::pingpong}},
-        "how bounces share directions: forgetting senders beside a slow mean (sd), a running mean, equal shares of "
-        "the total (fixed, loses energy), or one bounce after the other, each `block` directions (pingpong)");
-    v.number("block", block, 128, 16384, "directions", "directions of a stratified block, and of a bounce of pingpong");
-    v.number("env_guiding", env_guiding, 0.f, 0.9f, "", "share of directions drawn by the environment's luminance");
+        "sequence", sequence,
+        {{"iid", DirectionOrder::iid},
+         {"blocks", DirectionOrder::blocks},
+         {"halton", DirectionOrder::halton},
+         {"hammersley", DirectionOrder::hammersley}},
+        "directions: independent (iid), Owen-scrambled Sobol points in blocks, Halton points, or Hammersley points");
+    v.choice("interleave", interleave,
+             {{"sd", Interleave::sd},
+              {"running", Interleave::running},
+              {"fixed", Interleave::fixed},
+              {"pingpong", Interleave::pingpong}},
+             "how bounces share directions: a fast mean to send and a slow one to show (sd), a running mean, equal "
+             "shares (fixed, loses energy), or bounce after bounce (pingpong)");
+    v.number("block", block, 128, 16384, "directions",
+             "directions per stratified block; with interleave=pingpong also per bounce");
+    v.number("env_guiding", env_guiding, 0.f, 0.9f, "",
+             "share of directions that are sampled by the luminance of the environment");
     v.number("texels", texels, 0, 1 << 24, "texels",
-             "wanted size of the surface atlas; 0: eight per pixel of the image, but 32768 to 262144");
-    v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge of a pixel of the bundle image");
+             "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
+    v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge length of a pixel of the bundle image");
     v.number("access_gap", access_gap, 0.f, 16.f, "texel edges",
-             "distance beyond which a ray counts as unoccluded, for weighting parts of texels by accessibility; 0: no "
-             "weighting");
+             "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility; 0: "
+             "no weighting");
     v.number("access_rays", access_rays, 128, 4096, "rays",
-             "rays that measure the accessibility of a texel which faces all directions; of at least 32 bundles");
+             "rays that measure the accessibility of a texel, from at least 32 bundles");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
-             "light of emissive surfaces and the environment: by light samples, or by the bundles themselves");
+             "direct light of emissive surfaces and the environment: light samples (nee) or the bundles (exchange)");
     v.number("direct_first", direct_first, 0, 100000, "directions",
-             "directions that carry emitted light only, before the others (direct_mode=exchange)");
+             "first directions, which carry emission only (direct_mode=exchange)");
     v.number("step_exponent", step_exponent, 0.3f, 1.f, "",
-             "step of senders: batch k counts k^-step_exponent of the mean (interleave=sd)");
+             "step of the mean that is sent: batch k has weight k^-step_exponent (interleave=sd)");
     v.number("average_exponent", average_exponent, 0.f, 2.f, "",
-             "weight of direction i in what is displayed: i^average_exponent (interleave=sd)");
+             "weight of the mean that is displayed: direction i has weight i^average_exponent (interleave=sd)");
     v.flag("balance", balance,
-           "scale senders so that they send the power that receivers hold (unlimited bounces; not while specular lobes "
-           "deliver "
-           "more than a fifth)");
+           "scale senders so that they send the power that receivers hold (unlimited bounces; off while specular lobes "
+           "deliver more than a fifth)");
     v.choice("final_gather", final_gather,
              {{"off", FinalGather::off}, {"glossy", FinalGather::glossy}, {"all", FinalGather::all}},
-             "reflections towards the eye that are gathered by rays: none, specular lobes, or the diffuse lobe too");
+             "lobes whose light pixels gather by rays: none, specular (glossy), or specular and diffuse (all)");
     v.choice("glossy_bounces", glossy_bounces, {{"multiple", GlossyBounces::multiple}, {"final", GlossyBounces::final}},
-             "specular lobes take part in the exchange, or only reflect diffuse light towards the eye");
+             "specular lobes reflect at every bounce (multiple), or at the last one, towards the eye (final)");
     v.number("glossy_window", glossy_window, 0, 256, "directions",
-             "past directions whose light glossy texel sides reflect; 0: they trace rays instead, 1: the paper's "
+             "number of past directions that glossy texel sides reflect; 0: trace rays instead, 1: the paper's "
              "transfer atlas");
     v.choice("glossy_norm", glossy_norm, {{"self", GlossyNorm::self}, {"mean", GlossyNorm::mean}},
-             "what the sum over past directions is divided by: weights of the BSDF (self: less noise, small bias), or "
-             "their number (mean: unbiased)");
+             "normalization of the light of past directions: by BSDF weights (self, less noise, small bias) or by "
+             "their number (mean, unbiased)");
     v.number("history_alpha", history_alpha, 0.f, 1.f, "",
-             "smallest GGX width of texel sides that use the direction history instead of tracing rays; 0: sqrt(2 / "
+             "minimum GGX alpha of texel sides that reflect past directions, smoother ones trace rays; 0: sqrt(2 / "
              "glossy_window)");
-    v.number("chain_share", chain_share, 0.01f, 1.f, "",
-             "probability that an ideal mirror traces a specular chain for a direction; other texel sides by their "
-             "specular reflectance");
+    v.number(
+        "chain_share", chain_share, 0.01f, 1.f, "",
+        "probability that a perfect mirror traces a specular chain, per direction; scaled by specular reflectance");
     v.choice("transfer", transfer, {{"ray", Transfer::ray}, {"texel", Transfer::texel}},
-             "ray: consecutive fragments of a pixel exchange radiance; texel: each texel is projected into the bundle "
-             "image and reads its neighbour there (as in the paper)");
-    v.choice(
-        "pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
-        "rays of final_gather: traced, or those of the bundles (bundle, as in the paper; lobes below history_alpha "
-        "are traced)");
-    v.flag("preview", preview,
-           "until the exchange is done, show the atlas smoothed as far as its errors go (interleave=sd and running)");
+             "ray: exchange between consecutive fragments of a pixel; texel: project each texel and read its neighbour "
+             "(paper)");
+    v.choice("pixel_rays", pixel_rays, {{"traced", PixelRays::traced}, {"bundle", PixelRays::bundle}},
+             "rays of final_gather: traced, or those of the bundles (paper; lobes below history_alpha are traced)");
+    v.flag("preview", preview, "show a smoothed atlas until the exchange is done (interleave=sd or running)");
     v.flag("warm_start", warm_start,
-           "after changes of lights, materials and geometry senders go on from what they knew (interleave=sd and "
-           "running)");
+           "keep the mean that is sent when lights, materials or geometry change (interleave=sd or running)");
     v.number("stop_error", stop_error, 0.f, 1.f, "",
-             "converged at this relative standard error of irradiance (interleave=sd and running); 0: never. With "
-             "direct_mode=exchange "
-             "directions carry emission only as soon as at most half of the squared error comes from indirect light");
+             "relative standard error of irradiance at which the image counts as converged; 0: never (interleave=sd or "
+             "running)");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged");
     v.presets({{"paper",
@@ -134,7 +131,7 @@ struct Parameters {
                  {"transfer", "texel"},
                  {"pixel_rays", "bundle"},
                  {"stop_error", "0"}}}},
-              "paper: the variants of Hermes et al. 2010");
+              "set of values; paper: the choices of Hermes et al. 2010");
   }
 };
 

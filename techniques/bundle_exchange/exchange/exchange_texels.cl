@@ -65,7 +65,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   global float4* to = records + (size_t)side * BUNDLE_RECORD;
   if (sender == LUCARIUM_NONE) {
     const float3 end = cosine > 0.0f ? ends[1].xyz : ends[0].xyz;
-    // Backs are black, and count but for rays that begin in hidden places (exchange_pairs.cl).
+    // Backs are black. They count, except for rays that begin in hidden places (exchange_pairs.cl).
     to[1] +=
         seen.fragment == LUCARIUM_NONE ? w * (float4)(end, 1.0f) : (float4)(0.0f, 0.0f, 0.0f, w * interior[side].y);
     return;

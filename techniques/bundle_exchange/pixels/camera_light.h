@@ -21,7 +21,7 @@ class CameraLight {
     bool single = false;     ///< chains end behind their first vertex
     bool exchanged = false;  ///< bundles carry emitted light: light samples are of punctual lights only
     int max_bounces = -1;
-    bool by_bundles = false;  ///< rays of `gather` are those of bundles, but for lobes narrower than min_alpha
+    bool by_bundles = false;  ///< rays of `gather` are those of bundles, except for lobes below min_alpha
     float min_alpha = 0;
   };
   /// `preview` (may be null) must outlive this: commit() shows what it has smoothed in an image of its own.

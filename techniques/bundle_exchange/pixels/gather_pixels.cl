@@ -10,7 +10,8 @@
 #include "lucarium/shared/ray.h"
 
 // Work-item i: pixel i. Equation 3 with the pixel's own f_r towards the eye (ω_{i+1} = ω_o). What is not found in its
-// bundle pixel gets a ray. first: 1 where contributions begin at 0. shares: xyz what of the light arrives at the eye.
+// bundle pixel gets a ray. first: 1 where contributions begin at 0. shares: xyz share of the light that reaches the
+// eye.
 __kernel void gather_pixels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const AtlasTriangle* restrict atlas_triangles,
                             __global const uint* restrict atlas_table, __global const GBufferPoint* restrict points,

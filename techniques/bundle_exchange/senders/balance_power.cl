@@ -6,7 +6,7 @@
 
 #define BALANCE_MAX_SPECULAR 0.2f
 
-// Numerator and denominator of the balance over a chunk of texel sides (balance_scale), but for specular light:
+// Numerator and denominator of the balance over a chunk of texel sides (balance_scale), without specular light:
 //   xyz: sum V c e_dir, w: sum U             xyz: sum (U - V c) e_S, w: sum U e_S, of the three colours
 // V: what other texel sides count of a texel side's rays, U: what it counts itself (visible).
 __kernel void balance_chunks(uint sides, __global const float4* restrict albedo,
@@ -47,9 +47,9 @@ __kernel void balance_scale(uint count, __global const float4* restrict chunks,
   scale[0] = (float4)(select((float3)(1.0f), ratio, balanced), 0.0f);
 }
 
-// What specular lobes have delivered to a chunk of texel sides in the batch: what came by reflected light less what
-// texel sides sent diffusely. A texel side's record tells what those who see it count of its rays, so that over all
-// texel sides the sum of w L received is the sum of what each sent times that.
+// Power that specular lobes have delivered to a chunk of texel sides in the batch: reflected light received, less the
+// light that texel sides sent diffusely. A texel side's record holds the weight with which others count its rays, so
+// that over all texel sides the sum of w L received is the sum of the radiance sent times that weight.
 #if defined(BUNDLE_CHAINS) && defined(BUNDLE_SELF_FED)
 __kernel void specular_chunks(uint sides, __global const float4* restrict diffuse,
                               __global const float4* restrict records, __global float4* restrict chunks) {

@@ -28,8 +28,8 @@ class SenderWeights {
   Step next(uint64_t first, uint32_t count) const;
   /// The batch has been added.
   void advance();
-  /// From now on S counts for `batches` at most, so that later ones change it faster. Returns what S is to be
-  /// multiplied with.
+  /// From now on S counts for `batches` at most, so that later ones change it faster. Returns the factor by
+  /// which S must be multiplied.
   double forget(uint64_t batches);
   uint64_t batches() const { return batch_; }
 

@@ -56,7 +56,7 @@ size_t SidePreview::estimate_bytes(size_t sides, const Channels& channels) {
 }
 
 bool SidePreview::smooth() {
-  // One batch tells nothing of its error: nothing is smoothed then.
+  // One batch gives no estimate of its error: nothing is smoothed then.
   const double n = static_cast<double>(means_->batches());
   schedule_.set(correction_, static_cast<float>(n > 1 ? n / (n - 1) : 0));
   return scheduler_->run(schedule_) == RunResult::done;

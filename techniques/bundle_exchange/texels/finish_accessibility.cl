@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How open the parts of texel sides are: which share of their rays goes farther than the neighbouring texels. Rays that
-// meet backs tell nothing, since most of them begin in interior places (texel_interior.h); where there are no others,
-// the part is hidden.
+// Accessibility of the parts of texel sides: the share of their rays that go farther than the neighbouring texels. Rays
+// that hit backs are ignored, since most of them begin in interior places (texel_interior.h); a part that has no other
+// rays is hidden.
 #include "bundle_exchange/texels/side_parts.clh"
 #include "lucarium/random.clh"
 #include "lucarium/surface_atlas.clh"
 
-#define SURELY_HIDDEN 6u  // rays to backs that tell so also where no point of the texel side is hidden
+#define SURELY_HIDDEN 6u  // rays to backs that prove it although no point of the texel side is hidden
 
 // Of 0 to SIDE_MAX_LEVEL, at random one of the two about `open` [1], so that the mean is right.
 uint dithered_level(float open, uint side, uint part) {
@@ -14,8 +14,8 @@ uint dithered_level(float open, uint side, uint part) {
   return min((uint)(open * (float)SIDE_MAX_LEVEL + random), SIDE_MAX_LEVEL);
 }
 
-// counts: see probe_pairs.cl. interior, hidden: TexelInterior. share: what of the texel side's area its rays count for,
-// the mean of the accessibility over it. accessibility: of its parts. points: of its random points, 4 bits each, 0 for
+// counts: see probe_pairs.cl. interior, hidden: TexelInterior. share: share of the texel side's area that its rays
+// count for, the mean accessibility. accessibility: of its parts. points: of its random points, 4 bits each, 0 for
 // hidden ones.
 __kernel void finish_accessibility(uint sides, AtlasInfo atlas_info,
                                    __global const AtlasTriangle* restrict atlas_triangles,

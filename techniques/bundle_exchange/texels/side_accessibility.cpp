@@ -22,7 +22,7 @@ const char* const kFewerTexels = "lower texels";
 
 }  // namespace
 
-/// The bundles that tell how open parts are, and what they have counted so far.
+/// The bundles that measure the accessibility of parts, and their counts so far.
 struct SideAccessibility::Probes {
   KernelScheduler* scheduler = nullptr;
   Bounds bounds;

@@ -49,7 +49,7 @@ class SideAccessibility {
   /// only hidden parts are looked for, and no bundle is drawn where there are none.
   bool advance();
   const char* measured() const { return options_.access_gap > 0 ? "accessibility" : "extent of hidden places"; }
-  double progress() const;  ///< what of the bundles has been drawn [1]
+  double progress() const;  ///< share of the bundles that are drawn [1]
   bool complete() const { return complete_; }
 
   // What holds when complete:

@@ -6,8 +6,8 @@
 namespace lucarium::bundle {
 
 /// Largest distance between two points of one texel [m], where it is more than `limit`; else something below it. From
-/// the pieces of triangles that texels are made of: exact, but for texels of more than a thousand corners, for which it
-/// is the diagonal of their box.
+/// the pieces of triangles that texels are made of: exact, except for texels of more than a thousand corners, for which
+/// it is the diagonal of their box.
 double largest_texel_extent(const SurfaceAtlas& atlas, const SceneBuffers& buffers, double limit);
 
 }  // namespace lucarium::bundle

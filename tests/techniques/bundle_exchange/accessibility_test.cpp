@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A texel that is partly covered by something near is as bright as what of it is seen.
+// A texel that is partly covered by something near is as bright as its visible part.
 #include <doctest/doctest.h>
 
 #include "bundle_rig.h"

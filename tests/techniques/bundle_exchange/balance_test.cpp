@@ -81,7 +81,7 @@ TEST_CASE("a furnace with a mirror: the balance counts what the mirror delivers"
   MESSAGE("balance ", with.balance.x, ", light ", with.mean, ", without balance ", without.mean);
   CHECK(with.mean == test::relative(5, 0.003));
   CHECK(with.balance.x != 1);
-  CHECK(without.mean < 4.95);  // what is to be gained
+  CHECK(without.mean < 4.95);  // so that balance can gain something
 }
 
 TEST_CASE("a box with veils: the balance weighs what is there of a surface, not all of its area") {

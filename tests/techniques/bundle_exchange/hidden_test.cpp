@@ -64,12 +64,12 @@ TEST_CASE("in a field of radiance 1 every texel side that is seen holds 1, whate
       held_partly += area * double(sums[side].x / sums[side].w);
       seen_partly += area;
     }
-    // Of each column what is within the plinth, its foot, and what of its plinth's top it covers.
+    // Of each column the part within the plinth, its foot, and the part of its plinth's top that it covers.
     const double expected = 16 * (0.2 * 2 * (0.09 + 0.07) + 2 * 0.09 * 0.07);
     CHECK(hidden == test::relative(expected, 0.03));
     CHECK(partly > 20);
     CHECK(inside > 0);
-    // What is left are texel sides of which less is hidden than their eight points tell. Counting all, it would be 4 %
+    // The rest are texel sides of which less is hidden than their eight points find. Counting all, it would be 4 %
     // too little.
     MESSAGE("held in the mean ", held / seen, ", by texel sides that are partly hidden ", held_partly / seen_partly);
     CHECK(held / seen == test::relative(1, 0.003));

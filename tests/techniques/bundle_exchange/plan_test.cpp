@@ -9,8 +9,8 @@
 using namespace lucarium;
 using namespace lucarium::bundle;
 
-TEST_CASE("options that need senders that forget are told where there are none") {
-  const auto told = [](const Parameters& parameters) {
+TEST_CASE("preview and warm_start without forgetting senders are listed as limitations") {
+  const auto listed = [](const Parameters& parameters) {
     const std::vector<std::string> list = limitations(parameters, Scene{}, {});
     return std::count_if(list.begin(), list.end(), [](const std::string& line) {
       return line.find("it needs interleave=sd") != std::string::npos;
@@ -18,10 +18,10 @@ TEST_CASE("options that need senders that forget are told where there are none")
   };
   Parameters parameters;
   parameters.preview = parameters.warm_start = true;
-  CHECK(told(parameters) == 0);
+  CHECK(listed(parameters) == 0);
   parameters.interleave = Interleave::pingpong;
-  CHECK(told(parameters) == 2);
+  CHECK(listed(parameters) == 2);
   parameters.interleave = Interleave::fixed;
   parameters.warm_start = false;
-  CHECK(told(parameters) == 1);
+  CHECK(listed(parameters) == 1);
 }

@@ -71,7 +71,7 @@ Errors room_errors(const Setting& setting) {
     // Two independent values: the product of the differences has no share of their noise.
     const double a = path_traced(square, setting.strata, gap, lamp, random).value;
     const double b = path_traced(square, setting.strata, gap, lamp, random).value;
-    // By true areas: they are squares but for a thousandth, since charts end within their cells.
+    // By true areas: they are squares up to a thousandth, since charts end within their cells.
     const double area = static_cast<double>(texels[side].area) * accessibility;
     n += 1, areas += area;
     d += area * expected, dd += expected * expected, found_d += area * direct[side];

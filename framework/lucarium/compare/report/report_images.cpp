@@ -79,7 +79,7 @@ std::vector<float> shown_channels(const FilmLayer& layer, size_t pixels, uint32_
   return values;
 }
 
-/// Shares what is left of the limit among what is still to come, so that images that need little leave more for others.
+/// Splits the remaining byte budget over the remaining images, so that small images leave more for the others.
 class ImagePacker {
  public:
   ImagePacker(const ReportPlan& plan, double samples, const ReportImageSink& sink)

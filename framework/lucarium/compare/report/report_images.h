@@ -29,7 +29,7 @@ struct ReportPlan {
   uint32_t layer_divisor = 2;                    ///< of layers and FLIP maps
   double byte_limit = 0;                         ///< for all images; 0: none
 
-  /// What readers are to know about reductions, in plain words; empty when there is nothing.
+  /// Notes for readers about reduced images, in plain words; empty when there are none.
   std::vector<std::string> notes() const;
 };
 

@@ -28,7 +28,7 @@ SeedImages reduce_seed_images(const std::vector<std::vector<float>>& images, con
 struct BiasAndVariance {
   size_t seeds = 0;
   double error = 0;          ///< mean error of one image, the reference's own subtracted
-  double variance = 0;       ///< of one image: what is left of it at k times the samples is 1/k
+  double variance = 0;       ///< of one image; falls to 1/k of it with k times the samples
   double error_of_mean = 0;  ///< of the mean over the seeds, as measured: bias² + variance/S + reference's own
   double bias2 = 0;          ///< error_of_mean − variance/S − reference's own; may be below 0 by chance
   double bias2_error =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The course of a comparison: plan, references, pieces, conclusions; everything is kept as it comes.
+// Runs a comparison: plan, references, pieces, conclusions. Every result is saved as soon as it exists.
 #include "lucarium/compare/run/comparison_runner.h"
 
 #include <fmt/chrono.h>

@@ -12,7 +12,7 @@ namespace lucarium {
 class CompileProgress {
  public:
   using Listener = std::function<void(double fraction, const std::string& text)>;
-  /// Hears of compilation from now on, as "compiling program a/b" or "compiling kernels 3/12"; empty: nobody does.
+  /// Hears of compilation from now on, as "compiling program a/b" or "compiling kernels 3/12"; empty: no reports.
   void listen(Listener listener);
 
   void build(const std::string& program);  ///< is about to be compiled

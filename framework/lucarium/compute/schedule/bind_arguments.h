@@ -26,8 +26,8 @@ struct BoundArguments {
 };
 
 /// Binds by name and checks kind, OpenCL type of by-value arguments, and aliasing: a buffer may be bound to several
-/// arguments only if all of them are const or none is, because a const parameter promises that nobody writes it.
-/// Throws Error{device} that begins with `where` and names the argument and the nearest valid name.
+/// arguments only if all of them are const or none is, because a const parameter promises that the buffer is not
+/// written. Throws Error{device} that begins with `where` and names the argument and the nearest valid name.
 BoundArguments bind_arguments(const std::string& where, const RecordedStep& step,
                               const std::vector<RecordedResource>& resources);
 

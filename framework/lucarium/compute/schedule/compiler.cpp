@@ -101,7 +101,7 @@ Draft ScheduleCompiler::draft(RecordedStep& step) const {
   return result;
 }
 
-/// The value of a counter as it stands now; drafts the read when nobody needed it before.
+/// The present value of a counter; plans a read when it is needed for the first time.
 int ScheduleCompiler::counter_value(int counter) {
   const RecordedCounter& recorded = recorded_.counters[static_cast<size_t>(counter)];
   const auto key = std::pair(counter, versions_[static_cast<size_t>(recorded.resource)]);
@@ -356,7 +356,7 @@ void ScheduleCompiler::set_kernel_arguments() {
   }
 }
 
-/// Overlap helps a pass that cannot fill the device alone and has somebody to share it with.
+/// Overlap helps a pass that cannot fill the device alone while other passes can run beside it.
 void ScheduleCompiler::decide_overlap() {
   const auto narrow = [&](const Step& step) {
     if (step.counter >= 0) return false;

@@ -14,7 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Runs whose end nobody waits for, at most.
+/// Maximum number of runs in flight.
 constexpr size_t runs_in_flight = 2;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }

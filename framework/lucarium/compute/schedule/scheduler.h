@@ -47,7 +47,7 @@ class KernelScheduler {
 
   /// One replay. Returns `cancelled` when `cancel_requested` fired between passes (the run's results are then partial
   /// and must be discarded). A failing kernel drains the queue, marks the schedule failed and throws Error{device}
-  /// that names pass, kernel and device; so does anything a host step throws, as it is. A failed schedule refuses
+  /// that names pass, kernel and device; exceptions of host steps are passed on unchanged. A failed schedule refuses
   /// further runs. Returns before the device is finished only if there is nothing to read back; at most two such runs
   /// are in flight. Passes that are known to be long are enqueued a few at a time, so that cancellation is felt.
   RunResult run(Schedule& schedule);

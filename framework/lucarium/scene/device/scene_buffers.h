@@ -20,7 +20,7 @@ namespace lucarium {
 /// triangles that most kernels read. Owner "scene" in the memory account.
 class SceneBuffers {
  public:
-  /// States its need first and refuses with numbers (Error{device}, remedy --texture-size) when it does not fit.
+  /// Throws Error{device} with required and free bytes, and --texture-size as remedy, if the scene does not fit.
   SceneBuffers(Device& device, const Scene& scene, LightChoice light_choice = LightChoice::power);
 
   /// Uploads and derives exactly what the change touches; ids stay. Afterwards the buffers hold what a new

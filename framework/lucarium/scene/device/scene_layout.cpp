@@ -29,7 +29,7 @@ TextureSlot pack_slot(const TextureUse& use) {
   return slot;
 }
 
-/// Beer extinction per metre from KHR_materials_volume: what is left of white light after `distance` is `color`.
+/// Beer extinction per metre from KHR_materials_volume: white light becomes `color` after `distance`.
 glm::vec3 extinction(const glm::vec3& color, float distance) {
   if (!std::isfinite(distance)) return glm::vec3(0);
   return -glm::log(glm::clamp(color, 1e-6f, 1.f)) / distance;

@@ -18,7 +18,7 @@ int hex_digit(char c) {
   return -1;
 }
 
-/// Percent signs that start no escape stay as they are: exporters forget to encode them.
+/// Percent signs that start no escape stay unchanged: exporters forget to encode them.
 std::string decode_percent(std::string_view text) {
   std::string result;
   for (size_t i = 0; i < text.size(); ++i) {

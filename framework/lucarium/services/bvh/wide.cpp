@@ -143,8 +143,8 @@ class WideBvh::Collapse {
 
   /// Arranges the roots in slots (empty ones: no_child) such that every bit of a slot's number, from the highest one
   /// down, separates its group along one axis, the one of largest separation. Any-hit rays take the highest slot first,
-  /// wherever they go: 1 is the half that is done with sooner, which is the better one to try while nothing is known
-  /// about where hits are. Returns the order word, with which others find their nearest child.
+  /// wherever they go: 1 marks the half that is cheaper to traverse, which is the better one to try while nothing is
+  /// known about where hits are. Returns the order word, with which others find their nearest child.
   uint32_t arrange(std::vector<uint32_t>& roots) const {
     struct Group {
       uint32_t slot;

@@ -14,7 +14,7 @@ namespace {
 
 const char* const kFewerPoints = "use fewer points at once";
 /// Schedules that are kept for each kind of points: two, for callers that fill two buffers in turn. One more costs its
-/// transients, and the memory of buffers that nobody else may hold any longer.
+/// transients, and the memory of buffers that have no other owner.
 constexpr size_t kKeptSchedules = 2;
 
 /// A recorded schedule for one pair of buffers.
@@ -46,7 +46,7 @@ struct DirectLight::State {
   /// The one known for these buffers, else a new one in the place of the one that was used longest ago.
   static Recorded& find(std::list<Recorded>& known, const Buffer& points, const Buffer& sums);
   bool run(Recorded& recorded, uint32_t sample_index, uint32_t seed);
-  /// One element: how many points there are, as the intersector wants it.
+  /// One element: number of points, in the form that the intersector takes.
   TypedBuffer<uint32_t> counter(uint32_t count) const {
     return TypedBuffer<uint32_t>(device, owner, "direct light points", std::vector<uint32_t>{count});
   }

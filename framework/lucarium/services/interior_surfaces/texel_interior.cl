@@ -46,7 +46,7 @@ __kernel void judge_texel_walks(uint turn, __global const uint* restrict list, _
 }
 
 // Which points take part in the round after `turn`: those from which no walk has escaped, and in the first rounds their
-// neighbours too, which tell what share of walks is caught that begins at a point that is not interior.
+// neighbours too: they measure the share of walks that are caught although their point is not interior.
 __kernel void choose_texel_walks(uint sides, uint samples, uint turn, __global const uint* restrict states,
                                  __global uint* restrict wanted) {
   const uint side = get_global_id(0);

@@ -66,7 +66,7 @@ class LightAtPoints {
   uint32_t points_;
   Bind bind_points_;
   std::string remedy_;
-  TypedBuffer<uint32_t> count_;  ///< one element, as the intersector wants it
+  TypedBuffer<uint32_t> count_;  ///< one element, as the intersector takes it
 };
 
 }  // namespace lucarium

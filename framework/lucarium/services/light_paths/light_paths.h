@@ -63,7 +63,7 @@ class LightPaths {
   const SceneBuffers& scene_;
   const Intersector& intersector_;
   LightPathOptions options_;
-  TypedBuffer<uint32_t> count_;  ///< one element, as the intersector wants it
+  TypedBuffer<uint32_t> count_;  ///< one element, as the intersector takes it
 };
 
 }  // namespace lucarium

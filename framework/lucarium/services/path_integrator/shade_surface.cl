@@ -50,7 +50,7 @@ void add_emission(const Scene* scene, PathSettings settings, PathBatch batch, Wa
 
 // ---- the two samples
 
-// Whether a path that has scattered so often can still bring light that is wanted.
+// Whether a path with so many scatterings can still contribute to a layer of the path set.
 bool can_bring_light(PathSettings settings, uint scatterings, bool delta) {
   if (scatterings < settings.max_scatterings) return true;
   return (settings.flags & (LUCARIUM_PATH_SEES_TRIANGLES | LUCARIUM_PATH_SEES_ENVIRONMENT)) &&

@@ -71,7 +71,7 @@ class ChartPlacer {
  public:
   ChartPlacer(const AtlasMesh& mesh, const ChartSettings& settings);
 
-  /// Places the triangles of one chart, as several where its shape or its texels want it. `one_texel`: they are
+  /// Places the triangles of one chart, as several where its shape or its texels require it. `one_texel`: they are
   /// known to share a single texel.
   void place(const std::vector<uint32_t>& triangles, bool one_texel, AtlasPart& part);
 
