@@ -4,6 +4,7 @@
 #include "lucarium/scene.clh"
 #include "lucarium/shared/layered_raster.h"
 #include "lucarium/shared/ray.h"
+#include "lucarium/surface.clh"
 #include "lucarium/surface_atlas.clh"
 
 // What the rays have found.

@@ -122,7 +122,7 @@ TEST_CASE("hidden points are closed, in open parts too") {
   CHECK(found[0].share == 1);
 }
 
-TEST_CASE("parts are as open as the share of their rays that go far, but for those that meet backs") {
+TEST_CASE("parts are as open as the share of their rays that go far, without those that meet backs") {
   // Levels that are whole need no dither: none of 6 rays, beside which 6 meet backs, and two thirds of 9. All alike
   // where none goes far.
   const std::vector<Accessibility> found =

@@ -97,16 +97,16 @@ void LayeredRaster::State::follow() {
 }
 
 void LayeredRaster::State::leave_out_degenerate() {
-  // Only the triangles come to the host for which single precision cannot tell: in most scenes there are none.
+  // Only the triangles come to the host that single precision cannot decide: in most scenes there are none.
   const std::vector<uint32_t> bits = unsure.download();
   std::vector<size_t> blocks;
   for (size_t block = 0; block < bits.size(); ++block)
     if (bits[block]) blocks.push_back(block);
   if (blocks.empty()) return;
   // Many blocks: one transfer of all from the first to the last costs less than one for each.
-  constexpr size_t most_transfers = 16;
+  constexpr size_t max_transfers = 16;
   const size_t first = blocks.front(), last = blocks.back();
-  const bool whole = blocks.size() > most_transfers;
+  const bool whole = blocks.size() > max_transfers;
   std::vector<float> run;
   if (whole) run = geometry.download(first * LAYERED_BLOCK_WORDS, (last - first + 1) * LAYERED_BLOCK_WORDS);
   bool any = false;
