@@ -3,7 +3,7 @@
 """The words of the sources: terms.py [ROOT]. Rules in terms.json:
   phrases     expressions that a reader stumbles over, in comments, texts, pages and experiments
   terms       words that were replaced by the field's own, in the same places; docs/notation.md explains those
-  names       identifiers that were replaced likewise, in code
+  names       identifiers that were replaced likewise, in code; "in": only below these paths, as for the others
   exceptions  what of these a path may use, with the reason; one that is used nowhere is a breach
 and one for the texts of parameters, which are help, JSON and docs/techniques.md at once: one clause that begins in
 lower case, without a full stop, of at most WORDS words and JOINTS semicolons.
@@ -81,7 +81,8 @@ class Rules:
 
     @staticmethod
     def compiled(rule):
-        return re.compile(rf'(?<![\w-])(?:{rule["find"]})(?![\w-])'.replace(' ', r'\s+')), rule['use']
+        pattern = re.compile(rf'(?<![\w-])(?:{rule["find"]})(?![\w-])'.replace(' ', r'\s+'))
+        return pattern, rule['use'], tuple(rule.get('in', ['']))
 
     def allowed(self, path, word):
         for index, exception in enumerate(self.exceptions):
@@ -92,8 +93,8 @@ class Rules:
 
     def breaches(self, path, text, source, rules):
         """(line of `source`, word, what to write) of what `rules` find in `text`, which is as long."""
-        for pattern, use in rules:
-            for match in pattern.finditer(text):
+        for pattern, use, folders in rules:
+            for match in pattern.finditer(text) if path.startswith(folders) else ():
                 word = re.sub(r'\s+', ' ', match.group(0))
                 if not self.allowed(path, word):
                     yield source.count('\n', 0, match.start()) + 1, word, use
