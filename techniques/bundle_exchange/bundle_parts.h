@@ -21,7 +21,7 @@ struct BundleParts {
   };
 
   BundleParts(const TechniqueContext& c, const Parameters& p, const BundlePlan& plan, Kept kept);
-  /// What of texels is hidden, and how open the rest is. `report`: as TechniqueContext::progress. Throws
+  /// Measures hidden parts and accessibility of texels. `report`: as TechniqueContext::progress. Throws
   /// Error{interrupted} when cancelled.
   void measure_accessibility(const std::function<void(double, const std::string&)>& report);
   void warm_up();

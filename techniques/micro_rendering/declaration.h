@@ -19,7 +19,7 @@ bool transmits(const Scene& scene);
 
 PathSet path_set(const MicroParameters& parameters, const RenderSettings& settings);
 
-/// What of the scene's light is left out, and which parameters have no effect, one line each.
+/// Light of the scene that is left out, and parameters that have no effect, one line each.
 std::vector<std::string> limitations(const MicroParameters& parameters, const Scene& scene,
                                      const RenderSettings& settings);
 

@@ -74,14 +74,14 @@ def flat(prose):
 class Rules:
     def __init__(self):
         rules = json.loads(check.read(RULES))
-        self.prose = [self.compiled(rule) for rule in rules['phrases'] + rules['terms']]
+        self.prose = [self.compiled(rule, re.I) for rule in rules['phrases'] + rules['terms']]
         self.names = [self.compiled(rule) for rule in rules['names']]
         self.exceptions = rules['exceptions']
         self.used = set()
 
     @staticmethod
-    def compiled(rule):
-        pattern = re.compile(rf'(?<![\w-])(?:{rule["find"]})(?![\w-])'.replace(' ', r'\s+'))
+    def compiled(rule, flags=0):
+        pattern = re.compile(rf'(?<![\w-])(?:{rule["find"]})(?![\w-])'.replace(' ', r'\s+'), flags)
         return pattern, rule['use'], tuple(rule.get('in', ['']))
 
     def allowed(self, path, word):

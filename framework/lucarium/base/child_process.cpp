@@ -142,7 +142,7 @@ struct Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Its status, and what it used.
+  /// Its status and resource usage.
   std::pair<int, rusage> wait() {
     int status = 0;
     rusage usage{};

@@ -8,7 +8,7 @@
 
 namespace lucarium {
 
-/// What went wrong, by who can mend it; the value is the program's exit code (docs/errors.md).
+/// Class of a failure, by who can fix it; the value is the program's exit code (docs/errors.md).
 enum class ErrorClass : int {
   check_failed = 1,  ///< a check or comparison failed
   usage = 2,         ///< the command line or a settings file

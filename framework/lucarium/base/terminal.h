@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What reaches standard output and standard error: checked text, checked writes. All output passes through here.
+// Standard output and standard error: checked text, checked writes. All output passes through here.
 #pragma once
 #include <fmt/format.h>
 

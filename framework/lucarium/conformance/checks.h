@@ -5,32 +5,32 @@
 
 namespace lucarium::check {
 
-// ---- what it declares (declaration_checks.cpp)
+// ---- declarations (declaration_checks.cpp)
 Outcome check_declaration(CheckContext& context);
 Outcome check_parameters(CheckContext& context);
 Outcome check_layers(CheckContext& context);
 Outcome check_finite(CheckContext& context);
 
-// ---- what it repeats (repeat_checks.cpp)
+// ---- repetition (repeat_checks.cpp)
 Outcome check_seed(CheckContext& context);
 Outcome check_reset(CheckContext& context);
 Outcome check_observing(CheckContext& context);
 Outcome check_threads(CheckContext& context);
 Outcome check_oclgrind(CheckContext& context);
 
-// ---- what it follows (change_checks.cpp)
+// ---- changes (change_checks.cpp)
 Outcome check_camera_cost(CheckContext& context);
 Outcome check_change(CheckContext& context, ChangeKind kind);
 Outcome check_alpha_change(CheckContext& context);
 
-// ---- what it keeps to (limit_checks.cpp)
+// ---- limits (limit_checks.cpp)
 Outcome check_memory(CheckContext& context);
 Outcome check_estimate(CheckContext& context);
 Outcome check_iterations(CheckContext& context);
 Outcome check_seconds(CheckContext& context);
 Outcome check_cancellation(CheckContext& context);
 
-// ---- what it computes (light_checks.cpp, reference_checks.cpp)
+// ---- light (light_checks.cpp, reference_checks.cpp)
 Outcome check_light(CheckContext& context, LightKind light);
 Outcome check_furnace(CheckContext& context);
 Outcome check_shining_box(CheckContext& context);

@@ -42,7 +42,7 @@ double number_of(const std::string& text) {
   return value;
 }
 
-/// What is wrong with the values of one parameter; empty: nothing. Leaves it at its default.
+/// Fault in the values of one parameter; empty: none. Leaves it at its default.
 std::string values_mistake(ParameterTable& table, const ParameterInfo& info) {
   const auto reads_back = [&](const std::string& value) {
     table.set(info.name, value);

@@ -9,16 +9,16 @@
 namespace lucarium {
 
 /// Copies of encoded images without metadata: colour profiles, gamma, EXIF, XMP, text. glTF demands that they are
-/// ignored, and their parsers are what hostile images aim at (deeply nested XMP overflows OpenImageIO's stack).
+/// ignored, and hostile images aim at their parsers (deeply nested XMP overflows OpenImageIO's stack).
 /// Damaged files come out damaged; the decoder complains.
 std::vector<uint8_t> strip_png_metadata(std::span<const uint8_t> png);
 std::vector<uint8_t> strip_jpeg_metadata(std::span<const uint8_t> jpeg);
 
-/// What is wrong with the chunks of a PNG (lengths, checksums); empty where nothing is. libpng finds it too, but
-/// prints to standard error.
+/// First fault in the chunks of a PNG (lengths, checksums); empty if there is none. libpng finds faults too, but
+/// prints them to standard error.
 std::string png_damage(std::span<const uint8_t> png);
-/// What is wrong with the header of a JPEG; also that its data cannot suffice for its size: libjpeg takes memory for
-/// the whole picture before it finds that nearly all of it is missing.
+/// Fault in the header of a JPEG, or too little data for its size: libjpeg would allocate memory for the whole picture
+/// before it finds that nearly all of it is missing.
 std::string jpeg_damage(std::span<const uint8_t> jpeg);
 
 struct ImageSize {
@@ -26,7 +26,7 @@ struct ImageSize {
   uint64_t pixels() const { return uint64_t{width} * height; }
 };
 
-/// What the header says, read without a decoder: opening a progressive JPEG decodes all of it. Empty where there is
+/// Size in the header, read without a decoder: opening a progressive JPEG decodes all of it. Empty where there is
 /// none.
 std::optional<ImageSize> png_size(std::span<const uint8_t> png);
 std::optional<ImageSize> jpeg_size(std::span<const uint8_t> jpeg);

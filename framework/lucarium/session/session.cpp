@@ -80,8 +80,8 @@ size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const
 
 namespace {
 
-/// What lowers the need for memory: settings of the framework, and the technique's parameters that do when they are
-/// halved (those whose least value stands for an automatic choice: when they are 1 instead), largest savings first.
+/// Settings that save memory: those of the framework, and the technique's parameters, tried at half their value
+/// (at 1 where the smallest value stands for an automatic choice), largest savings first.
 std::string describe_remedy(Technique& technique, const Scene& scene, const RenderSettings& settings) {
   constexpr double min_saving = 0.1;
   constexpr size_t max_named = 3;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a technique says of its time, so that a picture can be planned for a budget (technique/budget_plan.h).
+// A technique's estimate of its time, for planning a picture within a budget (technique/budget_plan.h).
 #pragma once
 #include <algorithm>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace lucarium {
 
-/// What a machine does at a time, in cores of a processor of about 3 GHz. Counted and not measured: a plan must not
+/// Computing power of a machine, in cores of a processor of about 3 GHz. Counted and not measured: a plan must not
 /// depend on a clock.
 struct ComputePower {
   double device = 1;  ///< of the OpenCL device

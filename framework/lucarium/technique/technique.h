@@ -33,7 +33,7 @@ struct RenderSettings {
 /// The settings as kernels see them: camera for the image's aspect, size, pixel sampling, seed, bounces.
 Frame make_frame(const RenderSettings& settings);
 
-/// What a technique works with. All references outlive the technique.
+/// Everything a technique works with. All references outlive the technique.
 struct TechniqueContext {
   std::shared_ptr<Device> device;
   KernelScheduler& scheduler;
@@ -42,8 +42,8 @@ struct TechniqueContext {
   /// The scene's BVH, built at the first call (services/bvh.h) and kept up to date by the framework.
   std::function<Bvh&()> bvh;
   const RenderSettings& settings;
-  /// Tells how far a prepare() or update() is that takes seconds: `fraction` of the work (negative: unknown), and what
-  /// is being done. May be called at any rate, from the calling thread; never empty.
+  /// Reports the progress of a prepare() or update() that takes seconds: `fraction` of the work (negative: unknown),
+  /// and the present stage. May be called at any rate, from the calling thread; never empty.
   std::function<void(double fraction, const std::string& stage)> progress;
 };
 
@@ -75,7 +75,7 @@ class Technique {
   virtual ParameterTable& parameters() = 0;
   /// Which paths are computed with the current parameters on this scene; callable before prepare().
   virtual PathSet path_set(const Scene& scene, const RenderSettings& settings) const = 0;
-  /// What of this scene it cannot do, one line each; empty: everything.
+  /// Limitations on this scene, one line each; empty: none.
   virtual std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const = 0;
   /// Device bytes it will allocate, stated before it does.
   virtual size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const = 0;
@@ -83,7 +83,7 @@ class Technique {
   /// the first iterations, without upload, BVH and compilation. A model of its work, so that a budget of time can be
   /// planned (budget_plan.h): the same arguments, the same seconds. 0: too little to plan for.
   virtual double estimate_seconds(const Scene&, const RenderSettings&, const ComputePower&) const { return 0; }
-  /// Parameters that a plan may lower, in the order in which they take turns.
+  /// Parameters that a plan may lower, one step each in round-robin order.
   virtual std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const { return {}; }
 
   /// Compiles programs, allocates, records schedules; short. Long precomputation is done in iterations, or reports its

@@ -9,8 +9,8 @@
 
 namespace lucarium {
 
-/// What most techniques do alike, written once. It keeps context and seed; makes everything that refers to the scene's
-/// buffers, and makes it again after a change that cannot be followed or where the last attempt failed; and counts no
+/// Behaviour that most techniques share. It keeps context and seed; builds everything that refers to the scene's
+/// buffers, and builds it again after a change that cannot be followed or where the last attempt failed; and counts no
 /// sample that was cancelled. Optional: the framework asks for a Technique only.
 class TechniqueLifeCycle : public Technique {
  public:
@@ -23,9 +23,9 @@ class TechniqueLifeCycle : public Technique {
   void warm_up() override;
 
  protected:
-  /// Compiles what is the same for all scenes. Called once, before the first build().
+  /// Compiles programs that all scenes share. Called once, before the first build().
   virtual void compile() {}
-  /// Makes everything that refers to the scene's buffers; what there was goes first. May throw: built() is false then,
+  /// Builds everything that refers to the scene's buffers, after releasing the old. May throw: built() is false then,
   /// and the next call of the framework tries again.
   virtual void build() = 0;
   /// Follows a change of the scene without build(), false where that is not possible. By default a change of the

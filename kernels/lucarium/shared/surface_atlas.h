@@ -25,7 +25,7 @@ float b1, b2;   // its barycentrics (weights of corners 1 and 2)
 float area;     // of the texel on this side [m²]
 LUCARIUM_STRUCT_END(AtlasTexel, 16)
 
-// What of a triangle belongs to a texel; pieces of all texels sum to 1 over each triangle that rays can hit.
+// The part of a triangle that belongs to a texel; pieces of all texels sum to 1 over each triangle that rays can hit.
 LUCARIUM_STRUCT_BEGIN(AtlasPiece)
 uint triangle;
 float fraction;  // of the triangle's area [1]

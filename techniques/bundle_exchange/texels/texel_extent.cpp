@@ -27,7 +27,7 @@ struct Polygon {
   int count = 0;
 };
 
-/// What of a polygon lies where sign (uv[axis] - edge) >= 0 (Sutherland and Hodgman).
+/// The part of a polygon where sign (uv[axis] - edge) >= 0 (Sutherland and Hodgman).
 Polygon cut(const Polygon& polygon, int axis, double sign, double edge) {
   Polygon result;
   for (int i = 0; i < polygon.count; ++i) {

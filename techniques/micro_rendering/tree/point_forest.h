@@ -96,7 +96,7 @@ class PointForest {
   }
 
  private:
-  /// What of a material decides where points are.
+  /// The parts of a material that decide where points are.
   struct Placing {
     AlphaMode alpha_mode;
     bool two_sided, transmits;

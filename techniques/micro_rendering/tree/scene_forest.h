@@ -25,7 +25,7 @@ class SceneForest {
   bool follow(const SceneChange& change);
   /// Throws Error{interrupted}; there is no forest then.
   void make();
-  /// Tells the user when details are too fine for the points.
+  /// Warns when details are too fine for the points.
   void warn_of_details() const;
 
  private:

@@ -24,7 +24,7 @@ class ReferenceIdentity {
   const std::vector<std::pair<std::string, std::string>>& entries() const { return entries_; }
   /// The entries, and their hash as `identity`.
   void write_to(std::map<std::string, std::string>& metadata) const;
-  /// What in the film's header is not this ("path_set: … against …"); empty: the same image.
+  /// Differences of the film's header from this ("path_set: … against …"); empty: the same image.
   std::vector<std::string> differences(const Film& film) const;
 
  private:

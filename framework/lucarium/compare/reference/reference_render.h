@@ -35,7 +35,7 @@ struct ReferenceProgress {
 /// Adds rounds to `image` until the goal is reached; returns false when interrupted, with the samples done until then
 /// in the image. Rounds double from 16 to 256 samples per pixel and go to the half that has fewer; their seeds come
 /// from `seed` and their number, so that a reference extended later is the one rendered at once. `keep` is called after
-/// every round: what it writes is all that a sudden end leaves.
+/// every round, since only written rounds survive a sudden end.
 bool extend_reference(RenderSession& session, ReferenceImage& image, const ReferenceGoal& goal, uint64_t seed,
                       const std::function<void(ReferenceImage&)>& keep,
                       const std::function<void(const ReferenceProgress&)>& on_progress = {});

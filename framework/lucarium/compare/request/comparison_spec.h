@@ -65,10 +65,10 @@ struct ComparisonSpec {
 /// Reads a comparison file. Throws Error{usage} naming file, line and key.
 ComparisonSpec read_comparison(const std::filesystem::path& file);
 
-/// What is wrong with a sky for scenes without light; empty where nothing is.
+/// Fault in a sky for scenes without light; empty if there is none.
 std::string fallback_mistake(const std::string& environment);
 
-/// Complains about what no file or command line may ask for. Throws Error{usage}.
+/// Throws Error{usage} if the specification is invalid, whether it comes from a file or the command line.
 void check_comparison(const ComparisonSpec& spec);
 
 }  // namespace lucarium

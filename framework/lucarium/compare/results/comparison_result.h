@@ -94,7 +94,7 @@ struct SummaryPoint {
   SeedMean relmse;
 };
 
-/// What the finished pieces of one key say together (docs/results.md).
+/// Summary of the finished pieces of one key (docs/results.md).
 struct Summary {
   size_t seeds = 0;
   std::map<std::string, SeedMean> metrics;

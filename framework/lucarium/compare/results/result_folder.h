@@ -8,7 +8,7 @@ namespace lucarium {
 /// comparison.json in the form in which comparisons write it. Empty where there is none.
 std::filesystem::path find_foreign_file(const std::filesystem::path& folder);
 
-/// Removes what a comparison has written into a folder, comparison.json last. Files of other names stay.
+/// Removes the files that a comparison has written into a folder, comparison.json last. Files of other names stay.
 void remove_results(const std::filesystem::path& folder);
 
 /// Removes the files of one of its folders that have names which comparisons give, and the folder if it is empty then.

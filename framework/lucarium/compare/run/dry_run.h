@@ -6,7 +6,7 @@
 
 namespace lucarium {
 
-/// What a comparison would do, for people: scenes, light paths and references, memory, limitations, the runs, and an
+/// Plan of a comparison, for people: scenes, light paths and references, memory, limitations, the runs, and an
 /// estimate of the time, for which the first iterations of each variant are rendered: a run ends with its budget, or
 /// where the technique says that it will. Writes nothing.
 std::string describe_plan(const ComparisonSpec& spec, const TechniqueRegistry& registry,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a comparison ran on; nothing that names the machine itself.
+// Processor, memory and drivers that a comparison ran on; nothing that identifies the machine.
 #include <sys/sysinfo.h>
 #include <sys/utsname.h>
 

@@ -33,7 +33,7 @@ std::optional<size_t> read_number(const std::string& path) {
   return std::nullopt;  // absent, or "max"
 }
 
-/// What is left below the limit of this process's control group; its page cache counts as used but can be dropped.
+/// Memory left below the limit of this process's control group; its page cache counts as used but can be dropped.
 size_t control_group_available() {
   std::ifstream groups("/proc/self/cgroup");
   for (std::string line; std::getline(groups, line);) {

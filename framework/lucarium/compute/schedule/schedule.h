@@ -129,8 +129,8 @@ class ScheduleRecorder {
   }
   /// A transient of `counter[index] · elements_per_count` elements, known only when the counter's writer has run
   /// (count → scan → fill). Before its first use the schedule waits for the counter's writer, reads it, grows the
-  /// memory to its high-water mark and goes on. The size holds for the rest of the run. Nothing is dropped: what does
-  /// not fit into the device's memory fails the run with the numbers and `remedy`.
+  /// memory to its high-water mark and goes on. The size holds for the rest of the run. If it does not fit into the
+  /// device's memory, the run fails with the numbers and `remedy`; nothing is dropped.
   template <class T>
   BufferRef transient_sized_by(std::string name, const BufferRef& counter, size_t index = 0,
                                size_t elements_per_count = 1, const std::string& remedy = "") {

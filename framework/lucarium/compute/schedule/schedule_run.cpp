@@ -312,7 +312,7 @@ void ScheduleRun::limit_queued_work(size_t index) {
   while (first_queued_ < record_.events.size() && queued_seconds_ + next > queued_seconds_limit) wait_for_oldest();
 }
 
-/// Of what is enqueued and was not waited for yet.
+/// Waits for the oldest step that is enqueued and not waited for yet.
 void ScheduleRun::wait_for_oldest() {
   const RunRecord::StepEvent& oldest = record_.events[first_queued_++];
   wait({oldest.event.get()}, state_.where(step(oldest.step)));

@@ -10,7 +10,7 @@
 
 namespace lucarium {
 
-/// What a run leaves behind, to be read when it has ended on the device.
+/// Record of a run, readable when it has ended on the device.
 struct RunRecord {
   struct StepEvent {
     size_t step = 0;

@@ -67,7 +67,7 @@ struct VariableValue {
   bool changed = false;
 };
 
-/// What runs find out about their schedule; they may outlive it.
+/// Results of runs about their schedule; runs may outlive it.
 struct ScheduleFacts {
   std::string name;                ///< "schedule 'a'"
   std::vector<std::string> where;  ///< by step, for messages

@@ -8,9 +8,9 @@
 
 namespace lucarium {
 
-/// What the eye sees without indirect light: the points of a G-buffer, and the layers `emission` and `direct` of them,
-/// summed over samples. A sample takes three steps, so that a technique can work with the points between them and add
-/// its own light at the same time: see() → sample() → commit().
+/// Light that the camera sees without indirect light: the points of a G-buffer, and the layers `emission` and `direct`
+/// of them, summed over samples. A sample takes three steps, so that a technique can work with the points between them
+/// and add its own light at the same time: see() → sample() → commit().
 class EyeLight {
  public:
   /// `light_kinds` as for DirectLight, 0: no direct light. `light_samples` of it to a sample of the pixel.

@@ -9,8 +9,8 @@
 
 namespace lucarium {
 
-/// What of every texel side of an atlas is interior (interior_walks.h): where surfaces pass through each other texels
-/// are partly, or all, where no light ever comes and nothing looks. Such parts must not count, or the texel would be
+/// Interior part of every texel side of an atlas (interior_walks.h). Where surfaces pass through each other, texels lie
+/// partly or wholly inside a solid, invisible and without light. Such parts must not count, or the texel would be
 /// too dark where it is seen. Measured by up to 16 walks from each random point of a texel side, some texel sides at a
 /// time.
 class TexelInterior {

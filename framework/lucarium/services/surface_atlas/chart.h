@@ -13,7 +13,7 @@ struct ChartTriangle {
   glm::dvec2 uv[3];
 };
 
-/// What of triangle number `local` of a chart lies in a cell.
+/// The part of triangle number `local` of a chart that lies in a cell.
 struct ChartPiece {
   uint32_t cell;  ///< y · width + x
   uint32_t local;

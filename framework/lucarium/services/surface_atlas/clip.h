@@ -6,7 +6,7 @@
 
 namespace lucarium {
 
-/// What of a triangle lies in one cell.
+/// The part of a triangle that lies in one cell.
 struct ClippedCell {
   int x, y;
   float fraction;  ///< of the triangle's area; 0 for cells that only the dilated cell touches
