@@ -63,9 +63,11 @@ std::vector<ParameterSaving> savings() {
           {"vpls", {"128", "64", "32"}},
           {"photons", {"500000", "250000", "125000"}},
           {"micro_size", {"16", "12", "8"}},
+          {"light_samples", {"4", "2"}},
           {"gather_step", {"2", "4"}, true},
           {"points_log2", {"13", "12", "11"}, true},
-          {"jacobi_level", {"7", "6"}, true}};
+          {"jacobi_level", {"7", "6"}, true},
+          {"light_samples", {"1"}, true}};
 }
 
 }  // namespace lucarium::micro

@@ -46,7 +46,7 @@ struct MicroParameters {
   int photons = 1000000;
   int photon_k = 50;
   bool photon_direct = false;
-  int light_samples = 1;
+  int light_samples = 8;
   int direct_samples = 4;
   int unlimited_bounces = 4;
   int batch_gathers = 4096;
