@@ -41,24 +41,24 @@ SurfacePoint middle(float y) {
 
 /// Points in a scene.
 struct PointRig {
-  PointRig(Scene s, const SurfacePoint& point, uint32_t copies)
-      : PointRig(std::move(s), std::vector<SurfacePoint>(copies, point)) {}
-  PointRig(Scene s, const std::vector<SurfacePoint>& list)
+  PointRig(Scene s, const SurfacePoint& point, uint32_t copies, const std::string& kernels = "photon_points")
+      : PointRig(std::move(s), std::vector<SurfacePoint>(copies, point), kernels) {}
+  PointRig(Scene s, const std::vector<SurfacePoint>& list, const std::string& kernels = "photon_points")
       : scene(std::move(s)),
         buffers(*test_device(), scene),
         bvh(*test_device(), scene, buffers),
         scheduler(test_device()),
         points(*test_device(), "test", "points", list),
         sums(*test_device(), "test", "sums", list.size()),
-        program(make_program()),
+        program(make_program(kernels)),
         light(
             *test_device(), buffers, bvh, program, static_cast<uint32_t>(list.size()),
             [this](PassBuilder& pass) { pass.arg("points", points); }, "test", "use fewer points") {}
 
-  static Program make_program() {
+  static Program make_program(const std::string& kernels) {
     SourceLibrary library;
     library.add(test_services_kernels());
-    return Program(*test_device(), library, {"test/photon_points", {"test_services/photon_points.cl"}, {}});
+    return Program(*test_device(), library, {"test/" + kernels, {"test_services/" + kernels + ".cl"}, {}});
   }
   LightAtPoints::Bind bind_sums() {
     return [this](PassBuilder& pass) { pass.arg("irradiance", sums); };
@@ -271,4 +271,26 @@ TEST_CASE("arguments that no recording can keep are named") {
   CHECK_THROWS_WITH_AS(paths.record_virtual_lights(recorder, run, seed, few, 0, true),
                        doctest::Contains("lights has 7"), Error);
   CHECK_NOTHROW(paths.record_virtual_lights(recorder, run, seed, few, 1, true));
+}
+
+TEST_CASE("the number that comes with a light sample is another one for every point, every sample and every seed") {
+  // One lamp, so that the light of all samples is the same.
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  add_light(scene, LightType::point, 1, {0, 1, 0}, {0, -1, 0});
+  constexpr size_t points = 256, samples = 16;
+  PointRig rig(std::move(scene), middle(0), points, "chosen_points");
+  const std::vector<double> numbers = rig.samples(samples, 1), others = rig.samples(samples, 2);
+  CHECK(spread(numbers).mean == test::within(0.5, 5 / std::sqrt(12.0 * points * samples)));
+  CHECK(spread(numbers).variance == test::relative(1. / 12, 0.1));
+  // Without correlation the mean product of two numbers less 1/2, divided by their variance, deviates by 1 / sqrt(n).
+  const auto correlation = [&](const std::vector<double>& a, const std::vector<double>& b, size_t shift) {
+    double sum = 0;
+    const size_t n = a.size() - shift;
+    for (size_t i = 0; i < n; ++i) sum += 12 * (a[i] - 0.5) * (b[i + shift] - 0.5) / static_cast<double>(n);
+    return std::abs(sum) * std::sqrt(static_cast<double>(n));
+  };
+  CHECK(correlation(numbers, others, 0) < 5);
+  CHECK(correlation(numbers, numbers, 1) < 5);
+  CHECK(correlation(numbers, numbers, points) < 5);
 }

@@ -38,6 +38,13 @@ inline std::vector<SurfacePointLight> sphere_inside(int count, double radius, co
   return points;
 }
 
+/// The same sphere seen from outside.
+inline std::vector<SurfacePointLight> sphere_outside(int count, double radius, const Radiance& radiance) {
+  std::vector<SurfacePointLight> points = sphere_inside(count, radius, radiance);
+  for (SurfacePointLight& p : points) p.normal = -p.normal;
+  return points;
+}
+
 /// A disc about `center` with unit normal `normal`.
 inline std::vector<SurfacePointLight> disc(int count, const dvec3& center, const dvec3& normal, double radius,
                                            const dvec3& radiance) {

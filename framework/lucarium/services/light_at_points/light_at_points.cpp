@@ -48,13 +48,15 @@ PassBuilder LightAtPoints::point_pass(ScheduleRecorder& recorder, const std::str
 }
 
 PassBuilder LightAtPoints::add_pass(ScheduleRecorder& recorder, const char* kernel, const Shadows& shadows,
-                                    const Variable<uint32_t>& number, const Bind& bind_sums) const {
+                                    const Variable<uint32_t>& number, const Variable<uint32_t>& seed,
+                                    const Bind& bind_sums) const {
   PassBuilder add = recorder.pass("add light at points", program_, kernel);
   scene_.bind(add);
   bind_sums(add);
   add.global(points_)
       .arg("count", points_)
       .arg("number", number)
+      .arg("seed", seed)
       .arg("shadow_rays", shadows.rays)
       .arg("shadow_light", shadows.light)
       .arg("occluded", shadows.occluded);
@@ -76,7 +78,7 @@ void LightAtPoints::record_samples(ScheduleRecorder& recorder, const Variable<ui
       .arg("lamp_rays", lamp_rays);
   intersector_.record_any(recorder, "shadow rays of points", found.rays, found.occluded, count_, 0, points_);
   intersector_.record_closest(recorder, "rays to lamps", lamp_rays, lamps, count_, 0, points_);
-  PassBuilder add = add_pass(recorder, "add_light_at_points", found, sample_index, bind_sums);
+  PassBuilder add = add_pass(recorder, "add_light_at_points", found, sample_index, seed, bind_sums);
   bind_points_(add);
   add.arg("lamp_rays", lamp_rays).arg("lamps", lamps);
 }
@@ -94,7 +96,7 @@ void LightAtPoints::record_virtual_light(ScheduleRecorder& recorder, const Buffe
       .arg("shadow_rays", found.rays)
       .arg("shadow_light", found.light);
   intersector_.record_any(recorder, "rays to virtual lights", found.rays, found.occluded, count_, 0, points_);
-  add_pass(recorder, "add_virtual_light_at_points", found, light, bind_sums);
+  add_pass(recorder, "add_virtual_light_at_points", found, light, seed, bind_sums);
 }
 
 void LightAtPoints::record_photon_density(ScheduleRecorder& recorder, const TypedBuffer<VirtualLight>& photons,

@@ -57,7 +57,7 @@ class LightAtPoints {
   Shadows shadows(ScheduleRecorder& recorder) const;
   PassBuilder point_pass(ScheduleRecorder& recorder, const std::string& name, const char* kernel) const;
   PassBuilder add_pass(ScheduleRecorder& recorder, const char* kernel, const Shadows& shadows,
-                       const Variable<uint32_t>& number, const Bind& bind_sums) const;
+                       const Variable<uint32_t>& number, const Variable<uint32_t>& seed, const Bind& bind_sums) const;
 
   Device& device_;
   const SceneBuffers& scene_;
