@@ -7,7 +7,7 @@
 using namespace lucarium;
 using namespace lucarium::test;
 
-TEST_CASE("between gathers light falls off as it does with a gather at every pixel: weights go with the distance") {
+TEST_CASE("between gathers light falls off as it does with a gather at every pixel: weights fall with the distance") {
   // A floor before a lit wall, from above: 16 pixels of which the light falls off to a third.
   Scene scene;
   scene.source = "test:slope";
