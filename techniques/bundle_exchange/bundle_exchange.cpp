@@ -34,16 +34,18 @@
 //   equation 3 (Eq. 3), transfer             exchange/exchange_pairs.cl: receive() (L_x cosθ);
 //                                            senders/make_senders.cl: make_senders() (f_r);
 //                                            term by term in exchange/exchange_texels.cl: exchange_texels()
-//   equation 4 (Eq. 4), transfer atlas       senders/receive_history.cl, senders/send_history.cl
+//   equation 4 (Eq. 4), transfer atlas       senders/receive_history.cl, senders/send_history.cl (glossy_window)
 //   figure 3, loop over directions           bundle_exchange.cpp: run_batch(), exchange_along()
 //   figure 5, self-localization              exchange/exchange_texels.cl: exchange_texels() (transfer=texel);
 //                                            layered_raster/fragment_list.clh: seen_fragment()
 //   section 4.1, texture atlases             surface_atlas/surface_atlas.h; sums in base/exchange_layout.clh
-//   section 4.2, k-buffer, sorting           layered_raster/layered_raster.h: every fragment, not the first k
+//   section 4.2, k-buffer, sorting           layered_raster/layered_raster.h: every fragment, not the first k;
+//                                            layered_raster/rows.clh: layered_sort_row()
 //   section 4.2, opposite sampling points    exchange/exchange_pairs.cl: layered_ray_crosses()
-//   section 4.3, global ray directions       bundles/direction_sequence.cpp: point()
+//   section 4.3, ray directions, Halton      bundles/direction_sequence.cpp: point()
 //   section 5.1, direct illumination         exchange/begin_direction.cl: begin_direction();
-//                                            exchange/exchange_pairs.cl: receive_end() (direct_mode=exchange)
+//                                            exchange/exchange_pairs.cl: receive_end(); area lights:
+//                                            senders/make_senders.cl: make_senders() (direct_mode=exchange)
 //   section 5.2, diffuse, ping-pong          senders/finish_bounce.cl (interleave=pingpong)
 //   section 5.3, final glossy bounce         pixels/gather_pixels.cl (pixel_rays=bundle);
 //                                            specular/begin_pixel_chains.cl (by rays)
@@ -270,7 +272,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
   }
 
   /// Directions of the batch, which share what senders know, up to its end or that of the iteration; batches of one are
-  /// the interleaved light transfer of section 5.5. Cancelled between directions, it goes on with the next one.
+  /// the interleaved light transfer of section 5.5 (Gauss-Seidel). Cancelled between directions, it goes on with the
+  /// next one.
   bool run_batch() {
     if (batch_.done == 0 && !begin_batch()) return false;
     PixelGather* gather = parts_->means.carries_all(directions_) ? parts_->camera.pixel_gather() : nullptr;

@@ -9,17 +9,30 @@
 //   T *= f(x, ω) · |cos| / p(ω)                            one BSDF sample ω, along which the path goes on
 //   L += T · w_b · L_e                                     when ω hits an emitter
 //
-// (Kajiya, The Rendering Equation, SIGGRAPH 1986, eq. 1, expanded into a sum over paths). w_l and w_b are the power
-// heuristic with β = 2 (Veach and Guibas, Optimally Combining Sampling Techniques, SIGGRAPH 1995, section 3.3), so that
-// both strategies may find the same emitter; punctual lights can only be sampled (w_l = 1), and after a mirror or ideal
-// refraction emitters can only be hit (w_b = 1).
+// This is the rendering equation, L = L_e + ∫ f L_i |cos| dω (Kajiya, The Rendering Equation, SIGGRAPH 1986,
+// equation 1), expanded into a sum over paths. w_l and w_b are the power heuristic with β = 2 (Veach and Guibas,
+// Optimally Combining Sampling Techniques, SIGGRAPH 1995, section 3.3; Veach 1997, chapter 9), so that both strategies
+// may find the same emitter; punctual lights can only be sampled (w_l = 1), and after a mirror or ideal refraction
+// emitters can only be hit (w_b = 1).
 //
 // What is counted. A path with n counted scatterings adds to the layer `emission` (n = 0), `direct` (n = 1) or
 // `indirect` (n ≥ 2). Ideal mirrors and ideal refraction between the eye and the first other vertex are free; every
 // other scattering counts; crossings of MASK and BLEND surfaces never do. max_bounces limits n to max_bounces + 1.
 //
-// How. PathIntegrator (framework/services) does the work in batches of at most batch_paths paths: all rays of one
-// bounce are traced together, then all vertices shaded, then all shadow rays traced. This file only says which paths.
+// How. PathIntegrator (lucarium/services/path_integrator/path_integrator.h) does the work in batches of at most
+// batch_paths paths: all rays of one bounce are traced together, then all vertices shaded, then all shadow rays traced.
+// This file only says which paths.
+//
+// Where it stands in the source (below framework/lucarium/services and kernels/lucarium):
+//
+//   rendering equation, one vertex    path_integrator/shade_surface.cl: shade_hit(), sample_lights(),
+//   sample_direction() power heuristic                   mis.clh: power_heuristic(); used in
+//   path_integrator/shade_surface.cl: hit_weight()
+//                                     and direct_light/light_strategies.clh
+//   choice of a light, alias table    lights.clh: choose_light()
+//   visible normals of GGX            ggx.clh: sample_ggx_visible_normal()
+//   Russian roulette                  path_integrator/shade_surface.cl: sample_direction()
+//   Owen-scrambled Sobol points       sobol.clh
 //
 // Error. With replicates R > 1 the samples form R independent sets, and the layer `Variance` is s²/R of their means.
 // Within a set Owen-scrambled Sobol points are used, whose own variance says nothing about the error.

@@ -50,7 +50,7 @@ LUCARIUM_STRUCT_END(LayeredFragment, 8)
 // Sort key: depth in steps of 1 / 2^22 of the film's range, then LAYERED_KEY_TOWARDS, then 6 bits that say where the
 // payload is. Nothing: all ones.
 // Where two surfaces meet, rounding may swap their depths. What is less than a step apart (up to two may be) counts as
-// equal there, and LAYERED_AWAY comes first (Hermes et al.; a closed room's near wall is before its far wall at their
+// equal there, and LAYERED_AWAY comes first (a closed room's near wall is before its far wall at their
 // edge): keys of the other facing are a step larger, so that it does not matter on which side of a step's border either
 // lies.
 #define LAYERED_KEY_NONE 0xffffffffu

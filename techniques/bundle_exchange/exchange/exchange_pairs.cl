@@ -33,7 +33,7 @@ float end_weight(const Exchange* exchange, FragmentSide end) {
 
 // A texel side sees another, which counts the ray by `sender_weight`: equation 3 (Hermes et al. 2010) from sender x to
 // receiver y. The cosine is implicit, since a texel side is met by as many rays as it shows area to omega; f_r follows
-// when y sends (make_senders()), and 2π = 1/p is in the weight.
+// when y sends (make_senders()), 2π = 1/p is in the weight, and 1/N in side_mean().
 void receive(Exchange* exchange, uint receiver, float weight, uint sender, float sender_weight) {
   global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
   const global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;

@@ -55,7 +55,7 @@ class LayeredRaster {
   /// Grows when recorded schedules must be recorded again after update().
   uint64_t generation() const;
 
-  /// Compile a program that includes layered_raster_tiles.clh with these (after update(), when generation() grew).
+  /// Compile a program that includes tiles.clh with these (after update(), when generation() grew).
   std::map<std::string, std::string> defines() const;
 
   /// Records set-up, binning and the consumer's kernel, once for even rows of tiles and once for odd ones. `views`

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vertex of every active path: what it emits, one light sample, and the BSDF sample along which the path goes on.
+// One step of the estimator of the rendering equation (Kajiya 1986, equation 1; path_tracing.cpp has the formula).
 #include "lucarium/medium.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The smallest whole consumer of layered_raster_tiles.clh: per pixel, how many gaps lie between consecutive fragments
+// The smallest whole consumer of tiles.clh: per pixel, how many gaps lie between consecutive fragments
 // and the sum of a payload (a barycentric weight in 1/4096) over the fragments.
 typedef struct Gaps {
   __global uint* gaps;  // [pixel]
