@@ -133,7 +133,7 @@ class AmbientOcclusion : public TechniqueBase<Options> {
   Program program_;
   std::unique_ptr<GBuffer> gbuffer_;
   LayerSums sums_;               ///< per pixel: rays that met nothing
-  TypedBuffer<uint32_t> count_;  ///< one element: rays of a pass, as the intersector wants it
+  TypedBuffer<uint32_t> count_;  ///< one element: rays of a pass, as the intersector takes it
   Schedule schedule_;
   Variable<uint32_t> sample_index_, seed_;
 };

@@ -146,7 +146,7 @@ class InstantRadiosity : public TechniqueBase<Options> {
   }
 
  private:
-  /// Virtual lights of a run, and no light of theirs yet.
+  /// Virtual lights of a run, before their light is added.
   void record_paths() {
     const LightPathOptions options{.paths = static_cast<uint32_t>(parameters_.lights), .diffuse_only = true};
     const LightPaths paths(device(), scene_buffers(), bvh(), options, owner);

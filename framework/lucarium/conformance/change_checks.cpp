@@ -89,7 +89,7 @@ SceneChange apply(ChangeKind kind, Scene& scene) {
   throw Error(ErrorClass::internal, "no change of this kind");
 }
 
-/// The light that a change of `kind` can be seen by: one that is no surface where lights change.
+/// A light by which a change of `kind` is visible: not a surface where lights change.
 LightKind light_for(const CheckContext& context, ChangeKind kind) {
   if (kind != ChangeKind::lights) return context.any_light();
   for (const LightKind light : {LightKind::point, LightKind::spot, LightKind::directional})

@@ -16,7 +16,7 @@ void gather(std::vector<T>& values, const std::vector<uint32_t>& source) {
   values = std::move(result);
 }
 
-/// Cross product of two edges in double precision: twice the area along the normal. Zero where it is no number.
+/// Cross product of two edges in double precision: twice the area along the normal. Zero where it is not a number.
 glm::dvec3 area_normal(const Mesh& mesh, const glm::uvec3& t) {
   const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
   const glm::dvec3 normal = glm::cross(b - a, c - a);

@@ -194,7 +194,7 @@ struct RenderSession::State {
     require(change.topology, ChangeKind::topology);
   }
 
-  /// Moves the scene to a time of its animation, in place: a sequence of frames shall not copy meshes and images. Where
+  /// Moves the scene to a time of its animation, in place: a sequence of frames must not copy meshes and images. Where
   /// the technique cannot follow, the scene goes back to its old time.
   SceneChange evaluate_at(double seconds) {
     const double before = scene.time;

@@ -58,7 +58,7 @@ struct TechniqueInfo {
 
 /// State of progress after an iterate().
 struct IterationResult {
-  bool converged = false;  ///< nothing more to do: all is done, or as accurate as wanted
+  bool converged = false;  ///< nothing more to do: all is done, or accurate enough
   double progress = 0;     ///< of a known amount of work, 0…1; negative: unknown
   uint64_t samples = 0;    ///< per pixel so far, or the technique's own unit
   std::string

@@ -19,15 +19,15 @@ struct ReferenceError {
 };
 
 /// A reference image that grows: the mean, by samples, of rounds that were rendered with seeds of their own, of which
-/// one half also goes into layer "HalfA" and the other into "HalfB". Layers that are no radiance and no "Variance" keep
-/// the first round's values. Rounds are independent, so the variance of the mean is the sum of n²·Var / (Σn)².
+/// one half also goes into layer "HalfA" and the other into "HalfB". Layers that are neither radiance nor "Variance"
+/// keep the first round's values. Rounds are independent, so the variance of the mean is the sum of n²·Var / (Σn)².
 class ReferenceImage {
  public:
   static constexpr size_t halves = 2;
 
   /// Nothing rendered yet.
   ReferenceImage(uint32_t width, uint32_t height);
-  /// What film() gave earlier. Throws Error{input} naming `shown_name` when the film is no reference.
+  /// What film() gave earlier. Throws Error{input} naming `shown_name` when the film is not a reference.
   ReferenceImage(Film film, const std::string& shown_name);
 
   /// Adds a round of `samples` samples per pixel to one half. Throws Error{internal} when size or layers differ.

@@ -23,7 +23,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Appends the source with its size, unless there is no such file or it is no image.
+/// Appends the source with its size, unless the file is missing or not an image.
 void add_source(std::vector<ReportSource>& sources, ReportSource source) {
   const auto input = fs::is_regular_file(source.file) ? OIIO::ImageInput::open(source.file.string()) : nullptr;
   if (!input) return;

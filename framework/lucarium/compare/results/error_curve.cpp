@@ -18,7 +18,7 @@ TimeToError time_to_error(const std::vector<CurvePoint>& curve, double error) {
   if (there == curve.end()) return {TimeToError::State::not_reached, infinity};
   if (there == curve.begin()) return {TimeToError::State::before_first, there->time};
   const CurvePoint &before = there[-1], &after = *there;
-  // A NaN before it is no point to start a line from, and 0 none to draw it to.
+  // A line can neither start from a NaN nor end at 0.
   if (!(before.error > error) || !(after.error > 0)) return {TimeToError::State::reached, after.time};
   const double exponent = std::log(after.time / before.time) / std::log(after.error / before.error);
   return {TimeToError::State::reached, before.time * std::pow(error / before.error, exponent)};

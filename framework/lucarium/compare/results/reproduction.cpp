@@ -122,7 +122,7 @@ Reproduction reproduce(const Experiment& experiment, const ComparisonResult& res
   }
   for (const ExperimentTrend& trend : experiment.trends) {
     double holds = NAN;
-    bool known = true;  // a comparison with NaN is false, which is no verdict
+    bool known = true;  // a comparison with NaN is false, which is not a verdict
     for (const std::string& name : expression_names(trend.expression)) known &= !std::isnan(values.at(name));
     if (known) holds = evaluate_expression(trend.expression, {values, {}});
     reproduction.trends.push_back({trend.claim, trend.expression, verdict(holds)});

@@ -15,8 +15,8 @@ namespace lucarium {
 
 struct ComparisonOptions {
   std::filesystem::path folder;  ///< of the results; created
-  bool resume = false;           ///< continue what is there
-  bool overwrite = false;        ///< replace what is there
+  bool resume = false;           ///< continue the comparison in the folder
+  bool overwrite = false;        ///< replace the comparison in the folder
   std::vector<Gate> gates;
   std::optional<Experiment> experiment;  ///< values to read off the results
   std::filesystem::path baseline;        ///< folder of an earlier run

@@ -26,7 +26,7 @@ using nlohmann::json;
 
 namespace {
 
-// Between two reports while it runs: pictures take time to encode, which shall be a tenth of the whole at most.
+// Between two reports while it runs: encoding pictures may take a tenth of the time at most.
 constexpr double min_page_interval = 60;  // [s]
 constexpr double page_interval_costs = 10;
 
@@ -94,7 +94,7 @@ ComparisonResult ComparisonRunner::run() {
     get_references(scene);
     choose_exposure(scene);
   }
-  if (interrupt_requested()) {  // without all references there are no conclusions; what there was before stays
+  if (interrupt_requested()) {  // without all references there are no conclusions; earlier ones stay
     result_.interrupted = true;
     return result_;
   }

@@ -108,7 +108,7 @@ DriverFolder::DriverFolder(const fs::path& cache_dir) : process_(getpid()) {
                 reason(errno));
   }
   path_ = pattern;
-  // The lock gets its name when it is held, so that nobody takes the folder for an abandoned one in between.
+  // The lock gets its name when it is held, so that the folder never looks abandoned in between.
   const fs::path unlocked = path_ / ".lock";
   lock_ = open(unlocked.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) == 0) rename(unlocked.c_str(), (path_ / lock_name).c_str());

@@ -18,7 +18,7 @@ namespace lucarium {
 /// process; empty when neither is known.
 std::string program_made_by(const Hash128& key, const std::function<void()>& build);
 
-/// Paths of what there is now.
+/// Paths of the present files.
 std::set<std::string> list_driver_files(const std::string& program);
 std::vector<DriverFile> read_driver_files(const std::set<std::string>& paths);
 

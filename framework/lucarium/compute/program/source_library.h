@@ -20,7 +20,7 @@ class SourceLibrary {
   SourceLibrary();  ///< the framework's sources and LUCARIUM_KERNEL_PATH
   void add(const EmbeddedSources& sources);
 
-  /// Text of one file and the name compilers shall show for it (the path on disk, or the virtual name).
+  /// Text of one file and the name that compilers show for it (the path on disk, or the virtual name).
   struct File {
     std::string text;
     std::string shown_name;

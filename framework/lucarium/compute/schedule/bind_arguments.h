@@ -15,7 +15,7 @@ inline constexpr std::string_view slice_base_argument = "slice_base";
 struct BufferAccess {
   int resource = -1;
   bool writes = false;
-  bool discards = false;  ///< writes without looking at what was there
+  bool discards = false;  ///< overwrites the buffer without reading it
 };
 
 /// A checked pass: for every kernel argument, in order, the recorded one (null for slice_base when not bound).

@@ -87,7 +87,7 @@ class PassBuilder {
   /// Size of a `__local` pointer argument.
   PassBuilder& local_memory(std::string_view name, size_t bytes);
 
-  /// The pass overwrites the whole buffer: it does not depend on what was there (cannot be derived from a signature).
+  /// The pass overwrites the whole buffer: it does not depend on its contents (cannot be derived from a signature).
   /// A transient may then lie elsewhere than before.
   PassBuilder& discards(std::string_view argument);
   /// May be cut along x into slices of at most this many work-items (multiples of the local size), so that

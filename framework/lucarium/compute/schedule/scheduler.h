@@ -52,7 +52,7 @@ class KernelScheduler {
   /// are in flight. Passes that are known to be long are enqueued a few at a time, so that cancellation is felt.
   RunResult run(Schedule& schedule);
 
-  /// The same to its end, whatever set_cancel() says: for resolving what there is after Ctrl-C.
+  /// The same to its end, whatever set_cancel() says: for resolving the samples so far after Ctrl-C.
   void run_to_end(Schedule& schedule);
 
   /// Replays until the budget is used up or cancelled; returns the number of completed iterations.

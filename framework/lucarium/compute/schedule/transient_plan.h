@@ -9,7 +9,7 @@ namespace lucarium {
 struct TransientUse {
   int step = 0;
   int transient = 0;
-  bool discards = false;  ///< overwrites everything: what was there is dead before this step
+  bool discards = false;  ///< overwrites everything: the contents are dead before this step
 };
 
 /// Live range of a transient, the steps [first, last]. A transient that is discarded and filled again has several live

@@ -21,7 +21,7 @@ std::optional<SceneCamera> parse_look_at(std::string_view text);  ///< empty: it
 std::optional<SceneLight> parse_light(std::string_view text);
 
 struct EnvironmentChoice {
-  bool none = false;           ///< drop what there is
+  bool none = false;           ///< remove the scene's own
   std::filesystem::path file;  ///< empty: constant
   glm::vec3 radiance{1};       ///< the constant [cd/m²]
   float factor = 1;

@@ -33,7 +33,7 @@ struct AtlasMesh {
     return glm::dvec3(geometry.positions[geometry.triangles[triangle][corner]]);
   }
   bool two_sided(uint32_t triangle) const { return geometry.two_sided[geometry.instance[triangle]] != 0; }
-  /// Edge of `triangle` behind which `other` lies; 3 when they are no neighbours.
+  /// Edge of `triangle` behind which `other` lies; 3 when they are not neighbours.
   int edge_to(uint32_t triangle, uint32_t other) const {
     for (int i = 0; i < 3; ++i)
       if (neighbor[triangle][i] == other) return i;
