@@ -131,7 +131,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     step_.seen = true;
     if (!sample_texels() || !exchange_directions() || !parts.camera.sample()) return false;
     if (shows_preview() && !parts.preview->smooth()) return false;
-    parts.camera.commit(shows_all());
+    parts.commit_sample(shows_all());
     step_ = {};
     return true;
   }
@@ -152,7 +152,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return result;
   }
 
-  void write(Film& film) override { parts_->camera.resolve(film, shows_preview()); }
+  void write(Film& film) override { parts_->write(film, shows_preview()); }
 
   void restart() override {
     directions_ = gathers_ = 0;
@@ -162,7 +162,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (parts_->specular) parts_->specular->reset();
     parts_->side_light.reset(seed());
     parts_->means.reset();
-    parts_->camera.reset(seed());
+    parts_->reset_camera(seed());
     if (known_) parts_->means.start_from(std::move(*known_));
     known_.reset();
   }
@@ -176,7 +176,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (!parts_) return false;
     if (change.only_camera()) {
       step_ = {};
-      parts_->camera.set_frame(make_frame(settings()));
+      parts_->set_frame(make_frame(settings()));
       return true;
     }
     if (parameters_.warm_start && forgets(parameters_)) {

@@ -40,10 +40,33 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
   if (!accessibility->complete())
     accessibility->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *interior,
                          transfer.raster());
-  if (!plan.reflects) return;
-  specular =
-      std::make_unique<SideSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
-                                     !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
+  if (plan.reflects)
+    specular =
+        std::make_unique<SideSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
+                                       !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
+  if (plan.camera.debug)
+    debug = std::make_unique<DebugLayers>(*c.device, c.scheduler, c.scene_buffers, *atlas, means, preview.get(),
+                                          accessibility->shares(), specular.get(), camera);
+}
+
+void BundleParts::commit_sample(bool atlas_known) {
+  camera.commit(atlas_known);
+  if (debug) debug->commit();
+}
+
+void BundleParts::reset_camera(uint32_t seed) {
+  camera.reset(seed);
+  if (debug) debug->clear();
+}
+
+void BundleParts::set_frame(const Frame& frame) {
+  camera.set_frame(frame);
+  if (debug) debug->clear();
+}
+
+void BundleParts::write(Film& film, bool smoothed) const {
+  camera.resolve(film, smoothed);
+  if (debug) debug->write(film, smoothed);
 }
 
 void BundleParts::measure_accessibility(const std::function<void(double, const std::string&)>& report) {
@@ -64,6 +87,7 @@ void BundleParts::warm_up() {
   if (specular) specular->warm_up();
   transfer.warm_up();
   camera.warm_up();
+  if (debug) debug->warm_up();
 }
 
 }  // namespace lucarium::bundle

@@ -6,6 +6,7 @@
 
 #include "bundle_exchange/bundle_plan.h"
 #include "bundle_exchange/exchange/bundle_transfer.h"
+#include "bundle_exchange/pixels/debug_layers.h"
 #include "bundle_exchange/specular/side_specular.h"
 #include "bundle_exchange/texels/side_light.h"
 
@@ -24,6 +25,12 @@ struct BundleParts {
   /// Measures hidden parts and accessibility of texels. `report`: as TechniqueContext::progress. Throws
   /// Error{interrupted} when cancelled.
   void measure_accessibility(const std::function<void(double, const std::string&)>& report);
+  /// Adds the camera sample. `atlas_known` as for CameraLight::commit().
+  void commit_sample(bool atlas_known);
+  /// Forgets all camera samples.
+  void reset_camera(uint32_t seed);
+  void set_frame(const Frame& frame);
+  void write(Film& film, bool smoothed) const;
   void warm_up();
 
   std::unique_ptr<SurfaceAtlas> atlas;
@@ -36,6 +43,7 @@ struct BundleParts {
   std::unique_ptr<SideSpecular> specular;  ///< null where no texel side has a specular lobe that takes part
   CameraLight camera;
   BundleTransfer transfer;
+  std::unique_ptr<DebugLayers> debug;  ///< null unless asked for
 };
 
 }  // namespace lucarium::bundle

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "bundle_exchange/exchange/bundle_transfer.h"
+#include "bundle_exchange/pixels/debug_layers.h"
 #include "bundle_exchange/shared/texel_sides.h"
 #include "bundle_exchange/specular/side_specular.h"
 #include "bundle_exchange/texels/side_light.h"
@@ -61,6 +62,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   plan.camera.max_bounces = settings.max_bounces;
   plan.camera.by_bundles = parameters.pixel_rays == PixelRays::bundle && settings.max_bounces != 0 &&
                            parameters.interleave != Interleave::pingpong;  // bundles then carry one bounce only
+  plan.camera.debug = parameters.debug_layers;
   plan.camera.min_alpha = SideSpecular::min_alpha(parameters);
   plan.light_kinds = DirectLight::kAllLights;
   if (parameters.direct_mode == DirectMode::exchange) plan.light_kinds = punctual ? DirectLight::kPunctualLights : 0;
@@ -82,7 +84,10 @@ size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, cons
                                      plan.preview) +
          BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters,
                                         plan.camera.by_bundles) +
-         (plan.preview ? SidePreview::estimate_bytes(sides, plan.channels) : 0);
+         (plan.preview ? SidePreview::estimate_bytes(sides, plan.channels) : 0) +
+         (plan.camera.debug
+              ? DebugLayers::estimate_bytes(size_t{settings.width} * settings.height, plan.preview) + sides
+              : 0);
 }
 
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {

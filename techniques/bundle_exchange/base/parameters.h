@@ -42,6 +42,7 @@ struct Parameters {
   PixelRays pixel_rays = PixelRays::traced;
   bool preview = false;
   bool warm_start = false;
+  bool debug_layers = false;
   float stop_error = 0.01f;
   int camera_samples = 64;
 
@@ -112,6 +113,10 @@ struct Parameters {
     v.flag("preview", preview, "show a smoothed atlas until the exchange is done (interleave=sd or running)");
     v.flag("warm_start", warm_start,
            "keep the mean that is sent when lights, materials or geometry change (interleave=sd or running)");
+    v.flag(
+        "debug_layers", debug_layers,
+        "also write the parts of direct and indirect light, and accessibility, balance and direction history of texel "
+        "sides");
     v.number("stop_error", stop_error, 0.f, 1.f, "",
              "relative standard error of irradiance at which the image counts as converged; 0: never (interleave=sd or "
              "running)");

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Light towards the eye that the atlas knows: what the G-buffer's points reflect of it.
-#include "lucarium/bsdf.clh"
-#include "lucarium/gbuffer.clh"
-#include "lucarium/scene.clh"
+#include "bundle_exchange/pixels/looked_up_light.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
-#include "lucarium/surface_atlas.clh"
 
 // What the atlas knows of a sample. That changes from iteration to iteration, so that the sample counts
 // `atlas_weight` of the mean (later ones count more).
@@ -30,19 +27,9 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     once += bundled[2u * i].xyz / directions;
     reflected += bundled[2u * i + 1u].xyz / directions;
   }
-  if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE) {
-    // Look up the irradiance around the point, and reflect it by the pixel's own albedo.
-    const float4 held = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
-                                       point.u, point.v, point.normal.w == 0.0f);
-    const Surface surface = gbuffer_surface(&scene, point);
-    const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
-    if (held.w > 0.0f) reflected += point.throughput.xyz * bsdf.diffuse * (held.xyz / held.w);
-#ifdef BUNDLE_EXCHANGED
-    const float4 emitted = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct,
-                                          point.triangle, point.u, point.v, point.normal.w == 0.0f);
-    if (emitted.w > 0.0f) once += point.throughput.xyz * bsdf.diffuse * (emitted.xyz / emitted.w);
-#endif
-  }
+  if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE)
+    add_looked_up(&scene, atlas_info, atlas_triangles, atlas_table, atlas_links, &point, shown, shown_direct, &once,
+                  &reflected);
   exchanged[i] = mix_sample(exchanged[i], once, atlas_weight);
   indirect[i] = mix_sample(indirect[i], reflected, atlas_weight);
 }

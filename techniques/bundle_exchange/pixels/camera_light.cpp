@@ -74,8 +74,8 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
       .arg("whole", whole() ? 1u : 0u)
       .arg("shown", shown)
       .arg("shown_direct", shown_direct)
-      .arg("bundled", bundles_ ? bundles_->gathered() : no_contributions_)
-      .arg("gathered", chains_ ? chains_->contribution() : no_contributions_)
+      .arg("bundled", bundled())
+      .arg("gathered", gathered())
       .arg("exchanged", image["direct"])
       .arg("indirect", image["indirect"]);
 }
@@ -115,13 +115,17 @@ bool CameraLight::begin_sample() {
 
 bool CameraLight::sample() { return eye_.sample(samples_) && (!chains_ || gather()); }
 
-void CameraLight::commit(bool atlas_known) {
+float CameraLight::atlas_weight() const {
   // Sample i counts i²: of a mean over all, ever later ones. The atlas they saw was better, and a late image forgets
   // what an early atlas did not know. i² / Σ i² = 6 i / ((i + 1) (2 i + 1)).
+  const double i = std::max(atlas_samples_, 1u);
+  return static_cast<float>(6 * i / ((i + 1) * (2 * i + 1)));
+}
+
+void CameraLight::commit(bool atlas_known) {
   ++samples_;
   atlas_samples_ = atlas_known ? atlas_samples_ + 1 : 0;
-  const double i = std::max(atlas_samples_, 1u);
-  add_.set(atlas_weight_, static_cast<float>(6 * i / ((i + 1) * (2 * i + 1))));
+  add_.set(atlas_weight_, atlas_weight());
   eye_.commit();
   scheduler_->run_to_end(add_);
 }
@@ -155,6 +159,7 @@ void CameraLight::warm_up() {
 void CameraLight::resolve(Film& film, bool smoothed) const {
   scheduler_->finish();
   eye_.write(film);
+  if (options_.debug) film.layer("sampled_direct").pixels = film.layer("direct", {"R", "G", "B"}, true).pixels;
   (smoothed ? smooth_light_ : atlas_light_).write(film);
 }
 

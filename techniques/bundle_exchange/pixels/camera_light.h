@@ -23,6 +23,7 @@ class CameraLight {
     int max_bounces = -1;
     bool by_bundles = false;  ///< rays of `gather` are those of bundles, except for lobes below min_alpha
     float min_alpha = 0;
+    bool debug = false;  ///< with the layer `sampled_direct` (DebugLayers)
   };
   /// `preview` (may be null) must outlive this: commit() shows what it has smoothed in an image of its own.
   CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
@@ -42,7 +43,15 @@ class CameraLight {
   uint32_t atlas_samples() const { return atlas_samples_; }  ///< of them, in the mean of what the atlas says
   /// `smoothed`: the image of the preview.
   void resolve(Film& film, bool smoothed) const;
-  PixelGather* pixel_gather() { return bundles_.get(); }  ///< null where bundles gather nothing
+  /// Of the last sample: its points, what chains and bundles have gathered for them (scattered once, and more often),
+  /// and what it counts of the mean of what the atlas says.
+  const TypedBuffer<GBufferPoint>& points() const { return eye_.points(); }
+  const TypedBuffer<float4>& gathered() const { return chains_ ? chains_->contribution() : no_contributions_; }
+  const TypedBuffer<float4>& bundled() const { return bundles_ ? bundles_->gathered() : no_contributions_; }
+  float atlas_weight() const;
+  uint32_t pixels() const { return pixels_; }
+  bool whole() const { return options_.gather == FinalGather::all; }  ///< nothing is looked up at pixels
+  PixelGather* pixel_gather() { return bundles_.get(); }              ///< null where bundles gather nothing
   uint64_t rays() const { return chains_ ? chains_->chains().rays() : 0; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
@@ -55,7 +64,6 @@ class CameraLight {
                           const TypedBuffer<float4>& shown_direct, const LayerSums& image);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
-  bool whole() const { return options_.gather == FinalGather::all; }
   KernelScheduler* scheduler_;
   Options options_;
   Frame frame_;

@@ -71,6 +71,8 @@ class SideMeans {
   /// What is reflected diffusely (Channels::chains), reflected() float4: in the batch, and by the best means.
   const TypedBuffer<float4>& diffuse_sent() const { return diffuse_; }
   const TypedBuffer<float4>& diffuse_shown() const { return radiance_; }
+  const TypedBuffer<float4>& senders() const { return senders_; }  ///< S, reflected() channels one after the other
+  const TypedBuffer<float4>& scale() const { return scale_; }      ///< one: xyz what the balance scales senders by
   const Channels& channels() const { return channels_; }
   /// Of batches, per texel side, for its error, those of exchanged emitted light behind the others
   /// (accumulate_batch.cl); and how many batches there were.

@@ -21,6 +21,7 @@ class SideSpecular {
   static bool uses_history(const Parameters& parameters) { return parameters.glossy_window > 0; }
   static float min_alpha(const Parameters& parameters);
   /// Whether some texel side reflects directions, which then must be independent of each other.
+  std::vector<uint32_t> history_sides() const { return history_ ? history_->sides() : std::vector<uint32_t>(); }
   bool has_history() const { return history_ != nullptr; }
 
   /// The next batch; a batch that was cancelled may be begun again.

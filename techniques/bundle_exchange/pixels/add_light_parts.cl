@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// What each part of the technique brings to a sample of the image (DebugLayers).
+#include "bundle_exchange/base/exchange_layout.clh"
+#include "bundle_exchange/pixels/looked_up_light.clh"
+#include "lucarium/services/layer_sums/layer_sums.clh"
+
+// The light of add_atlas_light(), part by part, with the same arguments and the same weight of the sample.
+__kernel void add_light_parts(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
+                              __global const AtlasTriangle* restrict atlas_triangles,
+                              __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
+                              __global const GBufferPoint* restrict points, uint count, float atlas_weight, uint whole,
+                              __global const float4* restrict shown, __global const float4* restrict shown_direct,
+                              __global const float4* restrict bundled, __global const float4* restrict gathered,
+                              __global float4* restrict exchanged_direct, __global float4* restrict diffuse_exchange,
+                              __global float4* restrict specular_chains, __global float4* restrict bundle_gather) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const GBufferPoint point = points[i];
+  float3 once = (float3)(0.0f), reflected = (float3)(0.0f), by_bundles = (float3)(0.0f);
+  if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE)
+    add_looked_up(&scene, atlas_info, atlas_triangles, atlas_table, atlas_links, &point, shown, shown_direct, &once,
+                  &reflected);
+  const float directions = bundled[2u * i].w;
+  if (directions > 0.0f) by_bundles = (bundled[2u * i].xyz + bundled[2u * i + 1u].xyz) / directions;
+  exchanged_direct[i] = mix_sample(exchanged_direct[i], once, atlas_weight);
+  diffuse_exchange[i] = mix_sample(diffuse_exchange[i], reflected, atlas_weight);
+  specular_chains[i] = mix_sample(specular_chains[i], gathered[2u * i].xyz + gathered[2u * i + 1u].xyz, atlas_weight);
+  bundle_gather[i] = mix_sample(bundle_gather[i], by_bundles, atlas_weight);
+}
+
+// What the texel side behind a pixel holds and sends at present, as colours:
+//   accessibility      its mean
+//   balance            radiance that the balance adds to what it sends, c (s - 1) e_S (BUNDLE_SELF_FED)
+//   direction_history  radiance beside the diffuse that it sent along the last direction, where in_history says that
+//                      it reflects earlier ones (BUNDLE_CHAINS)
+__kernel void add_side_state(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
+                             __global const uint* restrict atlas_table, __global const GBufferPoint* restrict points,
+                             uint count, float atlas_weight, __global const float* restrict shares,
+                             __global const float4* restrict albedo, __global const float4* restrict senders,
+                             __global const float4* restrict scale, __global const float4* restrict records,
+                             __global const float4* restrict diffuse, __global const uchar* restrict in_history,
+                             __global float4* restrict accessibility, __global float4* restrict balance,
+                             __global float4* restrict direction_history) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  const GBufferPoint point = points[i];
+  float3 open = (float3)(0.0f), scaled = open, remembered = open;
+  uint side = LUCARIUM_NONE;
+  if (point.state == LUCARIUM_GBUFFER_SURFACE)
+    side = atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v),
+                      point.normal.w == 0.0f);
+  if (side != LUCARIUM_NONE) {
+    open = (float3)(shares[side]);
+#ifdef BUNDLE_SELF_FED
+    scaled = albedo[side].xyz * (scale[0].xyz - 1.0f) * side_mean(senders[side]);
+#endif
+#ifdef BUNDLE_CHAINS
+    for (uint k = 0u; k < BUNDLE_REFLECTED && in_history[side]; ++k)
+      remembered += records[(size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k)].xyz -
+                    diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz;
+#endif
+  }
+  accessibility[i] = mix_sample(accessibility[i], open, atlas_weight);
+  balance[i] = mix_sample(balance[i], scaled, atlas_weight);
+  direction_history[i] = mix_sample(direction_history[i], remembered, atlas_weight);
+}
