@@ -3,9 +3,9 @@
 
 #include <new>
 
-#include "lucarium/scene/gltf/animation.h"
-#include "lucarium/scene/gltf/material.h"
-#include "lucarium/scene/gltf/nodes.h"
+#include "lucarium/scene/gltf/model/animation.h"
+#include "lucarium/scene/gltf/model/material.h"
+#include "lucarium/scene/gltf/model/nodes.h"
 #include "lucarium/scene/import_options.h"
 
 namespace lucarium {

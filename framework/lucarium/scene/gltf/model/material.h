@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "lucarium/scene/gltf/document.h"
+#include "lucarium/scene/gltf/document/document.h"
 
 namespace lucarium::gltf {
 

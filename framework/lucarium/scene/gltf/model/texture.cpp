@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/texture.h"
+#include "lucarium/scene/gltf/model/texture.h"
 
 #include <algorithm>
 #include <bit>

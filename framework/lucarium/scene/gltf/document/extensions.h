@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/scene/gltf/context.h"
+#include "lucarium/scene/gltf/document/context.h"
 
 namespace lucarium::gltf {
 

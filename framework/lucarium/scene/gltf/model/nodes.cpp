@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/nodes.h"
+#include "lucarium/scene/gltf/model/nodes.h"
 
 #include <algorithm>
 #include <cmath>

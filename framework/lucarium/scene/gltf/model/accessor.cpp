@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/accessor.h"
+#include "lucarium/scene/gltf/model/accessor.h"
 
 #include <cmath>
 #include <cstring>

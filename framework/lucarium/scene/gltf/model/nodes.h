@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/scene/gltf/mesh.h"
+#include "lucarium/scene/gltf/model/mesh.h"
 
 namespace lucarium::gltf {
 

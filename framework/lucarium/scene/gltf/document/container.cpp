@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/container.h"
+#include "lucarium/scene/gltf/document/container.h"
 
 namespace lucarium::gltf {
 

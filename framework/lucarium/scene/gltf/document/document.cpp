@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/document.h"
+#include "lucarium/scene/gltf/document/document.h"
 
-#include "lucarium/scene/gltf/check.h"
-#include "lucarium/scene/gltf/container.h"
-#include "lucarium/scene/gltf/schema.h"
+#include "lucarium/scene/gltf/document/check.h"
+#include "lucarium/scene/gltf/document/container.h"
+#include "lucarium/scene/gltf/document/schema.h"
 
 namespace lucarium::gltf {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <map>
 
-#include "lucarium/scene/gltf/accessor.h"
+#include "lucarium/scene/gltf/model/accessor.h"
 
 namespace lucarium::gltf {
 

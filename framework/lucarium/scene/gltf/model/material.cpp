@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/material.h"
+#include "lucarium/scene/gltf/model/material.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "lucarium/scene/gltf/specular_glossiness.h"
-#include "lucarium/scene/gltf/texture.h"
+#include "lucarium/scene/gltf/model/specular_glossiness.h"
+#include "lucarium/scene/gltf/model/texture.h"
 
 namespace lucarium::gltf {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/uri.h"
+#include "lucarium/scene/gltf/document/uri.h"
 
 #include <array>
 #include <cerrno>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lucarium/scene/gltf/nodes.h"
+#include "lucarium/scene/gltf/model/nodes.h"
 
 namespace lucarium::gltf {
 

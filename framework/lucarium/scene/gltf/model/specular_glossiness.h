@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/scene/gltf/texture.h"
+#include "lucarium/scene/gltf/model/texture.h"
 
 namespace lucarium::gltf {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/schema.h"
+#include "lucarium/scene/gltf/document/schema.h"
 
 #include <fmt/format.h>
 

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
-#include "lucarium/scene/gltf/extensions.h"
-#include "lucarium/scene/gltf/uri.h"
+#include "lucarium/scene/gltf/document/extensions.h"
+#include "lucarium/scene/gltf/document/uri.h"
 
 namespace lucarium::gltf {
 

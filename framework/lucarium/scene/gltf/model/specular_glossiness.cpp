@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/specular_glossiness.h"
+#include "lucarium/scene/gltf/model/specular_glossiness.h"
 
 #include <algorithm>
 #include <cmath>

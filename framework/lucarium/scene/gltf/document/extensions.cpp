@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/extensions.h"
+#include "lucarium/scene/gltf/document/extensions.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/scene/gltf/document.h"
+#include "lucarium/scene/gltf/document/document.h"
 
 namespace lucarium::gltf {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/mesh.h"
+#include "lucarium/scene/gltf/model/mesh.h"
 
 #include <algorithm>
 #include <cmath>

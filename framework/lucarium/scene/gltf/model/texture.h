@@ -5,7 +5,7 @@
 #include <tuple>
 
 #include "lucarium/film/encoded_image.h"
-#include "lucarium/scene/gltf/document.h"
+#include "lucarium/scene/gltf/document/document.h"
 
 namespace lucarium::gltf {
 

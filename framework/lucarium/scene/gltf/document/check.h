@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "lucarium/scene/gltf/context.h"
+#include "lucarium/scene/gltf/document/context.h"
 
 namespace lucarium::gltf {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/scene/gltf/accessor.h"
+#include "lucarium/scene/gltf/model/accessor.h"
 
 namespace lucarium::gltf {
 

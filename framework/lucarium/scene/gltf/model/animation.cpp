@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/animation.h"
+#include "lucarium/scene/gltf/model/animation.h"
 
 #include <algorithm>
 #include <optional>

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "lucarium/scene/gltf/context.h"
+#include "lucarium/scene/gltf/document/context.h"
 
 namespace lucarium::gltf {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/scene/gltf/check.h"
+#include "lucarium/scene/gltf/document/check.h"
 
 #include <nlohmann/json.hpp>
 
