@@ -3,7 +3,8 @@
 """The generated tables of docs/measurements: measurements.py [ROOT]. Measures nothing. Each page's table has the rows
 of its PAGE.json, in that order, with a number, a commit that the history holds, a date and a machine; each row names a
 test case with that message, an experiment, or a command of the program or a benchmark with options, that the sources
-have. The passes and counters that experiments read exist. Prints one line per breach and exits with 1 if there is one."""
+have. The passes and counters that experiments read exist. Prints one line per breach and exits with 1 if there is
+one."""
 import importlib.machinery
 import importlib.util
 import json
