@@ -24,7 +24,7 @@ class DebugLayers {
   static size_t estimate_bytes(size_t pixels, bool preview) { return pixels * sizeof(float4) * (preview ? 11 : 7); }
 
  private:
-  /// Images of some layers, not added to the film's sum.
+  /// Images of some layers, no part of the image's sum.
   struct Images {
     std::vector<std::string> names;
     std::vector<TypedBuffer<float4>> means;

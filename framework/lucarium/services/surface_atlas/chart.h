@@ -85,7 +85,7 @@ class ChartPlacer {
   bool project(const std::vector<uint32_t>& triangles);
   bool bisect(std::vector<uint32_t>& one, std::vector<uint32_t>& other) const;
   void fit_grid();
-  // surface_atlas_cells.cpp
+  // cells.cpp
   void cut_into_cells();
   void eject(std::vector<uint32_t>& ejected);
   bool split_cell(uint32_t first, uint32_t last, std::vector<uint8_t>& is_ejected, uint32_t keep);

@@ -41,6 +41,15 @@ double side_area(const AtlasMesh& mesh) {
   return sum;
 }
 
+/// Texels that count towards the wanted number. Those of slivers come on top, up to a share of it, since coarser texels
+/// would hardly be fewer of them. Beyond it they count at most as much as the others, which thus keep at least half of
+/// their number; but in full where slivers make up half of the area [m²].
+double charged_count(const SideCount& count, double wanted, double area) {
+  const double others = double(count.all - count.slivers);
+  const double beyond = std::max(0., double(count.slivers) - free_slivers * wanted);
+  return others + (count.sliver_area < 0.5 * area ? std::min(beyond, others) : beyond);
+}
+
 /// Checks for cancellation and reports progress.
 class Watch {
  public:
@@ -91,8 +100,8 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   const GrownCharts grown =
       grow_charts(mesh, settings.texcoord_scale, [&](double done) { watch.at(0.1 + 0.2 * done, "growing charts"); });
   const unsigned threads = options.threads ? options.threads : std::max(1u, std::thread::hardware_concurrency());
-  settings.edge =
-      options.texel_edge > 0 ? options.texel_edge : std::sqrt(side_area(mesh) / double(options.texel_count));
+  const double area = side_area(mesh);
+  settings.edge = options.texel_edge > 0 ? options.texel_edge : std::sqrt(area / double(options.texel_count));
   if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
   std::vector<AtlasPart> best;
   double best_edge = 0, best_off = INFINITY;
@@ -104,8 +113,7 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
     absorb_fragments(mesh, settings, placed);
     const SideCount count = side_count(placed, settings.edge);
     const double wanted = double(options.texel_count);
-    const double charged = double(count.all) - std::min(double(count.slivers), free_slivers * wanted);
-    const double ratio = options.texel_edge > 0 ? 1 : charged / wanted;
+    const double ratio = options.texel_edge > 0 ? 1 : charged_count(count, wanted, area) / wanted;
     const double off = std::fabs(std::log(std::max(ratio, 1e-9)));
     const bool better = off < best_off;
     const bool worth_another = ratio > 0 && off > std::log(count_tolerance) && off < 0.9 * best_off;
@@ -120,15 +128,6 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   place_left_out(mesh, layout);
   sample_texels(mesh, layout, options.samples);
   return layout;
-}
-
-uint32_t atlas_cell(const AtlasTriangle& t, float b1, float b2) {
-  const auto along = [&](float a, float b, float c) {
-    const float x = a + b1 * (b - a) + b2 * (c - a);
-    return std::min(std::max(x, std::min(a, std::min(b, c))), std::max(a, std::max(b, c)));
-  };
-  return t.base + static_cast<uint32_t>(along(t.v0, t.v1, t.v2)) * t.pitch +
-         static_cast<uint32_t>(along(t.u0, t.u1, t.u2));
 }
 
 }  // namespace lucarium

@@ -61,7 +61,4 @@ struct AtlasLayout {
 /// options out of range, Error{interrupted} when cancelled.
 AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOptions& options);
 
-/// The cell of a point of a triangle, by the operations of kernels/lucarium/surface_atlas.clh.
-uint32_t atlas_cell(const AtlasTriangle& triangle, float b1, float b2);
-
 }  // namespace lucarium

@@ -261,7 +261,8 @@ size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
   const double wanted = options.texel_edge > 0 ? scene_side_area(scene) / (options.texel_edge * options.texel_edge)
                                                : static_cast<double>(options.texel_count);
-  const size_t sides = static_cast<size_t>(std::min(wanted, 1e14));
+  // Texels of slivers may come on top, up to an eighth.
+  const size_t sides = static_cast<size_t>(std::min(wanted * 9 / 8, 1e14));
   const size_t triangles = static_cast<size_t>(scene.triangle_count());
   const size_t per_side = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2) +
                           options.samples * sizeof(AtlasSample);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
+#include "lucarium/services/surface_atlas/look_up.h"
 
 namespace lucarium {
 
@@ -117,7 +118,10 @@ SideCount side_count(std::span<const AtlasPart> parts, double edge) {
       const uint64_t faces = chart.two_sided ? 2 : 1;
       sum.all += faces * chart.texel_count;
       for (uint32_t i = chart.first_texel; i < chart.first_texel + chart.texel_count; ++i)
-        if (part.texels[i].area < sliver_area * edge * edge) sum.slivers += faces;
+        if (part.texels[i].area < sliver_area * edge * edge) {
+          sum.slivers += faces;
+          sum.sliver_area += double(faces) * part.texels[i].area;
+        }
     }
   }
   return sum;

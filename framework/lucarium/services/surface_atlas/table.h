@@ -11,9 +11,10 @@ namespace lucarium {
 /// and 2 s from its sample position, normals within 75 degrees.
 void absorb_fragments(const AtlasMesh& mesh, const ChartSettings& settings, std::vector<AtlasPart>& parts);
 
-/// Texel sides that these parts make; of them those of slivers, less than s²/64 in area.
+/// Texel sides that these parts make; of them those of slivers, less than s²/64 in area, and their area.
 struct SideCount {
   uint64_t all = 0, slivers = 0;
+  double sliver_area = 0;  ///< [m²]
 };
 SideCount side_count(std::span<const AtlasPart> parts, double edge);
 

@@ -174,6 +174,45 @@ TEST_CASE("triangles that nothing hits neither take texels nor make others longe
     CHECK(layout.table[atlas_cell(layout.triangles[t], 0.3f, 0.3f)] < layout.info.texel_count);
 }
 
+TEST_CASE("triangles that nothing hits change no texel of those behind them in the file") {
+  std::vector<glm::vec3> floor, corners;
+  add_floor(floor, 0, 0, 1, 1);
+  const AtlasLayout plain = lay_out(soup(floor), 400);
+  for (int i = 0; i < 51; ++i) {
+    const float y = 0.02f * float(i);
+    corners.insert(corners.end(), {{0, y, 0}, {0.3f, y, 0}, {1, y, 0}});
+  }
+  const uint32_t before = static_cast<uint32_t>(corners.size() / 3);
+  corners.insert(corners.end(), floor.begin(), floor.end());
+  AtlasLayout layout = lay_out(soup(corners), 400);
+  CHECK(layout.info.texel_edge == plain.info.texel_edge);
+  CHECK(same_bytes(layout.table, plain.table));
+  CHECK(same_bytes(layout.links, plain.links));
+  for (AtlasTexel& texel : layout.texels) texel.triangle -= before;
+  for (AtlasPiece& piece : layout.pieces) piece.triangle -= before;
+  CHECK(same_bytes(layout.texels, plain.texels));
+  CHECK(same_bytes(layout.pieces, plain.pieces));
+}
+
+TEST_CASE("slivers, however many, leave at least half of their texels to other surfaces") {
+  std::vector<glm::vec3> corners;
+  add_floor(corners, 0, 0, 1, 1);
+  const AtlasLayout plain = lay_out(soup(corners), 400);
+  for (const int slivers : {40, 400, 4000}) {
+    CAPTURE(slivers);
+    std::vector<glm::vec3> all = corners;
+    for (int i = 0; i < slivers; ++i) {
+      const float x = float(i % 50) / 50, z = float(i / 50) / 80;
+      all.insert(all.end(), {{x, 1, z}, {x, 1, z + 0.01f}, {x + 1e-4f, 1, z}});
+    }
+    const AtlasLayout layout = lay_out(soup(all), 400);
+    const double coarser = double(layout.info.texel_edge) / double(plain.info.texel_edge);
+    MESSAGE(slivers, " slivers: edge ", coarser, ", texels ", layout.info.texel_count);
+    CHECK(coarser < std::sqrt(2) * 1.08);
+    if (slivers < 50) CHECK(coarser == test::relative(1, 0.01));
+  }
+}
+
 TEST_CASE("triangle soup: a texel each where there are enough") {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> unit(-1.f, 1.f);

@@ -18,6 +18,7 @@
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/services/surface_atlas/geometry.h"
 #include "lucarium/services/surface_atlas/layout.h"
+#include "lucarium/services/surface_atlas/look_up.h"
 #include "tolerance.h"
 
 namespace lucarium::test {
