@@ -5,23 +5,11 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "lucarium/scene/mesh_components.h"
 #include "lucarium/scene/mesh_topology.h"
 
 namespace lucarium {
 namespace {
-
-/// Volume enclosed by a closed mesh [m³ of its own space]; negative where its triangles are clockwise seen from
-/// outside.
-double signed_volume(const Mesh& mesh) {
-  const glm::dvec3 origin(mesh.positions.front());  // near the mesh, against cancellation
-  double six_volumes = 0;
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a = glm::dvec3(mesh.positions[t.x]) - origin, b = glm::dvec3(mesh.positions[t.y]) - origin,
-                     c = glm::dvec3(mesh.positions[t.z]) - origin;
-    six_volumes += glm::dot(a, glm::cross(b, c));
-  }
-  return six_volumes / 6;
-}
 
 /// How often the mesh winds about a point: ±1 inside of a closed one, 0 outside. Solid angles of its triangles after
 /// van Oosterom and Strackee, "The Solid Angle of a Plane Triangle", IEEE Trans. Biomed. Eng. 30(2), 1983, equation 8.
@@ -44,7 +32,8 @@ bool is_inside_out(const Scene& scene, const SceneInstance& instance) {
   if (shape.triangles.empty()) return false;
   // A reflecting matrix turns the triangles over when they are derived, a mirrored skin does not.
   const double sign = instance.mirrored ? -1 : 1;
-  if (!(sign * signed_volume(shape) < 0) || !is_closed(shape.positions, shape.triangles)) return false;
+  if (!(sign * signed_volume(shape.positions, shape.triangles) < 0) || !is_closed(shape.positions, shape.triangles))
+    return false;
   const glm::dmat4 world_from_object(instance.world_from_object);
   if (scene.cameras.empty() || glm::determinant(world_from_object) == 0) return true;
   const glm::dvec4 eye(glm::dvec3(scene.cameras.front().world_from_camera[3]), 1);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <tuple>
 
+#include "lucarium/scene/mesh_components.h"
+
 namespace lucarium {
 namespace {
 
@@ -55,17 +57,8 @@ bool run_opposite(std::span<const glm::uvec3> welded, const HalfEdge& a, const H
 }
 
 bool is_closed(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
-  const std::vector<uint32_t> first = weld_positions(positions);
-  std::vector<glm::uvec3> welded;
-  for (const glm::uvec3& t : triangles) welded.emplace_back(first[t.x], first[t.y], first[t.z]);
-  bool closed = true;
-  visit_edges(sorted_half_edges(welded), [&](const HalfEdge* begin, const HalfEdge* end) {
-    int64_t upward = 0;
-    for (const HalfEdge* e = begin; e != end; ++e)
-      upward += welded[e->triangle][static_cast<int>(e->edge)] == e->low ? 1 : -1;
-    closed = closed && upward == 0;
-  });
-  return closed;
+  const std::vector<MeshComponent> components = mesh_components(positions, triangles).components;
+  return std::all_of(components.begin(), components.end(), [](const MeshComponent& c) { return c.closed; });
 }
 
 float dihedral_bend(const glm::vec3& a, const glm::vec3& b, const glm::vec3& normal, const glm::vec3& opposite) {

@@ -15,7 +15,8 @@ float depth_min;     // depth range of the film: sorting resolves (depth_max - d
 float depth_scale;   // 1 / (depth_max - depth_min)
 uint width, height;  // pixels, at most those of the LayeredRaster
 uint seed;           // decides BLEND together with triangle and pixel
-uint pad0, pad1, pad2;
+uint classes;        // with LayeredRasterOptions::classes: triangles are drawn whose class byte shares a bit with it
+uint pad0, pad1;
 LUCARIUM_STRUCT_END(LayeredView, 80)
 
 // A triangle set up for one view, in units of 1/256 pixel. Vertices are in counter-clockwise order of (x, y) with y

@@ -56,13 +56,14 @@ std::map<std::string, std::string> LayeredRaster::State::defines() const {
   if (options.perspective) result["LAYERED_PERSPECTIVE"] = "";
   if (options.conservative) result["LAYERED_CONSERVATIVE"] = "";
   if (options.portable) result["LAYERED_PORTABLE"] = "";
+  if (options.classes) result["LAYERED_CLASSES"] = "";
   if (alpha) result["LAYERED_ALPHA"] = "";
   return result;
 }
 
 void LayeredRaster::State::follow() {
   const uint32_t count = scene.info().triangle_count;
-  const bool has_alpha = (scene.info().flags & LUCARIUM_SCENE_HAS_ALPHA) != 0;
+  const bool has_alpha = !options.keep_alpha && (scene.info().flags & LUCARIUM_SCENE_HAS_ALPHA) != 0;
   if (!program || scene.generation() != scene_generation || count != triangles || has_alpha != alpha) {
     if (count >= LAYERED_AWAY / 8)
       throw_error(ErrorClass::device, "layered raster: {} triangles are too many; {}", count, fewer_triangles);
@@ -130,7 +131,12 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
   bins.bounds = recorder.transient<uint32_t>(name + ".bounds", 16 * blocks, fewer_triangles);
   const BufferRef clip_counts = recorder.transient<uint32_t>(name + ".clip_counts", blocks);
   bins.clipped = recorder.transient<uint32_t>(name + ".clipped", 1);
-  recorder.pass(name + ".set_up", program, "layered_set_up")
+  const auto class_pass = [&](const char* what, const char* kernel) {
+    PassBuilder pass = recorder.pass(name + what, program, kernel);
+    if (options.classes) pass.arg("layered_classes", view.classes);
+    return pass;
+  };
+  class_pass(".set_up", "layered_set_up")
       .global(blocks)
       .local(1)
       .arg("layered_views", view.views)
@@ -150,7 +156,7 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
   bins.extra_bounds =
       recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
-  recorder.pass(name + ".clip", program, "layered_clip_triangles")
+  class_pass(".clip", "layered_clip_triangles")
       .global(blocks)
       .local(1)
       .arg("layered_views", view.views)

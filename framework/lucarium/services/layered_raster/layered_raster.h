@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <map>
@@ -17,6 +18,8 @@ struct LayeredRasterOptions {
   bool perspective = false;                      ///< what views are; all of one raster are of a kind
   bool conservative = false;  ///< every pixel that a triangle touches, not only those whose centre it covers
   bool portable = false;      ///< without compiler built-ins; the same results
+  bool classes = false;       ///< a view draws only triangles of some classes: ViewRef::classes, LayeredView::classes
+  bool keep_alpha = false;    ///< MASK and BLEND keep all fragments, as if they were opaque: the consumer decides
 };
 
 /// Ways to a stored A-buffer. All but k_buffer give the same fragments; all but tiles are there for comparison.
@@ -37,9 +40,9 @@ struct LayeredStoreOptions {
 /// or only the nearest (a k-buffer, Bavoil et al. 2007). Vertices are snapped to 1/256 pixel; coverage is exact from
 /// there (integer edge functions, top-left rule), so that meshes are watertight and no fragment is ever dropped.
 /// Triangles without area, which rays never hit, have none. MASK discards fragments, BLEND keeps them with probability
-/// alpha, decided by triangle, pixel and LayeredView::seed. Order: depth to 1/2²² of the film's range, then fronts that
-/// face along the view first, then by triangle (clipped triangles after others). Results do not depend on the number of
-/// threads.
+/// alpha, decided by triangle, pixel and LayeredView::seed (LayeredRasterOptions::keep_alpha: neither does). Order:
+/// depth to 1/2²² of the film's range, then fronts that face along the view first, then by triangle (clipped triangles
+/// after others). Results do not depend on the number of threads.
 ///
 /// Consumers either walk over sorted fragments while they are in registers (record_tiles(),
 /// framework/lucarium/services/layered_raster/tiles.clh), or read a stored A-buffer (record_stored()).
@@ -63,7 +66,13 @@ class LayeredRaster {
   struct ViewRef {
     BufferRef views;
     Variable<uint32_t> index;
+    /// With LayeredRasterOptions::classes, else unused: a byte (uchar) per world triangle, in whole blocks of 16
+    /// (class_bytes()). Read when the schedule runs, so that a kernel may write it.
+    BufferRef classes = {};
   };
+  /// Elements of ViewRef::classes for so many triangles.
+  static size_t class_bytes(size_t triangles) { return 16 * std::max<size_t>(1, (triangles + 15) / 16); }
+
   void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const Program& program,
                     std::string_view kernel, const std::function<void(PassBuilder&)>& bind) const;
 

@@ -1,8 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// From world-space triangles to LayeredRecords of a view: gather, project, snap, orient, bound. LAYERED_PERSPECTIVE and
-// LAYERED_CONSERVATIVE as LayeredRaster::defines() says.
+// From world-space triangles to LayeredRecords of a view: gather, project, snap, orient, bound. LAYERED_PERSPECTIVE,
+// LAYERED_CONSERVATIVE and LAYERED_CLASSES as LayeredRaster::defines() says.
 #include "lucarium/math.clh"
 #include "lucarium/services/layered_raster/project.clh"
+
+#ifdef LAYERED_CLASSES
+#define LAYERED_CLASS_PARAMETERS __global const uchar *layered_classes,
+// Lanes (−1) of a block of 16 triangles whose classes the view leaves out.
+#define LAYERED_LEFT_OUT(block, view) \
+  ((convert_int16(vload16(block, layered_classes)) & (int16)((int)(view).classes)) == 0)
+#else
+#define LAYERED_CLASS_PARAMETERS
+#define LAYERED_LEFT_OUT(block, view) ((int16)(0))
+#endif
 
 // Whether |a b - c d| may be 0, were it not for rounding: the factors are differences of floats, `size` bounds them.
 // A term's relative error is below 4 * 2^-24, and what is flushed to zero is below 2^-126.
@@ -54,7 +64,7 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
 }
 
 // Records and tile bounds of 16 triangles. Triangles that must be clipped get no bounds here, but are counted.
-__kernel void layered_set_up(__global const LayeredView* layered_views, uint layered_view,
+__kernel void layered_set_up(LAYERED_CLASS_PARAMETERS __global const LayeredView* layered_views, uint layered_view,
                              __global const float* layered_geometry, uint triangles,
                              __global LayeredRecord* layered_records, __global uint* layered_bounds,
                              __global uint* layered_clip_counts) {
@@ -65,8 +75,9 @@ __kernel void layered_set_up(__global const LayeredView* layered_views, uint lay
   LayeredCorner16 corners[3];
   for (uint k = 0u; k < 3u; ++k)
     corners[k] = layered_project16(&view, vload16(3u * k, in), vload16(3u * k + 1u, in), vload16(3u * k + 2u, in));
-  const int16 clip = layered_needs_clip16(&view, corners);
-  LayeredSetUp16 set = layered_set_up16(&view, corners, clip);
+  const int16 left_out = LAYERED_LEFT_OUT(block, view);
+  const int16 clip = layered_needs_clip16(&view, corners) & ~left_out;
+  LayeredSetUp16 set = layered_set_up16(&view, corners, clip | left_out);
   const uint16 flags = as_uint16(vload16(9, in)) | set.flags;
   vstore16(set.bounds, block, layered_bounds);
   const int16 ones = clip & 1;
@@ -78,8 +89,8 @@ __kernel void layered_set_up(__global const LayeredView* layered_views, uint lay
 
 // What clipping adds: parts of the clipped triangles of a block, LAYERED_CLIP_PARTS places each. `layered_clip_counts`
 // scanned.
-__kernel void layered_clip_triangles(__global const LayeredView* layered_views, uint layered_view,
-                                     __global const float* layered_geometry, uint triangles,
+__kernel void layered_clip_triangles(LAYERED_CLASS_PARAMETERS __global const LayeredView* layered_views,
+                                     uint layered_view, __global const float* layered_geometry, uint triangles,
                                      __global const uint* layered_clip_counts, __global const uint* layered_clipped,
                                      __global LayeredRecord* layered_extra, __global LayeredClip* layered_clips,
                                      __global uint* layered_extra_bounds) {
@@ -91,6 +102,9 @@ __kernel void layered_clip_triangles(__global const LayeredView* layered_views, 
   const LayeredView view = layered_views[layered_view];
   __global const float* in = layered_geometry + block * LAYERED_BLOCK_WORDS;
   for (uint lane = 0u; lane < 16u; ++lane) {
+#ifdef LAYERED_CLASSES
+    if (!(layered_classes[block * 16u + lane] & view.classes)) continue;
+#endif
     LayeredCorner corners[3];
     for (uint k = 0u; k < 3u; ++k)
       corners[k] = layered_project(&view, in[3u * k * 16u + lane], in[(3u * k + 1u) * 16u + lane],

@@ -88,10 +88,16 @@ class LayeredScene {
         buffers_(scheduler_.device(), scene),
         raster_(scheduler_, buffers_, options) {}
 
-  HostLayers store(const LayeredView& view, const LayeredStoreOptions& options = {}) {
+  /// `classes`: with LayeredRasterOptions::classes, the class byte of every triangle.
+  HostLayers store(const LayeredView& view, const LayeredStoreOptions& options = {},
+                   std::vector<uint8_t> classes = {}) {
     const TypedBuffer<LayeredView> views(scheduler_.device(), "test", "views", std::vector<LayeredView>{view});
     ScheduleRecorder recorder = scheduler_.record("store", "test");
-    const LayeredRaster::ViewRef ref{views, recorder.variable("view", 0u)};
+    LayeredRaster::ViewRef ref{views, recorder.variable("view", 0u)};
+    if (!classes.empty()) {
+      classes.resize(LayeredRaster::class_bytes(classes.size()));
+      ref.classes = TypedBuffer<uint8_t>(scheduler_.device(), "test", "classes", classes);
+    }
     const LayeredRaster::Stored stored = raster_.record_stored(recorder, "layers", ref, options);
     HostLayers layers{view.width, view.height, {}, {}};
     recorder.read_back("starts", stored.pixel_start,
