@@ -29,10 +29,10 @@
 //
 //   section 2.1, point generation            points/point_sampling.cpp: sample_surface() (best candidates)
 //   section 2.1, figure 2, complete tree     tree/tree_order.cpp: split()
-//   section 2.1, spheres, cones of normals   tree/micro_tree.cl: merge_spheres(), merge_cones()
+//   section 2.1, spheres, cones of normals   tree/refit_nodes.cl: merge_spheres(), merge_cones()
 //   section 2.1, skip-pointers               gather/micro_gather.clh: draw_tree();
-//                                            light/micro_nodes.cl: behind_subtree()
-//   section 2.1, deforming geometry          tree/micro_tree.cl: mr_leaf_update(), mr_refit()
+//                                            light/list_node_gathers.cl: behind_subtree()
+//   section 2.1, deforming geometry          tree/update_leaves.cl: mr_leaf_update(); tree/refit_nodes.cl: mr_refit()
 //   section 2.2, point hierarchy cut         gather/micro_cut.clh: cut_lanes(), advance_cut()
 //   section 2.2, Ω_i > Ω(Φ⁻¹(ω_i))           gather/micro_solid_angle.clh: lanes_sphere_is_big()
 //   section 2.2, depth test                  gather/micro_splat.clh: splat_nodes(), splat_pixels()
@@ -44,20 +44,22 @@
 //   section 2.3, M⁻¹ and C⁻¹ in tables       gather/micro_table.clh: finish_table(), direction_from_table(),
 //                                            table_square()
 //   section 2.3, ρ, sum scaled by ρ          gather/micro_warp.clh: sample_weights()
-//   section 2.4, bilateral upsampling        pixels/micro_pixels.cl: mr_upsample()
+//   section 2.4, bilateral upsampling        pixels/upsample_gathers.cl: mr_upsample()
 //   section 3.1, node of 128 bits            shared/micro_types.h; tree/micro_node.clh: pack_node()
 //   section 3.2, one thread per gather       gather/micro_gather.cl: mr_gather()
-//   section 3.2, 3D Morton order             pixels/micro_pixels.cl: mr_list_keys(), morton_of()
-//   section 4, one bounce                    light/light_points.cl: light_point(); light/micro_light.cl: mr_pull()
-//   section 4, instant radiosity             light_paths/virtual_light.clh: virtual_light_at()
-//   section 4, radiosity, Jacobi, push-pull  light/micro_nodes.cl: mr_cut_gathers(), mr_push()
+//   section 3.2, 3D Morton order             pixels/list_gathers.cl: mr_list_keys(); pixels/gather_keys.clh:
+//   morton_of() section 4, one bounce                    light/light_points.cl: light_point(); light/pull_radiance.cl:
+//   mr_pull() section 4, instant radiosity             light_paths/virtual_light.clh: virtual_light_at() section 4,
+//   radiosity, Jacobi, push-pull  light/list_node_gathers.cl: mr_cut_gathers();
+//                                            light/push_irradiance.cl: mr_push()
 //   section 4, photon mapping                light_at_points/photon_density.clh: photon_density_at_points()
 //
 // Not in the paper: the conservative cut (gather/micro_solid_angle.clh), splats tested at samples and hole filling
 // (gather/micro_splat.clh, gather/micro_gather.clh: is_hole()), discs bounded by their triangles' edges
 // (gather/micro_splat.clh: clip_disc()), hidden points (points/point_exposure.h), sheets (tree/tree_order.cpp:
 // find_sheet()), the error-driven cut (gather/micro_gather.clh: tolerate_error()), analytic GGX maps
-// (gather/micro_warp.clh: lanes_ggx_from_disk()) and rough transmission (pixels/micro_pixels.cl: transmitted_light()).
+// (gather/micro_warp.clh: lanes_ggx_from_disk()) and rough transmission (pixels/add_indirect_light.cl:
+// transmitted_light()).
 
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/eye_light/eye_light.h"

@@ -37,17 +37,17 @@ std::map<std::string, std::string> definitions(const MicroParameters& p, int edg
 
 }  // namespace
 
-GatherResults::GatherResults(Device& device, const std::string& owner, const std::string& what, size_t slots,
+GatherResults::GatherResults(Device& device, const std::string& owner, const std::string& what, size_t count,
                              bool specular_too, bool sky_too)
-    : irradiance(device, owner, what + " irradiance", slots, kRemedy),
-      specular(device, owner, what + " specular", specular_too ? 2 * slots : 2, kRemedy),
-      statistics(device, owner, what + " statistics", slots, kRemedy),
+    : irradiance(device, owner, what + " irradiance", count, kRemedy),
+      specular(device, owner, what + " specular", specular_too ? 2 * count : 2, kRemedy),
+      statistics(device, owner, what + " statistics", count, kRemedy),
       micro_buffer(device, owner, what + " micro-buffer", kLargestBuffer * kLargestBuffer) {
-  if (sky_too) sky = TypedBuffer<float4>(device, owner, what + " environment", 3 * slots, kRemedy);
+  if (sky_too) sky = TypedBuffer<float4>(device, owner, what + " environment", 3 * count, kRemedy);
 }
 
-size_t GatherResults::estimate_bytes(size_t slots, bool specular_too, bool sky_too) {
-  return slots * ((1 + (specular_too ? 2 : 0) + (sky_too ? 3 : 0)) * sizeof(float4) + sizeof(MicroStatistics)) +
+size_t GatherResults::estimate_bytes(size_t count, bool specular_too, bool sky_too) {
+  return count * ((1 + (specular_too ? 2 : 0) + (sky_too ? 3 : 0)) * sizeof(float4) + sizeof(MicroStatistics)) +
          kLargestBuffer * kLargestBuffer * sizeof(float4);
 }
 
@@ -81,7 +81,7 @@ MicroSettings GatherPass::settings(const MicroParameters& parameters, uint32_t s
 
 void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene,
                         const PointForest& forest, const BufferRef& gathers, const BufferRef& gather_count,
-                        uint32_t most, const Variable<MicroSettings>& settings, const GatherResults& results,
+                        uint32_t max_count, const Variable<MicroSettings>& settings, const GatherResults& results,
                         const DynamicShading& shading) const {
   PassBuilder pass = recorder.pass(name, program_, "mr_gather");
   if (sky_) {
@@ -91,8 +91,8 @@ void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, con
   if (levels_) pass.arg("levels", results.levels);
   if (dynamic_)
     pass.arg("choices", shading.choices).arg("leaf_lights", shading.leaf_lights).arg("leaf_lobes", shading.leaf_lobes);
-  if (most > 0)
-    pass.global(most);
+  if (max_count > 0)
+    pass.global(max_count);
   else
     pass.global_by(gather_count);
   pass.local(1)

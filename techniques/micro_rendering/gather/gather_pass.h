@@ -9,19 +9,19 @@
 
 namespace lucarium::micro {
 
-/// Where a gather pass puts its results, by slot.
+/// Where a gather pass puts its results, by their index (MicroGather).
 struct GatherResults {
-  TypedBuffer<float4> irradiance;           ///< 1 per slot
-  TypedBuffer<float4> specular;             ///< 2 per slot; 2 elements suffice for diffuse gathers alone
-  TypedBuffer<MicroStatistics> statistics;  ///< 1 per slot
-  TypedBuffer<float4> micro_buffer;         ///< of the inspected slot, row by row: 64 · 64
-  TypedBuffer<float4> levels;               ///< 1 per slot, at pixels with cut_error
-  TypedBuffer<float4> sky;                  ///< 3 per slot where gathers see the environment, else none
+  TypedBuffer<float4> irradiance;           ///< 1 per result
+  TypedBuffer<float4> specular;             ///< 2 per result; 2 elements suffice for diffuse gathers alone
+  TypedBuffer<MicroStatistics> statistics;  ///< 1 per result
+  TypedBuffer<float4> micro_buffer;         ///< of the inspected result, row by row: 64 · 64
+  TypedBuffer<float4> levels;               ///< 1 per result, at pixels with cut_error
+  TypedBuffer<float4> sky;                  ///< 3 per result where gathers see the environment, else none
 
   GatherResults() = default;
-  GatherResults(Device& device, const std::string& owner, const std::string& what, size_t slots, bool specular_too,
+  GatherResults(Device& device, const std::string& owner, const std::string& what, size_t count, bool specular_too,
                 bool sky_too = false);
-  static size_t estimate_bytes(size_t slots, bool specular_too, bool sky_too = false);
+  static size_t estimate_bytes(size_t count, bool specular_too, bool sky_too = false);
 };
 
 /// What nodes need beside their stored radiance for node_shading=dynamic; empty without it.
@@ -49,10 +49,10 @@ class GatherPass {
   static MicroSettings settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect = LUCARIUM_NONE,
                                 uint32_t inspect_too = LUCARIUM_NONE);
 
-  /// Records a pass over gathers [settings.first, gather_count[0]), at most `most` of them; 0: from settings.first = 0
-  /// on, all. `shading` is used at pixels alone.
+  /// Records a pass over gathers [settings.first, gather_count[0]), at most `max_count` of them; 0: from settings.first
+  /// = 0 on, all. `shading` is used at pixels alone.
   void record(ScheduleRecorder& recorder, const std::string& name, const SceneBuffers& scene, const PointForest& forest,
-              const BufferRef& gathers, const BufferRef& gather_count, uint32_t most,
+              const BufferRef& gathers, const BufferRef& gather_count, uint32_t max_count,
               const Variable<MicroSettings>& settings, const GatherResults& results,
               const DynamicShading& shading) const;
 

@@ -12,7 +12,7 @@
 #include "micro_rendering/gather/micro_sky.clh"
 #endif
 
-// The micro-buffer of the inspected slot: radiance and distance [m]; -1: empty.
+// The micro-buffer of the inspected result: radiance and distance [m]; -1: empty.
 void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const MicroBuffer* buffer,
                        const MicroNodeLight* light, float unit, __global float4* micro_buffer) {
   for (uint y = 0; y < warp->edge; ++y) {
@@ -30,8 +30,8 @@ void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const Mic
 }
 
 // The micro-rendering of Ritschel et al. 2009, section 3.2: one work-item builds the warp, cuts the hierarchy, casts
-// the post-traversal list and sums up, for one gather. Results at the gathers' slots, see MicroStatistics
-// (micro_types.h); every gather overwrites those of its lobes. micro_buffer: of the slot settings.inspect, rows of
+// the post-traversal list and sums up, for one gather. Results at the indices of the gathers, see MicroStatistics
+// (micro_types.h); every gather overwrites those of its lobes. micro_buffer: of the result settings.inspect, rows of
 // MICRO_SIZE pixels; of the larger lobe.
 __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tree_count,
                         __global const uint4* restrict nodes, __global const half* restrict radiance,
@@ -82,7 +82,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
       counts.uneven = 0u;
   // Loosen the cut where that of the frame before had nothing to resolve.
 #if MICRO_LEVELS
-  const float4 level = levels[point.slot];
+  const float4 level = levels[point.result];
 #else
   const float4 level = (float4)(0.0f);
 #endif
@@ -94,7 +94,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
     if (edges[lobe] == 0u) {
 #if MICRO_LEVELS
       if (lobe == MICRO_LOBE_SPECULAR)
-        specular[2u * point.slot] = (float4)(0.0f);  // of a frame that saw another surface
+        specular[2u * point.result] = (float4)(0.0f);  // of a frame that saw another surface
 #endif
       continue;
     }
@@ -110,23 +110,23 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
     // Store without the factors that vary from pixel to pixel: irradiance without the albedo, and the specular lobe in
     // the two parts that f0 and f90 weight.
     if (lobe == MICRO_LOBE_DIFFUSE) {
-      irradiance[point.slot] = (float4)(M_PI_F * unit * light.xyz, light.w);
+      irradiance[point.result] = (float4)(M_PI_F * unit * light.xyz, light.w);
     } else {
-      specular[2u * point.slot] = (float4)(unit * light.xyz, 0.0f);
-      specular[2u * point.slot + 1u] = (float4)(unit * grazing, 0.0f);
+      specular[2u * point.result] = (float4)(unit * light.xyz, 0.0f);
+      specular[2u * point.result + 1u] = (float4)(unit * grazing, 0.0f);
     }
 #if MICRO_GATHER_ENV
     float3 grazing_sky;
     const float3 plain_sky = micro_sky(&scene, &warp, &point, &buffer, &grazing_sky);
     if (lobe == MICRO_LOBE_DIFFUSE) {
-      sky[3u * point.slot] = (float4)(M_PI_F * plain_sky, 0.0f);
+      sky[3u * point.result] = (float4)(M_PI_F * plain_sky, 0.0f);
     } else {
-      sky[3u * point.slot + 1u] = (float4)(plain_sky, 0.0f);
-      sky[3u * point.slot + 2u] = (float4)(grazing_sky, 0.0f);
+      sky[3u * point.result + 1u] = (float4)(plain_sky, 0.0f);
+      sky[3u * point.result + 2u] = (float4)(grazing_sky, 0.0f);
     }
 #endif
-    if ((point.slot == settings.inspect || point.slot == settings.inspect_too) && edges[lobe] >= edges[1u - lobe])
+    if ((point.result == settings.inspect || point.result == settings.inspect_too) && edges[lobe] >= edges[1u - lobe])
       keep_micro_buffer(&warp, &point, &buffer, &node_light, unit, micro_buffer);
   }
-  statistics[point.slot] = counts;
+  statistics[point.result] = counts;
 }

@@ -5,7 +5,7 @@
 
 #include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/seed.h"
-#include "lucarium/compute/program/source_library.h"
+#include "lucarium/compute/program/program.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 
@@ -18,12 +18,9 @@ const char* const kRemedy = "lower points_log2";
 constexpr uint32_t kNodeSeed = 0x6a61636fu;
 
 Program light_program(Device& device, const MicroParameters& parameters) {
-  SourceLibrary library;
-  library.add(micro_rendering_kernels());
-  const bool dynamic = parameters.node_shading == NodeShading::dynamic;
-  return Program(
-      device, library,
-      {"micro_rendering/light", {"micro_rendering/light/micro_light.cl"}, {{"MICRO_DYNAMIC", dynamic ? "1" : "0"}}});
+  std::vector<std::string> files = {"micro_rendering/light/pull_radiance"};
+  if (parameters.node_shading == NodeShading::dynamic) files.emplace_back("micro_rendering/light/choose_leaves");
+  return make_program(device, micro_rendering_kernels(), std::move(files));
 }
 
 }  // namespace

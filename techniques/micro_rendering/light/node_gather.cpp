@@ -4,21 +4,20 @@
 #include <algorithm>
 
 #include "lucarium/base/files/embedded_files.h"
-#include "lucarium/compute/program/source_library.h"
+#include "lucarium/compute/program/program.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 
 namespace lucarium::micro {
 namespace {
 
-constexpr uint32_t kFewestLevels = 6;  // of a small tree's level that gathers
-constexpr uint32_t kMost = 2;          // times as many nodes as the level alone has
+constexpr uint32_t kMinLevels = 6;   // of a small tree's level that gathers
+constexpr uint32_t kMaxOfLevel = 2;  // times as many nodes as the level alone has
 const char* const kRemedy = "lower jacobi_level";
 
 Program nodes_program(Device& device) {
-  SourceLibrary library;
-  library.add(micro_rendering_kernels());
-  return Program(device, library, {"micro_rendering/nodes", {"micro_rendering/light/micro_nodes.cl"}, {}});
+  return make_program(device, micro_rendering_kernels(),
+                      {"micro_rendering/light/list_node_gathers", "micro_rendering/light/push_irradiance"});
 }
 
 }  // namespace
@@ -39,13 +38,13 @@ NodeGather::NodeGather(Device& device, KernelScheduler& scheduler, const SceneBu
     first_root_.push_back(roots_);
     roots_ += 1u << level_of(tree);
   }
-  const size_t most = size_t{kMost} * roots_;
+  const size_t max_nodes = size_t{kMaxOfLevel} * roots_;
   totals_ = TypedBuffer<uint32_t>(device, owner, "sizes of cuts", MICRO_CUT_LEVELS + 1);
-  slots_ = TypedBuffer<uint32_t>(device, owner, "slots of cuts", roots_, kRemedy);
-  leaf_slots_ = TypedBuffer<uint32_t>(device, owner, "slots of leaves", forest.leaf_count(), kRemedy);
+  cut_results_ = TypedBuffer<uint32_t>(device, owner, "first results of cuts", roots_, kRemedy);
+  leaf_results_ = TypedBuffer<uint32_t>(device, owner, "results of leaves", forest.leaf_count(), kRemedy);
   node_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers at nodes", 1);
-  gathers_ = TypedBuffer<MicroGather>(device, owner, "gathers at nodes", most, kRemedy);
-  results_ = GatherResults(device, owner, "nodes'", most, false);
+  gathers_ = TypedBuffer<MicroGather>(device, owner, "gathers at nodes", max_nodes, kRemedy);
+  results_ = GatherResults(device, owner, "nodes'", max_nodes, false);
   record_list();
   record_gather();
 }
@@ -54,13 +53,13 @@ NodeGather::NodeGather(Device& device, KernelScheduler& scheduler, const SceneBu
 uint32_t NodeGather::level_of(const ForestTree& tree) const {
   const int depth = static_cast<int>(tree.record.depth);
   const int level = parameters_.jacobi_level - (parameters_.points_log2 - depth);
-  return static_cast<uint32_t>(std::clamp(level, std::min(depth, static_cast<int>(kFewestLevels)), depth));
+  return static_cast<uint32_t>(std::clamp(level, std::min(depth, static_cast<int>(kMinLevels)), depth));
 }
 
 void NodeGather::record_list() {
   ScheduleRecorder recorder = scheduler_.record("cut of gathering nodes", owner_);
   const float cone = parameters_.jacobi_cone * (3.14159265f / 180);
-  const uint32_t most = kMost * roots_;
+  const uint32_t max_nodes = kMaxOfLevel * roots_;
   const auto pass_of = [&](const char* name, const char* kernel, uint32_t t) {
     const uint32_t level = level_of(forest_.trees()[t]);
     PassBuilder pass = recorder.pass(name, program_, kernel);
@@ -79,21 +78,21 @@ void NodeGather::record_list() {
   for (uint32_t t = 0; t < trees; ++t) pass_of("sizes of cuts", "mr_cut_totals", t);
   for (uint32_t t = 0; t < trees; ++t)
     pass_of("nodes of the cut", "mr_cut_counts", t)
-        .arg("first_slot", first_root_[t])
-        .arg("most", most)
-        .arg("slots", slots_);
-  primitives_.record_exclusive_scan(recorder, "slots of cuts", slots_, slots_, node_count_, roots_);
+        .arg("first_root", first_root_[t])
+        .arg("max_nodes", max_nodes)
+        .arg("cut_results", cut_results_);
+  primitives_.record_exclusive_scan(recorder, "first results of cuts", cut_results_, cut_results_, node_count_, roots_);
   for (uint32_t t = 0; t < trees; ++t) {
     PassBuilder pass = pass_of("gathers at nodes", "mr_cut_gathers", t);
     scene_.bind(pass);
     pass.arg("leaves", forest_.leaves)
-        .arg("first_slot", first_root_[t])
-        .arg("most", most)
-        .arg("slots", slots_)
+        .arg("first_root", first_root_[t])
+        .arg("max_nodes", max_nodes)
+        .arg("cut_results", cut_results_)
         .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size))
-        .arg("patches", forest_.patches)
+        .arg("triangle_edges", forest_.triangle_edges)
         .arg("gathers", gathers_)
-        .arg("leaf_slots", leaf_slots_);
+        .arg("leaf_results", leaf_results_);
   }
   list_schedule_ = recorder.compile();
 }
@@ -126,7 +125,7 @@ void NodeGather::add_push(ScheduleRecorder& recorder, const BufferRef& direct, c
   recorder.pass("push", program_, "mr_push")
       .global(leaves)
       .arg("count", leaves)
-      .arg("leaf_slots", leaf_slots_)
+      .arg("leaf_results", leaf_results_)
       .arg("direct", direct)
       .arg("gathered", results_.irradiance)
       .arg("irradiance", irradiance);
@@ -140,8 +139,8 @@ void NodeGather::warm_up() {
 size_t NodeGather::estimate_bytes(const MicroParameters& parameters, size_t leaves) {
   const size_t roots =
       size_t{2} << std::min(parameters.jacobi_level, parameters.points_log2);  // a level is clamped to its tree
-  return roots * (sizeof(uint32_t) + kMost * sizeof(MicroGather)) + leaves * sizeof(uint32_t) +
-         GatherResults::estimate_bytes(kMost * roots, false) + (size_t{1} << 16);
+  return roots * (sizeof(uint32_t) + kMaxOfLevel * sizeof(MicroGather)) + leaves * sizeof(uint32_t) +
+         GatherResults::estimate_bytes(kMaxOfLevel * roots, false) + (size_t{1} << 16);
 }
 
 }  // namespace lucarium::micro

@@ -25,7 +25,7 @@ class NodeGather {
   void add_push(ScheduleRecorder& recorder, const BufferRef& direct, const BufferRef& irradiance) const;
   const TypedBuffer<float4>& gathered() const {
     return results_.irradiance;
-  }  ///< by slot [lx]; the first count() count
+  }  ///< by result index [lx]; the first count() count
   void warm_up();
   static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves);
 
@@ -47,7 +47,7 @@ class NodeGather {
   Primitives primitives_;
   std::vector<uint32_t> first_root_;  ///< by tree, among the nodes from which the cuts start
   uint32_t roots_ = 0, count_ = 0;
-  TypedBuffer<uint32_t> totals_, slots_, leaf_slots_, node_count_;
+  TypedBuffer<uint32_t> totals_, cut_results_, leaf_results_, node_count_;
   TypedBuffer<MicroGather> gathers_;
   GatherResults results_;
   Schedule list_schedule_, gather_schedule_;

@@ -18,7 +18,10 @@ constexpr size_t kMicroPixels = 64 * 64;
 const char* const kRemedy = "lower --size";
 
 Program pixel_program(Device& device, const MicroParameters& parameters) {
-  return make_program(device, micro_rendering_kernels(), {"micro_rendering/pixels/micro_pixels"},
+  return make_program(device, micro_rendering_kernels(),
+                      {"micro_rendering/pixels/list_gathers", "micro_rendering/pixels/upsample_gathers",
+                       "micro_rendering/pixels/add_indirect_light", "micro_rendering/pixels/sum_statistics",
+                       "micro_rendering/pixels/keep_micro_buffer"},
                       {{"MICRO_GATHER_ENV", parameters.gather_env ? "1" : "0"},
                        {"MICRO_LEVELS", parameters.keeps_levels() ? "1" : "0"}});
 }
@@ -60,7 +63,7 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
   failed_count_ = TypedBuffer<uint32_t>(device, owner, "number of failed interpolations", 1);
   gather_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers", 1);
   indirect_ = TypedBuffer<float4>(device, owner, "indirect light", pixels, kRemedy);
-  looks_ = TypedBuffer<float4>(device, owner, "inspected sums", pixels, kRemedy);
+  inspected_ = TypedBuffer<float4>(device, owner, "inspected sums", pixels, kRemedy);
   if (parameters.gather_env) sky_ = TypedBuffer<float4>(device, owner, "light of the environment", pixels, kRemedy);
   kept_micro_buffer_ = TypedBuffer<float4>(device, owner, "kept micro-buffer", kMicroPixels);
   record_gather();
@@ -122,7 +125,7 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
       .arg("count", capacity)
       .arg("pixels", width_ * height_)
       .arg("micro_size", static_cast<uint32_t>(parameters_.micro_size))
-      .arg("patches", forest_.patches)
+      .arg("triangle_edges", forest_.triangle_edges)
       .arg("gathers", gathers)
       .arg("gather_count", count);
   if (parameters_.keeps_levels())
@@ -144,7 +147,7 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
       .arg("points", points_)
       .arg("height", height_)
       .arg("sub", gather_sub_)
-      .arg("least", parameters_.upsample_fail)
+      .arg("min_weight", parameters_.upsample_fail)
       .arg("footprint", footprint_)
       .arg("morton", parameters_.morton ? 1u : 0u)
       .arg("irradiance", results_.irradiance)
@@ -175,7 +178,7 @@ void PixelGather::record_add() {
       .arg("pixels", width_ * height_)
       .arg("sides", sides_)
       .arg("indirect", indirect_)
-      .arg("looks", looks_);
+      .arg("inspected", inspected_);
   if (parameters_.gather_env) pass.arg("sky", results_.sky).arg("sky_light", sky_);
   if (parameters_.keeps_levels()) pass.arg("levels", results_.levels);
   const uint32_t runs = (added_ + kRun - 1) / kRun;
@@ -234,7 +237,7 @@ void PixelGather::add(uint32_t batch, uint32_t frame) {
 void PixelGather::restart() {
   scheduler_.finish();
   indirect_.fill_zero();
-  looks_.fill_zero();
+  inspected_.fill_zero();
   if (parameters_.gather_env) sky_.fill_zero();
   if (parameters_.keeps_levels()) results_.levels.fill_zero();
   for (TypedBuffer<float4>* buffer : {&results_.micro_buffer, &kept_micro_buffer_}) buffer->fill_zero();
@@ -246,7 +249,7 @@ void PixelGather::warm_up() {
 
 void PixelGather::resolve(Film& film) const {
   scheduler_.finish();
-  const std::vector<float4> indirect = indirect_.download(), looks = looks_.download();
+  const std::vector<float4> indirect = indirect_.download(), inspected = inspected_.download();
   const std::vector<float4> sky = parameters_.gather_env ? sky_.download() : std::vector<float4>();
   FilmLayer* const direct = sky.empty() ? nullptr : &film.layer("direct", {"R", "G", "B"}, true);
   FilmLayer& light = film.layer("indirect", {"R", "G", "B"}, true);
@@ -262,11 +265,11 @@ void PixelGather::resolve(Film& film) const {
       for (size_t c = 0; c < 3; ++c) light.pixels[3 * pixel + c] = scale * (&indirect[source].x)[c];
       if (direct)
         for (size_t c = 0; c < 3; ++c) direct->pixels[3 * pixel + c] += scale * (&sky[source].x)[c];
-      const float4& look = looks[source];
-      level.pixels[pixel] = scale * look.x;
-      listed.pixels[pixel] = scale * look.y;
-      visits.pixels[pixel] = scale * look.z;
-      if (failures) failures->pixels[pixel] = scale * look.w;
+      const float4& sums = inspected[source];
+      level.pixels[pixel] = scale * sums.x;
+      listed.pixels[pixel] = scale * sums.y;
+      visits.pixels[pixel] = scale * sums.z;
+      if (failures) failures->pixels[pixel] = scale * sums.w;
     }
   }
   if (inspect_ != LUCARIUM_NONE) resolve_micro_buffer(film);

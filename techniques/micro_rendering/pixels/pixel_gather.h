@@ -75,7 +75,7 @@ class PixelGather {
   Primitives primitives_;
   GatherResults results_;
   TypedBuffer<uint32_t> gather_count_, failed_count_, failed_;
-  TypedBuffer<float4> indirect_, looks_, kept_micro_buffer_;
+  TypedBuffer<float4> indirect_, inspected_, kept_micro_buffer_;
   TypedBuffer<float4> sky_;  ///< as indirect_, of the environment; with gather_env
   Schedule gather_schedule_, add_schedule_, keep_schedule_;
   Variable<SubImage> gather_sub_, add_sub_, lattice_;

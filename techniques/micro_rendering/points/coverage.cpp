@@ -11,10 +11,10 @@
 namespace lucarium::micro {
 namespace {
 
-constexpr int64_t kMostCells = 1 << 22;           // up to which an image has as many as 4 × 4 per texel
-constexpr int kFewestRows = 8, kMostRows = 4096;  // along which a triangle is summed
+constexpr int64_t kMaxCells = 1 << 22;        // up to which an image has as many as 4 × 4 per texel
+constexpr int kMinRows = 8, kMaxRows = 4096;  // along which a triangle is summed
 // Points per edge of a triangle at which coverage is looked up where no map holds it: two per texel, within these.
-constexpr int kLeastGrid = 4, kMostGrid = 128;
+constexpr int kMinGrid = 4, kMaxGrid = 128;
 
 float covered(const SceneMaterial& material, float alpha) {
   if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff ? 1.f : 0.f;
@@ -34,7 +34,7 @@ CoverageMap::CoverageMap(const Scene& scene, const SceneMaterial& material, floa
   const SceneTexture& texture = scene.textures[static_cast<size_t>(material.base_color_texture.texture)];
   const Image& image = scene.images[static_cast<size_t>(texture.image)];
   int64_t cells = 4;  // per texel's edge
-  while (cells > 1 && cells * cells * image.width * image.height > kMostCells) cells /= 2;
+  while (cells > 1 && cells * cells * image.width * image.height > kMaxCells) cells /= 2;
   wrap_u_ = texture.wrap_u, wrap_v_ = texture.wrap_v;
   width_ = cells * image.width, height_ = cells * image.height;
   sums_.resize(static_cast<size_t>((width_ + 1) * height_));
@@ -70,7 +70,7 @@ float CoverageMap::mean(const std::array<glm::vec2, 3>& at) const {
   std::sort(p.begin(), p.end(), [](const glm::dvec2& a, const glm::dvec2& b) { return a.y < b.y; });
   const double height = p[2].y - p[0].y;
   if (!(height > 1e-9) || !(height < 1e9)) return -1;
-  const int rows = std::clamp(static_cast<int>(std::ceil(height)), kFewestRows, kMostRows);
+  const int rows = std::clamp(static_cast<int>(std::ceil(height)), kMinRows, kMaxRows);
   double sum = 0, length = 0;
   for (int k = 0; k < rows; ++k) {
     const double y = p[0].y + height * (k + 0.5) / rows;
@@ -113,7 +113,7 @@ float TriangleCoverage::mean_of_points(uint32_t triangle) const {
   const SceneMaterial& material = points_.material(triangle);
   float sum = 0;
   int count = 0;
-  const int grid = std::clamp(static_cast<int>(std::ceil(2 * points_.texels(triangle))), kLeastGrid, kMostGrid);
+  const int grid = std::clamp(static_cast<int>(std::ceil(2 * points_.texels(triangle))), kMinGrid, kMaxGrid);
   const float step = 1 / static_cast<float>(grid);
   for (int i = 0; i < grid; ++i) {
     for (int j = 0; i + j < grid; ++j, ++count) {

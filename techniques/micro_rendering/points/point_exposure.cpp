@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t kFrontWalks = 8, kBackWalks = 4;
 constexpr uint32_t kSteps =
     6;  // that bring a walk away: in the gap between two solids many steps end at fronts, few of them all along
-constexpr double kLeastShare = 1.0 / 8;  // of points that are worth looking for
+constexpr double kMinShare = 1.0 / 8;  // of points that are worth looking for
 const char* const kRemedy = "lower points_log2";
 
 uint32_t quantize_weight(float w) { return static_cast<uint32_t>(std::clamp(w * 65535.f, 0.f, 65535.f)); }
@@ -90,7 +90,7 @@ std::vector<bool> PointExposure::backs(const std::vector<SampledPoint>& points, 
 }
 
 size_t PointExposure::estimate_bytes(const Scene& scene, size_t points) {
-  const auto most = static_cast<size_t>(static_cast<double>(points) / kLeastShare);
+  const auto most = static_cast<size_t>(static_cast<double>(points) / kMinShare);
   return PointInterior::estimate_bytes(most) + (scene.animations.empty() ? 0 : Bvh::estimate_bytes(scene));
 }
 
@@ -98,7 +98,7 @@ double ExposedSampler::exposed_share(const TreeSource& source, uint32_t points) 
   if (!measures(source)) return 1;
   const std::vector<bool> seen = exposure_->fronts(
       sample_surface(source.sides, points, seed_, threads_, point_is_there, &scene_points_).points, {});
-  return std::max(share_of(seen), kLeastShare);
+  return std::max(share_of(seen), kMinShare);
 }
 
 SampledSurface ExposedSampler::sample(const TreeSource& source, double share, uint32_t count,

@@ -86,7 +86,7 @@ class PointGrid {
     for (uint32_t i = 0; i < count; ++i) insert(points, i);
   }
   void insert(const std::vector<SampledPoint>& points, uint32_t i) {
-    uint32_t& head = head_[slot(glm::ivec3(glm::floor(points[i].position * inverse_)))];
+    uint32_t& head = head_[bucket(glm::ivec3(glm::floor(points[i].position * inverse_)))];
     next_[i] = head;
     head = i;
   }
@@ -102,7 +102,7 @@ class PointGrid {
       // What lies in a neighbouring cell is at least as far as the cell.
       const glm::vec3 low = glm::vec3(c + o) * cell_, gap = glm::max(glm::max(low - p, p - (low + cell_)), 0.f);
       if (glm::dot(gap, gap) >= nearest2) continue;
-      for (uint32_t i = head_[slot(c + o)]; i != kNone; i = next_[i]) {
+      for (uint32_t i = head_[bucket(c + o)]; i != kNone; i = next_[i]) {
         const glm::vec3 d = points[i].position - p;
         const float d2 = glm::dot(d, d);
         if (d2 >= nearest2) continue;
@@ -131,7 +131,7 @@ class PointGrid {
     }();
     return all;
   }
-  size_t slot(const glm::ivec3& c) const {
+  size_t bucket(const glm::ivec3& c) const {
     uint32_t h = static_cast<uint32_t>(c.x) * 73856093u ^ static_cast<uint32_t>(c.y) * 19349663u ^
                  static_cast<uint32_t>(c.z) * 83492791u;
     h ^= h >> 15;

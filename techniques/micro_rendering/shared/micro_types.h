@@ -80,12 +80,12 @@ LUCARIUM_STRUCT_END(MicroNodeChoice, 8)
 #define MICRO_CLIPS 4  // lines that bound the disc of a leaf
 
 // A triangle and its neighbours, by world triangle.
-LUCARIUM_STRUCT_BEGIN(MicroPatch)
+LUCARIUM_STRUCT_BEGIN(TriangleEdges)
 uint ends[8];  // MICRO_CLIPS pairs of vertices, as the triangle they are of is wound: edges where the surface ends or
                // bends away; LUCARIUM_NONE: no more
 uint own;      // so many of them are edges of the triangle itself
 uint sheet;    // of a two-sided triangle: 1 ... 127, the same for all that are joined to it and wound alike; else 0
-LUCARIUM_STRUCT_END(MicroPatch, 40)
+LUCARIUM_STRUCT_END(TriangleEdges, 40)
 
 // Side of a sheet: 0 where sheet is.
 #define MICRO_SIDE(sheet, back) ((sheet) ? ((sheet) << 1) | ((back) ? 1u : 0u) : 0u)
@@ -100,12 +100,12 @@ uint tree;          // number of the tree
 uint object_space;  // 1: tree space is the object space of the instance, 0: the world
 float disc_radius;  // of a leaf on a triangle whose area has not changed [tree space]
 uint all_cullable;  // 1: nothing is black from behind
-float least_area;   // share of a disc that lines leave of it at least: the area that the leaf stands for
+float min_area;     // share of a disc that lines leave of it at least: the area that the leaf stands for
 LUCARIUM_STRUCT_END(MicroLeafRules, 20)
 
 // A point at which light is gathered. Directions are octahedral, 2 x 16 bits (micro_node.clh).
 LUCARIUM_STRUCT_BEGIN(MicroGather)
-float4 position;  // xyz [m], world space; w: bits of its slot in the results (pixel; node of a level)
+float4 position;  // xyz [m], world space; w: bits of the index of its result (pixel; node of a cut)
 uint normal;      // shading normal: axis of the frame
 uint geometric;   // geometric normal on the same side; nothing arrives from below it
 uint view;    // unit, towards the viewer (specular lobe only); through a surface: mirrored at it to the normal's side
@@ -117,11 +117,11 @@ uint hidden;  // MICRO_SIDE of the other side of the surface, which is not seen 
 uint pad0, pad1;
 LUCARIUM_STRUCT_END(MicroGather, 48)
 
-// Results of a gather, at its slot:
+// Results of a gather, at its index:
 //   irradiance  float4: xyz E, light arriving times cosine [lx]; w: share of the hemisphere (by mass) that stayed empty
 //   specular    2 float4: xyz of S and S_w [cd/m²]; w: 0. What leaves by the specular lobe is F0 (S - S_w) + F90 S_w,
 //               since Schlick's F = F0 + (F90 - F0) w: S sums L G2 / G1 over the lobe's micro-buffer, S_w that times w.
-//               Through a rough surface (another slot): (1 - F0) S - (F90 - F0) S_w, of the dielectric.
+//               Through a rough surface (another index): (1 - F0) S - (F90 - F0) S_w, of the dielectric.
 //   sky         (MICRO_GATHER_ENV) 3 float4: the same three of the environment seen through empty micro-pixels
 //   levels      (MICRO_LEVELS, read) float4: x y running means of the diffuse and the specular micro-buffer, brightest
 //               channel [cd/m²], 0: none yet; z: sum of their sum's squared deviations from its mean; w: of how many
@@ -150,18 +150,18 @@ LUCARIUM_STRUCT_END(MicroStatistics, 32)
 //                           [MICRO_DYNAMIC: __global const MicroNodeChoice* choices,
 //                           __global const MicroLeafLight* leaf_lights, __global const MicroLeafLobe* leaf_lobes,]
 //                           uint slice_base)
-// Work-item i is gather settings.first + i; it returns when i >= gather_count[0]. What slots hold that no gather has
-// stays as it was. Rules that a program fixes come as definitions (gather_pass.cpp).
+// Work-item i is gather settings.first + i; it returns when i >= gather_count[0]. Results that no gather
+// has stay as they were. Rules that a program fixes come as definitions (gather_pass.cpp).
 
 // What changes from one gather pass to the next, or needs no program of its own.
 LUCARIUM_STRUCT_BEGIN(MicroSettings)
 float kappa;         // threshold on a node's solid angle, in micro-pixels
 float splat_radius;  // c_s: radius of a splat in those of the disc of the node's area
 uint seed;           // of the jitter and of the frames; another one for every iteration
-uint inspect;        // slot whose micro-buffer is wanted, LUCARIUM_NONE: none
+uint inspect;        // result whose micro-buffer is wanted, LUCARIUM_NONE: none
 float cut_error;     // share of a micro-buffer's mean that a node may err by (MICRO_ERROR_CUT)
 uint first;          // gather of the first work-item
-uint inspect_too;    // another such slot
+uint inspect_too;    // another such result
 float pad0;
 LUCARIUM_STRUCT_END(MicroSettings, 32)
 

@@ -10,10 +10,10 @@
 #include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/stopwatch.h"
-#include "lucarium/compute/program/source_library.h"
+#include "lucarium/compute/program/program.h"
 #include "micro_rendering/points/point_exposure.h"
 #include "micro_rendering/points/point_sampling.h"
-#include "micro_rendering/points/surface_patches.h"
+#include "micro_rendering/points/triangle_edges.h"
 #include "micro_rendering/tree/tree_order.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
@@ -21,21 +21,21 @@ const lucarium::EmbeddedSources& micro_rendering_kernels();
 namespace lucarium::micro {
 namespace {
 
-constexpr int kLeastDepth = 4;           // of a tree
-constexpr uint32_t kQualityLevel = 8;    // whose radii decide when a refitted tree is too loose
-constexpr double kLoosest = 1.5;         // times the sum when built
-constexpr double kMostGrowth = 4;        // of a tree's area, beyond which it gets new points
-constexpr double kContact = 0.01;        // of a disc's radius: fronts that are nearer to each other touch
-constexpr double kMostPilots = 1 << 14;  // points that estimate how much of a tree is exposed
+constexpr int kMinDepth = 4;            // of a tree
+constexpr uint32_t kQualityLevel = 8;   // whose radii decide when a refitted tree is too loose
+constexpr double kLoosest = 1.5;        // times the sum when built
+constexpr double kMaxGrowth = 4;        // of a tree's area, beyond which it gets new points
+constexpr double kContact = 0.01;       // of a disc's radius: fronts that are nearer to each other touch
+constexpr double kMaxPilots = 1 << 14;  // points that estimate how much of a tree is exposed
 constexpr double kBent = 30;  // degrees that the normals of a pair of leaves are off their mean, for fine details
 constexpr uint32_t kPlacingSeed = 1;  // every run of a scene has the same points
 const char* const kRemedy = "lower points_log2";
 const char* const kDerivation = "points and hierarchy";
 
 Program forest_program(Device& device) {
-  SourceLibrary library;
-  library.add(micro_rendering_kernels());
-  return Program(device, library, {"micro_rendering/tree", {"micro_rendering/tree/micro_tree.cl"}, {}});
+  return make_program(
+      device, micro_rendering_kernels(),
+      {"micro_rendering/tree/leaf_albedo", "micro_rendering/tree/update_leaves", "micro_rendering/tree/refit_nodes"});
 }
 
 float half_to_float(uint32_t bits) {
@@ -139,9 +139,9 @@ void PointForest::place(std::vector<TreeSource> sources) {
     if (s.kind != TreeKind::resting && s.plain_area > 0) area *= instance_area(scene_, s.instance) / s.plain_area;
     areas.push_back(area);
   }
-  patches = TypedBuffer<MicroPatch>(
+  triangle_edges = TypedBuffer<TriangleEdges>(
       device_, owner_, "edges of triangles",
-      find_patches(sources, buffers_.scene_triangles.download(0, buffers_.info().triangle_count)));
+      find_triangle_edges(sources, buffers_.scene_triangles.download(0, buffers_.info().triangle_count)));
   throw_if_interrupted("edges of triangles");
   const double expected = std::exp2(options_.points_log2);  // points, up to rounding
   Stopwatch watch;
@@ -158,7 +158,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
   std::vector<double> exposed;
   double all = 0;
   for (size_t t = 0; t < sources.size(); ++t) {
-    exposed.push_back(sampler.exposed_share(sources[t], static_cast<uint32_t>(std::min(expected, kMostPilots))));
+    exposed.push_back(sampler.exposed_share(sources[t], static_cast<uint32_t>(std::min(expected, kMaxPilots))));
     all += areas[t];
     areas[t] *= exposed[t];
   }
@@ -172,7 +172,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
     ForestTree tree;
     tree.kind = sources[t].kind;
     tree.instance = sources[t].instance;
-    tree.record.depth = static_cast<uint32_t>(std::clamp(static_cast<int>(depth), kLeastDepth, options_.points_log2));
+    tree.record.depth = static_cast<uint32_t>(std::clamp(static_cast<int>(depth), kMinDepth, options_.points_log2));
     tree.record.first_node = static_cast<uint32_t>(2 * all_leaves.size());
 
     watch.restart();
@@ -272,7 +272,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
     rules.disc_radius =
         options_.disc_scale * static_cast<float>(std::sqrt(tree.placed_area / (3.14159265358979 * tree.leaves())));
     rules.all_cullable = options_.all_cullable;
-    rules.least_area = 1 / (options_.disc_scale * options_.disc_scale);
+    rules.min_area = 1 / (options_.disc_scale * options_.disc_scale);
     PassBuilder leaf_pass = recorder.pass("update leaves", program_, "mr_leaf_update");
     buffers_.bind(leaf_pass);
     leaf_pass.global(tree.leaves())
@@ -281,7 +281,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
         .arg("trees", tree_records)
         .arg("rules", rules)
         .arg("count", tree.leaves())
-        .arg("patches", patches)
+        .arg("triangle_edges", triangle_edges)
         .arg("nodes", nodes)
         .arg("clips", clips);
     for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
@@ -332,7 +332,7 @@ bool PointForest::outgrown(const ForestTree& tree) const {
   } else {
     area = tree.covered * instance_area(scene_, tree.instance);
   }
-  return area > kMostGrowth * tree.world_area;
+  return area > kMaxGrowth * tree.world_area;
 }
 
 bool PointForest::update(const SceneChange& change) {
@@ -379,13 +379,13 @@ PointForest::Size PointForest::estimate(const Scene& scene, const ForestOptions&
   size_t trees = 1;
   for (const SceneInstance& instance : scene.instances) trees += instance.pose || !scene.animations.empty();
   const size_t leaves = (trees > 1 ? size_t{3} << options.points_log2 >> 1 : size_t{1} << options.points_log2) +
-                        (trees - 1) * (size_t{1} << kLeastDepth);
+                        (trees - 1) * (size_t{1} << kMinDepth);
   const size_t per_leaf = sizeof(MicroLeaf) + sizeof(uint2) + 2 * (sizeof(uint4) + sizeof(uint2)) + sizeof(uint4);
   const size_t held = leaves * per_leaf + trees * sizeof(MicroTree),
-               patches = scene.triangle_count() * sizeof(MicroPatch);
+               triangle_edges = scene.triangle_count() * sizeof(TriangleEdges);
   const size_t measuring =
       options.skip_hidden ? PointExposure::estimate_bytes(scene, leaves) : 0;  // before there are leaves
-  return {leaves, std::max(held, measuring) + patches};
+  return {leaves, std::max(held, measuring) + triangle_edges};
 }
 
 }  // namespace lucarium::micro

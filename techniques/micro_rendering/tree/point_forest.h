@@ -63,13 +63,13 @@ class PointForest {
   uint32_t leaf_count() const { return leaf_count_; }  ///< of all trees
 
   TypedBuffer<MicroTree> tree_records;
-  TypedBuffer<MicroLeaf> leaves;     ///< leaf_count()
-  TypedBuffer<uint2> leaf_albedo;    ///< half4 per leaf
-  TypedBuffer<uint4> nodes;          ///< 2 leaf_count()
-  TypedBuffer<uint4> clips;          ///< leaf_count(), see micro_types.h
-  TypedBuffer<MicroPatch> patches;   ///< by world triangle
-  TypedBuffer<uint2> radiance;       ///< half4 per node
-  TypedBuffer<float> radiance_unit;  ///< one element [cd/m²]
+  TypedBuffer<MicroLeaf> leaves;              ///< leaf_count()
+  TypedBuffer<uint2> leaf_albedo;             ///< half4 per leaf
+  TypedBuffer<uint4> nodes;                   ///< 2 leaf_count()
+  TypedBuffer<uint4> clips;                   ///< leaf_count(), see micro_types.h
+  TypedBuffer<TriangleEdges> triangle_edges;  ///< by world triangle
+  TypedBuffer<uint2> radiance;                ///< half4 per node
+  TypedBuffer<float> radiance_unit;           ///< one element [cd/m²]
 
   /// Share of the points that lie on details finer than their discs: beside one that faces another way by more than 60
   /// degrees.

@@ -10,7 +10,7 @@ namespace lucarium::micro {
 namespace {
 
 /// Above this share of points on fine details indirect light was seen to err by more than the declared bias.
-constexpr double kMostFineDetails = 0.06;
+constexpr double kMaxFineDetails = 0.06;
 
 bool holds(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
 
@@ -56,7 +56,7 @@ void SceneForest::make() {
 }
 
 void SceneForest::warn_of_details() const {
-  if (!forest_ || forest_->fine_details() <= kMostFineDetails) return;
+  if (!forest_ || forest_->fine_details() <= kMaxFineDetails) return;
   log_warning(
       "micro_rendering: {:.0f} % of the points are on details finer than their discs: indirect light may be off by "
       "several "

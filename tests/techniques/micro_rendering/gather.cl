@@ -18,7 +18,7 @@ __kernel void pack_forest(__global const float4* restrict in, uint count, __glob
   vstore_half4((float4)(in[3 * i + 2].xyz, 0.0f), i, radiance);
 }
 
-// in: per gather 4 float4: position, normal, geometric normal and GGX alpha, view and edges (B_d + 256 B_s). Slots in
+// in: per gather 4 float4: position, normal, geometric normal and GGX alpha, view and edges (B_d + 256 B_s). Results in
 // order.
 __kernel void pack_gathers(__global const float4* restrict in, uint count, __global MicroGather* restrict gathers) {
   const uint i = get_global_id(0);

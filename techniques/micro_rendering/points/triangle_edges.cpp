@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "micro_rendering/points/surface_patches.h"
+#include "micro_rendering/points/triangle_edges.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kCrease = 0.35f;  // angle from which on an edge counts [rad]
 constexpr float kBorder = 1e9f;
-constexpr size_t kMostFaces =
+constexpr size_t kMaxFaces =
     64;  // of one edge that are compared: copies of a triangle must not cost their number's square
 constexpr uint32_t kSheets = 127;  // maximum number of different sheets
 
@@ -68,7 +68,7 @@ std::vector<uint32_t> join(std::vector<Face>& faces) {
   std::iota(parents.begin(), parents.end(), 0u);
   const std::vector<glm::uvec3> welded = weld(faces);
   visit_edges(sorted_half_edges(welded), [&](const HalfEdge* first, const HalfEdge* end) {
-    const HalfEdge* const compared = first + std::min<size_t>(static_cast<size_t>(end - first), kMostFaces);
+    const HalfEdge* const compared = first + std::min<size_t>(static_cast<size_t>(end - first), kMaxFaces);
     for (const HalfEdge* a = first; a != end; ++a) {
       for (const HalfEdge* b = first; b != compared; ++b) {
         if (a->triangle == b->triangle) continue;
@@ -84,40 +84,41 @@ std::vector<uint32_t> join(std::vector<Face>& faces) {
   return parents;
 }
 
-/// Puts the edges of `face` at which its surface ends into free places of a patch.
-void add_edges(const Face& face, const Triangle& triangle, MicroPatch& patch, int& count) {
+/// Puts the edges of `face` at which its surface ends into free places.
+void add_edges(const Face& face, const Triangle& triangle, TriangleEdges& edges, int& count) {
   const uint32_t vertices[3] = {triangle.v0, triangle.v1, triangle.v2};
   for (size_t k = 0; k < 3 && count < MICRO_CLIPS; ++k) {
     if (face.bend[k] <= kCrease) continue;
-    patch.ends[2 * count] = vertices[k];
-    patch.ends[2 * count + 1] = vertices[(k + 1) % 3];
+    edges.ends[2 * count] = vertices[k];
+    edges.ends[2 * count + 1] = vertices[(k + 1) % 3];
     ++count;
   }
 }
 
 }  // namespace
 
-std::vector<MicroPatch> find_patches(const std::vector<TreeSource>& sources, const std::vector<Triangle>& triangles) {
-  MicroPatch nothing;
+std::vector<TriangleEdges> find_triangle_edges(const std::vector<TreeSource>& sources,
+                                               const std::vector<Triangle>& triangles) {
+  TriangleEdges nothing;
   std::fill(std::begin(nothing.ends), std::end(nothing.ends), LUCARIUM_NONE);
   nothing.own = nothing.sheet = 0;
-  std::vector<MicroPatch> patches(triangles.size(), nothing);
+  std::vector<TriangleEdges> triangle_edges(triangles.size(), nothing);
   for (const TreeSource& source : sources) {
     std::vector<Face> faces = faces_of(source);
     const std::vector<uint32_t> sheets = join(faces);
     for (uint32_t f = 0; f < faces.size(); ++f) {
       const Face& face = faces[f];
-      MicroPatch& patch = patches[face.triangle];
+      TriangleEdges& edges = triangle_edges[face.triangle];
       int count = 0;
-      add_edges(face, triangles[face.triangle], patch, count);
-      patch.own = static_cast<uint>(count);
+      add_edges(face, triangles[face.triangle], edges, count);
+      edges.own = static_cast<uint>(count);
       for (size_t k = 0; k < 3; ++k)
         if (face.bend[k] <= kCrease)
-          add_edges(faces[face.beside[k]], triangles[faces[face.beside[k]].triangle], patch, count);
-      if (face.two_sided) patch.sheet = 1 + sheets[f] % kSheets;
+          add_edges(faces[face.beside[k]], triangles[faces[face.beside[k]].triangle], edges, count);
+      if (face.two_sided) edges.sheet = 1 + sheets[f] % kSheets;
     }
   }
-  return patches;
+  return triangle_edges;
 }
 
 }  // namespace lucarium::micro

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where discs end: edges that bound them, sides of sheets, and the light of surfaces that are hardly larger than a
 // disc.
-#include "micro_rendering/points/surface_patches.h"
+#include "micro_rendering/points/triangle_edges.h"
 
 #include <doctest/doctest.h>
 
@@ -21,19 +21,19 @@ using namespace lucarium::test;
 
 namespace {
 
-std::vector<MicroPatch> patches_of(Mesh mesh, bool two_sided = false) {
+std::vector<TriangleEdges> edges_in(Mesh mesh, bool two_sided = false) {
   Scene scene;
-  scene.source = "test:patches";
+  scene.source = "test:edges";
   const int grey = add_lambert(scene, "grey", glm::vec3(0.5f));
   scene.materials.back().double_sided = two_sided;
   add_instance(scene, add_mesh(scene, std::move(mesh)), grey);
   const SceneBuffers buffers(*test_device(), scene);
-  return find_patches(find_tree_sources(scene, buffers),
-                      buffers.scene_triangles.download(0, buffers.info().triangle_count));
+  return find_triangle_edges(find_tree_sources(scene, buffers),
+                             buffers.scene_triangles.download(0, buffers.info().triangle_count));
 }
 
-long edges_of(const MicroPatch& patch) {
-  return (MICRO_CLIPS * 2 - std::count(std::begin(patch.ends), std::end(patch.ends), LUCARIUM_NONE)) / 2;
+long count_of(const TriangleEdges& edges) {
+  return (MICRO_CLIPS * 2 - std::count(std::begin(edges.ends), std::end(edges.ends), LUCARIUM_NONE)) / 2;
 }
 
 void look(Scene& scene, const glm::vec3& eye, const glm::vec3& target, float yfov) {
@@ -52,26 +52,26 @@ double below_rectangle(double a, double b, double h) {
 }  // namespace
 
 TEST_CASE("discs end where a surface ends or bends away from its front, and go on over flat and hollow edges") {
-  for (const MicroPatch& patch : patches_of(MeshBuilder("box").box({0, 0, 0}, {1, 2, 3}).take())) {
-    CHECK(patch.own == 2);        // not the diagonal
-    CHECK(edges_of(patch) == 4);  // and those of the other half of the face
-    CHECK(patch.sheet == 0);
+  for (const TriangleEdges& edges : edges_in(MeshBuilder("box").box({0, 0, 0}, {1, 2, 3}).take())) {
+    CHECK(edges.own == 2);        // not the diagonal
+    CHECK(count_of(edges) == 4);  // and those of the other half of the face
+    CHECK(edges.sheet == 0);
   }
   MeshBuilder room("room");
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side) room.box_face({0, 0, 0}, {1, 2, 3}, axis, side, true);
-  for (const MicroPatch& patch : patches_of(room.take())) CHECK(edges_of(patch) == 0);
-  for (const MicroPatch& patch :
-       patches_of(MeshBuilder("quad").quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}).take()))
-    CHECK(patch.own == 2);
+  for (const TriangleEdges& edges : edges_in(room.take())) CHECK(count_of(edges) == 0);
+  for (const TriangleEdges& edges :
+       edges_in(MeshBuilder("quad").quad({0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}).take()))
+    CHECK(edges.own == 2);
 }
 
 TEST_CASE("triangles of one sheet are joined where they are wound alike") {
   const glm::vec3 a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(2, 0, 0.5f), f(2, 1, 0.5f);
-  const auto alike = patches_of(MeshBuilder("alike").quad(a, b, c, d).quad(b, e, f, c).take(), true);
-  for (const MicroPatch& patch : alike) CHECK(patch.sheet == alike[0].sheet);
+  const auto alike = edges_in(MeshBuilder("alike").quad(a, b, c, d).quad(b, e, f, c).take(), true);
+  for (const TriangleEdges& edges : alike) CHECK(edges.sheet == alike[0].sheet);
   CHECK(alike[0].sheet != 0);
-  const auto turned = patches_of(MeshBuilder("turned").quad(a, b, c, d).quad(c, f, e, b).take(), true);
+  const auto turned = edges_in(MeshBuilder("turned").quad(a, b, c, d).quad(c, f, e, b).take(), true);
   CHECK(turned[0].sheet == turned[1].sheet);
   CHECK(turned[2].sheet == turned[3].sheet);
   CHECK(turned[0].sheet != turned[2].sheet);

@@ -1,65 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light at the leaves, and its means in the inner nodes (Ritschel et al. 2009, section 4; radiance is kept beside the
-// nodes, section 3.1).
-#include "lucarium/random.clh"
+// Radiance of the leaves, and its means in the inner nodes (Ritschel et al. 2009, section 4; radiance is kept beside
+// the nodes, section 3.1).
 #include "micro_rendering/tree/micro_node.clh"
-#include "micro_rendering/tree/micro_surface.clh"
-
-#ifndef MICRO_DYNAMIC
-#define MICRO_DYNAMIC 0  // 1: glossy lobes of nodes, see micro_dynamic.clh
-#endif
-#if MICRO_DYNAMIC
-#include "micro_rendering/tree/micro_dynamic.clh"
-#endif
-
-#if MICRO_DYNAMIC
-// Lobes of the leaves.
-__kernel void mr_leaf_lobes(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
-                            __global MicroLeafLobe* restrict leaf_lobes) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  LUCARIUM_SCENE_BIND(scene);
-  const Surface surface = leaf_surface(&scene, leaves[i]);
-  const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
-  MicroLeafLobe lobe;
-  lobe.normal = pack_direction(surface.n_s);
-  vstore_half4((float4)(bsdf.f0, bsdf.f90), 0, (half*)lobe.fresnel);
-  lobe.alpha = bsdf.p_reflect > 0.0f ? bsdf.alpha : 0.0f;
-  leaf_lobes[i] = lobe;
-}
-
-// Work-item i: leaf i of one tree chooses itself.
-__kernel void mr_choose_leaves(__global const MicroLeafLight* restrict leaf_lights,
-                               __global const MicroTree* restrict trees, const uint tree, const uint count,
-                               __global MicroNodeChoice* restrict choices) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  MicroNodeChoice choice;
-  choice.leaf = trees[tree].first_node / 2u + i;
-  choice.luminance = leaf_lights[choice.leaf].direction.w;
-  choices[trees[tree].first_node + count + i] = choice;
-}
-
-// Inner nodes of levels [top, bottom), as mr_pull, whose weights are in extremes.
-__kernel void mr_pull_choices(__global const MicroTree* restrict trees, const uint tree, const uint top,
-                              const uint bottom, const uint seed, __global const float4* restrict extremes,
-                              __global MicroNodeChoice* restrict choices) {
-  const uint w = get_global_id(0);
-  if (w >= (1u << top)) return;
-  const uint base = trees[tree].first_node;
-  for (uint level = bottom; level-- > top;) {
-    const uint first = ((1u << top) + w) << (level - top), end = first + (1u << (level - top));
-    for (uint i = first; i < end; ++i) {
-      const uint a = base + 2u * i, b = a + 1u;
-      const float share_a = extremes[a].z * choices[a].luminance, sum = share_a + extremes[b].z * choices[b].luminance;
-      MicroNodeChoice choice;
-      choice.leaf = uint_to_unit(hash_uint2(base + i, seed)) * sum < share_a ? choices[a].leaf : choices[b].leaf;
-      choice.luminance = sum / (extremes[a].z + extremes[b].z);
-      choices[base + i] = choice;
-    }
-  }
-}
-#endif
 
 // Radiance of leaf i without its own emission, (albedo / pi) E [cd/m²]. For the brightest channel's maximum.
 __kernel void mr_leaf_brightness(__global const float4* restrict irradiance, __global const half* restrict leaf_albedo,

@@ -1,22 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Leaves from the scene's triangles, and inner nodes from their children: spheres that contain spheres, cones that
-// contain cones. O(n), so that the hierarchy follows every deformation (Ritschel et al. 2009, section 2.1, "Deforming
-// and Moving Geometry").
+// Leaf nodes from the scene's triangles (Ritschel et al. 2009, section 2.1, "Deforming and Moving Geometry"), and the
+// lines that bound their discs.
 #include "micro_rendering/tree/micro_node.clh"
 #include "micro_rendering/tree/micro_surface.clh"
 
-#define MICRO_LEAST_SHOWN 64.0f  // a quarter of 255: of a convex solid, the mean over all directions (Cauchy)
-#define MICRO_CLIP_STEPS 32u     // directions over which the area of a bounded disc is summed up
-
-// Albedo of the diffuse lobe per leaf, as 4 halfs; needs materials and texture coordinates only.
-__kernel void mr_leaf_albedo(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
-                             __global half* restrict leaf_albedo) {
-  const uint i = get_global_id(0);
-  if (i >= count) return;
-  LUCARIUM_SCENE_BIND(scene);
-  const Surface surface = leaf_surface(&scene, leaves[i]);
-  vstore_half4((float4)(leaf_diffuse(&scene, &surface), 0.0f), i, leaf_albedo);
-}
+#define MICRO_CLIP_STEPS 32u  // directions over which the area of a bounded disc is summed up
 
 float3 mesh_position(__global const Vertex* mesh_vertices, __global const Instance* instance, uint vertex) {
   return mesh_vertices[instance->mesh_vertex + (vertex - instance->world_vertex)].position.xyz;
@@ -57,9 +45,9 @@ void add_line(float3 c, float3 front, const Basis* basis, float r, float3 a, flo
 
 // Packs the lines; they leave of the disc at least the area that the leaf stands for, so that no holes open between
 // discs on facets that are smaller.
-uint4 pack_lines(const LeafLines* lines, float r, float least_area) {
+uint4 pack_lines(const LeafLines* lines, float r, float min_area) {
   float shift = 0.0f;
-  const float wanted = least_area * M_PI_F * r * r;
+  const float wanted = min_area * M_PI_F * r * r;
   if (kept_area(lines, r, 0.0f) < wanted) {
     float enough = r;
     for (uint i = 0; i < 12u; ++i) {
@@ -88,8 +76,9 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
                              __global const Instance* restrict scene_instances,
                              __global const Material* restrict scene_materials,
                              __global const MicroLeaf* restrict leaves, __global const MicroTree* restrict trees,
-                             const MicroLeafRules rules, const uint count, __global const MicroPatch* restrict patches,
-                             __global uint4* restrict nodes, __global uint4* restrict clips) {
+                             const MicroLeafRules rules, const uint count,
+                             __global const TriangleEdges* restrict triangle_edges, __global uint4* restrict nodes,
+                             __global uint4* restrict clips) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   __global const MicroTree* tree = trees + rules.tree;
@@ -123,88 +112,26 @@ __kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
   node.normal = safe_normalize(back ? -normal : normal, (float3)(0.0f, 0.0f, 1.0f));
   node.cone = 0.0f;
   node.flags = (two_sided ? MICRO_NODE_TWIN : 0u) | (cullable ? MICRO_NODE_CULLABLE : 0u);
-  node.side = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, back);
+  node.side = MICRO_SIDE(triangle_edges[leaf_triangle(leaf)].sheet, back);
   const uint4 packed = pack_node(node);
   nodes[tree->first_node + (1u << tree->depth) + i] = packed;
 
-  // Bound it by the edges of its patch, measured from the packed disc, which is the one that is drawn.
+  // Bound it by the edges of its triangle, measured from the packed disc, which is the one that is drawn.
   node = unpack_node(packed);
-  const MicroPatch patch = patches[leaf_triangle(leaf)];
+  const TriangleEdges edges = triangle_edges[leaf_triangle(leaf)];
   const Basis basis = make_basis(node.normal);
   LeafLines lines;
   lines.count = 0u;
-  for (uint k = 0; k < MICRO_CLIPS && patch.ends[2 * k] != LUCARIUM_NONE; ++k) {
+  for (uint k = 0; k < MICRO_CLIPS && edges.ends[2 * k] != LUCARIUM_NONE; ++k) {
     float3 ends[2];
     for (uint e = 0; e < 2u; ++e) {
-      const uint vertex = patch.ends[2 * k + e];
+      const uint vertex = edges.ends[2 * k + e];
       const float3 p =
           rules.object_space ? mesh_position(mesh_vertices, instance, vertex) : scene_vertices[vertex].position.xyz;
       ends[e] = (p - tree->origin_step.xyz) * inverse_step;
     }
-    add_line(node.center, back ? -node.normal : node.normal, &basis, node.radius, ends[0], ends[1], k < patch.own,
+    add_line(node.center, back ? -node.normal : node.normal, &basis, node.radius, ends[0], ends[1], k < edges.own,
              &lines);
   }
-  clips[index] = lines.count > 0u ? pack_lines(&lines, node.radius, rules.least_area) : (uint4)(0u);
-}
-
-// The smallest sphere about both (Ritschel et al. 2009, section 2.1).
-void merge_spheres(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
-  const float3 between = b->center - a->center;
-  const float d = length(between);
-  sum->center = a->center;
-  sum->radius = a->radius;
-  if (d + b->radius <= a->radius) return;
-  sum->center = b->center;
-  sum->radius = b->radius;
-  if (d + a->radius <= b->radius) return;
-  sum->radius = 0.5f * (d + a->radius + b->radius);
-  sum->center = a->center + between * ((sum->radius - a->radius) / d);
-}
-
-// The narrowest cone of normals about both (section 2.1).
-void merge_cones(const MicroNode* a, const MicroNode* b, MicroNode* sum) {
-  const float angle = angle_between(a->normal, b->normal);
-  sum->normal = a->normal;
-  sum->cone = a->cone;
-  if (angle + b->cone <= a->cone) return;
-  sum->normal = b->normal;
-  sum->cone = b->cone;
-  if (angle + a->cone <= b->cone) return;
-  const float half_angle = 0.5f * (angle + a->cone + b->cone);
-  // Opposite axes have no direction between them.
-  sum->normal = a->normal;
-  sum->cone = M_PI_F;
-  if (half_angle >= M_PI_F || angle > 3.1414f) return;
-  const float3 side = normalize(b->normal - a->normal * dot(a->normal, b->normal));
-  const float turn = half_angle - a->cone;
-  sum->normal = angle > 1e-5f ? normalize(cos(turn) * a->normal + sin(turn) * side) : a->normal;
-  sum->cone = half_angle + (angle > 1e-5f ? 0.0f : angle);
-}
-
-// leaves: both are leaves.
-uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
-  const MicroNode a = unpack_node(left), b = unpack_node(right);
-  MicroNode sum;
-  merge_spheres(&a, &b, &sum);
-  merge_cones(&a, &b, &sum);
-  // Project the areas that the children show onto the common axis; leaves show all of theirs.
-  const float shown_a = leaves ? 1.0f : (float)a.side / 255.0f, shown_b = leaves ? 1.0f : (float)b.side / 255.0f;
-  const float shown = 0.5f * dot(shown_a * a.normal + shown_b * b.normal, sum.normal);
-  sum.side = (uint)clamp(ceil(shown * 255.0f), MICRO_LEAST_SHOWN, 255.0f);
-  sum.flags = (a.flags & b.flags & MICRO_NODE_CULLABLE) | ((a.flags | b.flags) & MICRO_NODE_TWIN);
-  return pack_node(sum);
-}
-
-// Inner nodes of levels [top, bottom) of one tree; level `bottom` is done. Work-item w owns what lies below node w of
-// level `top`.
-__kernel void mr_refit(__global const MicroTree* restrict trees, const uint tree, const uint top, const uint bottom,
-                       __global uint4* restrict nodes) {
-  const uint w = get_global_id(0);
-  if (w >= (1u << top)) return;
-  __global uint4* heap = nodes + trees[tree].first_node;
-  for (uint level = bottom; level-- > top;) {
-    const uint first = ((1u << top) + w) << (level - top), end = first + (1u << (level - top));
-    for (uint i = first; i < end; ++i)
-      heap[i] = merge_nodes(heap[2u * i], heap[2u * i + 1u], level + 1u == trees[tree].depth);
-  }
+  clips[index] = lines.count > 0u ? pack_lines(&lines, node.radius, rules.min_area) : (uint4)(0u);
 }

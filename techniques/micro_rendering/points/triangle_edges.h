@@ -29,6 +29,7 @@ namespace lucarium::micro {
 /// same position in the space in which points are placed. An edge counts where the surface ends, or bends away from the
 /// triangle's front by more than 20 degrees (two-sided ones: to either side). Its own edges come first, then those of
 /// the neighbours that go on smoothly.
-std::vector<MicroPatch> find_patches(const std::vector<TreeSource>& sources, const std::vector<Triangle>& triangles);
+std::vector<TriangleEdges> find_triangle_edges(const std::vector<TreeSource>& sources,
+                                               const std::vector<Triangle>& triangles);
 
 }  // namespace lucarium::micro

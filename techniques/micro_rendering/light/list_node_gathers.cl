@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Jacobi iteration: the nodes of a cut gather irradiance, which is pushed to the leaves (Ritschel et al. 2009, section
-// 4).
+// Jacobi iteration: the gathers at the nodes of a cut (Ritschel et al. 2009, section 4).
 //
 // The cut: nodes of one level of every tree, and where normals spread by more than `cone` nodes below them, since one
 // irradiance does not fit surfaces that face different ways. It goes as many levels deeper as leave room for all its
@@ -20,10 +19,10 @@ uint behind_subtree(uint i) {
   return next >> (31u - clz(next & (0u - next)));
 }
 
-// Most levels for which the cut has no more than `most` nodes.
-uint levels_that_fit(const global uint* totals, uint most) {
+// Most levels for which the cut has no more than `max_nodes` nodes.
+uint levels_that_fit(const global uint* totals, uint max_nodes) {
   uint deeper = 0u;
-  while (deeper < MICRO_CUT_LEVELS && totals[deeper + 1u] <= most) ++deeper;
+  while (deeper < MICRO_CUT_LEVELS && totals[deeper + 1u] <= max_nodes) ++deeper;
   return deeper;
 }
 
@@ -48,29 +47,29 @@ __kernel void mr_cut_totals(__global const MicroTree* restrict trees, const uint
   for (uint k = 0; k <= MICRO_CUT_LEVELS; ++k) atomic_add(totals + k, counts[k]);
 }
 
-// Work-item i: slots[first_slot + i] becomes the number of nodes of the cut below node 2^level + i.
+// Work-item i: cut_results[first_root + i] becomes the number of nodes of the cut below node 2^level + i.
 __kernel void mr_cut_counts(__global const MicroTree* restrict trees, const uint tree, const uint level,
-                            const float cone, const uint first_slot, const uint most,
+                            const float cone, const uint first_root, const uint max_nodes,
                             __global const uint* restrict totals, __global const uint4* restrict nodes,
-                            __global uint* restrict slots) {
+                            __global uint* restrict cut_results) {
   const uint root = (1u << level) + get_global_id(0);
   if (root >= (2u << level)) return;
   __global const MicroTree* t = trees + tree;
   __global const uint4* heap = nodes + t->first_node;
-  const uint bottom = level + levels_that_fit(totals, most);
+  const uint bottom = level + levels_that_fit(totals, max_nodes);
   uint count = 0u, i = root;
   do {
     const bool split = 31u - clz(i) < bottom && is_bent(t, heap, i, cone);
     count += !split;
     i = split ? 2u * i : behind_subtree(i);
   } while (31u - clz(i) > level);
-  slots[first_slot + get_global_id(0)] = count;
+  cut_results[first_root + get_global_id(0)] = count;
 }
 
-// The gather of node i, at the leaf nearest to its centre; its leaves learn the slot.
-MicroGather node_gather(const Scene* scene, const global MicroLeaf* leaves, const global MicroPatch* patches,
-                        const global MicroTree* tree, const global uint4* heap, uint i, uint slot, uint micro_size,
-                        global uint* leaf_slots) {
+// The gather of node i, at the leaf nearest to its centre; its leaves learn the result.
+MicroGather node_gather(const Scene* scene, const global MicroLeaf* leaves, const global TriangleEdges* triangle_edges,
+                        const global MicroTree* tree, const global uint4* heap, uint i, uint result, uint micro_size,
+                        global uint* leaf_results) {
   const float3 center = unpack_node(heap[i]).center;
   const uint below = tree->depth - (31u - clz(i)), first = i << below,
              first_leaf = tree->first_node / 2u - (1u << tree->depth);
@@ -80,51 +79,42 @@ MicroGather node_gather(const Scene* scene, const global MicroLeaf* leaves, cons
     const float3 d = unpack_node(heap[k]).center - center;
     const float d2 = dot(d, d);
     if (d2 < nearest2) nearest2 = d2, nearest = k;
-    leaf_slots[first_leaf + k] = slot;
+    leaf_results[first_leaf + k] = result;
   }
   const MicroLeaf leaf = leaves[first_leaf + nearest];
   const Surface surface = leaf_surface(scene, leaf);
   MicroGather gather;
-  gather.position = (float4)(surface.position, as_float(slot));
+  gather.position = (float4)(surface.position, as_float(result));
   gather.normal = pack_direction(surface.n_s);
   gather.geometric = pack_direction(surface.n_g);
   gather.view = gather.geometric;
   gather.lobes = micro_size;
-  gather.hidden = MICRO_SIDE(patches[leaf_triangle(leaf)].sheet, !(leaf.triangle & MICRO_LEAF_BACK));
+  gather.hidden = MICRO_SIDE(triangle_edges[leaf_triangle(leaf)].sheet, !(leaf.triangle & MICRO_LEAF_BACK));
   gather.eta = 0.0f;
   return gather;
 }
 
-// Work-item i: the gathers of the cut below node 2^level + i, from slots[first_slot + i] on.
+// Work-item i: the gathers of the cut below node 2^level + i, from cut_results[first_root + i] on.
 __kernel void mr_cut_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves,
                              __global const MicroTree* restrict trees, const uint tree, const uint level,
-                             const float cone, const uint first_slot, const uint most,
-                             __global const uint* restrict totals, __global const uint* restrict slots,
+                             const float cone, const uint first_root, const uint max_nodes,
+                             __global const uint* restrict totals, __global const uint* restrict cut_results,
                              const uint micro_size, __global const uint4* restrict nodes,
-                             __global const MicroPatch* restrict patches, __global MicroGather* restrict gathers,
-                             __global uint* restrict leaf_slots) {
+                             __global const TriangleEdges* restrict triangle_edges,
+                             __global MicroGather* restrict gathers, __global uint* restrict leaf_results) {
   const uint root = (1u << level) + get_global_id(0);
   if (root >= (2u << level)) return;
   LUCARIUM_SCENE_BIND(scene);
   __global const MicroTree* t = trees + tree;
   __global const uint4* heap = nodes + t->first_node;
-  const uint bottom = level + levels_that_fit(totals, most);
-  uint slot = slots[first_slot + get_global_id(0)], i = root;
+  const uint bottom = level + levels_that_fit(totals, max_nodes);
+  uint result = cut_results[first_root + get_global_id(0)], i = root;
   do {
     const bool split = 31u - clz(i) < bottom && is_bent(t, heap, i, cone);
     if (!split) {
-      gathers[slot] = node_gather(&scene, leaves, patches, t, heap, i, slot, micro_size, leaf_slots);
-      ++slot;
+      gathers[result] = node_gather(&scene, leaves, triangle_edges, t, heap, i, result, micro_size, leaf_results);
+      ++result;
     }
     i = split ? 2u * i : behind_subtree(i);
   } while (31u - clz(i) > level);
-}
-
-// The push step (Ritschel et al. 2009, section 4). Leaf i: direct light and what its node of the cut has gathered;
-// irradiance and not radiance is pushed, so that each leaf keeps its own albedo.
-__kernel void mr_push(const uint count, __global const uint* restrict leaf_slots,
-                      __global const float4* restrict direct, __global const float4* restrict gathered,
-                      __global float4* restrict irradiance) {
-  const uint i = get_global_id(0);
-  if (i < count) irradiance[i] = (float4)(direct[i].xyz + gathered[leaf_slots[i]].xyz, 0.0f);
 }
