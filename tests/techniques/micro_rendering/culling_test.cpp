@@ -106,6 +106,10 @@ TEST_CASE("a plane and a ball neither shine at themselves nor hide what is aroun
     on_plane.push_back({r * (std::cos(phi) * t + std::sin(phi) * b), up});
     on_ball.push_back({n, n});
   }
+  // Its own leaves, however near, are nothing to cast rays at.
+  test::SyntheticForest alone;
+  alone.add(test::disc(1 << 13, dvec3(0), up, 1, dvec3(5)), pi);
+  CHECK(test::gather(alone, alone.upload(), on_plane, test::default_settings(), gather_program()).total().listed == 0);
   for (const std::map<std::string, std::string>& defines :
        {std::map<std::string, std::string>{}, {{"MICRO_RAYCAST", "0"}}, {{"MICRO_SAMPLE_SPLAT", "0"}}}) {
     CAPTURE(defines.size());
