@@ -25,14 +25,14 @@
 //
 // Where it stands in the source (below framework/lucarium/services and kernels/lucarium):
 //
-//   rendering equation, one vertex    path_integrator/shade_surface.cl: shade_hit(), sample_lights(),
-//   sample_direction() power heuristic                   mis.clh: power_heuristic(); used in
-//   path_integrator/shade_surface.cl: hit_weight()
-//                                     and direct_light/light_strategies.clh
-//   choice of a light, alias table    lights.clh: choose_light()
-//   visible normals of GGX            ggx.clh: sample_ggx_visible_normal()
-//   Russian roulette                  path_integrator/shade_surface.cl: sample_direction()
-//   Owen-scrambled Sobol points       sobol.clh
+//   rendering equation, one vertex   path_integrator/shade_surface.cl: shade_hit(), sample_lights(),
+//                                    and sample_direction()
+//   power heuristic                  mis.clh: power_heuristic(); path_integrator/shade_surface.cl: hit_weight();
+//                                    direct_light/light_strategies.clh
+//   choice of a light, alias table   lights.clh: choose_light()
+//   visible normals of GGX           ggx.clh: sample_ggx_visible_normal()
+//   Russian roulette                 path_integrator/shade_surface.cl: sample_direction()
+//   Owen-scrambled Sobol points      sobol.clh
 //
 // Error. With replicates R > 1 the samples form R independent sets, and the layer `Variance` is s²/R of their means.
 // Within a set Owen-scrambled Sobol points are used, whose own variance says nothing about the error.

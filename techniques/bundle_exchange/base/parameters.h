@@ -76,7 +76,7 @@ struct Parameters {
              "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility; 0: "
              "no weighting");
     v.number("access_rays", access_rays, 128, 4096, "rays",
-             "rays that measure the accessibility of a texel, from at least 32 bundles");
+             "rays per texel that measure its accessibility, from at least 32 bundles");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "direct light of emissive surfaces and the environment: light samples (nee) or the bundles (exchange)");
     v.number("direct_first", direct_first, 0, 100000, "directions",
@@ -94,8 +94,8 @@ struct Parameters {
     v.choice("glossy_bounces", glossy_bounces, {{"multiple", GlossyBounces::multiple}, {"final", GlossyBounces::final}},
              "specular lobes reflect at every bounce (multiple), or at the last one, towards the eye (final)");
     v.number("glossy_window", glossy_window, 0, 256, "directions",
-             "number of past directions that glossy texel sides reflect; 0: trace rays instead, 1: the paper's "
-             "transfer atlas");
+             "number of past directions that glossy texel sides reflect; 0: trace rays instead, 1 with "
+             "glossy_norm=mean: the paper's transfer atlas");
     v.choice("glossy_norm", glossy_norm, {{"self", GlossyNorm::self}, {"mean", GlossyNorm::mean}},
              "normalization of the light of past directions: by BSDF weights (self, less noise, small bias) or by "
              "their number (mean, unbiased)");

@@ -86,17 +86,17 @@ struct MicroParameters {
     v.flag("morton", morton, "gather in Morton order of the points instead of pixel order");
     v.choice("backface", backface, {{"black", Backface::black}, {"cull", Backface::cull}},
              "back of single-sided surfaces: black, as in the reference, or transparent (cull)");
-    v.flag("skip_hidden", skip_hidden, "place no points on surfaces that lie inside other solids");
-    v.number(
-        "adaptive", adaptive, 0, 1, "",
-        "relative deviation between frames above which a micro-buffer becomes 1.5 times as wide, at most 64; 0: off");
+    v.flag("skip_hidden", skip_hidden,
+           "place no points on surfaces inside other solids; backs that nothing else sees become transparent");
+    v.number("adaptive", adaptive, 0, 1, "",
+             "relative deviation between frames above which, or where interpolation fails, a micro-buffer becomes 1.5 "
+             "times as wide, at most 64; 0: off");
     v.number(
         "gather_step", gather_step, 1, 8, "pixels",
         "gather at every n-th pixel of every n-th row and interpolate the others; above 1 a frame is one iteration");
     v.number("upsample_fail", upsample_fail, 0, 1, "",
              "minimum sum of bilateral weights; pixels below it are gathered; 0: always interpolate");
-    v.flag("gather_env", gather_env,
-           "take light from the environment from empty micro-pixels instead of light samples");
+    v.flag("gather_env", gather_env, "empty micro-pixels see the environment; direct light leaves it out");
     v.choice("node_shading", node_shading, {{"stored", NodeShading::stored}, {"dynamic", NodeShading::dynamic}},
              "light that nodes reflect: diffuse, stored in advance (stored), or glossy too, computed for each gather "
              "(dynamic)");

@@ -23,12 +23,11 @@ constexpr double free_slivers =
 constexpr size_t parts = 64;  // independent of the number of threads, and so is the result
 
 void check(const AtlasLayoutOptions& options) {
-  if (options.texel_edge < 0 || !std::isfinite(options.texel_edge) ||
-      (options.texel_edge == 0 && options.texel_count == 0)) {
-    throw_error(ErrorClass::usage,
-                "surface atlas: {} texels and a texel edge of {} m are not possible; one of them must be above 0",
-                options.texel_count, options.texel_edge);
-  }
+  if (options.texel_edge < 0 || !std::isfinite(options.texel_edge))
+    throw_error(ErrorClass::usage, "surface atlas: the texel edge {} m must be finite and not negative",
+                options.texel_edge);
+  if (options.texel_edge == 0 && options.texel_count == 0)
+    throw_error(ErrorClass::usage, "surface atlas: give a number of texels or a texel edge above 0");
   if (!(options.merge_threshold >= 0 && options.merge_threshold <= 1)) {
     throw_error(ErrorClass::usage, "surface atlas: the merge threshold {} is outside 0 to 1", options.merge_threshold);
   }
