@@ -30,11 +30,12 @@
 //   section 2.1, point generation            points/point_sampling.cpp: sample_surface() (best candidates)
 //   section 2.1, figure 2, complete tree     tree/tree_order.cpp: split()
 //   section 2.1, spheres, cones of normals   tree/refit_nodes.cl: merge_spheres(), merge_cones()
-//   section 2.1, skip-pointers               gather/micro_gather.clh: draw_tree();
+//   section 2.1, skip-pointers               gather/micro_gather.clh: draw_tree() (MICRO_LANES 1; else a stack);
 //                                            light/list_node_gathers.cl: behind_subtree()
 //   section 2.1, deforming geometry          tree/update_leaves.cl: mr_leaf_update(); tree/refit_nodes.cl: mr_refit()
 //   section 2.2, point hierarchy cut         gather/micro_cut.clh: cut_lanes(), advance_cut()
-//   section 2.2, Ω_i > Ω(Φ⁻¹(ω_i))           gather/micro_solid_angle.clh: lanes_sphere_is_big()
+//   section 2.2, selection criterion         gather/micro_solid_angle.clh: lanes_sphere_is_big():
+//                                            Ω_i > Ω(Φ⁻¹(ω_i)), solid angle of node against micro-pixel
 //   section 2.2, depth test                  gather/micro_splat.clh: splat_nodes(), splat_pixels()
 //   section 2.2, on-demand ray casting       gather/micro_splat.clh: cast_discs(), cast_disc(); the post-traversal list
 //                                            is filled by gather/micro_cut.clh: advance_cut()
@@ -42,16 +43,20 @@
 //   section 2.3, Φ                           gather/micro_warp.clh: lanes_warp()
 //   section 2.3, Φ⁻¹                         gather/micro_warp.clh: lanes_unwarp()
 //   section 2.3, M⁻¹ and C⁻¹ in tables       gather/micro_table.clh: finish_table(), direction_from_table(),
-//                                            table_square()
-//   section 2.3, ρ, sum scaled by ρ          gather/micro_warp.clh: sample_weights()
+//                                            table_square() (warp=table)
+//   section 2.3, ρ, sum scaled by ρ          gather/micro_warp.clh: sample_weights(); the sum:
+//                                            gather/micro_gather.clh: micro_light()
 //   section 2.4, bilateral upsampling        pixels/upsample_gathers.cl: mr_upsample()
 //   section 3.1, node of 128 bits            shared/micro_types.h; tree/micro_node.clh: pack_node()
 //   section 3.2, one thread per gather       gather/micro_gather.cl: mr_gather()
-//   section 3.2, 3D Morton order             pixels/list_gathers.cl: mr_list_keys(); pixels/gather_keys.clh:
-//   morton_of() section 4, one bounce                    light/light_points.cl: light_point(); light/pull_radiance.cl:
-//   mr_pull() section 4, instant radiosity             light_paths/virtual_light.clh: virtual_light_at() section 4,
-//   radiosity, Jacobi, push-pull  light/list_node_gathers.cl: mr_cut_gathers();
-//                                            light/push_irradiance.cl: mr_push()
+//   section 3.2, 3D Morton order             pixels/list_gathers.cl: mr_list_keys();
+//                                            pixels/gather_keys.clh: morton_of()
+//   section 4, one bounce                    light/light_points.cl: light_point();
+//                                            light/pull_radiance.cl: mr_pull()
+//   section 4, instant radiosity             light_paths/virtual_light.clh: virtual_light_at()
+//   section 4, radiosity, Jacobi, push-pull  light/list_node_gathers.cl: mr_cut_gathers();
+//                                            light/push_irradiance.cl: mr_push(); light/pull_radiance.cl: mr_pull();
+//                                            the iteration: light/leaf_light.cpp
 //   section 4, photon mapping                light_at_points/photon_density.clh: photon_density_at_points()
 //
 // Not in the paper: the conservative cut (gather/micro_solid_angle.clh), splats tested at samples and hole filling

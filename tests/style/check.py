@@ -249,6 +249,14 @@ def check_places(file, first, text, sources):
                 yield f'{file}:{first}: {path} has no {name}()'
 
 
+def check_table_rows(file):
+    """clang-format may join the rows of a table of the paper; a joined row begins with a word of the one before."""
+    for number, line in enumerate(read(file).splitlines(), 1):
+        row = re.match(r'//   \S.*\S {3,}\S.*\.(cl|clh|cpp|h)\b', line)
+        if row and not re.match(r'//   (section|equation|figure|table) ', line):
+            yield f'{file}:{number}: a row of the table of the paper begins with section, equation, figure or table'
+
+
 def check_citations():
     papers = json.loads(read(CITATIONS))['papers']
     sources = {f: read(f) for f in tracked(SOURCES)}
@@ -275,6 +283,7 @@ def check_citations():
                     elif file != paper['table']:
                         seen[papers.index(paper)].add(item)
     for paper, found in zip(papers, seen):
+        yield from check_table_rows(paper['table'])
         for item in paper['cited']:
             if item not in found:
                 yield f'{paper["table"]}: the code cites {item} nowhere else ({paper["items"][item]})'

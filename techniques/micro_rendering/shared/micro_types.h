@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the kernels of micro_rendering share with each other and with C++: the data structures of Ritschel et al. 2009,
-// section 3.1. Its node of 128 bits has centre and radius as 4 halfs, normal and albedo in 15 bits each, 8 bits of
-// cone.
+// section 3.1. Its node of 128 bits has centre and radius in 4 × 16 bits, normal and albedo in 15 bits each, 8 bits of
+// cone; here the albedo is kept apart (leaf_albedo).
 //
 // A tree has n = 2^depth leaves in heap order: root 1, children of i are 2i and 2i + 1, leaves n … 2n - 1; level l is
 // [2^l, 2^(l+1)). Node i of a tree is nodes[tree.first_node + i], its radiance radiance[tree.first_node + i]; leaf j is

@@ -83,8 +83,8 @@ void partition_at_median(std::span<Item> items, Key key) {
   });
 }
 
-/// Halves the list at the median of its longest axis, and both halves in the same manner (Ritschel et al. 2009, section
-/// 2.1), except for thin sheets.
+/// Halves the list at the median of its longest axis, and both halves in the same manner, except for thin sheets
+/// (Ritschel et al. 2009, section 2.1).
 void split(std::span<Item> items, ForkJoin& fork_join) {
   if (items.size() < 2 || interrupt_requested()) return;
   glm::vec3 low = items[0].position, high = low;
