@@ -40,23 +40,23 @@ Film draw_view(const SurfaceAtlas& atlas, Device& device, KernelScheduler& sched
 }  // namespace
 
 void AtlasArguments::add_to(Command command) {
-  command.add_option("--atlas", charts, "write the charts of the surface atlas to FILE.exr or FILE.png");
-  command.add_option("--atlas-view", view, "write what the camera sees, every texel of the atlas in its colour");
-  command.add_option("--atlas-texels", options.texel_count, "wanted texel sides of the atlas")
-      ->check(positive_number());
-  command.add_option("--atlas-edge", options.texel_edge, "wanted texel edge [m], instead of a number")
-      ->check(positive_number());
-  command.add_flag("--atlas-texcoord1", options.use_texcoord1, "lay the atlas out by TEXCOORD_1 where there is one");
-  command.add_option("--size", size, "WxH of --atlas-view")->capture_default_str();
+  command.option("--atlas", charts).default_text("none");
+  command.option("--atlas-view", view).default_text("none");
+  command.option("--atlas-texels", options.texel_count).check(positive_number()).capture_default_str();
+  command.option("--atlas-edge", options.texel_edge).check(positive_number()).default_text("by --atlas-texels");
+  command.flag("--atlas-texcoord1", options.use_texcoord1);
+  command.option("--size", size).capture_default_str();
   device.add_to(command);
+  command.needs({"--atlas-texels", "--atlas-edge", "--atlas-texcoord1"}, {"--atlas", "--atlas-view"});
+  command.needs(device_option_names(), {"--atlas", "--atlas-view"});
+  command.needs({"--size"}, {"--atlas-view"});
+  command.excludes({"--atlas-texels"}, {"--atlas-edge"});
 }
 
 void AtlasArguments::check(bool overwrite) const {
   for (const std::filesystem::path& file : {charts, view}) {
     if (file.empty()) continue;
-    if (file.extension() != ".exr" && file.extension() != ".png") {
-      throw_error(ErrorClass::usage, "{}: the name must end in .exr or .png", file.string());
-    }
+    check_image_name(file);
     check_output(file, overwrite);
   }
   parse_size(size);

@@ -8,7 +8,7 @@ namespace lucarium::app {
 CommandLine build_app(Action& action) {
   CommandLine line("lucarium", "Compares global-illumination techniques on glTF scenes, on any OpenCL device.",
                    LUCARIUM_VERSION);
-  const Command program = line.program();
+  Command program = line.program();
   add_render_command(program, action);
   add_reference_command(program, action);
   add_compare_command(program, action);
@@ -21,6 +21,7 @@ CommandLine build_app(Action& action) {
   add_check_command(program, action);
   add_new_technique_command(program, action);
   add_job_command(program, action);
+  program.examples({"lucarium render builtin:cornell -o cornell.png", "lucarium render --help"}, "docs/rendering.md");
   return line;
 }
 

@@ -19,15 +19,12 @@ using nlohmann::ordered_json;
 
 namespace {
 
-constexpr int exit_failed = 1;
-
 struct CheckArguments {
   std::string technique;
   std::vector<std::string> parameters, only;
   std::vector<fs::path> folders;
   bool full = false;
   DeviceArguments device;
-  OutputArguments output;
 };
 
 size_t count(const std::vector<CheckResult>& results, Verdict verdict) {
@@ -76,12 +73,10 @@ ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueTyp
   return json;
 }
 
-int check(const CheckArguments& arguments) {
-  arguments.output.apply();
+int check(const CheckArguments& arguments, const Messages& messages) {
   TechniqueArguments::Spec spec = TechniqueArguments::parse(arguments.technique);
   for (const std::string& text : arguments.parameters) {
-    const TechniqueArguments::Spec more = TechniqueArguments::parse(spec.name + ":" + text);
-    spec.parameters.insert(spec.parameters.end(), more.parameters.begin(), more.parameters.end());
+    for (auto& parameter : TechniqueArguments::parse_parameters(text)) spec.parameters.push_back(std::move(parameter));
   }
   const TechniqueRegistry registry(arguments.folders);
   const TechniqueType& type = registry.find(spec.name);
@@ -95,8 +90,8 @@ int check(const CheckArguments& arguments) {
   options.program = fs::read_symlink("/proc/self/exe");
   options.technique_folders = arguments.folders;
   options.device = arguments.device.resolved();
-  const bool table = !arguments.output.json && !arguments.output.quiet;
-  Progress progress("check", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  const bool table = !messages.json;
+  Progress progress("check", messages.quiet ? Progress::Style::quiet : Progress::Style::automatic);
   options.on_check = [&](size_t index, size_t count, const std::string& name) {
     if (index == 0 && table) print_head(type, options, *device);
     progress.update(static_cast<double>(index) / static_cast<double>(count),
@@ -111,7 +106,7 @@ int check(const CheckArguments& arguments) {
   const bool cut = interrupt_requested();
   if (cut && results.empty()) throw_error(ErrorClass::interrupted, "interrupted before the first check was done");
   const size_t failed = count(results, Verdict::failed);
-  if (arguments.output.json) {
+  if (messages.json) {
     ordered_json json = to_json(results, type, options, *device);
     json["interrupted"] = cut;
     print_result("{}\n", json.dump(2));
@@ -125,32 +120,25 @@ int check(const CheckArguments& arguments) {
     log_warning("interrupted: {} checks were done, the others are missing", results.size());
     return static_cast<int>(ErrorClass::interrupted);
   }
-  return failed > 0 ? exit_failed : 0;
+  return failed > 0 ? static_cast<int>(ErrorClass::check_failed) : 0;
 }
 
 }  // namespace
 
 void add_check_command(Command program, Action& action) {
   auto arguments = std::make_shared<CheckArguments>();
-  Command command =
-      program.add_subcommand("check", "test whether a technique keeps its promises (docs/conformance.md)");
-  command.add_option("technique", arguments->technique, "NAME[:key=value,…]")->required();
-  command.add_option("-p,--parameter", arguments->parameters, "key=value, set in every check")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command
-      .add_option("--only", arguments->only, "run the checks whose names begin with this; may be given several times")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command.add_flag(
-      "--full", arguments->full,
-      "at the technique's defaults, not the settings it names for checks of a few minutes; may take hours");
+  Command command = program.add_subcommand("check", "test whether a technique keeps its promises");
+  command.option("technique", arguments->technique).required().value_name("NAME[:KEY=VALUE,…]");
+  command.option("--only", arguments->only).repeatable().default_text("all");
+  command.flag("--full", arguments->full);
+  command.option("--parameter", arguments->parameters).repeatable().default_text("the technique's");
   add_technique_path(command, arguments->folders);
   arguments->device.add_to(command);
-  arguments->output.add_to(command);
-  command.callback([arguments, &action] { action = [arguments] { return check(*arguments); }; });
+  command.examples({"lucarium check path_tracing --only light",
+                    "lucarium check my_technique --technique-path build/lib/lucarium/techniques"},
+                   "docs/conformance.md");
+  command.callback(
+      [arguments, &action] { action = [arguments](const Messages& messages) { return check(*arguments, messages); }; });
 }
 
 }  // namespace lucarium::app

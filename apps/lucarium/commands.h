@@ -8,7 +8,7 @@
 namespace lucarium::app {
 
 /// What the chosen command does; returns the exit code. Set while the command line is parsed, run afterwards.
-using Action = std::function<int()>;
+using Action = std::function<int(const Messages&)>;
 
 // Each adds its subcommand; build_app() calls them all.
 void add_render_command(Command program, Action& action);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium compare and lucarium report.
+// lucarium compare.
 #include <cmath>
 
 #include "commands.h"
@@ -9,6 +9,7 @@
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
 #include "options.h"
+#include "plan_text.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -18,15 +19,14 @@ namespace {
 struct CompareArguments {
   std::vector<std::string> scenes;
   fs::path comparison;  ///< a file that defines everything instead
-  std::vector<double> seconds, equal_error;
-  std::vector<uint64_t> iterations;
+  std::vector<double> seconds, relmse;
+  std::vector<uint64_t> iterations, samples;
   double limit_seconds = 600;
   ComparisonSpec spec;  ///< seeds, reference and fallback go there directly
   DeviceArguments device;
   SceneArguments overrides;
   ImageArguments image;
   TechniqueArguments technique;
-  OutputArguments output;
   std::vector<std::string> gates;
   ComparisonOptions options;
   fs::path reference;
@@ -49,12 +49,12 @@ ComparisonScene make_scene(const std::string& source, const SceneArguments& over
 ComparisonSpec spec_of(const CompareArguments& arguments) {
   ComparisonSpec spec = arguments.spec;
   for (const std::string& source : arguments.scenes) spec.scenes.push_back(make_scene(source, arguments.overrides));
-  for (const TechniqueArguments::Spec& technique : arguments.technique.specs) {
+  for (const TechniqueArguments::Spec& technique : arguments.technique.all())
     spec.variants.push_back({technique.name, technique.parameters, ""});
-  }
   for (const double seconds : arguments.seconds) spec.budgets.push_back({seconds, 0, 0, 0});
   for (const uint64_t iterations : arguments.iterations) spec.budgets.push_back({0, iterations, 0, 0});
-  for (const double error : arguments.equal_error) spec.budgets.push_back({0, 0, error, arguments.limit_seconds});
+  for (const uint64_t samples : arguments.samples) spec.budgets.push_back({0, 0, 0, 0, samples});
+  for (const double error : arguments.relmse) spec.budgets.push_back({0, 0, error, arguments.limit_seconds});
   const RenderSettings settings = arguments.image.settings();
   spec.width = settings.width;
   spec.height = settings.height;
@@ -66,10 +66,6 @@ ComparisonSpec spec_of(const CompareArguments& arguments) {
 
 /// From the file, or from the arguments; which device runs it is always the arguments' to say.
 ComparisonSpec wanted_comparison(const CompareArguments& arguments) {
-  if (!arguments.comparison.empty() && (!arguments.scenes.empty() || !arguments.technique.specs.empty())) {
-    throw_error(ErrorClass::usage, "--comparison {} defines the whole comparison; leave out scenes and -t",
-                arguments.comparison.string());
-  }
   ComparisonSpec spec = arguments.comparison.empty() ? spec_of(arguments) : read_comparison(arguments.comparison);
   const std::vector<std::string> device = arguments.device.in_comparison();
   spec.device_arguments.insert(spec.device_arguments.end(), device.begin(), device.end());
@@ -95,24 +91,24 @@ bool succeeded(const ComparisonResult& result) {
   return fine;
 }
 
-int compare(CompareArguments arguments) {
-  arguments.output.apply();
+int compare(CompareArguments arguments, const Messages& messages) {
   const ComparisonSpec spec = wanted_comparison(arguments);
   ComparisonOptions& options = arguments.options;
   for (const std::string& gate : arguments.gates) options.gates.push_back(parse_gate(gate));
   arguments.device.apply_to(options, arguments.technique.folders);
-  if (!arguments.output.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
+  if (!messages.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   const TechniqueRegistry registry(arguments.technique.folders);
   if (arguments.dry_run) {
-    print_result("{}", describe_plan(spec, registry, options));
+    print_plans({{"comparison", describe_plan(spec, registry, options)}}, messages.json);
     return 0;
   }
-  if (options.folder.empty()) throw_error(ErrorClass::usage, "where to? add --output FOLDER");
+  if (options.folder.empty()) throw_error(ErrorClass::usage, "no output folder given; add --output FOLDER");
   const ComparisonResult result = run_comparison(spec, registry, options);
-  if (arguments.output.json) print_result("{}", result.to_json());
-  if (!arguments.output.quiet) {
-    if (result.baseline) print_note("{}", result.baseline->table(result));
-    if (fs::path page = options.folder / "report.html"; fs::exists(page)) print_note("report: {}\n", page.string());
+  if (messages.json) {
+    print_result("{}", result.to_json());
+  } else {
+    if (result.baseline) print_result("{}", result.baseline->table(result));
+    if (fs::path page = options.folder / "report.html"; fs::exists(page)) print_result("report: {}\n", page.string());
   }
   if (result.interrupted) {
     log_warning("interrupted: finished pieces are kept; continue with --resume");
@@ -121,81 +117,80 @@ int compare(CompareArguments arguments) {
   return succeeded(result) ? 0 : static_cast<int>(ErrorClass::check_failed);
 }
 
-int report(const fs::path& folder, const ReportOptions& options) {
-  write_report(folder, options);
-  print_result("{}\n", (folder / "report.html").string());
-  return 0;
+/// What --comparison says: options that would do nothing beside it.
+const std::vector<std::string>& stated_in_file() {
+  static const std::vector<std::string> names = {"scene",
+                                                 "--technique",
+                                                 "--parameter",
+                                                 "--time",
+                                                 "--iterations",
+                                                 "--spp",
+                                                 "--relmse",
+                                                 "--limit",
+                                                 "--seeds",
+                                                 "--reference",
+                                                 "--reference-spp",
+                                                 "--reference-relmse",
+                                                 "--fallback-environment",
+                                                 "--size",
+                                                 "--max-bounces",
+                                                 "--pixel-sampling",
+                                                 "--exposure",
+                                                 "--camera",
+                                                 "--environment",
+                                                 "--light",
+                                                 "--material",
+                                                 "--no-sidecar",
+                                                 "--texture-size",
+                                                 "--at",
+                                                 "--animation"};
+  return names;
+}
+
+void add_options(Command command, const std::shared_ptr<CompareArguments>& arguments) {
+  command.option("scene", arguments->scenes);
+  command.option("--comparison", arguments->comparison).default_text("none");
+  command.option("--output", arguments->options.folder).value_name("FOLDER").default_text("none, with --dry-run");
+  command.flag("--overwrite", arguments->options.overwrite);
+  command.flag("--resume", arguments->options.resume);
+  command.flag("--dry-run", arguments->dry_run);
+  command.flag("--link-images", arguments->options.report.link_images);
+  command.option("--gate", arguments->gates).repeatable().default_text("none");
+  command.option("--baseline", arguments->options.baseline).default_text("none");
+  command.option("--time", arguments->seconds).check(positive_number()).repeatable().default_text("none");
+  command.option("--spp", arguments->samples).check(whole_number(1)).repeatable().default_text("none");
+  command.option("--iterations", arguments->iterations).check(whole_number(1)).repeatable().default_text("none");
+  command.option("--relmse", arguments->relmse).check(positive_number()).repeatable().default_text("none");
+  command.option("--limit", arguments->limit_seconds).check(positive_number()).capture_default_str();
+  command.option("--seeds", arguments->spec.seeds).check(in_range(1, 1000)).capture_default_str();
+  command.option("--reference", arguments->reference).default_text("rendered");
+  ReferenceRequest& reference = arguments->spec.reference;
+  command.option("--reference-spp", reference.samples).check(in_range(32, 1 << 24)).capture_default_str();
+  command.option("--reference-relmse", reference.relmse).check(positive_number()).default_text("no limit");
+  arguments->image.add_to(command, false);
+  arguments->overrides.add_exposure_to(command);
+  arguments->overrides.add_to(command);
+  command.option("--fallback-environment", arguments->spec.fallback_environment).default_text("none");
+  arguments->technique.add_to(command, "none");
+  arguments->device.add_to(command);
 }
 
 }  // namespace
 
 void add_compare_command(Command program, Action& action) {
   auto arguments = std::make_shared<CompareArguments>();
-  Command command = program.add_subcommand("compare", "compare technique variants on scenes against a reference");
-  command.add_option("scenes", arguments->scenes, ".gltf, .glb or builtin:NAME, one or more");
-  command.add_option("--comparison", arguments->comparison,
-                     "JSON file that defines scenes, techniques, budgets (docs/comparisons.md)");
-  arguments->technique.add_to(command);
-  command.add_option("-o,--output", arguments->options.folder, "folder of the results");
-  const auto add_budget = [&command](const char* name, auto& values, const char* text) {
-    using Value = typename std::decay_t<decltype(values)>::value_type;
-    const Check valid = std::is_integral_v<Value> ? whole_number(1) : positive_number();
-    command.add_option(name, values, text)->check(valid)->take_all()->expected(1)->allow_extra_args(false);
-  };
-  add_budget("--time", arguments->seconds,
-             "equal time: seconds of preparing and iterating; may be given several times");
-  add_budget("--iterations", arguments->iterations, "equal iterations; may be given several times");
-  add_budget("--equal-error", arguments->equal_error, "equal error: time to this relMSE; may be given several times");
-  command.add_option("--limit", arguments->limit_seconds, "seconds after which --equal-error gives up")
-      ->check(positive_number())
-      ->capture_default_str();
-  command.add_option("--seeds", arguments->spec.seeds, "independent runs of each variant")
-      ->check(in_range(1, 1000))
-      ->capture_default_str();
-  command.add_option("--reference", arguments->reference, "image to compare with, instead of a rendered reference");
-  command
-      .add_option("--reference-spp", arguments->spec.reference.samples,
-                  "samples per pixel of rendered references, at most")
-      ->check(in_range(32, 1 << 24))
-      ->capture_default_str();
-  command
-      .add_option("--reference-error", arguments->spec.reference.relmse,
-                  "stop a reference when its own relMSE is at most this")
-      ->check(positive_number());
-  command.add_option("--fallback-environment", arguments->spec.fallback_environment,
-                     "r,g,b of the sky of scenes without any light");
-  command
-      .add_option("--gate", arguments->gates,
-                  "METRIC<VALUE, METRIC>VALUE or LABEL:METRIC<VALUE: exit code 1 when it is missed")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command.add_option("--baseline", arguments->options.baseline, "folder of an earlier comparison: say what changed");
-  command.add_flag("--dry-run", arguments->dry_run,
-                   "print the plan, with light paths, memory and time, and render nothing but first iterations");
-  command.add_flag("--link-images", arguments->options.report.link_images,
-                   "report with images beside it, in full precision");
-  arguments->image.add_to(command, false);
-  arguments->overrides.add_to(command);
-  command.add_flag("--resume", arguments->options.resume, "continue an interrupted comparison in the same folder");
-  command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder")
-      ->excludes("--resume");
-  arguments->device.add_to(command);
-  arguments->output.add_to(command);
-  command.callback([arguments, &action] { action = [arguments] { return compare(*arguments); }; });
-}
-
-void add_report_command(Command program, Action& action) {
-  struct ReportArguments {
-    fs::path folder;
-    ReportOptions options;
-  };
-  auto arguments = std::make_shared<ReportArguments>();
-  Command command = program.add_subcommand("report", "write report.html again from the results in a folder");
-  command.add_option("folder", arguments->folder, "folder of the results")->required();
-  command.add_flag("--link-images", arguments->options.link_images, "images beside the page, in full precision");
-  command.callback(
-      [arguments, &action] { action = [arguments] { return report(arguments->folder, arguments->options); }; });
+  Command command = program.add_subcommand("compare", "compare techniques on scenes against references");
+  add_options(command, arguments);
+  command.needs({"--limit"}, {"--relmse"});
+  command.excludes({"--comparison"}, stated_in_file());
+  command.excludes({"--reference"}, {"--reference-spp", "--reference-relmse"});
+  command.excludes({"--resume"}, {"--overwrite"});
+  command.examples({"lucarium compare builtin:cornell -t path_tracing -t bundle_exchange --time 10 -o results",
+                    "lucarium compare --comparison study.json -o results"},
+                   "docs/comparisons.md");
+  command.callback([arguments, &action] {
+    action = [arguments](const Messages& messages) { return compare(*arguments, messages); };
+  });
 }
 
 }  // namespace lucarium::app

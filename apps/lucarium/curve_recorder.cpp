@@ -8,6 +8,7 @@
 #include "lucarium/film/exposure.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/scene/exposure.h"
+#include "lucarium/session/counted_seconds.h"
 
 namespace lucarium::app {
 namespace {
@@ -34,16 +35,13 @@ nlohmann::ordered_json metrics_json(const ImageMetrics& metrics) {
 
 }  // namespace
 
-CurveSchedule CurveSchedule::up_to_iterations(uint64_t iterations) {
-  const double last = static_cast<double>(iterations);
-  return {true, std::max(1.0, last / 64), last};
+CurveSchedule CurveSchedule::up_to_count(Work work, uint64_t count) {
+  const double last = static_cast<double>(count);
+  return {work, std::max(1.0, last / 64), last};
 }
 
-CurveSchedule CurveSchedule::open_ended() { return {false, 0.1, INFINITY}; }
-
-double counted_seconds(const RenderSession::Clocks& clocks) {
-  return clocks.upload + clocks.bvh + clocks.prepare + clocks.iterate;
-}
+CurveSchedule CurveSchedule::open_ended() { return {Work::seconds, 0.1, INFINITY}; }
+CurveSchedule CurveSchedule::at_the_end() { return {Work::seconds, INFINITY, INFINITY}; }
 
 CurveRecorder::CurveRecorder(const std::filesystem::path& reference, const RenderSettings& settings,
                              float exposure_stops, const CurveSchedule& schedule)
@@ -56,14 +54,19 @@ CurveRecorder::CurveRecorder(const std::filesystem::path& reference, const Rende
       next_(schedule.first) {}
 
 std::optional<double> CurveRecorder::sample(RenderSession& session) {
-  const double work =
-      schedule_.by_iterations ? static_cast<double>(session.iterations()) : counted_seconds(session.clocks());
+  const double work = work_done(session);
   // Times are those of the schedule, whatever the iterations took: late ones are not made up for.
   if (work < next_ * (1 - 1e-9)) return std::nullopt;
   while (next_ <= work * (1 + 1e-9)) next_ *= half_octave;
-  if (schedule_.by_iterations) next_ = std::ceil(next_ * (1 - 1e-9));
+  if (schedule_.work != CurveSchedule::Work::seconds) next_ = std::ceil(next_ * (1 - 1e-9));
   take(session, session.resolve().image());
   return snapshots_.back().metrics.relmse;
+}
+
+double CurveRecorder::work_done(const RenderSession& session) const {
+  if (schedule_.work == CurveSchedule::Work::iterations) return static_cast<double>(session.iterations());
+  if (schedule_.work == CurveSchedule::Work::samples) return static_cast<double>(session.last().samples);
+  return counted_seconds(session.clocks());
 }
 
 void CurveRecorder::take(RenderSession& session, const std::vector<float>& image) {

@@ -11,18 +11,17 @@
 
 namespace lucarium::app {
 
-/// When a curve is sampled: at work t·2^(i/2), where work is seconds of preparing and iterating, or iterations.
+/// When a curve is sampled: at work t·2^(i/2).
 struct CurveSchedule {
-  bool by_iterations = false;
+  enum class Work { seconds, iterations, samples };  ///< seconds of preparing and iterating; samples per pixel
+  Work work = Work::seconds;
   double first = 0, last = 0;  ///< `last` infinite: without end
   /// Up to a budget, from 1/64 of it.
-  static CurveSchedule up_to_seconds(double seconds) { return {false, seconds / 64, seconds}; }
-  static CurveSchedule up_to_iterations(uint64_t iterations);
+  static CurveSchedule up_to_seconds(double seconds) { return {Work::seconds, seconds / 64, seconds}; }
+  static CurveSchedule up_to_count(Work work, uint64_t count);
   static CurveSchedule open_ended();  ///< from 0.1 s
+  static CurveSchedule at_the_end();
 };
-
-/// Seconds that count for equal time: upload, BVH, preparing and iterating; not loading, not compiling.
-double counted_seconds(const RenderSession::Clocks& clocks);
 
 /// Samples the error of a session's film against a reference; the time this takes is on no clock.
 class CurveRecorder {
@@ -48,6 +47,7 @@ class CurveRecorder {
     ImageMetrics metrics;
   };
   void take(RenderSession& session, const std::vector<float>& image);
+  double work_done(const RenderSession& session) const;
 
   uint32_t width_, height_;
   std::vector<float> truth_;

@@ -5,7 +5,7 @@
 #include "commands.h"
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/terminal.h"
-#include "options.h"
+#include "lucarium/compute/device/device.h"
 
 namespace lucarium::app {
 using nlohmann::ordered_json;
@@ -22,8 +22,8 @@ const char* type_name(DeviceType type) {
   return "other";
 }
 
-int devices(const DeviceArguments& arguments, bool json) {
-  const std::vector<DeviceInfo> list = list_devices(arguments.resolved());
+int devices(bool json) {
+  const std::vector<DeviceInfo> list = list_devices({});
   ordered_json entries = ordered_json::array();
   for (const DeviceInfo& device : list) {
     entries.push_back({{"index", device.index},
@@ -43,19 +43,16 @@ int devices(const DeviceArguments& arguments, bool json) {
                  format_bytes(device.max_allocation_bytes), device.platform, device.opencl_version,
                  device.driver_version);
   }
-  if (json) print_result("{}\n", entries.dump(2));
+  if (json) print_result("{}\n", ordered_json{{"schema", "lucarium-devices-1"}, {"devices", entries}}.dump(2));
   return 0;
 }
 
 }  // namespace
 
 void add_devices_command(Command program, Action& action) {
-  auto arguments = std::make_shared<std::pair<DeviceArguments, bool>>();
   Command command = program.add_subcommand("devices", "list OpenCL devices");
-  arguments->first.add_to(command);
-  command.add_flag("--json", arguments->second, "print JSON");
-  command.callback(
-      [arguments, &action] { action = [arguments] { return devices(arguments->first, arguments->second); }; });
+  command.examples({"lucarium devices", "lucarium devices --json"}, "docs/devices.md");
+  command.callback([&action] { action = [](const Messages& messages) { return devices(messages.json); }; });
 }
 
 }  // namespace lucarium::app

@@ -14,6 +14,7 @@
 #include "lucarium/statistics/image_comparison.h"
 #include "lucarium/statistics/statistics.h"
 #include "options.h"
+#include "output_files.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -26,24 +27,13 @@ struct DiffArguments {
   std::string map_kind = "signed";
   std::optional<double> max_relmse;
   float exposure = 0;
-  bool formulas = false, json = false, overwrite = false, statistical = false;
+  bool formulas = false, overwrite = false, statistical = false;
 };
 
 struct LayerMetrics {
   std::string layer;
   ImageMetrics metrics;
 };
-
-void check_map_file(const DiffArguments& arguments) {
-  if (arguments.map.empty()) return;
-  const std::string extension = arguments.map.extension().string();
-  if (extension != ".exr" && extension != ".png") {
-    throw_error(ErrorClass::usage, "--map {}: its name must end in .exr or .png", arguments.map.string());
-  }
-  if (fs::exists(arguments.map) && !arguments.overwrite) {
-    throw_error(ErrorClass::usage, "{} exists; choose another --map or give --overwrite", arguments.map.string());
-  }
-}
 
 /// As .exr the values themselves, in R, G and B; as .png colours.
 void write_map(const DiffArguments& arguments, const Film& test, const std::vector<float>& reference,
@@ -170,11 +160,36 @@ void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
   }
 }
 
+ordered_json image_test_json(const ImageTest& outcome) {
+  ordered_json levels = ordered_json::array();
+  for (const ImageTestLevel& level : outcome.levels) {
+    levels.push_back({{"name", level.name},
+                      {"tests", level.tests},
+                      {"constant", level.constant},
+                      {"failures", level.failures},
+                      {"level", level.level},
+                      {"smallest_p", level.smallest_p},
+                      {"worst_t", json_number(level.worst_t)},
+                      {"worst_x", level.worst_x},
+                      {"worst_y", level.worst_y},
+                      {"ks_p", level.ks_p}});
+  }
+  return {{"schema", "lucarium-image-test-1"},
+          {"passed", outcome.passed},
+          {"mean_test", outcome.mean_a},
+          {"mean_reference", outcome.mean_b},
+          {"levels", levels}};
+}
+
 /// Two independent renders with replicates: the same up to noise?
-int test_statistically(const DiffArguments& arguments, const Film& test, const Film& reference) {
+int test_statistically(const DiffArguments& arguments, const Film& test, const Film& reference, bool json) {
   const ImageTest outcome = test_images(ImageEstimate::from_film(test, arguments.test.string()),
                                         ImageEstimate::from_film(reference, arguments.reference.string()));
-  print_result("{}", to_text(outcome));
+  if (json) {
+    print_result("{}\n", image_test_json(outcome).dump(2));
+  } else {
+    print_result("{}", to_text(outcome));
+  }
   if (!outcome.passed) {
     throw_error(ErrorClass::check_failed, "{} and {} differ by more than their noise", arguments.test.string(),
                 arguments.reference.string());
@@ -182,10 +197,13 @@ int test_statistically(const DiffArguments& arguments, const Film& test, const F
   return 0;
 }
 
-int diff(const DiffArguments& arguments) {
-  check_map_file(arguments);
+int diff(const DiffArguments& arguments, const Messages& messages) {
+  if (!arguments.map.empty()) {
+    check_image_name(arguments.map);
+    check_output(arguments.map, arguments.overwrite);
+  }
   const Film test = read_image(arguments.test), reference = read_image(arguments.reference);
-  if (arguments.statistical) return test_statistically(arguments, test, reference);
+  if (arguments.statistical) return test_statistically(arguments, test, reference, messages.json);
   if (test.width() != reference.width() || test.height() != reference.height()) {
     throw_error(ErrorClass::input, "{} is {}×{}, {} is {}×{}: images of different size cannot be compared",
                 arguments.test.string(), test.width(), test.height(), arguments.reference.string(), reference.width(),
@@ -195,7 +213,7 @@ int diff(const DiffArguments& arguments) {
   const std::vector<LayerMetrics> layers = measure_layers(arguments, test, reference, prepared);
   const ordered_json own = reference_json(reference, layers[0].metrics);
   if (!arguments.map.empty()) write_map(arguments, test, reference.image(), prepared);
-  if (arguments.json) {
+  if (messages.json) {
     print_result("{}\n", diff_json(arguments, layers, prepared.hdr_exposures(), own).dump(2));
   } else {
     print_table(arguments, layers);
@@ -211,24 +229,25 @@ int diff(const DiffArguments& arguments) {
 void add_diff_command(Command program, Action& action) {
   auto arguments = std::make_shared<DiffArguments>();
   Command command = program.add_subcommand("diff", "metrics of a test image against a reference image");
-  command.add_option("test", arguments->test, "image under test")->required();
-  command.add_option("reference", arguments->reference, "reference image")->required();
-  command.add_option("--map", arguments->map, "write the error of every pixel: values as .exr, colours as .png");
-  command.add_option("--map-of", arguments->map_kind, "signed (relative luminance error), ldr_flip or hdr_flip")
-      ->check(one_of({"signed", "ldr_flip", "hdr_flip"}))
-      ->capture_default_str();
-  command.add_option("--max-relmse", arguments->max_relmse, "exit code 1 above this")->check(not_negative_number());
-  command.add_option("--exposure", arguments->exposure, "of PSNR, SSIM and LDR_FLIP [stops]")->check(finite_number());
-  command
-      .add_flag(
-          "--statistical", arguments->statistical,
-          "instead of metrics: whether two renders of path_tracing with other seeds and replicates=16 or more are the "
-          "same up to noise; exit code 1 when not")
-      ->excludes("--map");
-  command.add_flag("--formulas", arguments->formulas, "print what every metric means");
-  command.add_flag("--json", arguments->json, "print JSON");
-  command.add_flag("--overwrite", arguments->overwrite, "replace an existing --map");
-  command.callback([arguments, &action] { action = [arguments] { return diff(*arguments); }; });
+  command.option("test", arguments->test).required();
+  command.option("reference", arguments->reference).required();
+  command.option("--output", arguments->map).value_name("MAP.exr|.png").default_text("none");
+  command.option("--map-of", arguments->map_kind)
+      .check(one_of({"signed", "ldr_flip", "hdr_flip"}))
+      .capture_default_str();
+  command.flag("--overwrite", arguments->overwrite);
+  command.option("--max-relmse", arguments->max_relmse).check(not_negative_number()).default_text("no limit");
+  command.flag("--statistical", arguments->statistical);
+  command.flag("--formulas", arguments->formulas);
+  command.option("--exposure", arguments->exposure).check(finite_number()).capture_default_str();
+  command.needs({"--map-of"}, {"--output"});
+  command.excludes({"--statistical"}, {"--output", "--max-relmse", "--exposure", "--formulas"});
+  command.excludes({"--formulas"}, {"--json"});
+  command.examples({"lucarium diff test.exr reference.exr -o map.png --map-of hdr_flip",
+                    "lucarium diff test.exr reference.exr --max-relmse 0.01 --json"},
+                   "docs/metrics.md");
+  command.callback(
+      [arguments, &action] { action = [arguments](const Messages& messages) { return diff(*arguments, messages); }; });
 }
 
 }  // namespace lucarium::app

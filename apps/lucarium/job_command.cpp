@@ -17,10 +17,10 @@ int perform(const std::filesystem::path& file) {
 
 void add_job_command(Command program, Action& action) {
   auto file = std::make_shared<std::filesystem::path>();
-  Command command = program.add_subcommand(job_command, "perform the rendering that a job file describes");
-  command.add_option("file", *file, "JSON (schema lucarium-job-1)")->required();
+  Command command = program.add_subcommand(job_command, "perform the rendering that a job file describes; prints JSON");
+  command.option("file", *file).required();
   command.hide();
-  command.callback([file, &action] { action = [file] { return perform(*file); }; });
+  command.callback([file, &action] { action = [file](const Messages&) { return perform(*file); }; });
 }
 
 }  // namespace lucarium::app

@@ -27,7 +27,8 @@ int run(int argc, char** argv) {
   app::Action action;
   app::CommandLine line = app::build_app(action);
   if (const std::optional<int> done = line.parse(argc, argv)) return *done;
-  return action();
+  line.messages().apply();
+  return action(line.messages());
 }
 
 /// Before the constructors of the libraries, which take most of the start: from the program's first moment on.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
@@ -25,6 +26,7 @@ constexpr size_t longest_name = 64;
 struct NewTechniqueArguments {
   std::string name;
   fs::path output;
+  bool overwrite = false;
 };
 
 void check_name(const std::string& name) {
@@ -75,24 +77,45 @@ void print_next_steps(const std::string& name, const fs::path& folder) {
       prefix.empty() ? "PREFIX/bin/" : "", name, folder.string(), name);
 }
 
-int new_technique(const NewTechniqueArguments& arguments) {
+/// The template's files in the folder; others in it stay.
+std::vector<fs::path> write_template(const std::string& name, const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& [file, text] : lucarium_technique_template()) {
+    files.push_back(folder / replace_all(file, placeholder, name));
+    write_file_atomically(files.back(), replace_all(std::string(text), placeholder, name));
+  }
+  return files;
+}
+
+int new_technique(const NewTechniqueArguments& arguments, const Messages& messages) {
   check_name(arguments.name);
   const fs::path folder = arguments.output.empty() ? fs::path(arguments.name) : arguments.output;
   std::error_code failure;
-  if (fs::exists(folder, failure))
-    throw_error(ErrorClass::usage, "{} exists; choose another folder with --output", folder.string());
+  const bool there = fs::exists(folder, failure);
+  if (there && !fs::is_directory(folder, failure))
+    throw_error(ErrorClass::usage, "{} is no folder; choose another one with --output", folder.string());
+  if (there && !arguments.overwrite)
+    throw_error(ErrorClass::usage, "{} exists; choose another folder with --output or give --overwrite",
+                folder.string());
   fs::create_directories(folder, failure);
   if (failure) throw_error(ErrorClass::input, "cannot create the folder {}: {}", folder.string(), failure.message());
+  std::vector<fs::path> files;
   try {
-    for (const auto& [file, text] : lucarium_technique_template()) {
-      write_file_atomically(folder / replace_all(file, placeholder, arguments.name),
-                            replace_all(std::string(text), placeholder, arguments.name));
-    }
+    files = write_template(arguments.name, folder);
   } catch (...) {
-    fs::remove_all(folder, failure);
+    if (!there) fs::remove_all(folder, failure);
     throw;
   }
-  print_next_steps(arguments.name, folder);
+  if (messages.json) {
+    nlohmann::ordered_json json = {{"schema", "lucarium-new-technique-1"},
+                                   {"name", arguments.name},
+                                   {"folder", folder.string()},
+                                   {"files", nlohmann::ordered_json::array()}};
+    for (const fs::path& file : files) json["files"].push_back(file.string());
+    print_result("{}\n", json.dump(2));
+  } else {
+    print_next_steps(arguments.name, folder);
+  }
   return 0;
 }
 
@@ -102,9 +125,14 @@ void add_new_technique_command(Command program, Action& action) {
   auto arguments = std::make_shared<NewTechniqueArguments>();
   Command command =
       program.add_subcommand("new-technique", "write a folder with a new technique, to be changed into your own");
-  command.add_option("name", arguments->name, "of the technique: a-z, 0-9 and _")->required();
-  command.add_option("-o,--output", arguments->output, "folder to write (default: NAME here)");
-  command.callback([arguments, &action] { action = [arguments] { return new_technique(*arguments); }; });
+  command.option("name", arguments->name).required();
+  command.option("--output", arguments->output).value_name("FOLDER").default_text("NAME");
+  command.flag("--overwrite", arguments->overwrite);
+  command.examples({"lucarium new-technique my_technique", "lucarium new-technique my_technique -o plugins/mine"},
+                   "docs/adding_a_technique.md");
+  command.callback([arguments, &action] {
+    action = [arguments](const Messages& messages) { return new_technique(*arguments, messages); };
+  });
 }
 
 }  // namespace lucarium::app

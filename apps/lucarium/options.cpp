@@ -7,6 +7,8 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/request_limits.h"
+#include "lucarium/base/spelling.h"
+#include "lucarium/base/utf8.h"
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/compute/device/cache_folder.h"
 #include "lucarium/scene/exposure.h"
@@ -34,22 +36,25 @@ std::pair<std::string, std::string> parse_assignment(const std::string& text) {
 }  // namespace
 
 void add_technique_path(Command command, std::vector<std::filesystem::path>& folders) {
-  command.add_option("--technique-path", folders, "folder of plug-ins, searched first; may be given several times")
-      ->check(existing_folder())
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
+  command.option("--technique-path", folders)
+      .check(existing_folder())
+      .repeatable()
+      .default_text("LUCARIUM_TECHNIQUE_PATH");
 }
 
 void DeviceArguments::add_to(Command command) {
-  command.add_option("--device", options.selector,
-                     "index, part of a name, or cpu|gpu|accelerator (see lucarium devices)");
-  command.add_option("--threads", options.threads, "worker threads of a CPU device; 0: all")
-      ->check(in_range(0, max_threads));
-  command.add_option("--cache-dir", options.cache_dir, "folder of compiled kernels and references");
-  command.add_flag("--no-cache", no_cache, "compile every kernel again");
-  command.add_option("--memory-limit", memory_limit, "most device memory to use, as 500M or 2G");
-  command.add_option("--allocation-limit", allocation_limit, "most device memory of one buffer");
+  command.option("--device", options.selector).default_text("first GPU, else first");
+  command.option("--threads", options.threads).check(in_range(0, max_threads)).capture_default_str();
+  command.option("--cache-dir", options.cache_dir).default_text("~/.cache/lucarium");
+  command.flag("--no-cache", no_cache);
+  command.option("--memory-limit", memory_limit).default_text("the device's");
+  command.option("--allocation-limit", allocation_limit).default_text("the device's");
+}
+
+const std::vector<std::string>& device_option_names() {
+  static const std::vector<std::string> names = {"--device",   "--threads",      "--cache-dir",
+                                                 "--no-cache", "--memory-limit", "--allocation-limit"};
+  return names;
 }
 
 void DeviceArguments::take(const DeviceOptions& given) {
@@ -74,30 +79,32 @@ void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<
   comparison.cache_dir = resolve_cache_dir(resolved());  // which refuses wrong limits, before anything is replaced
   comparison.use_cache = !no_cache;
   for (const fs::path& folder : technique_folders) comparison.technique_folders.push_back(fs::absolute(folder));
+  // They go into the jobs of a comparison, which are JSON: refused before its references are rendered.
+  std::vector<fs::path> named = comparison.technique_folders;
+  named.insert(named.end(), {comparison.program, comparison.cache_dir});
+  if (!comparison.folder.empty()) named.push_back(fs::absolute(comparison.folder));
+  for (const fs::path& path : named) {
+    if (!is_utf8(path.string()))
+      throw_error(ErrorClass::usage, "'{}' is not UTF-8; give the folder another name", path.string());
+  }
 }
 
 void SceneArguments::add_to(Command command) {
-  command.add_option("--camera", overrides.camera, "NAME, INDEX, or EYE:TARGET[:VFOV] as x,y,z:x,y,z:degrees");
-  command.add_option("--environment", overrides.environment,
-                     "equirectangular .hdr/.exr, or r,g,b; *FACTOR and @DEGREES may follow");
-  command
-      .add_option("--light", overrides.lights,
-                  "point:x,y,z:r,g,b, spot:…, directional:dx,dy,dz:r,g,b, or none (docs/scenes.md)")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command.add_option_function(
-      "--exposure", [this](const std::string& text) { overrides.exposure = parse_exposure(text); },
-      "of pictures (.png) [stops], or auto (default): chosen from the image");
-  command.add_option("--material", overrides.materials, "NAME:key=value[,…]; NAME may hold *")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command.add_option("--at", overrides.at_seconds, "time of the animation [s]")->check(finite_number());
-  command.add_option("--animation", overrides.animation, "name or index");
-  command.add_flag("--no-sidecar", no_sidecar, "ignore FILE.lucarium.json beside the scene");
-  command.add_option("--texture-size", import.max_texture_size, "larger textures are halved until they fit [pixels]")
-      ->check(in_range(1u, largest_texture_size));
+  command.option("--camera", overrides.camera).default_text("the first");
+  command.option("--environment", overrides.environment).default_text("the scene's");
+  command.option("--light", overrides.lights).repeatable().default_text("the scene's");
+  command.option("--material", overrides.materials).repeatable().default_text("the scene's");
+  command.flag("--no-sidecar", no_sidecar);
+  command.option("--texture-size", import.max_texture_size)
+      .check(in_range(1u, largest_texture_size))
+      .capture_default_str();
+  command.option("--at", overrides.at_seconds).check(finite_number()).default_text("0");
+  command.option("--animation", overrides.animation).default_text("the first");
+}
+
+void SceneArguments::add_exposure_to(Command command) {
+  command.option_function("--exposure", [this](const std::string& text) { overrides.exposure = parse_exposure(text); })
+      .default_text("auto");
 }
 
 void SceneArguments::take(const Job& job) {
@@ -115,14 +122,10 @@ SceneOverrides SceneArguments::resolved() const {
 Scene SceneArguments::load(const std::string& source) const { return load_scene(source, resolved(), import); }
 
 void ImageArguments::add_to(Command command, bool with_seed) {
-  command.add_option("--size", size, "WIDTHxHEIGHT in pixels")->capture_default_str();
-  command.add_option("--max-bounces", max_bounces, "indirect bounces; 0: direct light only, -1: unlimited")
-      ->check(in_range(-1, PathSet::kMaxBounces))
-      ->capture_default_str();
-  command.add_option("--pixel-sampling", pixel_sampling, "jitter, centre, or n for a grid of n×n")
-      ->capture_default_str();
-  if (with_seed)
-    command.add_option("--seed", seed, "same seed, same image")->check(whole_number(0))->capture_default_str();
+  command.option("--size", size).capture_default_str();
+  command.option("--max-bounces", max_bounces).check(in_range(-1, PathSet::kMaxBounces)).capture_default_str();
+  command.option("--pixel-sampling", pixel_sampling).capture_default_str();
+  if (with_seed) command.option("--seed", seed).check(whole_number(0)).capture_default_str();
 }
 
 RenderSettings ImageArguments::settings() const {
@@ -132,10 +135,10 @@ RenderSettings ImageArguments::settings() const {
   result.seed = seed;
   if (pixel_sampling == "jitter") {
     result.pixel_sampling = 0;
-  } else if (pixel_sampling == "centre") {
+  } else if (american_spelling(pixel_sampling) == "center") {
     result.pixel_sampling = 1;
   } else {
-    const std::string modes = fmt::format("jitter, centre, or n from 2 to {}", finest_pixel_grid);
+    const std::string modes = fmt::format("jitter, center, or n from 2 to {}", finest_pixel_grid);
     result.pixel_sampling = parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: " + modes);
     if (result.pixel_sampling < 2 || result.pixel_sampling > finest_pixel_grid)
       throw_error(ErrorClass::usage, "--pixel-sampling {} is not {}", pixel_sampling, modes);
@@ -147,33 +150,48 @@ TechniqueArguments::Spec TechniqueArguments::parse(const std::string& text) {
   const size_t colon = text.find(':');
   Spec spec{text.substr(0, colon), {}};
   if (spec.name.empty()) throw_error(ErrorClass::usage, "'{}' names no technique", text);
-  for (size_t begin = colon == std::string::npos ? text.size() : colon + 1; begin < text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    spec.parameters.push_back(parse_assignment(text.substr(begin, end - begin)));
-    begin = end + 1;
-  }
+  if (colon != std::string::npos) spec.parameters = parse_parameters(text.substr(colon + 1));
   return spec;
 }
 
-void TechniqueArguments::add_to(Command command) {
+TechniqueArguments::Parameters TechniqueArguments::parse_parameters(const std::string& text) {
+  Parameters parameters;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    parameters.push_back(parse_assignment(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return parameters;
+}
+
+TechniqueArguments::Spec TechniqueArguments::single(const std::string& command, const std::string& otherwise) const {
+  if (specs.empty()) return {otherwise, leading};
+  if (specs.size() > 1)
+    throw_error(ErrorClass::usage, "{} takes one -t; to compare several use lucarium compare", command);
+  return all().front();
+}
+
+const std::vector<TechniqueArguments::Spec>& TechniqueArguments::all() const {
+  if (!leading.empty()) {
+    const std::string text = leading.front().first + "=" + leading.front().second;
+    throw_error(ErrorClass::usage, "-p {}: name the technique it belongs to first, as in -t path_tracing -p {}", text,
+                text);
+  }
+  return specs;
+}
+
+void TechniqueArguments::add_to(Command command, const std::string& default_technique) {
+  command.option_function("--technique", [this](const std::string& text) { specs.push_back(parse(text)); })
+      .trigger_on_parse()
+      .default_text(default_technique);
   command
-      .add_option_function(
-          "-t,--technique", [this](const std::string& text) { specs.push_back(parse(text)); },
-          "NAME[:key=value,…] (see lucarium techniques)")
-      ->trigger_on_parse()
-      ->take_last();
-  command
-      .add_option_function(
-          "-p,--parameter",
-          [this](const std::string& text) {
-            if (specs.empty())
-              throw_error(ErrorClass::usage,
-                          "-p {}: name the technique it belongs to first, as in -t path_tracing -p {}", text, text);
-            specs.back().parameters.push_back(parse_assignment(text));
-          },
-          "key=value for the -t before it")
-      ->trigger_on_parse()
-      ->take_last();
+      .option_function("--parameter",
+                       [this](const std::string& text) {
+                         Parameters& all = specs.empty() ? leading : specs.back().parameters;
+                         for (auto& parameter : parse_parameters(text)) all.push_back(std::move(parameter));
+                       })
+      .trigger_on_parse()
+      .default_text("the technique's");
   add_technique_path(command, folders);
 }
 
@@ -186,24 +204,23 @@ void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec&
   }
 }
 
-void OutputArguments::add_to(Command command, bool with_json) {
-  if (with_json) command.add_flag("--json", json, "print the result as JSON on standard output");
-  command.add_flag("--quiet", quiet, "no progress, no warnings");
-  command.add_flag("-v,--verbose", verbose, "details of errors, and what is being done");
-}
-
-void OutputArguments::apply() const {
-  set_log_level(quiet ? LogLevel::error : verbose ? LogLevel::info : LogLevel::warning);
-}
-
-RenderSettings settings_of(const Job& job) {
-  RenderSettings settings;
+void RenderingArguments::take(const Job& job) {
+  scene = job.scene;
+  device.take(job.device);
+  overrides.take(job);
   settings.width = job.width;
   settings.height = job.height;
   settings.max_bounces = job.max_bounces;
   settings.pixel_sampling = job.pixel_sampling;
   settings.seed = job.seed;
-  return settings;
+  technique.folders = job.technique_folders;
+}
+
+Scene RenderingArguments::load() const {
+  Scene loaded = overrides.load(scene);
+  require_light(loaded);
+  for (const std::string& warning : loaded.warnings) log_warning("{}", warning);
+  return loaded;
 }
 
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {

@@ -31,13 +31,17 @@ struct DeviceArguments {
   void apply_to(ComparisonOptions& comparison, const std::vector<std::filesystem::path>& technique_folders) const;
 };
 
+/// Names of the options of DeviceArguments.
+const std::vector<std::string>& device_option_names();
+
 /// --camera, --environment, --light, --exposure, --material, --at, --animation, --no-sidecar, --texture-size
 struct SceneArguments {
   SceneOverrides overrides;
   ImportOptions import;
   bool no_sidecar = false;
   void add_to(Command command);
-  void take(const Job& job);  ///< instead of options
+  void add_exposure_to(Command command);  ///< where there are pictures or metrics
+  void take(const Job& job);              ///< instead of options
   Scene load(const std::string& source) const;
   SceneOverrides resolved() const;
 };
@@ -53,33 +57,44 @@ struct ImageArguments {
   RenderSettings settings() const;
 };
 
-/// -t NAME[:key=value,…] and -p key=value, which binds to the -t before it.
+/// -t NAME[:key=value,…], and -p key=value,… for the -t before it.
 struct TechniqueArguments {
+  using Parameters = std::vector<std::pair<std::string, std::string>>;
   struct Spec {
     std::string name;
-    std::vector<std::pair<std::string, std::string>> parameters;
+    Parameters parameters;
   };
   std::vector<Spec> specs;
+  Parameters leading;                          ///< of -p before any -t
   std::vector<std::filesystem::path> folders;  ///< --technique-path
-  void add_to(Command command);
+  void add_to(Command command, const std::string& default_technique);
+  /// The one that a command takes; `otherwise` where none is named. Throws Error{usage} for several.
+  Spec single(const std::string& command, const std::string& otherwise) const;
+  /// All that are named. Throws Error{usage} for parameters of none.
+  const std::vector<Spec>& all() const;
   static Spec parse(const std::string& text);
+  /// "key=value,key=value".
+  static Parameters parse_parameters(const std::string& text);
 };
 
 /// Sets the parameters on an instance that is thrown away, so that mistakes are found before long work.
 void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec);
 
-/// --json, --quiet, -v
-struct OutputArguments {
-  bool json = false, quiet = false, verbose = false;
-  void add_to(Command command, bool with_json = true);
-  void apply() const;  ///< sets the log level
+/// What `render` and `reference` begin with, from the command line or from a job.
+struct RenderingArguments {
+  std::string scene;
+  DeviceArguments device;
+  SceneArguments overrides;
+  ImageArguments image;
+  RenderSettings settings;  ///< of `image`, or of a job; without a camera
+  TechniqueArguments technique;
+  void take(const Job& job);  ///< instead of options
+  /// The scene, which must have light; logs its warnings.
+  Scene load() const;
 };
 
 /// --technique-path: folders that are there, searched before all others.
 void add_technique_path(Command command, std::vector<std::filesystem::path>& folders);
-
-/// Settings of a job, without a camera.
-RenderSettings settings_of(const Job& job);
 
 /// "1920x1080" → {1920, 1080}.
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text);

@@ -9,6 +9,11 @@
 namespace lucarium::app {
 namespace fs = std::filesystem;
 
+void check_image_name(const fs::path& file) {
+  if (file.extension() != ".exr" && file.extension() != ".png")
+    throw_error(ErrorClass::usage, "{}: the name must end in .exr or .png", file.string());
+}
+
 void check_output(const fs::path& file, bool overwrite) {
   std::error_code ignored;
   if (fs::is_directory(file, ignored)) throw_error(ErrorClass::usage, "{} is a folder, not a file", file.string());
@@ -17,7 +22,7 @@ void check_output(const fs::path& file, bool overwrite) {
   }
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, ignored)) {
-    throw_error(ErrorClass::input, "{}: there is no folder {} to write into", file.string(), folder.string());
+    throw_error(ErrorClass::usage, "{}: there is no folder {} to write into", file.string(), folder.string());
   }
   const fs::path probe = folder / fmt::format(".lucarium-probe-{}", ::getpid());
   try {

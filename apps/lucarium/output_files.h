@@ -4,8 +4,12 @@
 
 namespace lucarium::app {
 
+/// Images are written as .exr or .png. Throws Error{usage} for other names.
+void check_image_name(const std::filesystem::path& file);
+
 /// Finds before any work is done what would make writing `file` fail: a folder of that name, a file that is not to be
-/// replaced, a missing or unwritable folder. Throws Error{usage} or Error{input}.
+/// replaced, a missing or unwritable folder. Throws Error{usage}, or
+/// Error{input} where the folder is there and cannot be written into.
 void check_output(const std::filesystem::path& file, bool overwrite);
 
 }  // namespace lucarium::app

@@ -23,14 +23,7 @@ namespace {
 
 constexpr uint64_t default_samples = 4096;
 
-struct ReferenceArguments {
-  std::string scene;
-  DeviceArguments device;
-  SceneArguments overrides;
-  ImageArguments image;
-  RenderSettings settings;  ///< of `image`, or of a job
-  TechniqueArguments technique;
-  OutputArguments output;
+struct ReferenceArguments : RenderingArguments {
   ReferenceGoal goal;
   std::string path_set;
   fs::path file;
@@ -40,18 +33,14 @@ struct ReferenceArguments {
 /// The light paths asked for: those of a text, of a technique, or all up to --max-bounces.
 PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegistry& registry, const Scene& scene,
                         const RenderSettings& settings) {
-  if (!arguments.path_set.empty()) {
-    if (!arguments.technique.specs.empty()) throw_error(ErrorClass::usage, "give --path-set or -t, not both");
-    return PathSet::parse(arguments.path_set);
-  }
-  if (arguments.technique.specs.empty()) {
+  if (!arguments.path_set.empty()) return PathSet::parse(arguments.path_set);
+  const TechniqueArguments& given = arguments.technique;
+  if (given.specs.empty() && given.leading.empty()) {
     PathSet set;
     set.max_bounces = settings.max_bounces;
     return set;
   }
-  if (arguments.technique.specs.size() > 1)
-    throw_error(ErrorClass::usage, "reference takes one -t: its light paths are wanted");
-  const TechniqueArguments::Spec& spec = arguments.technique.specs.front();
+  const TechniqueArguments::Spec spec = given.single("reference", "path_tracing");
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
   const std::unique_ptr<Technique> technique = type.create();
@@ -109,7 +98,7 @@ nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_befor
 }
 
 /// Renders what is missing and writes the file after every round; returns whether the goal was reached.
-bool extend(const ReferenceArguments& arguments, RenderSession& session, const ReferenceIdentity& identity,
+bool extend(const ReferenceArguments& arguments, bool quiet, RenderSession& session, const ReferenceIdentity& identity,
             ReferenceImage& image) {
   const auto earlier = image.metadata().find("seconds");
   const double seconds_before = earlier == image.metadata().end() ? 0 : std::stod(earlier->second);
@@ -124,25 +113,21 @@ bool extend(const ReferenceArguments& arguments, RenderSession& session, const R
     identity.write_to(grown.metadata());
     write_exr(arguments.file, grown.film());
   };
-  Progress progress("reference", arguments.output.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  Progress progress("reference", quiet ? Progress::Style::quiet : Progress::Style::automatic);
   return extend_reference(session, image, arguments.goal, seed, keep, [&](const ReferenceProgress& now) {
     const double rate = static_cast<double>(now.samples - samples_before) * pixels / 1e6 / std::max(1e-9, now.seconds);
     progress.update(now.fraction, fmt::format("{} samples per pixel, {:.2f} Msamples/s", now.samples, rate));
   });
 }
 
-int render_reference(ReferenceArguments arguments) {
-  arguments.output.apply();
+int render_reference(ReferenceArguments arguments, const Messages& messages) {
   if (arguments.file.extension() != ".exr")
     throw_error(ErrorClass::usage, "{}: the name must end in .exr", arguments.file.string());
-  if (arguments.extend && arguments.overwrite) throw_error(ErrorClass::usage, "give --extend or --overwrite, not both");
   check_output(arguments.file, arguments.overwrite || arguments.extend);
   ReferenceGoal& goal = arguments.goal;
   if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) goal.samples = default_samples;
 
-  Scene scene = arguments.overrides.load(arguments.scene);
-  require_light(scene);
-  for (const std::string& warning : scene.warnings) log_warning("{}", warning);
+  Scene scene = arguments.load();
   RenderSettings settings = arguments.settings;
   settings.camera = scene.cameras.front();
   const TechniqueRegistry registry(arguments.technique.folders);
@@ -155,7 +140,7 @@ int render_reference(ReferenceArguments arguments) {
                         settings, reference_parameters(path_set));
   const KeepOnInterrupt keep_rounds;
   const uint64_t rounds_before = image.rounds();
-  const bool done = extend(arguments, session, identity, image);
+  const bool done = extend(arguments, messages.quiet, session, identity, image);
   if (image.samples() == 0) {
     throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
   }
@@ -167,9 +152,9 @@ int render_reference(ReferenceArguments arguments) {
         arguments.file.string());
     if (log_level() >= LogLevel::warning) print_note("{}", to_text(halves));
   }
-  if (arguments.output.json) {
+  if (messages.json) {
     print_result("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
-  } else if (!arguments.output.quiet) {
+  } else {
     print_result("{}: {} samples per pixel, its own relMSE {}\n", arguments.file.string(), image.samples(),
                  image.error_known() ? fmt::format("{:.3g}", image.error().relmse) : "unknown (one half only)");
   }
@@ -182,44 +167,45 @@ int render_reference(ReferenceArguments arguments) {
 
 int reference(const Job& job, const ReferenceWork& work) {
   ReferenceArguments arguments;
-  arguments.scene = job.scene;
-  arguments.device.take(job.device);
-  arguments.overrides.take(job);
-  arguments.settings = settings_of(job);
-  arguments.technique.folders = job.technique_folders;
-  arguments.output.json = true;
+  arguments.take(job);
   arguments.goal.relmse = work.relmse;
   arguments.goal.samples = work.samples;
   arguments.path_set = work.path_set;
   arguments.file = work.output;
   arguments.extend = true;
-  return render_reference(std::move(arguments));
+  Messages messages;
+  messages.json = true;
+  return render_reference(std::move(arguments), messages);
 }
 
 void add_reference_command(Command program, Action& action) {
   auto arguments = std::make_shared<ReferenceArguments>();
   arguments->image.seed = 0x5eed;  // not one of the small numbers that the runs it is compared with use
   Command command = program.add_subcommand("reference", "render a reference image to a wanted error, or extend one");
-  command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
-  command.add_option("-o,--output", arguments->file, ".exr")->required();
-  command.add_option("--error", arguments->goal.relmse, "stop when the reference's own relMSE is at most this")
-      ->check(positive_number());
-  command.add_option("--spp", arguments->goal.samples, "samples per pixel (default 4096 when no other goal is given)")
-      ->check(whole_number(1));
-  command.add_option("--time", arguments->goal.seconds, "seconds of iterating")->check(positive_number());
-  command.add_option("--path-set", arguments->path_set,
-                     "light paths as key=value,… (docs/references.md); default: all");
-  arguments->technique.add_to(command);
+  command.option("scene", arguments->scene).required();
+  command.option("--output", arguments->file).required().value_name("FILE.exr");
+  command.flag("--extend", arguments->extend);
+  command.flag("--overwrite", arguments->overwrite);
+  ReferenceGoal& goal = arguments->goal;
+  command.option("--relmse", goal.relmse).check(positive_number()).default_text("no limit");
+  command.option("--spp", goal.samples)
+      .check(whole_number(1))
+      .default_text(fmt::format("{} without another budget", default_samples));
+  command.option("--time", goal.seconds).check(positive_number()).default_text("no limit");
   arguments->image.add_to(command, true);
   arguments->overrides.add_to(command);
-  command.add_flag("--extend", arguments->extend, "add samples to the file if it is there");
-  command.add_flag("--overwrite", arguments->overwrite, "replace the file");
+  arguments->technique.add_to(command, "all light paths");
+  command.option("--path-set", arguments->path_set).default_text("all light paths");
   arguments->device.add_to(command);
-  arguments->output.add_to(command);
+  command.excludes({"--path-set"}, {"--technique", "--parameter", "--max-bounces"});
+  command.excludes({"--extend"}, {"--overwrite"});
+  command.examples({"lucarium reference builtin:cornell --relmse 1e-4 -o reference.exr",
+                    "lucarium reference builtin:cornell -t bundle_exchange --spp 1024 -o reference.exr"},
+                   "docs/references.md");
   command.callback([arguments, &action] {
-    action = [arguments] {
+    action = [arguments](const Messages& messages) {
       arguments->settings = arguments->image.settings();
-      return render_reference(*arguments);
+      return render_reference(*arguments, messages);
     };
   });
 }

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "curve_recorder.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/session/counted_seconds.h"
 
 namespace lucarium::app {
 namespace {
@@ -27,11 +27,10 @@ RenderBudget make_budget(const BudgetArguments& arguments, const RenderSession& 
                          std::chrono::steady_clock::time_point start) {
   RenderBudget budget{0, arguments.iterations, arguments.samples};
   const RenderSession::Clocks& clocks = session.clocks();
-  if (arguments.compute_seconds > 0)
-    budget.seconds = seconds_left_of("--compute-time", arguments.compute_seconds, counted_seconds(clocks));
-  if (arguments.seconds > 0) {
+  if (arguments.seconds > 0) budget.seconds = seconds_left_of("--time", arguments.seconds, counted_seconds(clocks));
+  if (arguments.wall_seconds > 0) {
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const double left = seconds_left_of("--time", arguments.seconds, spent,
+    const double left = seconds_left_of("--wall-time", arguments.wall_seconds, spent,
                                         fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
     budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
   }
@@ -43,26 +42,26 @@ std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budge
                      bool accurate) {
   const IterationResult& last = session.last();
   if (last.converged) return last.phase.empty() ? "the technique" : last.phase;
-  if (accurate) return "--until-relmse";
+  if (accurate) return "--relmse";
   if (budget.samples > 0 && last.samples >= budget.samples) return "--spp";
   if (budget.iterations > 0 && session.iterations() >= budget.iterations) return "--iterations";
-  if (arguments.seconds > 0 && arguments.compute_seconds > 0) return "--time or --compute-time";
-  return arguments.seconds > 0 ? "--time" : "--compute-time";
+  if (arguments.wall_seconds > 0 && arguments.seconds > 0) return "--wall-time or --time";
+  return arguments.wall_seconds > 0 ? "--wall-time" : "--time";
 }
 
 constexpr double start_seconds = 1;   // of the program: devices, the scene's file, kernels from the cache
 constexpr double min_seconds = 1e-3;  // what is planned for where the start takes all
 
-/// Whether --time is used up before --compute-time.
+/// Whether --wall-time is used up before --time.
 bool is_wall_time(const BudgetArguments& arguments) {
-  return arguments.seconds > 0 &&
-         (arguments.compute_seconds <= 0 || arguments.seconds - start_seconds <= arguments.compute_seconds);
+  return arguments.wall_seconds > 0 &&
+         (arguments.seconds <= 0 || arguments.wall_seconds - start_seconds <= arguments.seconds);
 }
 
 /// The option that is used up first.
 std::string time_option(const BudgetArguments& arguments) {
-  return is_wall_time(arguments) ? fmt::format("--time {:g}", arguments.seconds)
-                                 : fmt::format("--compute-time {:g}", arguments.compute_seconds);
+  return is_wall_time(arguments) ? fmt::format("--wall-time {:g}", arguments.wall_seconds)
+                                 : fmt::format("--time {:g}", arguments.seconds);
 }
 
 /// Two figures, and whole seconds from 10 on.
@@ -77,16 +76,16 @@ void tell_first_picture(const BudgetArguments& arguments, const RenderSession& s
   const auto add = [&](const char* option, double seconds) {
     enough.push_back(fmt::format("{} {}", option, about(1.1 * seconds)));
   };
-  if (arguments.compute_seconds > 0) add("--compute-time", counted_seconds(session.clocks()));
-  if (arguments.seconds > 0)
-    add("--time", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (arguments.seconds > 0) add("--time", counted_seconds(session.clocks()));
+  if (arguments.wall_seconds > 0)
+    add("--wall-time", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (!enough.empty()) log_warning("there is a picture now: {} would have given it", fmt::join(enough, " and "));
 }
 
 }  // namespace
 
 double planned_seconds(const BudgetArguments& arguments) {
-  return is_wall_time(arguments) ? std::max(arguments.seconds - start_seconds, min_seconds) : arguments.compute_seconds;
+  return is_wall_time(arguments) ? std::max(arguments.wall_seconds - start_seconds, min_seconds) : arguments.seconds;
 }
 
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique) {

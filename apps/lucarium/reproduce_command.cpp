@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium reproduce: experiments of papers, each a comparison and the values read off it.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
@@ -12,9 +13,11 @@
 #include "lucarium/compare/run/dry_run.h"
 #include "lucarium/technique/technique_folders.h"
 #include "options.h"
+#include "plan_text.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
+using nlohmann::ordered_json;
 
 namespace {
 
@@ -23,7 +26,6 @@ struct ReproduceArguments {
   std::vector<fs::path> folders;
   bool list = false, full = false, dry_run = false;
   DeviceArguments device;
-  OutputArguments output;
   ComparisonOptions options;
 };
 
@@ -35,6 +37,22 @@ const Paper& find_paper(const std::vector<Paper>& papers, const std::string& nam
   }
   throw_error(ErrorClass::usage, "no paper is called '{}'{}; `lucarium reproduce --list` names them", name,
               suggest_name(name, names));
+}
+
+ordered_json list_json(const std::vector<Paper>& papers) {
+  ordered_json list = ordered_json::array();
+  for (const Paper& paper : papers) {
+    ordered_json experiments = ordered_json::array();
+    for (const std::string& name : paper.experiments) {
+      const Experiment experiment = read_experiment(paper, name, false);
+      experiments.push_back({{"id", experiment.id()}, {"title", experiment.title}, {"place", experiment.place}});
+    }
+    list.push_back({{"name", paper.name},
+                    {"citation", paper.citation},
+                    {"technique", paper.technique},
+                    {"experiments", experiments}});
+  }
+  return {{"schema", "lucarium-papers-1"}, {"papers", list}};
 }
 
 void print_list(const std::vector<Paper>& papers) {
@@ -81,27 +99,35 @@ ComparisonResult run_experiment(const Experiment& experiment, const TechniqueReg
   return run_comparison(experiment.comparison, registry, options);
 }
 
-int reproduce_wanted(ReproduceArguments arguments) {
-  arguments.output.apply();
+int reproduce_wanted(ReproduceArguments arguments, const Messages& messages) {
   const std::vector<Paper> papers = find_papers(technique_folders(arguments.folders));
   if (arguments.list) {
-    print_list(papers);
+    if (messages.json) {
+      print_result("{}\n", list_json(papers).dump(2));
+    } else {
+      print_list(papers);
+    }
     return 0;
   }
   const std::vector<Experiment> experiments = wanted_experiments(arguments, papers);
   const TechniqueRegistry registry(arguments.folders);
   ComparisonOptions& options = arguments.options;
   arguments.device.apply_to(options, arguments.folders);
-  if (!arguments.output.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
+  if (!messages.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   if (arguments.dry_run) {
-    for (const Experiment& experiment : experiments) {
-      print_result("{}: {}\n{}\n", experiment.id(), experiment.title,
-                   describe_plan(experiment.comparison, registry, options));
-    }
+    std::vector<std::pair<std::string, std::string>> plans;
+    for (const Experiment& experiment : experiments)
+      plans.emplace_back(experiment.id(), describe_plan(experiment.comparison, registry, options));
+    print_plans(plans, messages.json);
     return 0;
   }
-  if (options.folder.empty()) throw_error(ErrorClass::usage, "where to? add --output FOLDER");
+  if (options.folder.empty()) throw_error(ErrorClass::usage, "no output folder given; add --output FOLDER");
   bool complete = true;
+  ordered_json finished = ordered_json::array();
+  const auto print_finished = [&] {
+    if (messages.json)
+      print_result("{}\n", ordered_json{{"schema", "lucarium-reproduce-1"}, {"experiments", finished}}.dump(2));
+  };
   const KeepOnInterrupt keep_experiments;
   for (const Experiment& experiment : experiments) {
     throw_if_interrupted(experiment.id().c_str());
@@ -112,13 +138,20 @@ int reproduce_wanted(ReproduceArguments arguments) {
       const bool old_left = options.overwrite && &experiment != &experiments.back();
       log_warning("interrupted: finished pieces are kept; continue with --resume{}",
                   old_left ? ", and run the experiments behind this one with --overwrite" : "");
+      print_finished();
       return static_cast<int>(ErrorClass::interrupted);
     }
     complete &= is_complete(result);
-    if (result.reproduction)
-      print_result("{}  report: {}\n\n", result.reproduction->table(),
-                   (options.folder / experiment.name / "report.html").string());
+    const fs::path folder = options.folder / experiment.name;
+    finished.push_back({{"id", experiment.id()},
+                        {"complete", is_complete(result)},
+                        {"results", (folder / "results.json").string()},
+                        {"report", (folder / "report.html").string()}});
+    if (result.reproduction) finished.back()["reproduction"] = ordered_json::parse(result.to_json()).at("reproduction");
+    if (result.reproduction && !messages.json)
+      print_result("{}  report: {}\n\n", result.reproduction->table(), (folder / "report.html").string());
   }
+  print_finished();
   return complete ? 0 : static_cast<int>(ErrorClass::check_failed);
 }
 
@@ -127,19 +160,25 @@ int reproduce_wanted(ReproduceArguments arguments) {
 void add_reproduce_command(Command program, Action& action) {
   auto arguments = std::make_shared<ReproduceArguments>();
   Command command = program.add_subcommand("reproduce", "repeat a paper's tables and figures as comparisons");
-  command.add_option("experiment", arguments->wanted, "PAPER for all of its experiments, or PAPER/EXPERIMENT");
-  command.add_flag("--list", arguments->list, "print the papers and experiments that there are");
-  command.add_flag("--full", arguments->full, "the full setting, not the quick one that ends within minutes");
-  command.add_option("-o,--output", arguments->options.folder,
-                     "folder of the results, with a folder for each experiment");
-  command.add_flag("--dry-run", arguments->dry_run, "print the plan and render nothing but first iterations");
-  command.add_flag("--resume", arguments->options.resume, "continue what was interrupted in the same folder");
-  command.add_flag("--overwrite", arguments->options.overwrite, "replace the results in the folder")
-      ->excludes("--resume");
+  command.option("experiment", arguments->wanted);
+  command.option("--output", arguments->options.folder)
+      .value_name("FOLDER")
+      .default_text("none, with --list or --dry-run");
+  command.flag("--overwrite", arguments->options.overwrite);
+  command.flag("--resume", arguments->options.resume);
+  command.flag("--list", arguments->list);
+  command.flag("--dry-run", arguments->dry_run);
+  command.flag("--full", arguments->full);
   add_technique_path(command, arguments->folders);
   arguments->device.add_to(command);
-  arguments->output.add_to(command, false);
-  command.callback([arguments, &action] { action = [arguments] { return reproduce_wanted(*arguments); }; });
+  command.excludes({"--list"}, {"experiment", "--output", "--overwrite", "--resume", "--dry-run", "--full"});
+  command.excludes({"--list"}, device_option_names());
+  command.excludes({"--resume"}, {"--overwrite"});
+  command.examples({"lucarium reproduce --list", "lucarium reproduce hermes2010/resolution -o results"},
+                   "docs/reproducing.md");
+  command.callback([arguments, &action] {
+    action = [arguments](const Messages& messages) { return reproduce_wanted(*arguments, messages); };
+  });
 }
 
 }  // namespace lucarium::app

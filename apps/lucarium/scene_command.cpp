@@ -16,7 +16,6 @@ namespace {
 struct SceneCommandArguments {
   std::string scene;
   SceneArguments overrides;
-  OutputArguments output;
   std::filesystem::path export_file;
   AtlasArguments atlas;
   bool overwrite = false;
@@ -32,14 +31,13 @@ void export_scene(const SceneCommandArguments& arguments, const Scene& scene) {
   export_gltf(scene, arguments.export_file);
 }
 
-int scene(const SceneCommandArguments& arguments) {
-  arguments.output.apply();
+int scene(const SceneCommandArguments& arguments, const Messages& messages) {
   const Scene loaded = arguments.overrides.load(arguments.scene);
   const SceneReport report = make_scene_report(loaded);
   if (!arguments.export_file.empty()) export_scene(arguments, loaded);
   arguments.atlas.check(arguments.overwrite);
-  const std::optional<SurfaceAtlasReport> atlas = draw_atlas(arguments.atlas, loaded, arguments.output.quiet);
-  if (arguments.output.json) {
+  const std::optional<SurfaceAtlasReport> atlas = draw_atlas(arguments.atlas, loaded, messages.quiet);
+  if (messages.json) {
     print_result("{}\n", atlas ? with_atlas(report.json(), *atlas) : report.json());
   } else {
     print_result("{}{}", report.text(), atlas ? text_of(*atlas) : "");
@@ -52,13 +50,17 @@ int scene(const SceneCommandArguments& arguments) {
 void add_scene_command(Command program, Action& action) {
   auto arguments = std::make_shared<SceneCommandArguments>();
   Command command = program.add_subcommand("scene", "report what is in a scene");
-  command.add_option("scene", arguments->scene, ".gltf, .glb or builtin:NAME")->required();
+  command.option("scene", arguments->scene).required();
+  command.option("--export", arguments->export_file).default_text("none");
+  command.flag("--overwrite", arguments->overwrite);
+  arguments->overrides.add_exposure_to(command);
   arguments->overrides.add_to(command);
-  command.add_option("--export", arguments->export_file, "write the scene as it is understood to FILE.glb");
   arguments->atlas.add_to(command);
-  command.add_flag("--overwrite", arguments->overwrite, "replace existing files");
-  arguments->output.add_to(command);
-  command.callback([arguments, &action] { action = [arguments] { return scene(*arguments); }; });
+  command.examples({"lucarium scene builtin:atrium",
+                    "lucarium scene builtin:cornell --material lamp:emissive_factor=40 --export bright.glb"},
+                   "docs/scenes.md");
+  command.callback(
+      [arguments, &action] { action = [arguments](const Messages& messages) { return scene(*arguments, messages); }; });
 }
 
 }  // namespace lucarium::app

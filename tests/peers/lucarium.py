@@ -67,8 +67,8 @@ def write_exr(file, rgb):
 def render(file, size, bounces, samples, replicates, output, kernel_path=None, parameters=()):
     """The image test's Render of a scene file, and the program's own summary; `samples` per replicate and pixel."""
     words = ["-p", f"replicates={replicates}"] + [w for p in parameters for w in ("-p", p)]
-    summary = json.loads(
+    answer = json.loads(
         run("render", file, "-t", "path_tracing", *words, "--size", f"{size[0]}x{size[1]}", "--max-bounces", bounces,
             "--spp", samples * replicates, "-o", output, "--overwrite", "--quiet", "--json", kernel_path=kernel_path)
     )
-    return image_test.Render.of_pixels(read_exr(output), read_exr(output, "Variance"), replicates), summary
+    return image_test.Render.of_pixels(read_exr(output), read_exr(output, "Variance"), replicates), answer["frames"][0]

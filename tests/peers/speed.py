@@ -53,13 +53,13 @@ class Ours:
     def one_run(self, samples, seed):
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         output = self.folder / "ours.exr"
-        summary = json.loads(lucarium.run(
+        answer = json.loads(lucarium.run(
             "render", self.file, "-t", "path_tracing", "--size", f"{self.size[0]}x{self.size[1]}",
             "--max-bounces", BOUNCES, "--spp", samples,
             "--seed", seed, "-p", f"samples_per_iteration={samples}", "-o", output, "--overwrite", "--quiet", "--json"))
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        return lucarium.read_exr(output), summary["clocks"]["iterate_seconds"], cpu
+        return lucarium.read_exr(output), answer["frames"][0]["clocks"]["iterate_seconds"], cpu
 
     def render(self, seed):
         cpu_of_one = self.one_run(1, seed)[2]

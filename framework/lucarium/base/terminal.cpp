@@ -7,6 +7,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/utf8.h"
 
 namespace lucarium {
 namespace {
@@ -64,6 +65,15 @@ void fail_to_print() {
 }
 
 }  // namespace
+
+bool is_utf8(std::string_view text) {
+  while (!text.empty()) {
+    const Decoded next = decode(text);
+    if (next.character == no_character) return false;
+    text.remove_prefix(next.bytes);
+  }
+  return true;
+}
 
 std::string printable(std::string_view text) { return written_out(text, "\n\t"); }
 std::string printable_line(std::string_view text) { return written_out(text, ""); }

@@ -17,12 +17,13 @@ namespace lucarium {
 struct RenderWork {
   std::string technique;
   std::vector<std::pair<std::string, std::string>> parameters;
-  double compute_seconds = 0;       ///< of preparing and iterating; 0: no limit
+  double seconds = 0;               ///< of preparing and iterating; 0: no limit
   uint64_t iterations = 0;          ///< 0: no limit
   double relmse = 0;                ///< stop when the error against `reference` is at most this; 0: do not
   std::filesystem::path reference;  ///< to measure the error against; empty: it is not measured
   bool curve = false;               ///< measure it while rendering, too
   std::filesystem::path output;     ///< .exr, replaced if it is there; empty: none
+  uint64_t samples = 0;             ///< per pixel; 0: no limit
 };
 
 /// A reference image, rendered or extended: what `lucarium reference` makes.

@@ -61,8 +61,9 @@ template <class Visitor, class Work>
 void visit_render(Visitor& visit, Work& work) {
   visit("technique", work.technique);
   visit("parameters", work.parameters);
-  visit("compute_seconds", work.compute_seconds);
+  visit("seconds", work.seconds);
   visit("iterations", work.iterations);
+  visit("samples", work.samples);
   visit("relmse", work.relmse);
   visit("reference", work.reference);
   visit("curve", work.curve);

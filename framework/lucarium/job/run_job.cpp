@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/job/run_job.h"
 
+#include <nlohmann/json.hpp>
+
 #include "lucarium/job/job_file.h"
 
 namespace lucarium {
@@ -9,6 +11,10 @@ ChildResult run_job(std::vector<std::string> program, const Job& job,
                     const std::function<void(std::string_view)>& on_error_line) {
   program.insert(program.end(), {job_command, "/dev/stdin"});
   return run_child(program, on_error_line, job_json(job));
+}
+
+nlohmann::json frame_of(const ChildResult& rendering) {
+  return nlohmann::json::parse(rendering.out).at("frames").at(0);
 }
 
 }  // namespace lucarium

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,5 +19,8 @@ inline constexpr const char* job_command = "job";
 /// `on_error_line` as they come.
 ChildResult run_job(std::vector<std::string> program, const Job& job,
                     const std::function<void(std::string_view)>& on_error_line = {});
+
+/// The one frame of what a rendering printed (schema lucarium-render-2, docs/results.md).
+nlohmann::json frame_of(const ChildResult& rendering);
 
 }  // namespace lucarium

@@ -6,13 +6,15 @@
 #include <memory>
 
 #include "lucarium/base/nearest_name.h"
+#include "lucarium/base/spelling.h"
 
 namespace lucarium {
 
 const ParameterTable::Entry& ParameterTable::find(std::string_view name) const {
   std::vector<std::string> names;
+  const std::string american = american_spelling(name);
   for (const Entry& entry : entries_) {
-    if (entry.info.name == name) return entry;
+    if (entry.info.name == american) return entry;
     names.push_back(entry.info.name);
   }
   throw_error(ErrorClass::usage, "no parameter is called '{}'{}", name, suggest_name(name, names));
@@ -89,8 +91,9 @@ void throw_parameter_range(const std::string& name, std::string_view text, const
 }
 
 size_t parse_parameter_choice(const std::string& name, std::string_view text, const std::vector<std::string>& choices) {
+  const std::string american = american_spelling(text);
   for (size_t i = 0; i < choices.size(); ++i) {
-    if (choices[i] == text) return i;
+    if (choices[i] == american) return i;
   }
   throw_error(ErrorClass::usage, "parameter {}: no value is called '{}'{}", name, text, suggest_name(text, choices));
 }

@@ -178,9 +178,10 @@ const TechniqueType& TechniqueRegistry::find(const std::string& name) const {
     all += line + "\n";
     if (failure.file.stem() == name) reasons += "; " + line;
   }
+  // A plug-in of that name that cannot be loaded is no mistyped name.
+  const ErrorClass who = reasons.empty() ? ErrorClass::usage : ErrorClass::technique;
   if (reasons.empty()) reasons = suggest_name(name, names);
-  throw Error(ErrorClass::technique, fmt::format("no technique is called '{}'{}; searched {}", name, reasons, folders))
-      .with_details(all);
+  throw Error(who, fmt::format("no technique is called '{}'{}; searched {}", name, reasons, folders)).with_details(all);
 }
 
 }  // namespace lucarium

@@ -66,7 +66,7 @@ struct MicroParameters {
              "number of points on the surfaces, the leaves of the hierarchy");
     v.number("micro_size", micro_size, 8, 64, "micro-pixels", "edge length of a micro-buffer");
     v.number("cut_kappa", cut_kappa, 0.25f, 4, "micro-pixels", "solid angle above which a node is split");
-    v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"centre", CutBound::centre}},
+    v.choice("cut_bound", cut_bound, {{"conservative", CutBound::conservative}, {"center", CutBound::centre}},
              "micro-pixel that a node is compared with: the smallest one it covers (conservative), or the one at its "
              "centre");
     v.number("cut_error", cut_error, 0, 1, "",
@@ -134,7 +134,7 @@ struct MicroParameters {
              "row of the pixel whose micro-buffer the layer micro_buffer shows; -1: none");
     v.presets({{"paper",
                 {{"points_log2", "20"},
-                 {"cut_bound", "centre"},
+                 {"cut_bound", "center"},
                  {"splat", "nearest"},
                  {"warp", "table"},
                  {"hole_fill", "off"},

@@ -33,6 +33,14 @@ inline ProgramResult run_lucarium(const std::string& arguments) {
   return run_program(lucarium_program() + " " + arguments);
 }
 
+/// What `lucarium render --json` says about its one frame.
+inline nlohmann::json only_frame(const ProgramResult& result) {
+  CAPTURE(result.err);
+  const nlohmann::json frames = nlohmann::json::parse(result.out).at("frames");
+  REQUIRE(frames.size() == 1);
+  return frames[0];
+}
+
 /// The run ended with that code and exactly one line of error that contains `part`.
 inline void check_refused(const std::string& arguments, int exit_code, const std::string& part) {
   const ProgramResult result = run_lucarium(arguments);

@@ -129,8 +129,8 @@ TEST_CASE("--dry-run did not notice that the reference is missing") {
 
 TEST_CASE("--resume and --overwrite together were accepted") {
   const TemporaryFolder folder;
-  check_refused(comparison(folder, "--resume --overwrite"), 2, "--resume excludes --overwrite");
-  check_refused("reproduce paper --resume --overwrite", 2, "--resume excludes --overwrite");
+  check_refused(comparison(folder, "--resume --overwrite"), 2, "give --resume or --overwrite, not both");
+  check_refused("reproduce paper --resume --overwrite", 2, "give --resume or --overwrite, not both");
   CHECK_FALSE(fs::exists(folder.path() / "results"));
 }
 
@@ -191,12 +191,12 @@ TEST_CASE("mistakes of a comparison end it before anything is rendered") {
   const std::string out = "-o " + (folder.path() / "results").string() + " ";
   check_refused("compare builtin:cornell --iterations 1 " + out, 2, "-t");
   check_refused("compare builtin:cornell " + constant_technique() + out, 2,
-                "--time SECONDS, --iterations N or --equal-error RELMSE");
+                "--time SECONDS, --spp N, --iterations N or --relmse E");
   check_refused("compare builtin:cornell " + constant_technique() + "-t constant --iterations 1 " + out, 2,
                 "given twice");
   check_refused("compare builtin:cornell " + constant_technique("rde=1") + "--iterations 1 " + out, 2,
                 "did you mean 'red'?");
-  check_refused("compare builtin:cornell -t nonesuch --iterations 1 " + out, 5, "nonesuch");
+  check_refused("compare builtin:cornell -t nonesuch --iterations 1 " + out, 2, "nonesuch");
   check_refused("compare /nonexistent.glb " + constant_technique() + "--iterations 1 " + out, 3, "/nonexistent.glb");
   // None of them leaves anything that would stand in the way of the corrected command.
   CHECK_FALSE(fs::exists(folder.path() / "results"));
@@ -207,7 +207,7 @@ TEST_CASE("a timed piece is reproduced by its iterations, and an error budget sa
   const fs::path results = folder.path() / "results", again = folder.path() / "again.exr";
   const std::string common = "--size 24x16 --max-bounces 1 ";
   REQUIRE(run_lucarium("compare builtin:cornell -t path_tracing " + common +
-                       "--time 0.3 --equal-error 0.5 --limit 20 --seeds 1 " + "--reference-spp 64 --quiet -o " +
+                       "--time 0.3 --relmse 0.5 --limit 20 --seeds 1 " + "--reference-spp 64 --quiet -o " +
                        results.string())
               .exit_code == 0);
   const json all = json::parse(text_of(results / "results.json"));
@@ -223,6 +223,25 @@ TEST_CASE("a timed piece is reproduced by its iterations, and an error budget sa
   REQUIRE(difference.exit_code == 0);
   CHECK(contains(difference.out, "\"MSE\": 0.0"));
   CHECK(all["pieces"][1]["reached_seconds"].get<double>() > 0);
+}
+
+TEST_CASE("equal samples: every run ends at the samples that were asked for") {
+  const TemporaryFolder folder;
+  const fs::path results = folder.path() / "results";
+  comparison(folder, "");  // makes the reference
+  const std::string common = "compare builtin:cornell " + constant_technique() +
+                             "-t constant:red=0.5 --spp 3 --spp 7 " + "--seeds 1 --reference " +
+                             (folder.path() / "reference.exr").string();
+  CHECK(contains(run_lucarium(common + " --dry-run").out, "3 spp; 7 spp at "));
+  const ProgramResult run = run_lucarium(common + " -o " + results.string() + " --json");
+  CAPTURE(run.err);
+  REQUIRE(run.exit_code == 0);
+  const json all = json::parse(run.out);
+  CHECK(all["comparison"]["budgets"] == json::parse(R"([{"samples": 3}, {"samples": 7}])"));
+  REQUIRE(all["pieces"].size() == 4);
+  for (const json& piece : all["pieces"]) CHECK(piece["samples"] == (piece["budget"] == 0 ? 3 : 7));
+  // After 1, 2, 3, … samples: at times a half octave apart, rounded up.
+  CHECK(all["pieces"][2]["snapshots"].size() >= 3);
 }
 
 TEST_CASE(

@@ -35,6 +35,22 @@ TEST_CASE("a new technique is a folder that names itself everywhere and says wha
   CHECK(count_files(target) == 5);
 }
 
+TEST_CASE("--overwrite writes the template's files again and leaves all others") {
+  const TemporaryFolder folder;
+  const fs::path target = folder.path() / "fresh";
+  const std::string command = "new-technique light_soup --output " + target.string();
+  REQUIRE(run_lucarium(command).exit_code == 0);
+  const std::string before = text_of(target / "light_soup.cpp");
+  std::ofstream(target / "light_soup.cpp") << "mine";
+  std::ofstream(target / "notes.txt") << "mine";
+  check_refused(command, 2, "exists; choose another folder with --output or give --overwrite");
+  CHECK(text_of(target / "light_soup.cpp") == "mine");
+  CHECK(run_lucarium(command + " --overwrite").exit_code == 0);
+  CHECK(text_of(target / "light_soup.cpp") == before);
+  CHECK(text_of(target / "notes.txt") == "mine");
+  check_refused("new-technique light_soup --overwrite --output " + (target / "notes.txt").string(), 2, "is no folder");
+}
+
 TEST_CASE("bad names, names that are taken and folders that exist are refused, and nothing is written") {
   const TemporaryFolder folder;
   const std::string there = " --output " + (folder.path() / "fresh").string();

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The commands that README, pages and help show: page_commands.py PROGRAM SOURCE. Every command and option exists; what
-stands alone on a line of a code block is also run, in a folder of its own per page, at a size and budget that take a
-second. Prints one line per command: "ok …", "skipped …" with the reason, or "FAILED …"."""
+"""The commands that README, pages and --help show: page_commands.py PROGRAM SOURCE. Every command and option exists;
+what stands alone on a line of a code block is also run, in a folder of its own per page, at a size and budget that take
+a second. Prints one line per command: "ok …", "skipped …" with the reason, or "FAILED …"."""
 import os
 import pathlib
 import re
@@ -16,10 +16,11 @@ import tempfile
 SMALL = {
     'render': ['--size', '16x12', '--iterations', '1', '--overwrite'],
     'compare': ['--size', '16x12', '--iterations', '1', '--reference-spp', '32', '--seeds', '1', '--overwrite'],
-    'reference': ['--size', '16x12', '--spp', '2'],
+    'reference': ['--size', '16x12', '--spp', '2', '--overwrite'],
     'scene': ['--texture-size', '64'],
 }
-DROPPED = {'render': ('--time', '--spp', '--frames'), 'compare': ('--time',), 'reference': ('--error', '--spp')}
+DROPPED = {'render': ('--time', '--wall-time', '--spp', '--frames', '--fps'),
+           'compare': ('--time', '--spp', '--relmse'), 'reference': ('--relmse', '--spp')}
 
 NOT_RUN = (
     (r'…|\[-|\bNAME\b|\bDIR\b|SCENE', 'shows a form'),
@@ -92,7 +93,8 @@ class Tester:
                 kept.append(word)
         if '--comparison' in kept:
             return [command, *kept, '--overwrite']  # the file says the rest
-        return [command, *kept, *SMALL.get(command, [])]
+        small = SMALL.get(command, [])
+        return [command, *kept, *(small[:-1] if '--extend' in kept else small)]
 
     def stock(self, folder):
         """The files that the pages speak of."""
@@ -106,17 +108,17 @@ class Tester:
         for name in 'sky.hdr', 'venice.hdr':
             pixels = bytes((128, 128, 128, 129)) * 8
             (folder / name).write_bytes(b'#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n' + pixels)
-        for name in 'a.exr', 'b.exr':
+        for name in 'a.exr', 'b.exr', 'test.exr':
             self.call(['render', 'builtin:cornell', *SMALL['render'], '-o', name], folder)
         (folder / 'study.json').write_text(
             '{"schema": "lucarium-comparison-1", "scenes": ["builtin:cornell"], "techniques": ["path_tracing"],'
             ' "budgets": [{"iterations": 1}], "size": [16, 12], "reference": {"samples": 32}}')
 
-    def page(self, page):
+    def run_all(self, name, texts):
         with tempfile.TemporaryDirectory() as work:
             folder, stocked = pathlib.Path(work), False
-            for text, block in dict.fromkeys(commands(page)):
-                what = f'{page.relative_to(self.source)}: {text}'
+            for text, block in dict.fromkeys(texts):
+                what = f'{name}: {text}'
                 problem = self.exists(text)
                 reason = next((why for rule, why in NOT_RUN if re.search(rule, text)), '' if block else 'in a sentence')
                 if problem:
@@ -138,11 +140,19 @@ def main():
     os.environ.setdefault('LC_ALL', 'C.UTF-8')
     pages = [source / 'README.md', *sorted((source / 'docs').rglob('*.md')), *sorted((source / 'apps').rglob('*.md'))]
     for page in pages:
-        tester.page(page)
+        tester.run_all(page.relative_to(source), commands(page))
     top = tester.call(['--help']).stdout
+    examples = []
     for command in re.findall(r'^  ([a-z-]+)  ', top, re.M):
-        if tester.help_of(command) is None:
+        help_text = tester.help_of(command)
+        if help_text is None:
             tester.say('FAILED', f'lucarium {command} --help')
+            continue
+        own = re.findall(r'^  (lucarium .*)', help_text, re.M)
+        if len(own) != 2 or not (source / re.search(r'^More: (.*)', help_text, re.M)[1]).exists():
+            tester.say('FAILED', f'lucarium {command} --help', 'it needs two examples and a page')
+        examples += [(text, True) for text in own]
+    tester.run_all('--help', examples)
     sys.exit(1 if tester.failed else 0)
 
 

@@ -50,7 +50,7 @@ TEST_CASE("reference: one that is extended, even after a sudden end, is the one 
 TEST_CASE("reference: it renders to a wanted error and keeps where it comes from") {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "r.exr";
-  const ProgramResult result = run_lucarium(reference(file, "--error 0.02 --json -t path_tracing:direct=off"));
+  const ProgramResult result = run_lucarium(reference(file, "--relmse 0.02 --json -t path_tracing:direct=off"));
   REQUIRE(result.exit_code == 0);
   const json summary = json::parse(result.out);
   CHECK(summary["own_relmse"].get<double>() <= 0.02);
@@ -62,6 +62,15 @@ TEST_CASE("reference: it renders to a wanted error and keeps where it comes from
   CHECK(film.metadata.at("scene_hash").size() == 32);
   CHECK(film.find("HalfA"));
   CHECK(film.find("Variance"));
+}
+
+TEST_CASE("reference: a time that preparing uses up still gives an image") {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "r.exr";
+  const ProgramResult result = run_lucarium(reference(file, "--time 1e-6 --json"));
+  REQUIRE(result.exit_code == 0);
+  CHECK(json::parse(result.out)["samples"] == 16);  // one iteration
+  CHECK(json::parse(result.out)["goal_reached"] == true);
 }
 
 TEST_CASE("reference: Ctrl-C keeps what is done, and it goes on from there") {
@@ -86,10 +95,11 @@ TEST_CASE("reference: mistakes") {
   check_refused(reference(file, "--spp 64 --extend --max-bounces 3"), 2, "max_bounces: 1 against 3");
   check_refused(reference(file, "--spp 64 --extend --size 8x8"), 2, "size: 24x24 against 8x8");
   check_refused(reference(folder.path() / "r.png", ""), 2, ".exr");
-  check_refused(reference(folder.path() / "s.exr", "--path-set max_bounce=1"), 2, "max_bounces");
+  const std::string by_set = "reference builtin:cornell --size 24x24 -o " + (folder.path() / "s.exr").string();
+  check_refused(by_set + " --path-set max_bounce=1", 2, "max_bounces");
   for (const char* wrong :
        {"max_bounces=-7", "max_bounces=5000", "max_bounces=1.5", "indirect_clamp=-1", "indirect_clamp=nan"})
-    check_refused(reference(folder.path() / "s.exr", std::string("--path-set ") + wrong), 2, "path set: ");
+    check_refused(by_set + " --path-set " + wrong, 2, "path set: ");
   const fs::path other = folder.path() / "render.exr";
   REQUIRE(run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 1 --quiet -o " + other.string())
               .exit_code == 0);

@@ -32,7 +32,7 @@ ComparisonSpec example_spec() {
   spec.scenes[1].overrides.use_sidecar = false;
   spec.scenes[1].import.max_texture_size = 512;
   spec.variants = {{"path_tracing", {{"estimator", "mis"}, {"replicates", "4"}}, ""}, {"path_tracing", {}, "plain"}};
-  spec.budgets = {{2.5, 0, 0, 0}, {0, 64, 0, 0}, {0, 0, 0.001, 60}};
+  spec.budgets = {{2.5, 0, 0, 0}, {0, 64, 0, 0}, {0, 0, 0.001, 60}, {0, 0, 0, 0, 16}};
   spec.width = 8;
   spec.height = 4;
   spec.max_bounces = 3;
@@ -76,6 +76,7 @@ TEST_CASE("a comparison survives its file") {
   CHECK(again.scenes[1].overrides.lights == spec.scenes[1].overrides.lights);
   CHECK(again.scenes[1].overrides.materials == spec.scenes[1].overrides.materials);
   CHECK(again.budgets[2].limit_seconds == 60);
+  CHECK(again.budgets[3].samples == 16);
 }
 
 TEST_CASE("file names in a comparison file are meant from its folder") {
@@ -96,7 +97,7 @@ TEST_CASE("mistakes in a comparison file are named with line and key") {
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}],\n\"sedes\": 3")) ==
         "my.json:5: sedes: unknown key; did you mean 'seeds'?");
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 1,\n\"iterations\": 2}]")) ==
-        "my.json:4: budgets/0: must have exactly one of \"seconds\", \"iterations\" and \"relmse\"");
+        "my.json:4: budgets/0: must have exactly one of \"seconds\", \"iterations\", \"samples\" and \"relmse\"");
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 0}]")) == "my.json:4: budgets/0/seconds: must be above 0");
   CHECK(complaint(with("\"budgets\": [{\"relmse\": 0.1}]")) ==
         "my.json:4: budgets/0: \"relmse\" and \"limit_seconds\" must be given together");

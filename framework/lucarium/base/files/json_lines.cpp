@@ -12,6 +12,17 @@ namespace lucarium {
 
 namespace {
 
+/// Where the parser is: the line of the character that it consumed last. A line feed belongs to the line that it ends:
+/// the parser consumes it to see that a number before it is over.
+struct LineCounter {
+  int line = 1;
+  bool at_end = false;  ///< that character was a line feed
+  void consume(char c) {
+    if (at_end) ++line;
+    at_end = c == '\n';
+  }
+};
+
 /// Characters of a text; counts the lines that the parser has consumed.
 struct CountingIterator {
   using iterator_category = std::input_iterator_tag;
@@ -20,10 +31,10 @@ struct CountingIterator {
   using pointer = const char*;
   using reference = const char&;
   const char* at = nullptr;
-  int* line = nullptr;
+  LineCounter* counter = nullptr;
   reference operator*() const { return *at; }
   CountingIterator& operator++() {
-    if (*at == '\n') ++*line;
+    counter->consume(*at);
     ++at;
     return *this;
   }
@@ -43,7 +54,7 @@ struct DoubledKey : std::runtime_error {
 /// Follows the parser through objects and arrays and notes where each value begins.
 class LineRecorder {
  public:
-  LineRecorder(std::map<std::string, int>& lines, const int& line) : lines_(lines), line_(line) {}
+  LineRecorder(std::map<std::string, int>& lines, const LineCounter& counter) : lines_(lines), counter_(counter) {}
 
   bool operator()(int, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
     using Event = nlohmann::json::parse_event_t;
@@ -86,11 +97,11 @@ class LineRecorder {
   void note() {
     std::string pointer;
     for (const Level& level : levels_) pointer += "/" + (level.array ? std::to_string(level.index) : level.key);
-    lines_[pointer] = line_;
+    lines_[pointer] = counter_.line;
   }
 
   std::map<std::string, int>& lines_;
-  const int& line_;
+  const LineCounter& counter_;
   std::vector<Level> levels_;
 };
 
@@ -106,10 +117,11 @@ int JsonWithLines::line(const std::string& pointer) const {
 JsonWithLines read_json_with_lines(const std::filesystem::path& file) {
   const std::string text = read_file(file);
   JsonWithLines result;
-  int line = 1;
+  LineCounter counter;
+  const int& line = counter.line;
   try {
-    const CountingIterator begin{text.data(), &line}, end{text.data() + text.size(), &line};
-    result.value = nlohmann::json::parse(begin, end, LineRecorder(result.lines, line), true, true);
+    const CountingIterator begin{text.data(), &counter}, end{text.data() + text.size(), &counter};
+    result.value = nlohmann::json::parse(begin, end, LineRecorder(result.lines, counter), true, true);
   } catch (const std::length_error& error) {
     throw_error(ErrorClass::input, "{}:{}: {}", file.string(), line, error.what());
   } catch (const DoubledKey& error) {

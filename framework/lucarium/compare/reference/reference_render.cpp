@@ -5,11 +5,13 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/hash.h"
+#include "lucarium/session/counted_seconds.h"
 
 namespace lucarium {
 namespace {
 
 constexpr int replicates = 16;
+constexpr double no_time = 1e-9;         // one iteration; 0 would be no limit
 constexpr uint64_t largest_round = 256;  // samples per pixel: what a sudden end can lose
 
 uint64_t round_seed(uint64_t seed, uint64_t round) { return Hasher().add(seed).add(round).finish().low; }
@@ -59,24 +61,21 @@ bool extend_reference(RenderSession& session, ReferenceImage& image, const Refer
   if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) {
     throw Error(ErrorClass::internal, "a reference needs a number of samples, seconds or a relMSE");
   }
-  double seconds = 0;
-  while (!reached(image, goal, seconds)) {
+  while (image.samples() == 0 || !reached(image, goal, counted_seconds(session.clocks()))) {
     const size_t half = image.samples(1) < image.samples(0) ? 1 : 0;
     const ReferenceError error = image.error();
     const uint64_t before = image.samples();
     session.restart(round_seed(seed, image.rounds()));
-    const double start = session.clocks().iterate;
     RenderBudget budget;
     budget.samples = next_round(image.samples(half), goal.samples);
-    if (goal.seconds > 0) budget.seconds = goal.seconds - seconds;
+    if (goal.seconds > 0) budget.seconds = std::max(no_time, goal.seconds - counted_seconds(session.clocks()));
     const bool interrupted = session.run(budget, [&](const IterationResult& now) {
       if (!on_progress) return true;
-      const double spent = seconds + session.clocks().iterate - start;
+      const double spent = counted_seconds(session.clocks());
       const uint64_t samples = before + now.samples;
       on_progress({fraction_of(goal, error, image.error_known(), before, samples, spent), samples, spent});
       return true;
     });
-    seconds += session.clocks().iterate - start;
     if (session.last().samples > 0) {
       image.add(session.resolve(), session.last().samples, half);
       keep(image);

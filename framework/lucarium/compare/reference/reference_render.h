@@ -15,7 +15,7 @@ namespace lucarium {
 struct ReferenceGoal {
   double relmse = 0;     ///< its own estimated relMSE; looked at when both halves hold the same number of samples
   uint64_t samples = 0;  ///< per pixel, of both halves together
-  double seconds = 0;    ///< of iterating, in this call
+  double seconds = 0;    ///< of preparing and iterating, by the session
 };
 
 /// Samples per pixel of one iteration of the parameters below; rounds are multiples of it.

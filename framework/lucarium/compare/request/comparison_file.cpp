@@ -141,20 +141,25 @@ class ComparisonReader {
     return result;
   }
 
+  uint64_t positive_count(const json& value, const std::string& key, const std::string& pointer) const {
+    const uint64_t count = file_.count(value[key], pointer + "/" + key);
+    if (count == 0) file_.fail(pointer + "/" + key, "must be above 0");
+    return count;
+  }
+
   ComparisonBudget budget(const json& value, const std::string& pointer) const {
-    file_.check_keys(value, pointer, {"seconds", "iterations", "relmse", "limit_seconds"});
-    if (value.contains("seconds") + value.contains("iterations") + value.contains("relmse") != 1) {
-      file_.fail(pointer, "must have exactly one of \"seconds\", \"iterations\" and \"relmse\"");
-    }
+    file_.check_keys(value, pointer, {"seconds", "iterations", "samples", "relmse", "limit_seconds"});
+    int modes = 0;
+    for (const char* mode : {"seconds", "iterations", "samples", "relmse"}) modes += value.contains(mode);
+    if (modes != 1)
+      file_.fail(pointer, "must have exactly one of \"seconds\", \"iterations\", \"samples\" and \"relmse\"");
     if (value.contains("relmse") != value.contains("limit_seconds")) {
       file_.fail(pointer, "\"relmse\" and \"limit_seconds\" must be given together");
     }
     ComparisonBudget result;
     if (value.contains("seconds")) result.seconds = positive(value, "seconds", pointer);
-    if (value.contains("iterations")) {
-      result.iterations = file_.count(value["iterations"], pointer + "/iterations");
-      if (result.iterations == 0) file_.fail(pointer + "/iterations", "must be above 0");
-    }
+    if (value.contains("iterations")) result.iterations = positive_count(value, "iterations", pointer);
+    if (value.contains("samples")) result.samples = positive_count(value, "samples", pointer);
     if (value.contains("relmse")) {
       result.relmse = positive(value, "relmse", pointer);
       result.limit_seconds = positive(value, "limit_seconds", pointer);

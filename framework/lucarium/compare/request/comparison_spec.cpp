@@ -28,6 +28,7 @@ std::string TechniqueVariant::words() const {
 std::string ComparisonBudget::label() const {
   if (seconds > 0) return fmt::format("{} s", seconds);
   if (iterations > 0) return fmt::format("{} iteration{}", iterations, iterations == 1 ? "" : "s");
+  if (samples > 0) return fmt::format("{} spp", samples);
   return fmt::format("relMSE {}", relmse);
 }
 
@@ -68,6 +69,7 @@ ordered_json variant_json(const TechniqueVariant& variant) {
 ordered_json budget_json(const ComparisonBudget& budget) {
   if (budget.seconds > 0) return {{"seconds", budget.seconds}};
   if (budget.iterations > 0) return {{"iterations", budget.iterations}};
+  if (budget.samples > 0) return {{"samples", budget.samples}};
   return {{"relmse", budget.relmse}, {"limit_seconds", budget.limit_seconds}};
 }
 
@@ -121,11 +123,11 @@ void check_comparison(const ComparisonSpec& spec) {
   if (spec.scenes.empty()) throw_error(ErrorClass::usage, "no scene given; name a file or builtin:cornell");
   if (spec.variants.empty()) throw_error(ErrorClass::usage, "no technique given; add -t path_tracing");
   if (spec.budgets.empty()) {
-    throw_error(ErrorClass::usage, "give a budget: --time SECONDS, --iterations N or --equal-error RELMSE");
+    throw_error(ErrorClass::usage, "give a budget: --time SECONDS, --spp N, --iterations N or --relmse E");
   }
   for (const ComparisonBudget& budget : spec.budgets) {
-    if ((budget.seconds > 0) + (budget.iterations > 0) + (budget.relmse > 0) != 1) {
-      throw_error(ErrorClass::usage, "a budget is exactly one of seconds, iterations and relmse");
+    if ((budget.seconds > 0) + (budget.iterations > 0) + (budget.samples > 0) + (budget.relmse > 0) != 1) {
+      throw_error(ErrorClass::usage, "a budget is exactly one of seconds, iterations, samples and relmse");
     }
     if (budget.relmse > 0 && budget.limit_seconds <= 0) {
       throw_error(ErrorClass::usage, "a budget of relMSE {} needs a limit of seconds above 0", budget.relmse);

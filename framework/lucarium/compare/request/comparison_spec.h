@@ -21,13 +21,14 @@ struct TechniqueVariant {
   std::string words() const;  ///< as after -t on the command line
 };
 
-/// How long each run lasts: exactly one of seconds, iterations and relmse is positive.
+/// How long each run lasts: exactly one of seconds, iterations, samples and relmse is positive.
 struct ComparisonBudget {
   double seconds = 0;         ///< equal time: of preparing (upload, BVH, prepare) and iterating
   uint64_t iterations = 0;    ///< equal iterations
   double relmse = 0;          ///< equal error: until a snapshot's relMSE is at most this …
   double limit_seconds = 0;   ///< … or this time is over
-  std::string label() const;  ///< "2.5 s", "64 iterations", "relMSE 0.001"
+  uint64_t samples = 0;       ///< equal samples per pixel
+  std::string label() const;  ///< "2.5 s", "64 iterations", "16 spp", "relMSE 0.001"
 };
 
 /// A scene and the changes to it.

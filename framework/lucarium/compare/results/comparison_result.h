@@ -28,7 +28,7 @@ struct PieceResult {
   uint32_t seed = 1;
   std::string image;           ///< file name below the result folder, empty when it failed
   std::string failure;         ///< why there is no image
-  std::string render_summary;  ///< JSON that `lucarium render --json` printed, with peak_host_bytes
+  std::string render_summary;  ///< JSON of the frame that `lucarium render --json` printed, with peak_host_bytes
   std::string parameters;      ///< all that were in effect, those planned for the budget too; empty when it failed
   double load_seconds = 0, prepare_seconds = 0, compile_seconds = 0, iterate_seconds = 0, device_seconds = 0;
   uint64_t samples = 0, iterations = 0;

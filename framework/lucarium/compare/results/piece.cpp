@@ -39,8 +39,9 @@ std::optional<double> find_reached(const std::vector<Snapshot>& snapshots, doubl
 
 RenderWork work_within(const ComparisonBudget& budget) {
   RenderWork work;
-  work.compute_seconds = budget.seconds > 0 ? budget.seconds : budget.limit_seconds;
+  work.seconds = budget.seconds > 0 ? budget.seconds : budget.limit_seconds;
   work.iterations = budget.iterations;
+  work.samples = budget.samples;
   work.relmse = budget.relmse;
   work.curve = budget.relmse <= 0;
   return work;

@@ -151,6 +151,7 @@ ordered_json budget_json(const ComparisonBudget& budget) {
   ordered_json json = {{"label", budget.label()}};
   if (budget.seconds > 0) json["seconds"] = budget.seconds;
   if (budget.iterations > 0) json["iterations"] = budget.iterations;
+  if (budget.samples > 0) json["samples"] = budget.samples;
   if (budget.relmse > 0) json.update({{"relmse", budget.relmse}, {"limit_seconds", budget.limit_seconds}});
   return json;
 }

@@ -300,7 +300,7 @@ PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, size_t bud
     return piece;
   }
   try {
-    json summary = json::parse(child.out);
+    json summary = frame_of(child);
     summary["peak_host_bytes"] = child.peak_memory_bytes;
     piece.render_summary = summary.dump(1);
     read_summary(piece, spec_.budgets[budget]);

@@ -29,9 +29,10 @@ struct Rate {
   double start_seconds = 0;    ///< of everything but iterating
   double counted_seconds = 0;  ///< of them, those that a budget of seconds counts
   double iteration_seconds = 0;
-  double own_seconds = INFINITY;  ///< of iterating until the technique ends by itself, by its own account
-  std::string planned;            ///< what was lowered for the budget
-  bool leads = false;             ///< its work proper, of which it knows the amount, has not begun
+  double samples_per_iteration = 0;  ///< per pixel
+  double own_seconds = INFINITY;     ///< of iterating until the technique ends by itself, by its own account
+  std::string planned;               ///< what was lowered for the budget
+  bool leads = false;                ///< its work proper, of which it knows the amount, has not begun
 };
 
 Rate measure_rate(const std::filesystem::path& program, Job job, const TechniqueVariant& variant, uint64_t iterations,
@@ -40,7 +41,7 @@ Rate measure_rate(const std::filesystem::path& program, Job job, const Technique
   work.technique = variant.technique;
   work.parameters = variant.parameters;
   work.iterations = iterations;
-  work.compute_seconds = seconds;
+  work.seconds = seconds;
   job.work = work;
   const ChildResult child = run_job({program.string()}, job);
   Rate rate;
@@ -48,10 +49,11 @@ Rate measure_rate(const std::filesystem::path& program, Job job, const Technique
     rate.failure = child.last_words.empty() ? describe_end(child) : child.last_words.back();
     return rate;
   }
-  const json summary = json::parse(child.out);
+  const json summary = frame_of(child);
   const json& clocks = summary.at("clocks");
   const double iterate_seconds = clocks.at("iterate_seconds");
   rate.iteration_seconds = iterate_seconds / summary.at("iterations").get<double>();
+  rate.samples_per_iteration = summary.at("samples").get<double>() / summary.at("iterations").get<double>();
   rate.start_seconds = child.seconds - iterate_seconds;
   for (const char* clock : {"upload_seconds", "bvh_seconds", "prepare_seconds"})
     rate.counted_seconds += clocks.at(clock).get<double>();
@@ -74,11 +76,19 @@ Rate measure_variant(const std::filesystem::path& program, const Job& job, const
   return rate;
 }
 
+/// Iterations that a budget of iterations or samples asks for; 0: it is one of time.
+double iterations_of(const ComparisonBudget& budget, const Rate& rate) {
+  if (budget.samples == 0) return static_cast<double>(budget.iterations);
+  if (rate.samples_per_iteration <= 0) return 1;  // none was complete: at least one
+  return std::ceil(static_cast<double>(budget.samples) / rate.samples_per_iteration);
+}
+
 /// Seconds of a run of a variant on one scene; `bound`: it may take less.
 double seconds_of_run(const ComparisonBudget& budget, const Rate& rate, bool& bound) {
   const double seconds = budget.seconds > 0 ? budget.seconds : budget.limit_seconds;
-  const double iterate = budget.iterations > 0 ? static_cast<double>(budget.iterations) * rate.iteration_seconds
-                                               : std::max(rate.iteration_seconds, seconds - rate.counted_seconds);
+  const double iterations = iterations_of(budget, rate);
+  const double iterate = iterations > 0 ? iterations * rate.iteration_seconds
+                                        : std::max(rate.iteration_seconds, seconds - rate.counted_seconds);
   bound = budget.relmse > 0 || rate.own_seconds < iterate;
   return rate.start_seconds + std::min(iterate, rate.own_seconds);
 }

@@ -48,7 +48,7 @@ Scene make_builtin_scene(const std::string& name) {
     scene.source = "builtin:" + name;
     return scene;
   }
-  throw_error(ErrorClass::input, "builtin:{}: there is no such built-in scene{}", name,
+  throw_error(ErrorClass::usage, "builtin:{}: there is no such built-in scene{}", name,
               suggest_name(name, builtin_scene_names()));
 }
 

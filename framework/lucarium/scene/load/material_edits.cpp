@@ -8,6 +8,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
+#include "lucarium/base/spelling.h"
 #include "lucarium/base/text_values.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
@@ -104,8 +105,9 @@ const std::vector<MaterialKey>& keys() {
 }
 
 void set_value(SceneMaterial& material, const std::string& key, const std::string& value) {
+  const std::string american = american_spelling(key);
   for (const MaterialKey& known : keys()) {
-    if (key != known.name) continue;
+    if (american != known.name) continue;
     if (known.set(material, value)) return;
     throw_error(ErrorClass::usage, "material value {}={}: expected {}", key, value, known.expected);
   }

@@ -71,7 +71,8 @@ Json animations_json(const SceneReport& report) {
 }  // namespace
 
 std::string SceneReport::json() const {
-  const Json root = {{"source", source},
+  const Json root = {{"schema", "lucarium-scene-1"},
+                     {"source", source},
                      {"triangles", triangles},
                      {"degenerate_triangles", degenerate_triangles},
                      {"vertices", vertices},

@@ -19,6 +19,7 @@ function budgetLabel(index) {
   if (budget.label) return budget.label;
   if (budget.seconds) return `equal time: ${seconds(budget.seconds)}`;
   if (budget.iterations) return `${budget.iterations} iterations`;
+  if (budget.samples) return `${budget.samples} samples per pixel`;
   return `time to relMSE ${number(budget.relmse)}`;
 }
 

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/session/session.h"
+
+namespace lucarium {
+
+/// Seconds of preparing (upload, BVH, the technique's own) and iterating, which budgets of time count; not of loading,
+/// not of compiling.
+inline double counted_seconds(const RenderSession::Clocks& clocks) {
+  return clocks.upload + clocks.bvh + clocks.prepare + clocks.iterate;
+}
+
+}  // namespace lucarium
