@@ -31,6 +31,15 @@ std::string bounces_text(const Capabilities& can) {
   return can.max_bounces < 0 ? std::string("unlimited") : fmt::format("at most {}", can.max_bounces);
 }
 
+/// The parameters that most pictures need, or the others.
+std::vector<ParameterInfo> parameters(const TechniqueType& type, bool advanced) {
+  std::vector<ParameterInfo> chosen;
+  const std::unique_ptr<Technique> technique = type.create();
+  for (const ParameterTable::Entry& entry : technique->parameters().entries())
+    if (entry.info.advanced == advanced) chosen.push_back(entry.info);
+  return chosen;
+}
+
 void print_text(const TechniqueType& type) {
   const TechniqueInfo& info = type.info();
   const Capabilities& can = info.capabilities;
@@ -39,15 +48,17 @@ void print_text(const TechniqueType& type) {
   print_result("  file        {}\n  lights      {}\n  materials   {}\n  changes     {}\n  bounces     {}\n",
                type.file().string(), fmt::join(names_of(can.lights), ", "), fmt::join(names_of(can.materials), ", "),
                fmt::join(names_of(can.changes), ", "), bounces_text(can));
-  print_result("  {}, {}, {}, {}\n  layers      {}\n  parameters\n", can.progressive ? "progressive" : "one-shot",
+  print_result("  {}, {}, {}, {}\n  layers      {}\n", can.progressive ? "progressive" : "one-shot",
                can.view_independent ? "view-independent data" : "view-dependent",
                can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", bias_text(can),
                fmt::join(info.layers, ", "));
-  const std::unique_ptr<Technique> technique = type.create();
-  for (const ParameterTable::Entry& entry : technique->parameters().entries()) {
-    const ParameterInfo& p = entry.info;
-    print_result("    {}={}  ({}{}{})\n        {}\n", p.name, p.default_value, p.range, p.unit.empty() ? "" : " ",
-                 p.unit, p.doc);
+  for (const bool advanced : {false, true}) {
+    const std::vector<ParameterInfo> listed = parameters(type, advanced);
+    if (!listed.empty()) print_result("  {}\n", advanced ? "advanced parameters" : "parameters");
+    for (const ParameterInfo& p : listed) {
+      print_result("    {}={}  ({}{}{})\n        {}\n", p.name, p.default_value, p.range, p.unit.empty() ? "" : " ",
+                   p.unit, p.doc);
+    }
   }
 }
 
@@ -79,6 +90,7 @@ ordered_json to_json(const TechniqueType& type) {
                                   {"default", p.default_value},
                                   {"range", p.range},
                                   {"unit", p.unit},
+                                  {"advanced", p.advanced},
                                   {"meaning", p.doc}});
   }
   return json;
@@ -100,12 +112,15 @@ std::string markdown(const TechniqueType& type) {
       fmt::join(names_of(can.changes), ", "), bounces_text(can), can.progressive ? "progressive" : "one-shot",
       can.view_independent ? "data do not depend on the view" : "data depend on the view", bias_text(can),
       fmt::join(info.layers, ", "));
-  page += "| parameter | type | default | range | unit | meaning |\n|---|---|---|---|---|---|\n";
-  const std::unique_ptr<Technique> technique = type.create();
-  for (const ParameterTable::Entry& entry : technique->parameters().entries()) {
-    const ParameterInfo& p = entry.info;
-    page += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", p.name, p.type, p.default_value, table_cell(p.range),
-                        p.unit, table_cell(p.doc));
+  for (const bool advanced : {false, true}) {
+    const std::vector<ParameterInfo> listed = parameters(type, advanced);
+    if (listed.empty()) continue;
+    if (advanced) page += "\nAdvanced parameters:\n\n";
+    page += "| parameter | type | default | range | unit | meaning |\n|---|---|---|---|---|---|\n";
+    for (const ParameterInfo& p : listed) {
+      page += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", p.name, p.type, p.default_value, table_cell(p.range),
+                          p.unit, table_cell(p.doc));
+    }
   }
   return page;
 }

@@ -75,6 +75,8 @@ struct PathTracingParameters {
     v.number("batch_paths", options.batch_paths, 1024, 1 << 22, "paths",
              "maximum paths in flight; memory grows with it");
     describe_path_set(v);
+    v.basic({"estimator", "replicates", "samples_per_iteration", "batch_paths", "roulette", "roulette_start",
+             "indirect_clamp"});
   }
 
   // The defaults are all paths; the reference of a comparison sets what the technique under test leaves out.

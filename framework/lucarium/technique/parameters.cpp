@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/technique/parameters.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -74,6 +75,19 @@ void ParameterDescriber::presets(std::vector<ParameterPreset> presets, std::stri
   };
   auto& entries = table_.mutable_entries();
   entries.insert(entries.begin(), {std::move(info), [chosen] { return *chosen; }, set, std::move(presets)});
+}
+
+void ParameterDescriber::basic(const std::vector<std::string>& names) {
+  const auto& entries = table_.entries();
+  for (const std::string& name : names) {
+    const auto has_name = [&](const ParameterTable::Entry& entry) { return entry.info.name == name; };
+    if (std::none_of(entries.begin(), entries.end(), has_name))
+      throw_error(ErrorClass::internal, "basic() names '{}', which is no parameter", name);
+  }
+  for (ParameterTable::Entry& entry : table_.mutable_entries()) {
+    const bool is_basic = std::find(names.begin(), names.end(), entry.info.name) != names.end();
+    entry.info.advanced = !is_basic && entry.presets.empty();
+  }
 }
 
 double parse_parameter_number(const std::string& name, std::string_view text, bool integral) {

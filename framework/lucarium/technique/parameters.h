@@ -18,6 +18,7 @@ namespace lucarium {
 struct ParameterInfo {
   std::string name, type, default_value, range, unit, doc;  ///< type: bool, int, float, enum
   std::vector<std::string> choices;                         ///< of an enum
+  bool advanced = false;                                    ///< shown behind the others
 };
 
 /// Values that belong together, chosen by one name.
@@ -57,6 +58,7 @@ class ParameterTable {
 ///     v.flag("nee", nee, "next-event estimation: sample lights directly");
 ///     v.choice("lights", light_choice, {{"power", LightChoice::power}, …}, "…");
 ///     v.presets({{"paper", {{"nee", "off"}}}}, "values of the paper");   // adds the parameter `preset`
+///     v.basic({"nee"});                                                  // all others are advanced
 ///   }
 ///
 /// Defaults are the member initialisers. The table refers to the struct and must not outlive it.
@@ -74,6 +76,9 @@ class ParameterDescriber {
   /// Adds the parameter `preset` with these choices and `default`, before all others: it sets every other parameter,
   /// and those that are set after it (or recorded with it, in order of declaration) win.
   void presets(std::vector<ParameterPreset> presets, std::string doc);
+  /// Names the parameters that most pictures need; `preset` is one of them. All others that were declared before are
+  /// advanced. A technique that does not call it has no advanced parameters. A name without a parameter is a fault.
+  void basic(const std::vector<std::string>& names);
 
  private:
   ParameterTable& table_;

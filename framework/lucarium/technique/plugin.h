@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 6u
+#define LUCARIUM_ABI_VERSION 7u
 
 namespace lucarium {
 

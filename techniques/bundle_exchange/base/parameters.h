@@ -137,6 +137,8 @@ struct Parameters {
                  {"pixel_rays", "bundle"},
                  {"stop_error", "0"}}}},
               "set of values; paper: the choices of Hermes et al. 2010");
+    v.basic({"directions", "texels", "direct_mode", "final_gather", "stop_error", "camera_samples", "chain_share",
+             "glossy_window", "preview", "warm_start"});
   }
 };
 

@@ -142,6 +142,8 @@ struct MicroParameters {
                  {"skip_hidden", "off"},
                  {"depth_bits", "8"}}}},
               "set of values; paper: the choices of Ritschel et al. 2009");
+    v.basic({"points_log2", "micro_size", "light_samples", "direct_samples", "gather_step", "multibounce",
+             "unlimited_bounces", "cut_error", "adaptive", "skip_hidden", "gather_env", "node_shading"});
   }
 };
 

@@ -27,6 +27,16 @@ struct Example {
   }
 };
 
+struct Grouped : Example {
+  std::vector<std::string> named = {"bounces", "mode"};
+  template <class V>
+  void describe(V& v) {
+    Example::describe(v);
+    v.presets({{"quick", {{"mode", "fast"}}}}, "values for drafts");
+    v.basic(named);
+  }
+};
+
 struct Fine {
   float width = 0.3f;
   double clamp = 1.0 / 3;
@@ -141,4 +151,16 @@ TEST_CASE("a preset sets all parameters, and what is set after it wins") {
   CHECK(message_of([&] { table.set("preset", "papr"); }) ==
         "parameter preset: no value is called 'papr'; did you mean 'paper'?");
   CHECK(table.entries().front().info.range == "default|paper|small");
+}
+
+TEST_CASE("what basic() does not name is advanced; the preset is basic, and without basic() everything is") {
+  Grouped grouped;
+  std::string basic;
+  for (const ParameterTable::Entry& entry : make_parameter_table(grouped).entries())
+    if (!entry.info.advanced) basic += entry.info.name + " ";
+  CHECK(basic == "preset bounces mode ");
+  Example example;
+  for (const ParameterTable::Entry& entry : make_parameter_table(example).entries()) CHECK_FALSE(entry.info.advanced);
+  grouped.named = {"bounce"};
+  CHECK_THROWS_AS(make_parameter_table(grouped), Error);
 }
