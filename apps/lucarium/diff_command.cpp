@@ -13,6 +13,7 @@
 #include "lucarium/metrics/metrics.h"
 #include "lucarium/statistics/image_comparison.h"
 #include "lucarium/statistics/statistics.h"
+#include "option_texts.h"
 #include "options.h"
 #include "output_files.h"
 
@@ -232,9 +233,7 @@ void add_diff_command(Command program, Action& action) {
   command.option("test", arguments->test).required();
   command.option("reference", arguments->reference).required();
   command.option("--output", arguments->map).value_name("MAP.exr|.png").default_text("none");
-  command.option("--map-of", arguments->map_kind)
-      .check(one_of({"signed", "ldr_flip", "hdr_flip"}))
-      .capture_default_str();
+  command.option("--map-of", arguments->map_kind).check(one_of(option_words("--map-of"))).capture_default_str();
   command.flag("--overwrite", arguments->overwrite);
   command.option("--max-relmse", arguments->max_relmse).check(not_negative_number()).default_text("no limit");
   command.flag("--statistical", arguments->statistical);

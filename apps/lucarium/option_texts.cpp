@@ -17,6 +17,10 @@ const OptionText entries[] = {
     {"test", "", "TEST", "image under test"},
     {"reference", "", "REFERENCE", "reference image"},
     {"file", "", "FILE", "job as JSON (schema lucarium-job-1)"},
+    {"command", "", "COMMAND", "a command of the program"},
+    {"shell", "", "SHELL", "bash, zsh or fish", "bash|zsh|fish"},
+    {"kind", "", "KIND", "what is completed", "scene|technique|parameter|experiment"},
+    {"words", "", "WORDS", "the words of the line, up to the cursor"},
 
     {"-o,--output", "Output", "FILE", "where to write the result"},
     {"--overwrite", "Output", "", "replace what is there"},
@@ -29,11 +33,12 @@ const OptionText entries[] = {
     {"--extend", "Output", "", "add samples to the file if it is there"},
     {"--gate", "Output", "[LABEL:]METRIC<VALUE", "exit code 1 when missed; also METRIC>VALUE"},
     {"--baseline", "Output", "FOLDER", "earlier results: print what changed"},
-    {"--map-of", "Output", "ERROR", "what the map shows: signed (relative luminance error), ldr_flip or hdr_flip"},
+    {"--map-of", "Output", "ERROR", "what the map shows: signed (relative luminance error), ldr_flip or hdr_flip",
+     "signed|ldr_flip|hdr_flip"},
     {"--max-relmse", "Output", "E", "exit code 1 when relMSE is above this"},
     {"--statistical", "Output", "", "test whether two renderings differ by noise alone; exit code 1 when not"},
     {"--formulas", "Output", "", "print what every metric means"},
-    {"--markdown", "Output", "", "print the page docs/techniques.md"},
+    {"--markdown", "Output", "", "print the page of the documentation"},
     {"--list", "Output", "", "print papers and experiments"},
     {"--dry-run", "Output", "", "print the plan; render nothing but first iterations"},
 
@@ -54,7 +59,7 @@ const OptionText entries[] = {
 
     {"--size", "Image", "WxH", "image size [pixels]"},
     {"--max-bounces", "Image", "N", "indirect bounces; 0: direct light only, -1: unlimited"},
-    {"--pixel-sampling", "Image", "MODE", "jitter, center, or N for a grid of N×N"},
+    {"--pixel-sampling", "Image", "MODE", "jitter, center, or N for a grid of N×N", "jitter|center"},
     {"--seed", "Image", "N", "same seed, same image"},
     {"--exposure", "Image", "STOPS", "exposure of .png files, PSNR, SSIM, LDR_FLIP; .exr is unaffected"},
 
@@ -82,7 +87,7 @@ const OptionText entries[] = {
     {"--frames", "Animation", "FIRST:LAST", "render frames; out.exr becomes out.0000.exr and so on"},
     {"--fps", "Animation", "N", "frames per second of --frames"},
 
-    {"--device", "Device", "DEVICE", "index, part of a name, cpu, gpu or accelerator"},
+    {"--device", "Device", "DEVICE", "index, part of a name, cpu, gpu or accelerator", "cpu|gpu|accelerator"},
     {"--threads", "Device", "N", "worker threads of a CPU device; 0: all"},
     {"--cache-dir", "Device", "FOLDER", "folder of compiled kernels and references"},
     {"--no-cache", "Device", "", "compile every kernel again"},
@@ -106,6 +111,8 @@ const OptionText& option_text(std::string_view name) {
   }
   throw_error(ErrorClass::internal, "the option {} has no text", name);
 }
+
+std::vector<std::string> option_words(std::string_view name) { return split(option_text(name).words, '|'); }
 
 const std::vector<const char*>& option_groups() {
   static const std::vector<const char*> groups = {"Output",    "Budget",    "Image",  "Scene",   "Atlas",

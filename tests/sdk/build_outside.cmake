@@ -29,6 +29,13 @@ set(program ${folder}/prefix/bin/lucarium)
 unset(ENV{LUCARIUM_TECHNIQUE_PATH})
 unset(ENV{LUCARIUM_KERNEL_PATH})
 run("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/prefix)
+foreach(file man/man1/lucarium.1 man/man1/lucarium-render.1 bash-completion/completions/lucarium
+    zsh/site-functions/_lucarium fish/vendor_completions.d/lucarium.fish)
+  if(NOT EXISTS ${folder}/prefix/share/${file})
+    file(REMOVE_RECURSE ${folder})
+    message(FATAL_ERROR "share/${file} is not installed")
+  endif()
+endforeach()
 if(PROJECT)
   file(COPY ${PROJECT}/ DESTINATION ${folder}/project)
   run("configure" ${CMAKE_COMMAND} -S project -B project/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${folder}/prefix

@@ -32,7 +32,8 @@ MEASUREMENTS = 'docs/measurements/'
 NUMBERS = 5  # in 100 words of a page's sentences
 TECHNIQUE_LINES = 120
 CITATIONS = 'tests/style/citations.json'
-GENERATED = ('docs/techniques.md',)  # by `lucarium techniques --markdown`, from texts that are checked where they stand
+# By `lucarium techniques --markdown` and `lucarium commands --markdown`, from texts that are checked where they stand.
+GENERATED = ('docs/techniques.md', 'docs/command_line.md')
 
 # Each folder may include those before it.
 ORDER = ['kernels/lucarium'] + ['framework/lucarium/' + folder for folder in (

@@ -56,6 +56,10 @@ std::vector<std::string> quick_commands(const fs::path& folder) {
   const std::string renders = "--overwrite --iterations 1 -o " + (folder / "r.png").string() + " --exposure 0";
   return {"devices",
           "techniques",
+          "commands",
+          "help render",
+          "man render",
+          "completion bash",
           "scene builtin:cornell",
           "diff " + a + " " + b,
           "reproduce --list",

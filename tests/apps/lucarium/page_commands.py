@@ -23,6 +23,7 @@ DROPPED = {'render': ('--time', '--wall-time', '--spp', '--frames', '--fps'),
            'compare': ('--time', '--spp', '--relmse'), 'reference': ('--relmse', '--spp')}
 
 NOT_RUN = (
+    (r'[|>]', "a shell's work; cli/completion_* and cli/manual_test do it"),
     (r'…|\[-|\bNAME\b|\bDIR\b|SCENE', 'shows a form'),
     (r'my_technique|occlusion|instant_radiosity|new-technique', 'the sdk tests run it with a plug-in that they build'),
     (r'--watch|ref\.exr', 'waits, or needs what another page makes'),

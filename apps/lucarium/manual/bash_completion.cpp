@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+
+#include "completion.h"
+
+namespace lucarium::app {
+namespace {
+
+constexpr const char* head = R"bash(# bash completion of lucarium; made by `lucarium completion bash`.
+
+# Names that the program knows, with those of its plug-ins.
+_lucarium_ask() {
+  local name
+  while IFS=$'\t' read -r name _; do
+    COMPREPLY+=("$name")
+  done < <("${words[0]}" complete "$1" -- "${words[@]:1:${#words[@]}-2}" "$cur" 2>/dev/null)
+}
+
+_lucarium() {
+  # The words as they were typed, up to the cursor: COMP_WORDS parts them at : and =.
+  local line=${COMP_LINE:0:COMP_POINT} words cur command= option= place=0 i
+  read -ra words <<<"$line"
+  [[ $line == *[[:space:]] ]] && words+=('')
+  cur=${words[-1]}
+  COMPREPLY=()
+
+  local plain= valued= word
+)bash";
+
+constexpr const char* scan = R"bash(
+  # Which command it is, whose option's value is at the cursor, and how many words by their place there are.
+  _lucarium_options
+  for ((i = 1; i < ${#words[@]} - 1; ++i)); do
+    word=${words[i]}
+    if [[ " $valued " == *" $word "* ]]; then
+      option=$word
+      ((++i))
+    elif [[ $word != -* && -z $command ]]; then
+      command=$word
+      _lucarium_options
+    elif [[ $word != -* ]]; then
+      ((++place))
+    fi
+  done
+  if ((i < ${#words[@]})); then
+    option=
+    if [[ $cur == --*=* ]]; then
+      option=${cur%%=*}
+      cur=${cur#*=}
+    fi
+  fi
+
+  local kind=free values=
+  if [[ -n $option ]]; then
+    case "$command $option" in
+)bash";
+
+constexpr const char* tail = R"bash(    esac
+  fi
+
+  case $kind in
+    words) mapfile -t COMPREPLY < <(compgen -W "$values" -- "$cur") ;;
+    file) compopt -o default 2>/dev/null ;;
+    folder) compopt -o dirnames 2>/dev/null ;;
+    free) ;;
+    *) _lucarium_ask "$kind" ;;
+  esac
+  # A scene is a file as well.
+  if [[ $kind == scene ]]; then
+    [[ -z $cur ]] && mapfile -t -O ${#COMPREPLY[@]} COMPREPLY < <(compgen -f)
+    ((${#COMPREPLY[@]})) || compopt -o default 2>/dev/null
+  fi
+  [[ ${#COMPREPLY[@]} -gt 0 && ${COMPREPLY[0]} == *[:=] ]] && compopt -o nospace 2>/dev/null
+  # Of a word that is parted at : or =, the last part is replaced.
+  local breaks=${COMP_WORDBREAKS//[!:=]/}
+  [[ -n $breaks ]] && COMPREPLY=("${COMPREPLY[@]#"${cur%"${cur##*[$breaks]}"}"}")
+  return 0
+}
+
+complete -F _lucarium lucarium
+)bash";
+
+/// "kind=words values='a b'", what a case of the script sets.
+std::string setting(const OptionDeclaration& option) {
+  switch (value_kind(option)) {
+    case ValueKind::words: return fmt::format("kind=words values='{}'", fmt::join(option.words, " "));
+    case ValueKind::file: return "kind=file";
+    case ValueKind::folder: return "kind=folder";
+    case ValueKind::command: return "kind=words values=$commands";
+    default: return asked_kind(value_kind(option)).empty() ? "" : "kind=" + asked_kind(value_kind(option));
+  }
+}
+
+/// One case for all patterns that set the same.
+std::string cases(const std::map<std::string, std::vector<std::string>>& patterns) {
+  std::string text;
+  for (const auto& [set, names] : patterns) text += fmt::format("      {}) {} ;;\n", fmt::join(names, " | "), set);
+  return text;
+}
+
+/// The names of the command's options, with a value or without one.
+std::string option_names(const CommandDeclaration& command, bool valued) {
+  std::string text;
+  for (const OptionDeclaration& option : command.options) {
+    if (valued == (!option.is_flag() && !option.value_optional))
+      text += fmt::format("{}{}", text.empty() ? "" : " ", fmt::join(option.names, " "));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string bash_completion(const ProgramDeclaration& program) {
+  std::string names, text = head;
+  for (const CommandDeclaration& command : program.commands) names += (names.empty() ? "" : " ") + command.name;
+  text += fmt::format("  local commands='{}'\n  _lucarium_options() {{\n    case $command in\n", names);
+  std::map<std::string, std::vector<std::string>> values, places;
+  const auto add = [&](const CommandDeclaration& command, const std::string& name) {
+    text += fmt::format("      '{}')\n        plain='{}'\n        valued='{}'\n        ;;\n", name,
+                        option_names(command, false), option_names(command, true));
+    for (const OptionDeclaration& option : command.options) {
+      if (setting(option).empty()) continue;
+      for (const std::string& own : option.names) values[setting(option)].push_back(fmt::format("'{} {}'", name, own));
+    }
+    for (size_t i = 0; i < command.words.size(); ++i) {
+      const OptionDeclaration& word = command.words[i];
+      if (setting(word).empty()) continue;
+      places[setting(word)].push_back(word.repeatable ? fmt::format("'{} '*", name) : fmt::format("'{} {}'", name, i));
+    }
+  };
+  add(program.program, "");
+  for (const CommandDeclaration& command : program.commands) add(command, command.name);
+  text += "    esac\n  }\n";
+  text += scan + cases(values);
+  text += R"bash(    esac
+  elif [[ $cur == -* ]]; then
+    kind=words values="$plain $valued"
+  elif [[ -z $command ]]; then
+    kind=words values=$commands
+  else
+    case "$command $place" in
+)bash";
+  return text + cases(places) + tail;
+}
+
+}  // namespace lucarium::app

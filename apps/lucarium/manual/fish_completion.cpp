@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "completion.h"
+
+namespace lucarium::app {
+namespace {
+
+constexpr const char* head = R"fish(# fish completion of lucarium; made by `lucarium completion fish`.
+
+# The first word that is no option is $argv, or there is none and neither is $argv.
+function __lucarium_command
+    set -l words (commandline -opc)
+    for word in $words[2..]
+        string match -q -- '-*' $word; and continue
+        test "$word" = "$argv"
+        return
+    end
+    test -z "$argv"
+end
+
+# Names that the program knows, with those of its plug-ins.
+function __lucarium_ask
+    set -l words (commandline -opc)
+    $words[1] complete $argv -- $words[2..] (commandline -ct | string replace -r -- '^--[^=]*=' '') 2>/dev/null
+end
+
+complete -c lucarium -f
+)fish";
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') result += '\\';
+    result += c;
+  }
+  return result + "'";
+}
+
+/// What says which values there are; -f: no files.
+std::string values(const OptionDeclaration& option, const std::string& commands) {
+  switch (const ValueKind kind = value_kind(option)) {
+    case ValueKind::words: return fmt::format(" -f -a '{}'", fmt::join(option.words, " "));
+    case ValueKind::file: return " -F";
+    case ValueKind::folder: return " -f -a '(__fish_complete_directories (commandline -ct))'";
+    case ValueKind::scene: return " -F -a '(__lucarium_ask scene)'";
+    case ValueKind::command: return fmt::format(" -f -a '{}'", commands);
+    default: return asked_kind(kind).empty() ? " -f" : fmt::format(" -f -a '(__lucarium_ask {})'", asked_kind(kind));
+  }
+}
+
+std::string lines(const CommandDeclaration& command, const std::string& name, const std::string& commands) {
+  const std::string when =
+      fmt::format("complete -c lucarium -n '__lucarium_command{}'", name.empty() ? "" : " " + name);
+  std::string text;
+  for (const OptionDeclaration& word : command.words) text += when + values(word, commands) + "\n";
+  for (const OptionDeclaration& option : command.options) {
+    text += when;
+    for (const std::string& own : option.names)
+      text += own.starts_with("--") ? " -l " + own.substr(2) : " -s " + own.substr(1);
+    if (!option.is_flag() && !option.value_optional) text += " -r";
+    if (!option.is_flag()) text += values(option, commands);
+    text += " -d " + quoted(option.text) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string fish_completion(const ProgramDeclaration& program) {
+  std::string names, text = head;
+  for (const CommandDeclaration& command : program.commands) {
+    names += (names.empty() ? "" : " ") + command.name;
+    text += fmt::format("complete -c lucarium -n __lucarium_command -a {} -d {}\n", command.name, quoted(command.text));
+  }
+  text += lines(program.program, "", names);
+  for (const CommandDeclaration& command : program.commands) text += lines(command, command.name, names);
+  return text;
+}
+
+}  // namespace lucarium::app
