@@ -131,8 +131,9 @@ class Tester:
                         self.stock(folder)
                         stocked = True
                     answer = self.call(self.reduced(text), folder)
-                    self.say('FAILED' if answer.returncode else 'ok', what, answer.stderr.strip()[-300:]
-                             if answer.returncode else '')
+                    # Status 1: a limit is exceeded. The test's images are noisy, so --max-relmse may say so.
+                    failed = answer.returncode not in ((0, 1) if '--max-relmse' in text else (0,))
+                    self.say('FAILED' if failed else 'ok', what, answer.stderr.strip()[-300:] if failed else '')
 
 
 def main():
@@ -149,10 +150,11 @@ def main():
         if help_text is None:
             tester.say('FAILED', f'lucarium {command} --help')
             continue
-        own = re.findall(r'^  (lucarium .*)', help_text, re.M)
+        shown = re.search(r'^Examples\n((?:  .*\n)*)', help_text, re.M)
+        own = re.findall(r'^  (.*\blucarium .*)', shown[1] if shown else '', re.M)
         if len(own) != 2 or not (source / re.search(r'^More: (.*)', help_text, re.M)[1]).exists():
             tester.say('FAILED', f'lucarium {command} --help', 'it needs two examples and a page')
-        examples += [(text, True) for text in own]
+        examples += [(text, text.startswith('lucarium')) for text in own]
     tester.run_all('--help', examples)
     sys.exit(1 if tester.failed else 0)
 
