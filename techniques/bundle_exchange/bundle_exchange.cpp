@@ -159,10 +159,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     step_ = {};
     batch_ = {};
     sequence_ = make_sequence(parameters_, full_seed(), guide_, has_history());
-    if (parts_->specular) parts_->specular->reset();
-    parts_->side_light.reset(seed());
-    parts_->means.reset();
-    parts_->reset_camera(seed());
+    parts_->reset(seed());
     if (known_) parts_->means.start_from(std::move(*known_));
     known_.reset();
   }
@@ -212,8 +209,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return parts_->means.reflected_light_done() ? Phase::emission_only : Phase::exchange;
   }
 
-  /// Whether bundles carry anything.
-  bool exchanges() const { return settings().max_bounces != 0 || parameters_.direct_mode == DirectMode::exchange; }
+  bool exchanges() const { return bundle::exchanges(parameters_, settings()); }
 
   bool shows_preview() const { return parts_->preview && phase() != Phase::done; }
 
@@ -288,6 +284,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   bool begin_batch() {
     batch_.count = next_batch();
     if (!parts_->means.make_senders()) return false;
+    if (parts_->side_state && !parts_->means.direct_only(directions_)) parts_->side_state->add_balance();
     if (SideSpecular* specular = reflecting()) specular->begin_batch(sequence_, directions_, batch_.count);
     return true;
   }
@@ -309,6 +306,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
       parts_->transfer.exchange(direction, seed);
     }
     if (specular) specular->receive(batch_.done);
+    if (specular && parts_->side_state) parts_->side_state->add_history();
     return true;
   }
 

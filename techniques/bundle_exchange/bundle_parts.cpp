@@ -44,9 +44,11 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
     specular =
         std::make_unique<SideSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
                                        !c.scene.lights.empty(), c.settings.max_bounces, p.transfer == Transfer::ray);
-  if (plan.camera.debug)
-    debug = std::make_unique<DebugLayers>(*c.device, c.scheduler, c.scene_buffers, *atlas, means, preview.get(),
-                                          accessibility->shares(), specular.get(), camera);
+  if (!plan.camera.debug) return;
+  if (plan.exchanges)
+    side_state = std::make_unique<SideState>(*c.device, c.scheduler, means, accessibility->shares(), specular.get());
+  debug = std::make_unique<DebugLayers>(*c.device, c.scheduler, c.scene_buffers, *atlas, means, preview.get(),
+                                        side_state.get(), camera);
 }
 
 void BundleParts::commit_sample(bool atlas_known) {
@@ -54,7 +56,11 @@ void BundleParts::commit_sample(bool atlas_known) {
   if (debug) debug->commit();
 }
 
-void BundleParts::reset_camera(uint32_t seed) {
+void BundleParts::reset(uint32_t seed) {
+  if (specular) specular->reset();
+  side_light.reset(seed);
+  means.reset();
+  if (side_state) side_state->reset();
   camera.reset(seed);
   if (debug) debug->clear();
 }
@@ -87,6 +93,7 @@ void BundleParts::warm_up() {
   if (specular) specular->warm_up();
   transfer.warm_up();
   camera.warm_up();
+  if (side_state) side_state->warm_up();
   if (debug) debug->warm_up();
 }
 

@@ -27,8 +27,8 @@ struct BundleParts {
   void measure_accessibility(const std::function<void(double, const std::string&)>& report);
   /// Adds the camera sample. `atlas_known` as for CameraLight::commit().
   void commit_sample(bool atlas_known);
-  /// Forgets all camera samples.
-  void reset_camera(uint32_t seed);
+  /// Forgets all light and all camera samples.
+  void reset(uint32_t seed);
   void set_frame(const Frame& frame);
   void write(Film& film, bool smoothed) const;
   void warm_up();
@@ -43,7 +43,8 @@ struct BundleParts {
   std::unique_ptr<SideSpecular> specular;  ///< null where no texel side has a specular lobe that takes part
   CameraLight camera;
   BundleTransfer transfer;
-  std::unique_ptr<DebugLayers> debug;  ///< null unless asked for
+  std::unique_ptr<SideState> side_state;  ///< null unless asked for, and where bundles carry nothing
+  std::unique_ptr<DebugLayers> debug;     ///< null unless asked for
 };
 
 }  // namespace lucarium::bundle

@@ -52,6 +52,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   // Direct light needs no lobes of texel sides: they begin behind the first scattering.
   plan.reflects = specular && settings.max_bounces != 0 && parameters.glossy_bounces == GlossyBounces::multiple;
+  plan.exchanges = exchanges(parameters, settings);
   plan.preview = parameters.preview && forgets(parameters);
   plan.channels = make_channels(parameters, scene, settings, plan.reflects);
   const bool idle = parameters.final_gather == FinalGather::glossy && !specular;
@@ -67,6 +68,10 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   plan.light_kinds = DirectLight::kAllLights;
   if (parameters.direct_mode == DirectMode::exchange) plan.light_kinds = punctual ? DirectLight::kPunctualLights : 0;
   return plan;
+}
+
+bool exchanges(const Parameters& parameters, const RenderSettings& settings) {
+  return settings.max_bounces != 0 || parameters.direct_mode == DirectMode::exchange;
 }
 
 std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters, const Scene& scene) {
@@ -85,9 +90,9 @@ size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, cons
          BundleTransfer::estimate_bytes(scene, SurfaceAtlas::estimate_edge(scene, plan.atlas), parameters,
                                         plan.camera.by_bundles) +
          (plan.preview ? SidePreview::estimate_bytes(sides, plan.channels) : 0) +
-         (plan.camera.debug
-              ? DebugLayers::estimate_bytes(size_t{settings.width} * settings.height, plan.preview) + sides
-              : 0);
+         (plan.camera.debug ? DebugLayers::estimate_bytes(size_t{settings.width} * settings.height, plan.preview) +
+                                  SideState::estimate_bytes(sides)
+                            : 0);
 }
 
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {

@@ -11,11 +11,15 @@ struct BundlePlan {
   SurfaceAtlasOptions atlas;
   Channels channels;
   CameraLight::Options camera;
+  bool exchanges = false;    ///< bundles carry anything
   bool preview = false;      ///< images that have not converged show what SidePreview smooths
   bool reflects = false;     ///< specular lobes of texel sides take part in the exchange
   uint32_t light_kinds = 0;  ///< of lights that texel sides get light samples of (LUCARIUM_LIGHT_* bits)
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
+
+/// Whether bundles carry anything.
+bool exchanges(const Parameters& parameters, const RenderSettings& settings);
 
 /// What directions are drawn by, or null: by nothing.
 std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters, const Scene& scene);

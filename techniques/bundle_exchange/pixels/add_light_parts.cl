@@ -29,17 +29,11 @@ __kernel void add_light_parts(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   bundle_gather[i] = mix_sample(bundle_gather[i], by_bundles, atlas_weight);
 }
 
-// What the texel side behind a pixel holds and sends at present, as colours:
-//   accessibility      its mean
-//   balance            radiance that the balance adds to what it sends, c (s - 1) e_S (BUNDLE_SELF_FED)
-//   direction_history  radiance beside the diffuse that it sent along the last direction, where in_history says that
-//                      it reflects earlier ones (BUNDLE_CHAINS)
+// What the texel side behind a pixel holds and sends (SideState), as colours.
 __kernel void add_side_state(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                              __global const uint* restrict atlas_table, __global const GBufferPoint* restrict points,
                              uint count, float atlas_weight, __global const float* restrict shares,
-                             __global const float4* restrict albedo, __global const float4* restrict senders,
-                             __global const float4* restrict scale, __global const float4* restrict records,
-                             __global const float4* restrict diffuse, __global const uchar* restrict in_history,
+                             __global const float4* restrict balances, __global const float4* restrict histories,
                              __global float4* restrict accessibility, __global float4* restrict balance,
                              __global float4* restrict direction_history) {
   const uint i = get_global_id(0);
@@ -52,14 +46,8 @@ __kernel void add_side_state(AtlasInfo atlas_info, __global const AtlasTriangle*
                       point.normal.w == 0.0f);
   if (side != LUCARIUM_NONE) {
     open = (float3)(shares[side]);
-#ifdef BUNDLE_SELF_FED
-    scaled = albedo[side].xyz * (scale[0].xyz - 1.0f) * side_mean(senders[side]);
-#endif
-#ifdef BUNDLE_CHAINS
-    for (uint k = 0u; k < BUNDLE_REFLECTED && in_history[side]; ++k)
-      remembered += records[(size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k)].xyz -
-                    diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz;
-#endif
+    scaled = balances[side].xyz;
+    remembered = histories[side].xyz;
   }
   accessibility[i] = mix_sample(accessibility[i], open, atlas_weight);
   balance[i] = mix_sample(balance[i], scaled, atlas_weight);

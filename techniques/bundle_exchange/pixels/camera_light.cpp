@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_exchange/pixels/camera_light.h"
 
-#include <algorithm>
 #include <limits>
 
 #include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/base/late_weight.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -116,10 +116,8 @@ bool CameraLight::begin_sample() {
 bool CameraLight::sample() { return eye_.sample(samples_) && (!chains_ || gather()); }
 
 float CameraLight::atlas_weight() const {
-  // Sample i counts i²: of a mean over all, ever later ones. The atlas they saw was better, and a late image forgets
-  // what an early atlas did not know. i² / Σ i² = 6 i / ((i + 1) (2 i + 1)).
-  const double i = std::max(atlas_samples_, 1u);
-  return static_cast<float>(6 * i / ((i + 1) * (2 * i + 1)));
+  // The atlas that later samples saw was better, and a late image forgets what an early atlas did not know.
+  return late_weight(atlas_samples_);
 }
 
 void CameraLight::commit(bool atlas_known) {

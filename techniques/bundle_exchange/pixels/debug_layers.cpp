@@ -9,25 +9,14 @@ namespace {
 const char* const kOwner = "bundle_exchange";
 const char* const kRemedy = "set debug_layers=off";
 
-std::vector<uint8_t> history_flags(uint32_t sides, const SideSpecular* specular) {
-  std::vector<uint8_t> result(sides);
-  if (specular)
-    for (const uint32_t side : specular->history_sides()) result[side] = 1;
-  return result;
-}
-
 }  // namespace
 
 DebugLayers::DebugLayers(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                          const SurfaceAtlas& atlas, const SideMeans& means, const SidePreview* preview,
-                         const TypedBuffer<float>& shares, const SideSpecular* specular, const CameraLight& camera)
-    : scheduler_(&scheduler),
-      camera_(&camera),
-      in_history_(device, kOwner, "sides with a direction history", history_flags(atlas.info().texel_count, specular),
-                  kRemedy) {
+                         const SideState* sides, const CameraLight& camera)
+    : scheduler_(&scheduler), camera_(&camera) {
   const std::vector<std::string> parts = {"exchanged_direct", "diffuse_exchange", "specular_chains", "bundle_gather"};
   parts_ = make_images(device, parts);
-  states_ = make_images(device, {"accessibility", "balance", "direction_history"});
   const Program program = make_bundle_program(device, "pixels/add_light_parts", means.channels().defines());
   ScheduleRecorder recorder = scheduler.record("add debug layers", kOwner);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
@@ -36,22 +25,24 @@ DebugLayers::DebugLayers(Device& device, KernelScheduler& scheduler, const Scene
     smooth_parts_ = make_images(device, parts);
     record_parts(recorder, program, scene, atlas, preview->shown(), preview->shown_direct(), smooth_parts_);
   }
-  PassBuilder state = recorder.pass("add state of texel sides", program, "add_side_state");
-  atlas.bind(state);
-  state.global(camera.pixels())
-      .arg("points", camera.points())
-      .arg("count", camera.pixels())
-      .arg("atlas_weight", atlas_weight_)
-      .arg("shares", shares)
-      .arg("albedo", means.albedo())
-      .arg("senders", means.senders())
-      .arg("scale", means.scale())
-      .arg("records", means.records())
-      .arg("diffuse", means.diffuse_sent())
-      .arg("in_history", in_history_);
-  for (size_t k = 0; k < states_.names.size(); ++k) state.arg(states_.names[k], states_.means[k]);
+  if (sides) record_states(recorder, program, device, atlas, *sides);
   add_ = recorder.compile();
   clear();
+}
+
+void DebugLayers::record_states(ScheduleRecorder& recorder, const Program& program, Device& device,
+                                const SurfaceAtlas& atlas, const SideState& sides) {
+  states_ = make_images(device, {"accessibility", "balance", "direction_history"});
+  PassBuilder state = recorder.pass("add state of texel sides", program, "add_side_state");
+  atlas.bind(state);
+  state.global(camera_->pixels())
+      .arg("points", camera_->points())
+      .arg("count", camera_->pixels())
+      .arg("atlas_weight", atlas_weight_)
+      .arg("shares", sides.accessibility())
+      .arg("balances", sides.balance())
+      .arg("histories", sides.history());
+  for (size_t k = 0; k < states_.names.size(); ++k) state.arg(states_.names[k], states_.means[k]);
 }
 
 DebugLayers::Images DebugLayers::make_images(Device& device, const std::vector<std::string>& names) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include "bundle_exchange/pixels/camera_light.h"
-#include "bundle_exchange/specular/side_specular.h"
+#include "bundle_exchange/pixels/side_state.h"
 
 namespace lucarium::bundle {
 
@@ -10,10 +10,9 @@ namespace lucarium::bundle {
 /// `indirect`. `accessibility`, `balance` and `direction_history` show what the texel sides behind the pixels hold.
 class DebugLayers {
  public:
-  /// `preview` and `specular` may be null. The rest must outlive this.
+  /// `preview` may be null, and so may `sides`: then there are no layers of texel sides. The rest must outlive this.
   DebugLayers(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-              const SideMeans& means, const SidePreview* preview, const TypedBuffer<float>& shares,
-              const SideSpecular* specular, const CameraLight& camera);
+              const SideMeans& means, const SidePreview* preview, const SideState* sides, const CameraLight& camera);
 
   /// Adds the sample that `camera` has committed last.
   void commit();
@@ -33,10 +32,11 @@ class DebugLayers {
   void record_parts(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
                     const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
                     const TypedBuffer<float4>& shown_direct, const Images& parts) const;
+  void record_states(ScheduleRecorder& recorder, const Program& program, Device& device, const SurfaceAtlas& atlas,
+                     const SideState& sides);
   KernelScheduler* scheduler_;
   const CameraLight* camera_;
   Images parts_, smooth_parts_, states_;
-  TypedBuffer<uint8_t> in_history_;  ///< per texel side
   Schedule add_;
   Variable<float> atlas_weight_;
 };

@@ -38,7 +38,7 @@ class DirectionHistory {
   void commit();
   void reset();
   void warm_up();
-  std::vector<uint32_t> sides() const { return list_.download(); }  ///< that have one
+  const TypedBuffer<uint32_t>& sides() const { return list_; }  ///< that have one
   static size_t estimate_bytes(size_t sides, const Channels& channels, const Options& options);
 
  private:

@@ -36,8 +36,8 @@ float3 reflection_albedo(const global float* table, const Bsdf* bsdf) {
 // later ones. With f the specular lobe, ρ its albedo, L and w of the rays that came from those directions (their cosine
 // is implicit), and A the texel side's area times accessibility:
 //   by their share:  ρ Σ f w L / Σ f w        by themselves:  Σ f w L / (history_step.reflected A)
-// albedo: w is A. diffuse: what the texel side sends otherwise; null where history_step.adds says that the record holds
-// it.
+// albedo: w is A. diffuse: what the texel side sends otherwise; not read where history_step.adds says that the record
+// holds it.
 __kernel void send_history(__global const float* restrict scene_albedo_table,
                            __global const AtlasTexel* restrict atlas_texels,
                            __global const SurfacePoint* restrict atlas_points,

@@ -77,7 +77,7 @@ size_t SideMeans::estimate_bytes(size_t sides, const Channels& channels, const P
 void SideMeans::record_materials(const Program& program, const SurfaceAtlas& atlas,
                                  const TypedBuffer<float>& accessibility) {
   ScheduleRecorder recorder = scheduler_->record("texel side materials", kOwner);
-  PassBuilder pass = recorder.pass("take materials", program, "copy_materials");
+  PassBuilder pass = recorder.pass("copy materials", program, "copy_materials");
   atlas.bind(pass);
   pass.global(sides_).arg("sides", sides_).arg("accessibility", accessibility);
   pass.arg("albedo", albedo_).arg("emission", emission_);
@@ -200,7 +200,7 @@ void SideMeans::record_errors(const Program& program) {
   primitives_.record_reduce(recorder, "sum of indirect errors", Primitives::Reduction::sum_float, indirect_errors_,
                             indirect_error, sides_);
   primitives_.record_reduce(recorder, "sum of values", Primitives::Reduction::sum_float, values_, value, sides_);
-  recorder.pass("join sums", program, "copy_sums")
+  recorder.pass("copy sums", program, "copy_sums")
       .global(1)
       .local(1)
       .arg("error", error)

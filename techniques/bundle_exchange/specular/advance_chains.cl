@@ -10,7 +10,7 @@
 // What chains find for their targets.
 typedef struct Contributions {
   global float4* contribution;
-  uint layout;  // HOP_GAIN_*
+  uint layout;  // CONTRIBUTION_*
   // Of the atlas; not set where only light samples are added.
   AtlasInfo atlas_info;
   const global AtlasTriangle* atlas_triangles;

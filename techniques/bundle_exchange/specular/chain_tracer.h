@@ -14,7 +14,7 @@ class ChainTracer {
   struct Options {
     uint32_t targets = 0;
     uint32_t contributions = 1;          ///< float4 per target
-    uint32_t layout = CONTRIBUTION_ONE;  ///< HOP_GAIN_*: which of them light is added to
+    uint32_t layout = CONTRIBUTION_ONE;  ///< CONTRIBUTION_*: which of them light is added to
     bool punctual = false;               ///< there are punctual lights
     std::string what;                    ///< for names of passes and memory
   };

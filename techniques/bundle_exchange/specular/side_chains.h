@@ -34,6 +34,8 @@ class SideChains {
   /// their chains find of lights.
   bool find(const BundleDirection& direction, uint32_t seed, bool lit);
   void warm_up();
+  /// Per listed texel side, Channels::reflected() float4: what find() has added to what it sends.
+  const TypedBuffer<float4>& contribution() const { return tracer_.contribution(); }
   uint64_t rays() const { return tracer_.chains().rays(); }
   void reset_count() { tracer_.chains().reset_count(); }
 

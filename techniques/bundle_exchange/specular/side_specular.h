@@ -21,8 +21,11 @@ class SideSpecular {
   static bool uses_history(const Parameters& parameters) { return parameters.glossy_window > 0; }
   static float min_alpha(const Parameters& parameters);
   /// Whether some texel side reflects directions, which then must be independent of each other.
-  std::vector<uint32_t> history_sides() const { return history_ ? history_->sides() : std::vector<uint32_t>(); }
   bool has_history() const { return history_ != nullptr; }
+  /// The texel sides that do (where has_history()), and what light samples bring to what each sends, as
+  /// SideChains::contribution(): null without punctual lights.
+  const TypedBuffer<uint32_t>& history_sides() const { return history_->sides(); }
+  const TypedBuffer<float4>* history_light() const { return light_ ? &light_->contribution() : nullptr; }
 
   /// The next batch; a batch that was cancelled may be begun again.
   void begin_batch(const DirectionSequence& sequence, uint64_t first, uint32_t count);

@@ -6,6 +6,7 @@
 
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/exchange/bundle_transfer.h"
+#include "bundle_exchange/pixels/side_state.h"
 #include "bundle_exchange/senders/side_means.h"
 #include "bundle_exchange/senders/side_preview.h"
 #include "bundle_exchange/shared/texel_sides.h"
@@ -112,12 +113,13 @@ class BundleRig {
     }
     light_.upload(values);
   }
-  /// `count` directions in batches of Parameters::batch.
-  void solve(const DirectionSequence& sequence, uint64_t count) {
+  /// Directions `begin` … `end - 1` in batches of Parameters::batch.
+  void solve(const DirectionSequence& sequence, uint64_t end, uint64_t begin = 0) {
     const uint64_t batch = static_cast<uint64_t>(parameters_.batch);
-    for (uint64_t first = 0; first < count; first += batch) {
+    for (uint64_t first = begin; first < end; first += batch) {
       means_.make_senders();
       const bool direct_only = means_.direct_only(first);
+      if (state_ && !direct_only) state_->add_balance();
       bundle::SideSpecular* specular = direct_only ? nullptr : specular_.get();
       if (specular) specular->begin_batch(sequence, first, static_cast<uint32_t>(batch));
       for (uint64_t i = first; i < first + batch; ++i) {
@@ -125,12 +127,21 @@ class BundleRig {
         if (specular) specular->send(sequence.at(i), static_cast<uint32_t>(i - first), seed, means_.sends_direct());
         direct_only ? transfer_.exchange_emission(sequence.at(i), seed) : transfer_.exchange(sequence.at(i), seed);
         if (specular) specular->receive(static_cast<uint32_t>(i - first));
+        if (specular && state_) state_->add_history();
       }
       if (specular) specular->commit();
       means_.commit(first, static_cast<uint32_t>(batch));
     }
     scheduler_.finish();
   }
+  /// Watches the state of texel sides from now on.
+  const bundle::SideState& watch() {
+    state_ =
+        std::make_unique<bundle::SideState>(*device_, scheduler_, means_, accessibility_.shares(), specular_.get());
+    return *state_;
+  }
+  const bundle::SideMeans& means() const { return means_; }
+  const bundle::SideSpecular& specular() const { return *specular_; }
   /// Red of indirect and of exchanged direct irradiance over π, per texel side.
   std::vector<double> indirect() const { return red(means_.shown()); }
   std::vector<double> direct() const { return red(means_.shown_direct()); }
@@ -254,6 +265,7 @@ class BundleRig {
   bundle::SideMeans means_;
   bundle::BundleTransfer transfer_;
   std::unique_ptr<bundle::SideSpecular> specular_;
+  std::unique_ptr<bundle::SideState> state_;
   std::vector<glm::dvec4> sums_;
 };
 
