@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SurfacePoints that keep the random number that comes with a light sample.
+// SurfacePoints that keep the random numbers that come with a light sample: y that of the sample, and x that of its
+// other ray, with z 1 where it has met a lamp.
 #include "lucarium/shared/surface_point.h"
 #define LIGHT_POINT_PARAMETERS __global const SurfacePoint *restrict points,
 #define LIGHT_POINT_ARGUMENTS points,
@@ -16,5 +17,5 @@ bool light_point(const Scene* scene, uint i, LIGHT_POINT_PARAMETERS Surface* sur
 
 void add_light(const Scene* scene, uint i, float3 light, float3 direction, float random,
                LIGHT_SUM_PARAMETERS uint samples) {
-  irradiance[i] = (float4)(0.0f, random, 0.0f, (float)samples);
+  irradiance[i] += samples ? (float4)(0.0f, random, 0.0f, (float)samples) : (float4)(random, 0.0f, 1.0f, 0.0f);
 }

@@ -294,3 +294,28 @@ TEST_CASE("the number that comes with a light sample is another one for every po
   CHECK(correlation(numbers, numbers, 1) < 5);
   CHECK(correlation(numbers, numbers, points) < 5);
 }
+
+TEST_CASE("the ray of a light sample that meets a lamp comes with a number of its own") {
+  // A lamp so near that most rays by the cosine meet it.
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  add_horizontal(scene, 0, 0.02f, 0, 1, 1, false, add_material(scene, emitter(1)));
+  constexpr uint32_t points = 2048;
+  PointRig rig(std::move(scene), middle(0), points, "chosen_points");
+  ScheduleRecorder recorder = rig.scheduler.record("direct light", "test");
+  const Variable<uint32_t> sample = recorder.variable("sample", 0u), seed = recorder.variable("seed", 1u);
+  rig.light.record_samples(recorder, sample, seed, rig.bind_sums());
+  Schedule schedule = recorder.compile();
+  std::vector<double> of_rays;
+  double product = 0;
+  for (const float4& numbers : rig.run(schedule)) {
+    if (numbers.z != 1) continue;
+    of_rays.push_back(double{numbers.x});
+    product += 12 * (double{numbers.x} - 0.5) * (double{numbers.y} - 0.5);
+  }
+  const double n = static_cast<double>(of_rays.size());
+  CHECK(n > points / 2);
+  CHECK(spread(of_rays).mean == test::within(0.5, 5 / std::sqrt(12 * n)));
+  // Of two independent numbers the sum's deviation is sqrt(n); of twice the same one it is n.
+  CHECK(std::abs(product) < 5 * std::sqrt(n));
+}

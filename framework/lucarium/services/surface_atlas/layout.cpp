@@ -41,12 +41,12 @@ double side_area(const AtlasMesh& mesh) {
 }
 
 /// Texels that count towards the wanted number. Those of slivers come on top, up to a share of it, since coarser texels
-/// would hardly be fewer of them. Beyond it they count at most as much as the others, which thus keep at least half of
-/// their number; but in full where slivers make up half of the area [m²].
-double charged_count(const SideCount& count, double wanted, double area) {
+/// would hardly be fewer of them (slivers that touch nothing are as many at any edge). Beyond it they count at most as
+/// much as the others, which thus keep at least half of their number; or in full, where slivers are the scene.
+double charged_count(const SideCount& count, double wanted, bool of_slivers) {
   const double others = double(count.all - count.slivers);
   const double beyond = std::max(0., double(count.slivers) - free_slivers * wanted);
-  return others + (count.sliver_area < 0.5 * area ? std::min(beyond, others) : beyond);
+  return others + (of_slivers ? beyond : std::min(beyond, others));
 }
 
 /// Checks for cancellation and reports progress.
@@ -104,15 +104,17 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
   std::vector<AtlasPart> best;
   double best_edge = 0, best_off = INFINITY;
-  double share = 0.3;  // of the progress; most layouts need one attempt
+  bool of_slivers = false;  // they make up half of the area, at the first edge: all attempts have one measure
+  double share = 0.3;       // of the progress; most layouts need one attempt
   for (int attempt = 0; attempt < attempts; ++attempt, share *= 0.5) {
     const ChartSets sets = join_small_charts(mesh, grown, settings.edge);
     std::vector<AtlasPart> placed = place_charts(
         mesh, sets, settings, threads, [&](double done) { watch.at(0.9 - share * (2 - done), "placing charts"); });
     absorb_fragments(mesh, settings, placed);
     const SideCount count = side_count(placed, settings.edge);
+    if (attempt == 0) of_slivers = count.sliver_area >= 0.5 * area;
     const double wanted = double(options.texel_count);
-    const double ratio = options.texel_edge > 0 ? 1 : charged_count(count, wanted, area) / wanted;
+    const double ratio = options.texel_edge > 0 ? 1 : charged_count(count, wanted, of_slivers) / wanted;
     const double off = std::fabs(std::log(std::max(ratio, 1e-9)));
     const bool better = off < best_off;
     const bool worth_another = ratio > 0 && off > std::log(count_tolerance) && off < 0.9 * best_off;
