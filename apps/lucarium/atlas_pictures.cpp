@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "atlas_pictures.h"
 
-#include <nlohmann/json.hpp>
-
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/services/bvh/bvh.h"

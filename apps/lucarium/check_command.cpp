@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium check TECHNIQUE: the conformance kit as a table or JSON; exit code 1 when a check failed.
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"

@@ -2,9 +2,9 @@
 #include "curve_recorder.h"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/film/exposure.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/scene/exposure.h"

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium devices: the OpenCL devices there are.
-#include <nlohmann/json.hpp>
-
 #include "commands.h"
 #include "lucarium/base/byte_size.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/compute/device/device.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium diff: how different two images are, layer by layer.
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/film/image_io.h"

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/embedded_files.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/technique/plugin.h"
 

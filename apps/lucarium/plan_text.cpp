@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plan_text.h"
 
-#include <nlohmann/json.hpp>
-
+#include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/base/text_values.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium reference: a reference image rendered to a wanted error, and extended later.
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"

@@ -3,12 +3,12 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "curve_recorder.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"

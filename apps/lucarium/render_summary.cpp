@@ -2,8 +2,8 @@
 #include "render_summary.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
+#include "lucarium/base/json.h"
 #include "lucarium/scene/exposure.h"
 
 namespace lucarium::app {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium report.
-#include <nlohmann/json.hpp>
-
 #include "commands.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/compare/report/report_page.h"
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium reproduce: experiments of papers, each a comparison and the values read off it.
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/base/terminal.h"

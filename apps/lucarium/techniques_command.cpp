@@ -2,10 +2,9 @@
 // lucarium techniques [NAME]: everything a technique declares, as text, JSON, or the page docs/techniques.md.
 #include <fmt/ranges.h>
 
-#include <nlohmann/json.hpp>
-
 #include "commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/technique/plugin.h"

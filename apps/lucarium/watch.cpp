@@ -6,7 +6,6 @@
 #include <chrono>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "lucarium/base/child_process.h"
@@ -14,6 +13,7 @@
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 
 namespace lucarium::app {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <span>
 
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/services/bvh/bvh.h"
@@ -13,14 +14,31 @@
 using namespace lucarium;
 using namespace lucarium::test;
 
-TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far from it") {
-  std::mt19937 random(11);
-  std::uniform_real_distribution<float> uniform(-1, 1), positive(0, 1);
-  const int triangles = full_run() ? 200000 : 20000;
+namespace {
+
+/// Triangles that share no corners; one for every three positions.
+Scene loose_triangles(const std::vector<glm::vec3>& corners) {
   Scene scene;
   scene.source = "test";
   scene.materials.emplace_back();
   Mesh mesh;
+  mesh.positions = corners;
+  mesh.normals.assign(corners.size(), glm::vec3(0, 0, 1));
+  for (uint32_t i = 0; i < corners.size(); i += 3) mesh.triangles.emplace_back(i, i + 1, i + 2);
+  scene.meshes.push_back(mesh);
+  SceneInstance instance;
+  instance.mesh = 0, instance.material = 0;
+  scene.instances.push_back(instance);
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far from it") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> uniform(-1, 1), positive(0, 1);
+  const int triangles = full_run() ? 200000 : 20000;
+  std::vector<glm::vec3> corners;
   const auto vec3 = [&] { return glm::vec3(uniform(random), uniform(random), uniform(random)); };
   std::vector<float> sizes;
   for (int i = 0; i < triangles; ++i) {
@@ -30,17 +48,11 @@ TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far fr
     for (int k = 0; k < 3; ++k) {
       glm::vec3 p = centre + size * vec3();
       if (i % 5 == 0) p[i / 5 % 3] = i % 2 ? 0.f : centre[i / 5 % 3];
-      mesh.positions.push_back(p);
-      mesh.normals.emplace_back(0, 0, 1);
+      corners.push_back(p);
     }
-    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
     sizes.push_back(size + away);
   }
-  scene.meshes.push_back(mesh);
-  SceneInstance instance;
-  instance.mesh = 0, instance.material = 0;
-  scene.instances.push_back(instance);
-  const SceneBuffers buffers(*test_device(), scene);
+  const SceneBuffers buffers(*test_device(), loose_triangles(corners));
   std::vector<Hit> hits;
   for (int i = 0; i < triangles; ++i) {
     const float u = positive(random), v = (1 - u) * positive(random);
@@ -50,7 +62,7 @@ TEST_CASE("ray origins never lie on the wrong side of their triangle, nor far fr
   const auto surfaces = make_surfaces(buffers, hits, direction);
   int wrong = 0, far = 0;
   for (int i = 0; i < triangles; ++i) {
-    const glm::dvec3 a(mesh.positions[3 * i]), b(mesh.positions[3 * i + 1]), c(mesh.positions[3 * i + 2]);
+    const glm::dvec3 a(corners[3 * i]), b(corners[3 * i + 1]), c(corners[3 * i + 2]);
     const glm::dvec3 e1 = b - a, e2 = c - a, normal = glm::normalize(glm::cross(e1, e2));
     // Needles have no normal in single precision.
     if (glm::length(glm::cross(e1, e2)) < 1e-3 * glm::length(e1) * glm::length(e2)) continue;
@@ -72,10 +84,7 @@ TEST_CASE("rays do not find the triangle that they leave, at whatever angle") {
   // origin, where coordinates alone would allow the least distance. Rays may meet the others.
   std::mt19937 random(13);
   std::uniform_real_distribution<float> uniform(-1, 1);
-  Scene scene;
-  scene.source = "test";
-  scene.materials.emplace_back();
-  Mesh mesh;
+  std::vector<glm::vec3> corners;
   std::vector<Hit> hits;
   const int triangles = 12, points = 200;
   for (int i = 0; i < triangles; ++i) {
@@ -83,18 +92,12 @@ TEST_CASE("rays do not find the triangle that they leave, at whatever angle") {
     const auto corner = [&](float x, float y) {
       glm::vec3 p(0);
       p[(axis + 1) % 3] = 20 * x, p[(axis + 2) % 3] = 20 * y;
-      p[axis] = (i / 3 % 2) * (0.3f * p.x + 0.2f * p.y - 0.1f * p.z);
+      p[axis] = static_cast<float>(i / 3 % 2) * (0.3f * p.x + 0.2f * p.y - 0.1f * p.z);
       return p;
     };
-    const glm::vec3 corners[3] = {corner(-0.5f, -0.5f), corner(1, -0.5f), corner(-0.5f, 1)};
-    mesh.positions.insert(mesh.positions.end(), std::begin(corners), std::end(corners));
-    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    corners.insert(corners.end(), {corner(-0.5f, -0.5f), corner(1, -0.5f), corner(-0.5f, 1)});
   }
-  mesh.normals.assign(mesh.positions.size(), glm::vec3(0, 0, 1));
-  scene.meshes.push_back(mesh);
-  SceneInstance instance;
-  instance.mesh = 0, instance.material = 0;
-  scene.instances.push_back(instance);
+  const Scene scene = loose_triangles(corners);
   const SceneBuffers buffers(*test_device(), scene);
   const Bvh bvh(*test_device(), scene, buffers);
   KernelScheduler scheduler(test_device());
@@ -131,22 +134,9 @@ TEST_CASE("rays do not find the triangle that they leave, at whatever angle") {
 
 TEST_CASE("ray origins keep off the edges of their triangle as far as off the triangle") {
   // Far from the origin, where that is far; corners of 30 degrees and more.
-  const glm::vec3 corners[2][3] = {{{1000, 300, -200}, {1001, 300, -200.2f}, {1000.3f, 301, -199.9f}},
-                                   {{-80, 4000, 7}, {-78, 4000.5f, 7}, {-78.1f, 4003, 7.3f}}};
-  Scene scene;
-  scene.source = "test";
-  scene.materials.emplace_back();
-  Mesh mesh;
-  for (uint32_t i = 0; i < 2; ++i) {
-    mesh.positions.insert(mesh.positions.end(), corners[i], corners[i] + 3);
-    mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
-  }
-  mesh.normals.assign(6, glm::vec3(0, 0, 1));
-  scene.meshes.push_back(mesh);
-  SceneInstance instance;
-  instance.mesh = 0, instance.material = 0;
-  scene.instances.push_back(instance);
-  const SceneBuffers buffers(*test_device(), scene);
+  const std::vector<glm::vec3> corners = {{1000, 300, -200}, {1001, 300, -200.2f}, {1000.3f, 301, -199.9f},
+                                          {-80, 4000, 7},    {-78, 4000.5f, 7},    {-78.1f, 4003, 7.3f}};
+  const SceneBuffers buffers(*test_device(), loose_triangles(corners));
   std::vector<Hit> hits;
   const float weights[][2] = {{0, 0},     {1, 0},       {0, 1},     {0, .4f},  {.7f, 0},
                               {.5f, .5f}, {.2f, 1e-4f}, {.3f, .3f}, {.5f, .2f}};
@@ -155,7 +145,7 @@ TEST_CASE("ray origins keep off the edges of their triangle as far as off the tr
   const auto surfaces = make_surfaces(buffers, hits, glm::normalize(glm::vec3(0.3f, -0.5f, 0.7f)));
   for (size_t i = 0; i < hits.size(); ++i) {
     CAPTURE(i);
-    const auto& p = corners[hits[i].triangle];
+    const std::span p = std::span(corners).subspan(3 * hits[i].triangle, 3);
     const glm::dvec3 origin(surfaces[i].origin_on.xyz()), hit = glm::dvec3(p[0]) +
                                                                 double(hits[i].u) * glm::dvec3(p[1] - p[0]) +
                                                                 double(hits[i].v) * glm::dvec3(p[2] - p[0]);

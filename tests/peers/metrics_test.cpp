@@ -10,8 +10,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
+#include "lucarium/base/json.h"
 #include "test_support.h"
 #include "tolerance.h"
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium help, man, completion, commands: what the command line declares, for a person, a shell, a page.
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
 #include "../build_app.h"
 #include "../option_texts.h"
 #include "completion.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
 #include "pages.h"

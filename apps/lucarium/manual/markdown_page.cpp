@@ -3,9 +3,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "../option_texts.h"
+#include "lucarium/base/json.h"
 #include "pages.h"
 
 namespace lucarium::app {

@@ -229,21 +229,21 @@ std::variant<RenderWork, ReferenceWork> read_work(const JsonFile& file, Reader& 
 }  // namespace
 
 std::string job_json(const Job& job) {
-  ordered_json json = {{"schema", job_schema}};
-  json["scene"] = write([&](Writer& visit) { visit_scene(visit, job); });
-  json["image"] = write([&](Writer& visit) { visit_image(visit, job); });
-  json["device"] = write([&](Writer& visit) { visit_device(visit, job.device); });
-  json.update(write([&](Writer& visit) { visit("technique_folders", job.technique_folders); }));
+  ordered_json document = {{"schema", job_schema}};
+  document["scene"] = write([&](Writer& visit) { visit_scene(visit, job); });
+  document["image"] = write([&](Writer& visit) { visit_image(visit, job); });
+  document["device"] = write([&](Writer& visit) { visit_device(visit, job.device); });
+  document.update(write([&](Writer& visit) { visit("technique_folders", job.technique_folders); }));
   if (const auto* render = std::get_if<RenderWork>(&job.work)) {
-    json[render_key] = write([&](Writer& visit) { visit_render(visit, *render); });
+    document[render_key] = write([&](Writer& visit) { visit_render(visit, *render); });
   } else {
-    json[reference_key] = write([&](Writer& visit) { visit_reference(visit, std::get<ReferenceWork>(job.work)); });
+    document[reference_key] = write([&](Writer& visit) { visit_reference(visit, std::get<ReferenceWork>(job.work)); });
   }
   try {
-    return json.dump(2) + "\n";
+    return document.dump(2) + "\n";
   } catch (const ordered_json::type_error&) {
     throw_error(ErrorClass::usage, "a name of a file or folder is not UTF-8: {}",
-                json.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
+                document.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
   }
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/job/run_job.h"
 
-#include <nlohmann/json.hpp>
-
+#include "lucarium/base/json.h"
 #include "lucarium/job/job_file.h"
 
 namespace lucarium {

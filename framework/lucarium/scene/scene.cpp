@@ -5,6 +5,17 @@
 
 namespace lucarium {
 
+#define LUCARIUM_DEFAULT_SPECIAL_MEMBERS(Type)      \
+  Type::Type() = default;                           \
+  Type::Type(const Type&) = default;                \
+  Type::Type(Type&&) noexcept = default;            \
+  Type& Type::operator=(const Type&) = default;     \
+  Type& Type::operator=(Type&&) noexcept = default; \
+  Type::~Type() = default;
+LUCARIUM_DEFAULT_SPECIAL_MEMBERS(Mesh)
+LUCARIUM_DEFAULT_SPECIAL_MEMBERS(Scene)
+#undef LUCARIUM_DEFAULT_SPECIAL_MEMBERS
+
 namespace {
 
 void add_texture_use(Hasher& hasher, const TextureUse& use) {

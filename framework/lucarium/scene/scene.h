@@ -24,6 +24,16 @@ struct Bounds {
   float radius() const { return empty() ? 0.f : 0.5f * glm::length(max - min); }
 };
 
+/// Declares the special members of a large struct; scene.cpp defaults them. Implicit, they would be compiled in every
+/// source that holds one.
+#define LUCARIUM_COMPILED_ONCE(Type) \
+  Type();                            \
+  Type(const Type&);                 \
+  Type(Type&&) noexcept;             \
+  Type& operator=(const Type&);      \
+  Type& operator=(Type&&) noexcept;  \
+  ~Type();
+
 /// Deltas of one morph target, same count as the mesh's vertices; empty where the target lacks the attribute.
 struct MorphTarget {
   std::vector<glm::vec3> positions, normals, tangents;
@@ -44,6 +54,8 @@ struct Mesh {
   std::vector<MorphTarget> morph_targets;
   bool flat_normals = false;  ///< normals were missing: recomputed after deformation
   int material = 0;
+
+  LUCARIUM_COMPILED_ONCE(Mesh)
 };
 
 enum class Wrap : uint8_t { repeat, clamp, mirror };
@@ -201,6 +213,8 @@ struct Scene {
   uint64_t triangle_count() const;  ///< over all instances
   bool has_light() const;           ///< punctual, emissive or environment
   Hash128 hash() const;             ///< of everything that changes radiance (cameras and exposure do not)
+
+  LUCARIUM_COMPILED_ONCE(Scene)
 };
 
 inline const Mesh& SceneInstance::shape(const Scene& scene) const { return pose ? *pose : scene.meshes[mesh]; }

@@ -103,7 +103,7 @@ namespace detail {
 #if defined(_LIBCPP_VERSION)
   std::string library = "libc++";
 #else
-  std::string library = std::string("libstdc++ cxx11abi=") + (_GLIBCXX_USE_CXX11_ABI ? "1" : "0");
+  std::string library = _GLIBCXX_USE_CXX11_ABI ? "libstdc++ cxx11abi=1" : "libstdc++ cxx11abi=0";
 #endif
 #if defined(_GLIBCXX_DEBUG)
   library += " debug";

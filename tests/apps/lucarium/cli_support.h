@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
+#include "lucarium/base/json.h"
 #include "test_support.h"
 
 namespace lucarium::test {

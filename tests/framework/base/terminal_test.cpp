@@ -3,9 +3,8 @@
 
 #include <doctest/doctest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 
 using namespace lucarium;
 

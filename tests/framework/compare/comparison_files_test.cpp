@@ -3,11 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/file_lock.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/metrics/error_map.h"

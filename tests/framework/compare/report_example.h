@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/json.h"
 #include "lucarium/film/image_io.h"
 
 namespace lucarium::test {

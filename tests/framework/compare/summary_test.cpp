@@ -5,11 +5,11 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/film/image_io.h"
 #include "test_support.h"

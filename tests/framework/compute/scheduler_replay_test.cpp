@@ -2,8 +2,7 @@
 // Replays: API calls, variables, warm-up, determinism, profile.
 #include <doctest/doctest.h>
 
-#include <nlohmann/json.hpp>
-
+#include "lucarium/base/json.h"
 #include "schedule_fixture.h"
 #include "tolerance.h"
 

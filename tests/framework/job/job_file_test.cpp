@@ -6,10 +6,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/json.h"
 #include "lucarium/scene/exposure.h"
 #include "test_support.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "lucarium/base/json.h"
 #include "lucarium/scene/gltf/import.h"
 #include "lucarium/scene/import_options.h"
 

@@ -3,9 +3,9 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/scene/gltf/import.h"
 #include "lucarium/scene/image/environment_file.h"
 #include "test_support.h"

@@ -5,8 +5,8 @@
 
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
-#include <nlohmann/json.hpp>
 
+#include "lucarium/base/json.h"
 #include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "scene_support.h"

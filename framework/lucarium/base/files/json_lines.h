@@ -2,8 +2,9 @@
 #pragma once
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
+
+#include "lucarium/base/json.h"
 
 namespace lucarium {
 

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/embedded_files.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/report/report_images.h"
 #include "lucarium/compare/results/result_folder.h"
 

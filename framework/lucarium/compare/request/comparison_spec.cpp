@@ -3,10 +3,10 @@
 #include "lucarium/compare/request/comparison_spec.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/request/comparison_file.h"
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/exposure.h"

@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/results/summary.h"
 #include "lucarium/statistics/student_t.h"
 

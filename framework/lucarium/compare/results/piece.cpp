@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/compare/results/piece.h"
 
-#include <nlohmann/json.hpp>
-
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/results/error_curve.h"
 
 namespace lucarium {

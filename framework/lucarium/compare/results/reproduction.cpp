@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/request/expression.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/compare/results/error_curve.h"

@@ -2,12 +2,12 @@
 #include "lucarium/compare/results/result_folder.h"
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/list_folder.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/request/comparison_file.h"
 
 namespace lucarium {

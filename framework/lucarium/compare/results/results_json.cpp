@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // results.json, as docs/results.md describes it.
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/compare/results/summary.h"

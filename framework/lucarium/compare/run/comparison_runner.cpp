@@ -5,13 +5,13 @@
 #include <fmt/chrono.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <tuple>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/piece.h"
 #include "lucarium/compare/results/result_folder.h"

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/reference/reference_render.h"

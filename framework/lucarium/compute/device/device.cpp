@@ -183,7 +183,10 @@ void CL_CALLBACK report_context_error(const char* message, const void*, size_t, 
 
 cl_command_queue create_queue(const Device& device, cl_command_queue_properties flags, cl_int& code) {
   if (version_number(device.info().opencl_version) < 20 || version_number(device.info().platform_version) < 20) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"  // a driver of OpenCL 1.2 has no other
     return clCreateCommandQueue(device.context(), device.id(), flags, &code);
+#pragma GCC diagnostic pop
   }
   const cl_queue_properties properties[] = {CL_QUEUE_PROPERTIES, flags, 0};
   return clCreateCommandQueueWithProperties(device.context(), device.id(), properties, &code);

@@ -282,6 +282,10 @@ void SceneBuffers::update(const Scene& scene, const SceneChange& change) {
   }
 }
 
+SceneBuffers::SceneBuffers(SceneBuffers&&) noexcept = default;
+SceneBuffers& SceneBuffers::operator=(SceneBuffers&&) noexcept = default;
+SceneBuffers::~SceneBuffers() = default;
+
 size_t SceneBuffers::bytes() const {
   size_t sum = scene_mesh_vertices.bytes() + scene_mesh_triangles.bytes();
 #define LUCARIUM_ADD_BYTES(type, name, meaning) sum += name.bytes();

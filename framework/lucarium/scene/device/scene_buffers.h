@@ -22,6 +22,9 @@ class SceneBuffers {
  public:
   /// Throws Error{device} with required and free bytes, and --texture-size as remedy, if the scene does not fit.
   SceneBuffers(Device& device, const Scene& scene, LightChoice light_choice = LightChoice::power);
+  SceneBuffers(SceneBuffers&&) noexcept;
+  SceneBuffers& operator=(SceneBuffers&&) noexcept;
+  ~SceneBuffers();  // compiled once, not in every source that has one
 
   /// Uploads and derives exactly what the change touches; ids stay. Afterwards the buffers hold what a new
   /// SceneBuffers of the scene would hold. Waits for the device first: not to be called during a schedule's run.

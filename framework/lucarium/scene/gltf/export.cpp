@@ -9,12 +9,12 @@
 #include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <tuple>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/json.h"
 #include "lucarium/film/image_stream.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/version.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <nlohmann/json.hpp>
-
+#include "lucarium/base/json.h"
 #include "lucarium/scene/report/scene_report.h"
 
 namespace lucarium {

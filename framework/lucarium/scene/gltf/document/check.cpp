@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/scene/gltf/document/check.h"
 
-#include <nlohmann/json.hpp>
+#include "lucarium/base/json.h"
 
 namespace lucarium::gltf {
 

@@ -2,8 +2,9 @@
 #include "lucarium/scene/gltf/document/extensions.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
+
+#include "lucarium/base/json.h"
 
 namespace lucarium::gltf {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cfloat>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "lucarium/base/json.h"
 #include "lucarium/scene/gltf/document/context.h"
 
 namespace lucarium::gltf {
