@@ -230,6 +230,31 @@ TEST_CASE("debug layers when all directions are done, and after a move of the ca
   }
 }
 
+TEST_CASE("debug layers while bundles carry emission only: the balance keeps its state") {
+  const Scene cornell = load_scene("builtin:cornell");
+  const auto run = session("bundle_exchange", cornell, -1,
+                           {{"texels", "2048"},
+                            {"batch", "1"},
+                            {"stop_error", "0.05"},
+                            {"directions", "4096"},
+                            {"direct_mode", "exchange"},
+                            {"direct_first", "0"},
+                            {"debug_layers", "on"}});
+  // Iterations of one direction or more, until reflected light is known.
+  const auto counter = [&](const char* name) { return run->technique().counters().at(name); };
+  do run->run({.iterations = 1});
+  while (counter("indirect_directions") == counter("directions") && counter("directions") < 4096);
+  run->set_camera(cornell.cameras.front());
+  run->run({.iterations = 1});
+  const double reflected = counter("indirect_directions"), begun = counter("directions");
+  const std::vector<float> first = run->resolve().find("balance")->pixels;
+  run->run({.iterations = 3});
+  CHECK(counter("indirect_directions") == reflected);
+  CHECK(counter("directions") > begun);
+  CHECK(magnitude(first) > 0);
+  CHECK(distance(first, run->resolve().find("balance")->pixels) < 1e-5 * magnitude(first));
+}
+
 TEST_CASE("debug layers without indirect light: of texel sides only where bundles carry light") {
   const Film sampled = render("builtin:cornell", 0, few_texels, true);
   for (const char* layer : {"accessibility", "balance", "direction_history"}) CHECK(sampled.find(layer) == nullptr);
