@@ -107,18 +107,20 @@ TEST_CASE("whatever a plug-in throws becomes a reason, also types of its own") {
 
 TEST_CASE("a technique that is not there: nearest name, folders searched, and why the file of that name failed") {
   const TechniqueRegistry registry({plugin_folder("constant"), plugin_folder("wrong_abi"), "/nonexistent/folder"});
-  const auto message = [&](const std::string& name) {
+  const auto message = [&](const std::string& name, ErrorClass expected) {
     try {
       registry.find(name);
     } catch (const Error& error) {
-      CHECK(error.error_class() == ErrorClass::technique);
+      CHECK(error.error_class() == expected);
       return std::string(error.what());
     }
     return std::string("found");
   };
-  CHECK(contains(message("constnat"), "no technique is called 'constnat'; did you mean 'constant'?; searched "));
-  CHECK(contains(message("constnat"), "/nonexistent/folder"));
-  CHECK(contains(message("wrong_abi"), fmt::format("is built for ABI {}", LUCARIUM_ABI_VERSION + 1)));
+  const std::string mistyped = message("constnat", ErrorClass::usage);
+  CHECK(contains(mistyped, "no technique is called 'constnat'; did you mean 'constant'?; searched "));
+  CHECK(contains(mistyped, "/nonexistent/folder"));
+  CHECK(contains(message("wrong_abi", ErrorClass::technique),
+                 fmt::format("is built for ABI {}", LUCARIUM_ABI_VERSION + 1)));
   REQUIRE_FALSE(registry.failures().empty());
   CHECK(registry.failures().front().reason == "there is no such folder");
 }
