@@ -72,7 +72,8 @@ TEST_CASE("techniques prints everything that a technique declares") {
                                               {"default", "0.25"},
                                               {"range", "0 … 100"},
                                               {"unit", "cd/m²"},
-                                              {"meaning", "radiance of every pixel"}}));
+                                              {"meaning", "radiance of every pixel"},
+                                              {"advanced", false}}));
     CHECK(technique["capabilities"]["max_bounces"] == 3);
   }
   CHECK(found);

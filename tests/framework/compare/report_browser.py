@@ -138,7 +138,6 @@ def main():
         sys.exit(77)
     session = Browser(browser, driver, folder)
     try:
-        session.call('/goog/cdp/execute', {'cmd': 'Emulation.setCPUThrottlingRate', 'params': {'rate': 30}})
         address = (folder / 'report.html').as_uri()
         session.call('/url', {'url': address})
         check('it is drawn', wait(lambda: session.run(DRAWN)))
