@@ -161,7 +161,7 @@ void add_complete_command(Command program, Action& action) {
 
 }  // namespace
 
-void add_manual_commands(Command program, Action& action) {
+void add_manual_commands(const Command& program, Action& action) {
   add_help_command(program, action);
   add_commands_command(program, action);
   add_man_command(program, action);
