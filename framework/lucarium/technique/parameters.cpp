@@ -56,7 +56,7 @@ void ParameterDescriber::flag(std::string name, bool& value, std::string doc) {
   const auto format = [](bool v) { return std::string(v ? "on" : "off"); };
   ParameterInfo info{name, "bool", format(value), "on|off", "", std::move(doc), {"on", "off"}};
   table_.mutable_entries().push_back({std::move(info), [&value, format] { return format(value); },
-                                      [&value, name](std::string_view text) {
+                                      [&value, name = std::move(name)](std::string_view text) {
                                         const std::vector<std::string> choices = {"on",  "true",  "1",
                                                                                   "off", "false", "0"};
                                         value = parse_parameter_choice(name, text, choices) < 3;
