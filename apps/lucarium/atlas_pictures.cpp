@@ -53,6 +53,7 @@ void AtlasArguments::add_to(Command command) {
 }
 
 void AtlasArguments::check(bool overwrite) const {
+  if (!charts.empty() && !view.empty()) check_distinct({charts, view});
   for (const std::filesystem::path& file : {charts, view}) {
     if (file.empty()) continue;
     check_image_name(file);

@@ -38,6 +38,24 @@ std::string unknown_command(const CLI::App& program, const std::vector<std::stri
   return fmt::format("unknown command '{}'{}", *word, suggest_name(*word, commands));
 }
 
+/// Complaint about an option of a command that stands before the command's name; else empty.
+std::string misplaced_option(const CLI::App& program, const std::vector<std::string>& arguments) {
+  const CLI::App& chosen = chosen_command(program);
+  for (const std::string& argument : arguments) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (!name.starts_with("-")) break;
+    if (program.get_option_no_throw(name)) continue;
+    const auto has_it = [&](const CLI::App* sub) {
+      return (&chosen == &program ? !sub->get_group().empty() : sub == &chosen) && sub->get_option_no_throw(name);
+    };
+    const auto owners = program.get_subcommands(has_it);
+    if (owners.empty()) break;
+    return fmt::format("{0} stands before the command's name; options of {1} stand behind it: lucarium {1} … {0}", name,
+                       owners.front()->get_name());
+  }
+  return "";
+}
+
 /// What is wrong with the arguments: a command or option that does not exist, with the nearest that does, before
 /// anything that CLI11 finds missing.
 std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake,
@@ -47,6 +65,7 @@ std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mis
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   }
+  if (const std::string misplaced = misplaced_option(program, arguments); !misplaced.empty()) return misplaced;
   if (const std::string unknown = unknown_command(program, arguments); !unknown.empty()) return unknown;
   for (const std::string& argument : arguments) {
     const std::string name = argument.substr(0, argument.find('='));
@@ -78,7 +97,13 @@ void add_message_options(CLI::App& app, Messages& messages, const std::string& v
   describe(app.set_version_flag(number.names, version, number.text), number);
 }
 
-bool is_given(const CLI::App& app, const std::string& name) { return app.get_option(name)->count() > 0; }
+/// Behind the command's name or, of the options that every command takes, before it.
+bool is_given(const CLI::App& command, const std::string& name) {
+  if (command.get_option(name)->count() > 0) return true;
+  const CLI::App* program = command.get_parent();
+  const CLI::Option* before = program ? program->get_option_no_throw(name) : nullptr;
+  return before && before->count() > 0;
+}
 
 template <class Validator>
 Check make_check(Validator validator) {

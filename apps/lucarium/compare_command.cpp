@@ -185,6 +185,7 @@ void add_compare_command(Command program, Action& action) {
   command.excludes({"--comparison"}, stated_in_file());
   command.excludes({"--reference"}, {"--reference-spp", "--reference-relmse"});
   command.excludes({"--resume"}, {"--overwrite"});
+  command.excludes({"--dry-run"}, {"--gate", "--baseline", "--link-images", "--resume", "--overwrite"});
   command.examples({"lucarium compare builtin:cornell -t path_tracing -t bundle_exchange --time 10 -o results",
                     "lucarium compare --comparison study.json -o results"},
                    "docs/comparisons.md");

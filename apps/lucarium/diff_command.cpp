@@ -239,7 +239,7 @@ void add_diff_command(Command program, Action& action) {
   command.flag("--statistical", arguments->statistical);
   command.flag("--formulas", arguments->formulas);
   command.option("--exposure", arguments->exposure).check(finite_number()).capture_default_str();
-  command.needs({"--map-of"}, {"--output"});
+  command.needs({"--map-of", "--overwrite"}, {"--output"});
   command.excludes({"--statistical"}, {"--output", "--max-relmse", "--exposure", "--formulas"});
   command.excludes({"--formulas"}, {"--json"});
   command.examples({"lucarium diff test.exr reference.exr -o map.png --map-of hdr_flip",

@@ -27,10 +27,17 @@ uint32_t parse_uint(const std::string& text, const std::string& whole, const std
   return value;
 }
 
+/// At both ends: a list that is written in quotes has blanks behind its commas.
+std::string without_blanks(const std::string& text) {
+  const size_t begin = text.find_first_not_of(" \t");
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+}
+
 std::pair<std::string, std::string> parse_assignment(const std::string& text) {
   const size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) throw_error(ErrorClass::usage, "'{}' is not key=value", text);
-  return {text.substr(0, equals), text.substr(equals + 1)};
+  const std::string key = without_blanks(text.substr(0, equals));
+  if (equals == std::string::npos || key.empty()) throw_error(ErrorClass::usage, "'{}' is not key=value", text);
+  return {key, without_blanks(text.substr(equals + 1))};
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 
 #include <unistd.h>
 
+#include <map>
+
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 
@@ -33,6 +35,18 @@ void check_output(const fs::path& file, bool overwrite) {
         .with_details(error.what());
   }
   fs::remove(probe, ignored);
+}
+
+void check_distinct(const std::vector<fs::path>& files) {
+  std::map<fs::path, fs::path> known;
+  for (const fs::path& file : files) {
+    std::error_code failure;
+    const fs::path real = fs::weakly_canonical(fs::absolute(file, failure), failure);
+    const auto [earlier, is_new] = known.emplace(failure ? file.lexically_normal() : real, file);
+    if (is_new) continue;
+    throw_error(ErrorClass::usage, "{} and {} are the same file; give every output a name of its own",
+                earlier->second.string(), file.string());
+  }
 }
 
 }  // namespace lucarium::app

@@ -64,15 +64,10 @@ ReferenceImage open_reference(const ReferenceArguments& arguments, const Referen
 
 /// Numbers of the header are numbers in JSON, too; all else stays text, also a version that looks like a number.
 nlohmann::ordered_json header_value(const std::string& key, const std::string& text) {
-  static const std::set<std::string> numbers = {"seed",
-                                                "pixel_sampling",
-                                                "half_a_samples",
-                                                "half_b_samples",
-                                                "round_samples_squared",
-                                                "round_variance_dof",
-                                                "variance_dof",
-                                                "own_mse",
-                                                "own_relmse"};
+  static const std::set<std::string> numbers = {
+      "seed",           "max_bounces",           "scene_time_seconds", "pixel_sampling", "half_a_samples",
+      "half_b_samples", "round_samples_squared", "round_variance_dof", "variance_dof",   "own_mse",
+      "own_relmse"};
   if (!numbers.contains(key)) return text;
   const nlohmann::ordered_json value = nlohmann::ordered_json::parse(text, nullptr, false);
   return value.is_number() ? value : nlohmann::ordered_json(text);

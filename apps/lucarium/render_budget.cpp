@@ -34,7 +34,8 @@ RenderBudget make_budget(const BudgetArguments& arguments, const RenderSession& 
                                         fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
     budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
   }
-  if (budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0) budget.samples = default_samples;
+  const bool none = budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0 && arguments.relmse <= 0;
+  if (none) budget.samples = default_samples;
   return budget;
 }
 

@@ -110,6 +110,10 @@ WatchedInputs watched_inputs(const RenderArguments& arguments) {
           technique_folders(arguments.technique.folders), kernel_path_roots()};
 }
 
+bool has_profile_file(const RenderArguments& arguments) {
+  return !arguments.profile.empty() && arguments.profile != "-";
+}
+
 /// What no rule about pairs of options finds: options that do nothing for the files that are asked for.
 void check_outputs(const RenderArguments& arguments, const Messages& messages) {
   if (arguments.files.empty() && !messages.json)
@@ -118,6 +122,9 @@ void check_outputs(const RenderArguments& arguments, const Messages& messages) {
     throw_error(ErrorClass::usage, "--half does nothing without an --output FILE.exr");
   if (arguments.overrides.overrides.exposure && !any_of_kind(arguments.files, ".png") && !messages.json)
     throw_error(ErrorClass::usage, "--exposure does nothing without an --output FILE.png");
+  if (has_profile_file(arguments) && !arguments.profile.ends_with(".json"))
+    throw_error(ErrorClass::usage, "--profile={}: the name must end in .json", arguments.profile);
+  check_distinct(arguments.files);  // a profile's name ends in .json, that of a picture does not
 }
 
 int render_picture(const RenderArguments& arguments, const Messages& messages) {
@@ -126,8 +133,9 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
   const TechniqueArguments::Spec spec = arguments.technique.single("render", "path_tracing");
   const std::optional<FrameRange> frames = parse_frames(arguments.frames);
   const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments.files, frames, arguments.overwrite);
-  if (!arguments.profile.empty() && arguments.profile != "-") check_output(arguments.profile, arguments.overwrite);
-  if (arguments.watch) return render_and_watch(watched_inputs(arguments));
+  if (has_profile_file(arguments)) check_output(arguments.profile, arguments.overwrite);
+  if (arguments.watch)
+    return render_and_watch(watched_inputs(arguments), !arguments.files.empty() || !arguments.profile.empty());
   const TechniqueRegistry registry(arguments.technique.folders);
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
@@ -216,6 +224,7 @@ void add_render_command(Command program, Action& action) {
   command.option("--fps", arguments->frames_per_second).check(positive_number()).capture_default_str();
   arguments->technique.add_to(command, "path_tracing");
   arguments->device.add_to(command);
+  command.needs({"--overwrite"}, {"--output", "--profile"});
   command.needs({"--fps"}, {"--frames"});
   command.needs({"--relmse", "--curve"}, {"--reference"});
   command.needs({"--curve"}, {"--json"});

@@ -79,14 +79,14 @@ fs::path wait_for_change(const WatchedInputs& inputs, const Snapshot& before) {
   return {};
 }
 
-std::vector<std::string> render_words() {
+std::vector<std::string> render_words(bool overwrite) {
   std::ifstream command_line("/proc/self/cmdline", std::ios::binary);
   std::vector<std::string> words;
   for (std::string word; std::getline(command_line, word, '\0');) words.push_back(word);
   if (words.empty()) throw_error(ErrorClass::internal, "cannot read /proc/self/cmdline");
   std::erase(words, "--watch");
   words.front() = fs::read_symlink("/proc/self/exe").string();
-  words.emplace_back("--overwrite");
+  if (overwrite) words.emplace_back("--overwrite");
   return words;
 }
 
@@ -125,15 +125,18 @@ std::vector<fs::path> scene_files(const std::string& scene, const std::string& e
   return files;
 }
 
-int render_and_watch(const WatchedInputs& inputs) {
-  const std::vector<std::string> words = render_words();
+int render_and_watch(const WatchedInputs& inputs, bool has_outputs) {
+  const std::vector<std::string> words = render_words(has_outputs);
+  bool rendered = false;
+  const auto end = [&rendered] { return rendered ? 0 : static_cast<int>(ErrorClass::interrupted); };
   const KeepOnInterrupt end_the_loop;
   while (true) {
     const Snapshot before = take_snapshot(inputs);
     const ChildResult result = run_child(words, [](std::string_view line) { print_note("{}\n", line); });
     print_result("{}", result.out);
     flush_results();
-    if (interrupt_requested()) return 0;
+    rendered |= result.exit_code == 0;
+    if (interrupt_requested()) return end();
     if (result.exit_code == 0) {
       print_note("rendered in {:.1f} s; watching {} files, Ctrl-C ends\n", result.seconds, before.size());
     } else {
@@ -141,7 +144,7 @@ int render_and_watch(const WatchedInputs& inputs) {
                  before.size());
     }
     const fs::path file = wait_for_change(inputs, before);
-    if (file.empty()) return 0;
+    if (file.empty()) return end();
     print_note("{} changed\n", file.string());
   }
 }

@@ -4,6 +4,7 @@
 
 #include "../build_app.h"
 #include "../option_texts.h"
+#include "../output_files.h"
 #include "completion.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
@@ -44,27 +45,46 @@ int print_help(std::string command, bool json) {
 struct ManArguments {
   std::string command;
   fs::path folder;
+  bool overwrite = false;
 };
+
+using Pages = std::vector<std::pair<std::string, std::string>>;  // names and texts
+
+/// The pages' files. All are refused before one is written.
+std::vector<fs::path> write_pages(const ManArguments& arguments, const Pages& pages) {
+  std::error_code failure;
+  fs::create_directories(arguments.folder, failure);
+  if (failure)
+    throw_error(ErrorClass::input, "cannot create the folder {}: {}", arguments.folder.string(), failure.message());
+  std::vector<fs::path> files;
+  for (const auto& [name, text] : pages) {
+    files.push_back(arguments.folder / (name + ".1"));
+    check_output(files.back(), arguments.overwrite);
+  }
+  for (size_t i = 0; i < pages.size(); ++i) write_file_atomically(files[i], pages[i].second);
+  return files;
+}
 
 int man(const ManArguments& arguments, bool json) {
   const ProgramDeclaration program = declarations();
-  std::vector<std::pair<std::string, std::string>> pages;
+  Pages pages;
   if (arguments.command.empty()) pages.emplace_back(program.program.name, man_page(program));
   for (const CommandDeclaration& command : program.commands) {
     if (arguments.command.empty() ? !arguments.folder.empty() : command.name == arguments.command)
       pages.emplace_back(man_page_name(command), man_page(program, command));
   }
   if (pages.empty()) program.command(arguments.command);  // throws
+  std::vector<fs::path> files;
+  if (!arguments.folder.empty()) files = write_pages(arguments, pages);
   ordered_json written = {{"schema", "lucarium-man-1"}, {"pages", ordered_json::array()}};
-  if (!arguments.folder.empty()) fs::create_directories(arguments.folder);
-  for (const auto& [name, text] : pages) {
-    if (arguments.folder.empty()) {
+  for (size_t i = 0; i < pages.size(); ++i) {
+    const auto& [name, text] = pages[i];
+    if (files.empty()) {
       if (!json) print_result("{}", text);
       written["pages"].push_back({{"name", name}, {"text", text}});
     } else {
-      const fs::path file = arguments.folder / (name + ".1");
-      write_file_atomically(file, text);
-      written["pages"].push_back({{"name", name}, {"file", file.string()}});
+      if (!json) print_result("{}\n", files[i].string());
+      written["pages"].push_back({{"name", name}, {"file", files[i].string()}});
     }
   }
   if (json) print_result("{}\n", written.dump(2));
@@ -112,6 +132,8 @@ void add_man_command(Command program, Action& action) {
   Command command = program.add_subcommand("man", "write a manual page");
   command.option("command", arguments->command);
   command.option("--output", arguments->folder).value_name("FOLDER").default_text("standard output");
+  command.flag("--overwrite", arguments->overwrite);
+  command.needs({"--overwrite"}, {"--output"});
   command.examples({"lucarium man render | man -l -", "lucarium man -o ~/.local/share/man/man1"}, page);
   command.callback([arguments, &action] {
     action = [arguments](const Messages& messages) { return man(*arguments, messages.json); };
@@ -133,6 +155,7 @@ void add_commands_command(Command program, Action& action) {
   auto markdown = std::make_shared<bool>(false);
   Command command = program.add_subcommand("commands", "list the commands, or print all that they declare");
   command.flag("--markdown", *markdown);
+  command.excludes({"--markdown"}, {"--json"});
   command.examples({"lucarium commands", "lucarium commands --json"}, page);
   command.callback([markdown, &action] {
     action = [markdown](const Messages& messages) { return commands(messages.json, *markdown); };

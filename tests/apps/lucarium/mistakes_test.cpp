@@ -146,6 +146,61 @@ TEST_CASE("options that did nothing, and said nothing, are mistakes") {
   CHECK(count_files(folder.path()) == 0);
 }
 
+TEST_CASE("options of the messages before the command's name were not seen by the rules about options") {
+  check_refused("--json techniques --markdown", 2, "give --markdown or --json, not both");
+  check_refused("--json diff a.exr b.exr --formulas", 2, "give --formulas or --json, not both");
+  check_refused("--json commands --markdown", 2, "give --markdown or --json, not both");
+  check_refused("commands --markdown --json", 2, "give --markdown or --json, not both");
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string();
+  REQUIRE(run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 1 -o " + exr).exit_code == 0);
+  const nlohmann::json frame = only_frame(run_lucarium("--json render builtin:cornell " + constant_technique() +
+                                                       "--iterations 1 --exposure 0 --curve --reference " + exr));
+  CHECK(frame["metrics"]["relMSE"] == 0);
+}
+
+TEST_CASE("two outputs of one name, of which the later replaced the earlier, are a mistake") {
+  const TemporaryFolder folder;
+  const std::string png = (folder.path() / "a.png").string(), same = (folder.path() / "." / "a.png").string(),
+                    render = "render builtin:cornell " + constant_technique() + "--iterations 1 -o " + png;
+  check_refused(render + " --profile=" + png, 2, "a.png: the name must end in .json");
+  check_refused(render + " -o " + png, 2, "are the same file");
+  check_refused(render + " -o " + same, 2, "are the same file");
+  check_refused("scene builtin:cornell --atlas " + png + " --atlas-view " + same, 2, "are the same file");
+  CHECK(count_files(folder.path()) == 0);
+}
+
+TEST_CASE("options that had nothing to replace, and plans with options of results, are mistakes") {
+  check_refused("render builtin:cornell --json --overwrite", 2, "--overwrite does nothing without --output or");
+  check_refused("diff a.exr b.exr --overwrite", 2, "--overwrite does nothing without --output");
+  check_refused("scene builtin:cornell --overwrite", 2, "--overwrite does nothing without --export or --atlas or");
+  check_refused("man render --overwrite", 2, "--overwrite does nothing without --output");
+  for (const char* option : {"--gate relMSE<1", "--baseline x", "--link-images", "--resume", "--overwrite"}) {
+    const std::string quoted = std::string(option).find('<') == std::string::npos ? option : "--gate 'relMSE<1'";
+    check_refused("compare builtin:cornell --dry-run " + quoted, 2, "give --dry-run or --");
+  }
+}
+
+TEST_CASE("an option of a command before the command's name says where it belongs") {
+  check_refused("--size 16x12 render builtin:cornell", 2,
+                "--size stands before the command's name; options of render stand behind it: lucarium render … --size");
+  check_refused("-q -o a.exr render builtin:cornell", 2, "-o stands before the command's name; options of render");
+  check_refused("--spp=3", 2, "--spp stands before the command's name; options of render");
+  check_refused("--sppp 3 render builtin:cornell", 2, "unknown option --sppp");
+}
+
+TEST_CASE("a folder for manual pages that cannot be made is an input error; pages are replaced only when asked") {
+  const TemporaryFolder folder;
+  check_refused("man -o /proc/pages", 3, "cannot create the folder /proc/pages");
+  const std::string out = " -o " + folder.path().string();
+  const ProgramResult first = run_lucarium("man render" + out);
+  CHECK(first.exit_code == 0);
+  CHECK(first.out == (folder.path() / "lucarium-render.1").string() + "\n");
+  check_refused("man" + out, 2, "exists; choose another name or give --overwrite");
+  CHECK(count_files(folder.path()) == 1);
+  CHECK(run_lucarium("man render --overwrite" + out).exit_code == 0);
+}
+
 TEST_CASE("a gate of NaN always passed") {
   const TemporaryFolder folder;
   std::vector<std::string> images;

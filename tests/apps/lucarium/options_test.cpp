@@ -172,6 +172,10 @@ TEST_CASE("-p takes a list everywhere, and belongs to the default technique wher
   const json again =
       only_frame(run_lucarium(render + "-t path_tracing:estimator=bsdf -p replicates=2,samples_per_iteration=3"));
   CHECK(again["parameters"] == frame["parameters"]);
+  const json blanks = only_frame(
+      run_lucarium(render + "-t 'path_tracing: estimator = bsdf' -p 'replicates=2, samples_per_iteration = 3 '"));
+  for (const char* part : {"estimator=bsdf", "replicates=2", "samples_per_iteration=3"})
+    CHECK_MESSAGE(contains(blanks["parameters"].get<std::string>(), part), part);
   const json checked =
       json::parse(run_lucarium("check path_tracing -p estimator=bsdf,replicates=2 --only declaration --json").out);
   CHECK(checked["parameters"]["estimator"] == "bsdf");
@@ -203,4 +207,29 @@ TEST_CASE("a folder whose name is not UTF-8 is refused before anything is done")
       run_program("mkdir " + odd + " && cd " + odd + " && " + lucarium_program() + " compare " + rest + "-o results");
   CHECK(inside.exit_code == 2);
   CHECK(contains(inside.err, "is not UTF-8; give the folder another name"));
+}
+
+TEST_CASE("--relmse is a budget: without another one 64 samples do not end it") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string();
+  const std::string render = "render builtin:cornell --size 8x8 --max-bounces 2 --json ";
+  REQUIRE(run_lucarium(render + "--spp 4096 -o " + exr).exit_code == 0);
+  // Of the same samples: the more of them, the nearer.
+  const json few = only_frame(run_lucarium(render + "--reference " + exr));
+  CHECK(few["ended_by"] == "--spp");
+  CHECK(few["samples"] == 64);
+  const std::string error = std::to_string(few["metrics"]["relMSE"].get<double>() / 4);
+  const json frame = only_frame(run_lucarium(render + "--reference " + exr + " --relmse " + error));
+  CHECK(frame["ended_by"] == "--relmse");
+  CHECK(frame["samples"] > 64);
+  CHECK(frame["metrics"]["relMSE"] <= std::stod(error));
+}
+
+TEST_CASE("numbers of reference --json are numbers") {
+  const TemporaryFolder folder;
+  const json answer = json::parse(
+      run_lucarium("reference builtin:cornell --size 8x8 --spp 32 --json -o " + (folder.path() / "a.exr").string())
+          .out);
+  CHECK(answer["max_bounces"] == -1);
+  CHECK(answer["scene_time_seconds"] == 0);
 }

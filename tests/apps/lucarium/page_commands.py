@@ -95,6 +95,8 @@ class Tester:
         if '--comparison' in kept:
             return [command, *kept, '--overwrite']  # the file says the rest
         small = SMALL.get(command, [])
+        if command == 'render' and '-o' not in kept and '--output' not in kept:
+            small = small[:-1]  # nothing to replace
         return [command, *kept, *(small[:-1] if '--extend' in kept else small)]
 
     def stock(self, folder):

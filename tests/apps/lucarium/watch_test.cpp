@@ -120,3 +120,18 @@ TEST_CASE("--watch does not replace what was there before it began") {
   std::ofstream(file) << "something else";
   check_refused("render builtin:cornell " + constant_technique() + "--watch -o " + file, 2, "--overwrite");
 }
+
+TEST_CASE("--watch ends with 0 when there is a finished picture, and with 6 when there is none") {
+  const TemporaryFolder folder;
+  const std::string log = (folder.path() / "log").string();
+  const auto end_at = [&](const std::string& words, const std::string& parameters) {
+    std::filesystem::remove(log);
+    return run_program(lucarium_program() + " render builtin:cornell " + constant_technique(parameters) +
+                       "--overwrite --iterations " + (parameters.empty() ? "1" : "100000") + " --watch -o " +
+                       (folder.path() / "a.exr").string() + " 2>" + log + " & pid=$!; until grep -q '" + words + "' " +
+                       log + "; do kill -0 $pid || exit 99; sleep 0.1; done; kill -INT $pid; wait $pid")
+        .exit_code;
+  };
+  CHECK(end_at("rendering", "sleep=50") == 6);
+  CHECK(end_at("rendered in", "") == 0);
+}
