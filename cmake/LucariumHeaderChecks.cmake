@@ -15,8 +15,8 @@ foreach(folder framework kernels techniques apps tests/support)
 endforeach()
 set_target_properties(header_checks PROPERTIES DISABLE_PRECOMPILE_HEADERS ON UNITY_BUILD OFF)
 target_compile_options(header_checks PRIVATE -O0)
-target_include_directories(header_checks PRIVATE ${CMAKE_SOURCE_DIR}/techniques ${CMAKE_SOURCE_DIR}/tests/support
-  ${XXHASH_INCLUDE_DIR})
+target_include_directories(header_checks PRIVATE ${CMAKE_SOURCE_DIR}/techniques ${CMAKE_SOURCE_DIR}/apps/lucarium
+  ${CMAKE_SOURCE_DIR}/tests/support ${XXHASH_INCLUDE_DIR})
 target_link_libraries(header_checks PRIVATE Lucarium::framework lucarium_build_flags spdlog::spdlog
   OpenImageIO::OpenImageIO TinyGLTF::TinyGLTF nlohmann_json::nlohmann_json doctest::doctest)
 add_test(NAME headers/compile_alone

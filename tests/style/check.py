@@ -27,7 +27,8 @@ SOURCES = ('.cpp', '.h', '.cl', '.clh')
 TEXTS = SOURCES + ('.md', '.txt', '.cmake', '.py', '.js', '.css', '.html')
 # Comparison files state the device in these words, whatever the program's options are called.
 WORDS_OF_FILES = ('framework/lucarium/compare/request/device_arguments.cpp',)
-ROOTS = ('framework', 'kernels', 'techniques')  # of include names
+ROOTS = ('framework', 'kernels', 'techniques', 'apps/lucarium')  # of include names
+OPTION_TEXTS = 'apps/lucarium/grammar/option_texts.cpp'
 MEASUREMENTS = 'docs/measurements/'
 NUMBERS = 5  # in 100 words of a page's sentences
 TECHNIQUE_LINES = 120
@@ -118,10 +119,10 @@ def place(folder):
 
 def check_options():
     declared = set()
-    for file in tracked(('.cpp',)):
-        if file.startswith('apps/'):
-            for names in re.findall(r'add_(?:option|option_function|flag|budget)\w*\(\s*"(-[^"{]+)', read(file)):
-                declared.update(names.split(','))
+    for names in re.findall(r'^    \{"(-[^"]+)"', read(OPTION_TEXTS), re.M):
+        declared.update(names.split(','))
+    if '--output' not in declared:
+        yield f'{OPTION_TEXTS}: no options are found in it'
     for file in tracked(SOURCES):
         if not file.startswith('framework/') or file in WORDS_OF_FILES:
             continue

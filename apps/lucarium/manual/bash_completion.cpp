@@ -4,7 +4,7 @@
 
 #include <map>
 
-#include "completion.h"
+#include "manual/completion.h"
 
 namespace lucarium::app {
 namespace {

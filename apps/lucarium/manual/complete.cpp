@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "completion.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/compare/request/experiment.h"
 #include "lucarium/scene/builtin/scenes.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_folders.h"
+#include "manual/completion.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "declarations.h"
+#include "manual/declarations.h"
 
 namespace lucarium::app {
 

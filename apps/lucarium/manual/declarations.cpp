@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "declarations.h"
+#include "manual/declarations.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <map>
 
-#include "../option_texts.h"
+#include "grammar/option_texts.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/base/text_values.h"
@@ -60,8 +60,8 @@ CommandDeclaration read_command(const CLI::App& app) {
 
 }  // namespace
 
-bool OptionDeclaration::has(std::string_view name) const {
-  return std::find(names.begin(), names.end(), name) != names.end();
+bool OptionDeclaration::has(std::string_view wanted) const {
+  return std::find(names.begin(), names.end(), wanted) != names.end();
 }
 
 std::string OptionDeclaration::usage() const {
@@ -80,9 +80,9 @@ std::vector<std::string> CommandDeclaration::groups() const {
 }
 
 std::string CommandDeclaration::usage(const std::string& program) const {
-  std::string text = program == name ? program + " COMMAND" : program + " " + name;
-  for (const OptionDeclaration& word : words) text += word.required ? " " + word.usage() : " [" + word.usage() + "]";
-  return text + " [OPTIONS]";
+  std::string line = program == name ? program + " COMMAND" : program + " " + name;
+  for (const OptionDeclaration& word : words) line += word.required ? " " + word.usage() : " [" + word.usage() + "]";
+  return line + " [OPTIONS]";
 }
 
 const CommandDeclaration& ProgramDeclaration::command(std::string_view name) const {

@@ -22,7 +22,7 @@ struct OptionDeclaration {
   bool value_optional = false;  ///< --profile or --profile=FILE
 
   bool is_flag() const { return value.empty(); }
-  bool has(std::string_view name) const;
+  bool has(std::string_view wanted) const;
   /// "-o, --output FILE", "--profile[=FILE]", "SCENE".
   std::string usage() const;
 };

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "completion.h"
+#include "manual/completion.h"
 
 namespace lucarium::app {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/version.h"
-#include "pages.h"
+#include "manual/pages.h"
 
 namespace lucarium::app {
 namespace {

@@ -2,16 +2,16 @@
 // lucarium help, man, completion, commands: what the command line declares, for a person, a shell, a page.
 #include <filesystem>
 
-#include "../build_app.h"
-#include "../option_texts.h"
-#include "../output_files.h"
-#include "completion.h"
+#include "build_app.h"
+#include "grammar/option_texts.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
-#include "pages.h"
+#include "manual/completion.h"
+#include "manual/pages.h"
+#include "outputs/output_files.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "../option_texts.h"
+#include "grammar/option_texts.h"
 #include "lucarium/base/json.h"
-#include "pages.h"
+#include "manual/pages.h"
 
 namespace lucarium::app {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "declarations.h"
+#include "manual/declarations.h"
 
 namespace lucarium::app {
 

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "budgets/render_budget.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "lucarium/base/log.h"
+#include "lucarium/base/progress.h"
+#include "lucarium/session/counted_seconds.h"
+
+namespace lucarium::app {
+namespace {
+
+constexpr uint64_t default_samples = 64;
+constexpr double no_time = 1e-9;  // 0 would be no limit
+
+/// Seconds left for iterating; warns where nothing is left.
+double seconds_left_of(const char* option, double seconds, double spent, const std::string& of_it = "") {
+  if (spent >= seconds)
+    log_warning("{} {:g} was over before the first iteration: what comes before took {:.1f} s{}", option, seconds,
+                spent, of_it);
+  return std::max(no_time, seconds - spent);
+}
+
+RenderBudget make_budget(const BudgetArguments& arguments, const RenderSession& session,
+                         std::chrono::steady_clock::time_point start) {
+  RenderBudget budget{0, arguments.iterations, arguments.samples};
+  const RenderSession::Clocks& clocks = session.clocks();
+  if (arguments.seconds > 0) budget.seconds = seconds_left_of("--time", arguments.seconds, counted_seconds(clocks));
+  if (arguments.wall_seconds > 0) {
+    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double left = seconds_left_of("--wall-time", arguments.wall_seconds, spent,
+                                        fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
+    budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
+  }
+  const bool none = budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0 && arguments.relmse <= 0;
+  if (none) budget.samples = default_samples;
+  return budget;
+}
+
+std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budget, const RenderSession& session,
+                     bool accurate) {
+  const IterationResult& last = session.last();
+  if (last.converged) return last.phase.empty() ? "the technique" : last.phase;
+  if (accurate) return "--relmse";
+  if (budget.samples > 0 && last.samples >= budget.samples) return "--spp";
+  if (budget.iterations > 0 && session.iterations() >= budget.iterations) return "--iterations";
+  if (arguments.wall_seconds > 0 && arguments.seconds > 0) return "--wall-time or --time";
+  return arguments.wall_seconds > 0 ? "--wall-time" : "--time";
+}
+
+constexpr double start_seconds = 1;   // of the program: devices, the scene's file, kernels from the cache
+constexpr double min_seconds = 1e-3;  // what is planned for where the start takes all
+
+/// Whether --wall-time is used up before --time.
+bool is_wall_time(const BudgetArguments& arguments) {
+  return arguments.wall_seconds > 0 &&
+         (arguments.seconds <= 0 || arguments.wall_seconds - start_seconds <= arguments.seconds);
+}
+
+/// The option that is used up first.
+std::string time_option(const BudgetArguments& arguments) {
+  return is_wall_time(arguments) ? fmt::format("--wall-time {:g}", arguments.wall_seconds)
+                                 : fmt::format("--time {:g}", arguments.seconds);
+}
+
+/// Two figures, and whole seconds from 10 on.
+std::string about(double seconds) {
+  return seconds < 10 ? fmt::format("{:.2g}", seconds) : fmt::format("{:.0f}", seconds);
+}
+
+/// After a budget that was too small: which one would have done.
+void tell_first_picture(const BudgetArguments& arguments, const RenderSession& session,
+                        std::chrono::steady_clock::time_point start) {
+  std::vector<std::string> enough;
+  const auto add = [&](const char* option, double seconds) {
+    enough.push_back(fmt::format("{} {}", option, about(1.1 * seconds)));
+  };
+  if (arguments.seconds > 0) add("--time", counted_seconds(session.clocks()));
+  if (arguments.wall_seconds > 0)
+    add("--wall-time", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (!enough.empty()) log_warning("there is a picture now: {} would have given it", fmt::join(enough, " and "));
+}
+
+}  // namespace
+
+double planned_seconds(const BudgetArguments& arguments) {
+  return is_wall_time(arguments) ? std::max(arguments.wall_seconds - start_seconds, min_seconds) : arguments.seconds;
+}
+
+void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique) {
+  if (!plan.changes.empty())
+    log_warning("{}: for {}: {}; the first whole picture would take about {} s otherwise", technique,
+                time_option(arguments), plan.changes_text(), about(plan.default_seconds));
+  if (plan.budget_seconds > 0 && !plan.fits())
+    log_warning("{}: {} is too short for a whole picture; about {} s would do", technique, time_option(arguments),
+                about(plan.sufficient_seconds + (is_wall_time(arguments) ? start_seconds : 0)));
+}
+
+RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
+                               const std::function<std::optional<double>(RenderSession&)>& relmse,
+                               std::chrono::steady_clock::time_point start) {
+  const RenderBudget budget = make_budget(arguments, session, start);
+  Progress progress("rendering", quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  TimeLeft left;
+  left.update(0, 0);
+  bool accurate = false;
+  const auto on_progress = [&](const IterationResult& now) {
+    const double seconds = session.clocks().iterate;
+    left.update(now.progress, seconds);
+    double fraction = now.progress;
+    const auto used = [&fraction](double part, double whole) {
+      if (whole > 0) fraction = std::max(fraction, part / whole);
+    };
+    used(static_cast<double>(now.samples), static_cast<double>(budget.samples));
+    used(static_cast<double>(session.iterations()), static_cast<double>(budget.iterations));
+    used(seconds, budget.seconds);
+    const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
+                        std::max(1e-9, seconds);
+    const std::string phase = now.phase.empty() ? "" : now.phase + ", ";
+    progress.update(fraction, fmt::format("{}{} samples per pixel, {:.2f} Msamples/s", phase, now.samples, rate));
+    const std::optional<double> error = relmse(session);
+    accurate = error && arguments.relmse > 0 && *error <= arguments.relmse;
+    return !accurate;
+  };
+  RenderEnd end;
+  end.interrupted = session.run(budget, on_progress);
+  const auto nothing_yet = [&] {
+    return session.last().samples == 0 && !session.last().visible && !session.last().converged;
+  };
+  if (!end.interrupted && nothing_yet()) {
+    log_warning("the budget ended before there was any picture; going on to the first one");
+    end.interrupted = session.run({}, [&](const IterationResult& now) { return on_progress(now) && nothing_yet(); });
+    if (!end.interrupted) tell_first_picture(arguments, session, start);
+  }
+  end.by = end.interrupted ? "Ctrl-C" : ended_by(arguments, budget, session, accurate);
+  if (!session.last().converged) end.seconds_left = left.estimate();
+  return end;
+}
+
+}  // namespace lucarium::app

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium reference: a reference image rendered to a wanted error, and extended later.
+#include <memory>
+#include <set>
+
+#include "commands/commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/progress.h"
+#include "lucarium/base/terminal.h"
+#include "lucarium/compare/reference/reference_identity.h"
+#include "lucarium/compare/reference/reference_render.h"
+#include "lucarium/film/image_io.h"
+#include "options/options.h"
+#include "outputs/output_files.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr uint64_t default_samples = 4096;
+
+struct ReferenceArguments : RenderingArguments {
+  ReferenceGoal goal;
+  std::string path_set;
+  fs::path file;
+  bool extend = false, overwrite = false;
+};
+
+/// The light paths asked for: those of a text, of a technique, or all up to --max-bounces.
+PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegistry& registry, const Scene& scene,
+                        const RenderSettings& settings) {
+  if (!arguments.path_set.empty()) return PathSet::parse(arguments.path_set);
+  const TechniqueArguments& given = arguments.technique;
+  if (given.specs.empty() && given.leading.empty()) {
+    PathSet set;
+    set.max_bounces = settings.max_bounces;
+    return set;
+  }
+  const TechniqueArguments::Spec spec = given.single("reference", "path_tracing");
+  const TechniqueType& type = registry.find(spec.name);
+  check_parameters(type, spec);
+  const std::unique_ptr<Technique> technique = type.create();
+  technique->parameters().set_all(spec.parameters);
+  return technique->path_set(scene, settings);
+}
+
+/// What there is of the file, or an empty image.
+ReferenceImage open_reference(const ReferenceArguments& arguments, const ReferenceIdentity& identity, uint32_t width,
+                              uint32_t height) {
+  if (!arguments.extend || !fs::exists(arguments.file)) return {width, height};
+  Film film = read_image(arguments.file);
+  const std::vector<std::string> differences = identity.differences(film);
+  ReferenceImage image(std::move(film), arguments.file.string());
+  if (differences.empty()) return image;
+  std::string text;
+  for (const std::string& line : differences) text += (text.empty() ? "" : "; ") + line;
+  throw_error(ErrorClass::usage, "{} cannot be extended, it shows something else ({}); choose another --output",
+              arguments.file.string(), text);
+}
+
+/// Numbers of the header are numbers in JSON, too; all else stays text, also a version that looks like a number.
+nlohmann::ordered_json header_value(const std::string& key, const std::string& text) {
+  static const std::set<std::string> numbers = {
+      "seed",           "max_bounces",           "scene_time_seconds", "pixel_sampling", "half_a_samples",
+      "half_b_samples", "round_samples_squared", "round_variance_dof", "variance_dof",   "own_mse",
+      "own_relmse"};
+  if (!numbers.contains(key)) return text;
+  const nlohmann::ordered_json value = nlohmann::ordered_json::parse(text, nullptr, false);
+  return value.is_number() ? value : nlohmann::ordered_json(text);
+}
+
+nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file,
+                                    bool goal_reached) {
+  nlohmann::ordered_json json;
+  json["schema"] = "lucarium-reference-1";
+  for (const auto& [key, value] : image.film().metadata) json[key] = header_value(key, value);
+  json["samples"] = image.samples();
+  json["rounds"] = image.rounds();
+  json["rounds_rendered"] = image.rounds() - rounds_before;
+  json["seconds"] = std::stod(image.metadata().at("seconds"));
+  if (image.error_known()) {
+    json["own_mse"] = image.error().mse;
+    json["own_relmse"] = image.error().relmse;
+    json["halves_agree"] = image.test_halves().passed;
+  }
+  json["goal_reached"] = goal_reached;
+  json["file"] = file.string();
+  return json;
+}
+
+/// Renders what is missing and writes the file after every round; returns whether the goal was reached.
+bool extend(const ReferenceArguments& arguments, bool quiet, RenderSession& session, const ReferenceIdentity& identity,
+            ReferenceImage& image) {
+  const auto earlier = image.metadata().find("seconds");
+  const double seconds_before = earlier == image.metadata().end() ? 0 : std::stod(earlier->second);
+  const uint64_t seed = session.settings().seed, samples_before = image.samples();
+  const double pixels = static_cast<double>(session.settings().width) * session.settings().height;
+  const double clock_before = session.clocks().iterate;
+  const auto keep = [&](ReferenceImage& grown) {
+    std::map<std::string, std::string> metadata = session.resolve().metadata;
+    metadata.erase("iterations");
+    metadata["seconds"] = fmt::format("{:.3f}", seconds_before + session.clocks().iterate - clock_before);
+    grown.metadata() = metadata;
+    identity.write_to(grown.metadata());
+    write_exr(arguments.file, grown.film());
+  };
+  Progress progress("reference", quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  return extend_reference(session, image, arguments.goal, seed, keep, [&](const ReferenceProgress& now) {
+    const double rate = static_cast<double>(now.samples - samples_before) * pixels / 1e6 / std::max(1e-9, now.seconds);
+    progress.update(now.fraction, fmt::format("{} samples per pixel, {:.2f} Msamples/s", now.samples, rate));
+  });
+}
+
+int render_reference(ReferenceArguments arguments, const Messages& messages) {
+  if (arguments.file.extension() != ".exr")
+    throw_error(ErrorClass::usage, "{}: the name must end in .exr", arguments.file.string());
+  check_output(arguments.file, arguments.overwrite || arguments.extend);
+  ReferenceGoal& goal = arguments.goal;
+  if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) goal.samples = default_samples;
+
+  Scene scene = arguments.load();
+  RenderSettings settings = arguments.settings;
+  settings.camera = scene.cameras.front();
+  const TechniqueRegistry registry(arguments.technique.folders);
+  const PathSet path_set = wanted_path_set(arguments, registry, scene, settings);
+  settings.max_bounces = path_set.max_bounces;
+  const ReferenceIdentity identity(scene, settings, path_set, registry);
+  ReferenceImage image = open_reference(arguments, identity, settings.width, settings.height);
+
+  RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"),
+                        settings, reference_parameters(path_set));
+  const KeepOnInterrupt keep_rounds;
+  const uint64_t rounds_before = image.rounds();
+  const bool done = extend(arguments, messages.quiet, session, identity, image);
+  if (image.samples() == 0) {
+    throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
+  }
+  const ImageTest halves = image.test_halves();
+  if (!halves.passed) {
+    log_warning(
+        "the halves of {} differ by more than noise; small samples of rare bright paths (fireflies) do that, or an "
+        "error:",
+        arguments.file.string());
+    if (log_level() >= LogLevel::warning) print_note("{}", to_text(halves));
+  }
+  if (messages.json) {
+    print_result("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
+  } else {
+    print_result("{}: {} samples per pixel, its own relMSE {}\n", arguments.file.string(), image.samples(),
+                 image.error_known() ? fmt::format("{:.3g}", image.error().relmse) : "unknown (one half only)");
+  }
+  if (done) return 0;
+  log_warning("interrupted: {} samples per pixel are kept; continue with --extend", image.samples());
+  return static_cast<int>(ErrorClass::interrupted);
+}
+
+}  // namespace
+
+int reference(const Job& job, const ReferenceWork& work) {
+  ReferenceArguments arguments;
+  arguments.take(job);
+  arguments.goal.relmse = work.relmse;
+  arguments.goal.samples = work.samples;
+  arguments.path_set = work.path_set;
+  arguments.file = work.output;
+  arguments.extend = true;
+  Messages messages;
+  messages.json = true;
+  return render_reference(std::move(arguments), messages);
+}
+
+void add_reference_command(Command program, Action& action) {
+  auto arguments = std::make_shared<ReferenceArguments>();
+  arguments->image.seed = 0x5eed;  // not one of the small numbers that the runs it is compared with use
+  Command command = program.add_subcommand("reference", "render a reference image to a wanted error, or extend one");
+  command.option("scene", arguments->scene).required();
+  command.option("--output", arguments->file).required().value_name("FILE.exr");
+  command.flag("--extend", arguments->extend);
+  command.flag("--overwrite", arguments->overwrite);
+  ReferenceGoal& goal = arguments->goal;
+  command.option("--relmse", goal.relmse).check(positive_number()).default_text("no limit");
+  command.option("--spp", goal.samples)
+      .check(whole_number(1))
+      .default_text(fmt::format("{} without another budget", default_samples));
+  command.option("--time", goal.seconds).check(positive_number()).default_text("no limit");
+  arguments->image.add_to(command, true);
+  arguments->overrides.add_to(command);
+  arguments->technique.add_to(command, "all light paths");
+  command.option("--path-set", arguments->path_set).default_text("all light paths");
+  arguments->device.add_to(command);
+  command.excludes({"--path-set"}, {"--technique", "--parameter", "--max-bounces"});
+  command.excludes({"--extend"}, {"--overwrite"});
+  command.examples({"lucarium reference builtin:cornell --relmse 1e-4 -o reference.exr",
+                    "lucarium reference builtin:cornell -t bundle_exchange --spp 1024 -o reference.exr"},
+                   "docs/references.md");
+  command.callback([arguments, &action] {
+    action = [arguments](const Messages& messages) {
+      arguments->settings = arguments->image.settings();
+      return render_reference(*arguments, messages);
+    };
+  });
+}
+
+}  // namespace lucarium::app

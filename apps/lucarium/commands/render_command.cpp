@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium render: one technique, one scene, one or several pictures.
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "budgets/curve_recorder.h"
+#include "budgets/render_budget.h"
+#include "commands/commands.h"
+#include "commands/watch.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/progress.h"
+#include "lucarium/base/terminal.h"
+#include "lucarium/compute/program/source_library.h"
+#include "lucarium/film/exposure.h"
+#include "lucarium/scene/exposure.h"
+#include "lucarium/session/session.h"
+#include "lucarium/technique/technique_folders.h"
+#include "options/options.h"
+#include "outputs/output_files.h"
+#include "outputs/render_output.h"
+#include "outputs/render_summary.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+namespace {
+
+struct RenderArguments : RenderingArguments {
+  std::vector<fs::path> files;
+  BudgetArguments budget;
+  fs::path reference;
+  bool curve = false;
+  std::string frames;
+  double frames_per_second = 24;
+  bool overwrite = false, half = false, watch = false;
+  std::string profile;
+};
+
+/// "; exposure -3.2 stops (auto)" where a picture was written at an exposure that nobody stated.
+std::string chosen_exposure(const RenderSession& session, float exposure, const std::vector<fs::path>& files) {
+  if (!is_automatic(session.scene().exposure) || !any_of_kind(files, ".png")) return "";
+  return fmt::format("; exposure {:g} stops (auto)", exposure);
+}
+
+/// Renders and writes every frame (one without --frames); returns whether it was interrupted.
+bool render_frames(const RenderArguments& arguments, const Messages& messages, RenderSession& session,
+                   const std::vector<std::vector<fs::path>>& outputs, const std::optional<FrameRange>& frames,
+                   CurveRecorder* curve, double load_seconds, std::chrono::steady_clock::time_point start,
+                   ordered_json& summaries) {
+  float exposure = curve ? curve->exposure() : session.scene().exposure;
+  const auto relmse = [curve](RenderSession& now) { return curve ? curve->sample(now) : std::nullopt; };
+  for (size_t i = 0; i < outputs.size(); ++i) {
+    if (i > 0) start = std::chrono::steady_clock::now();
+    try {
+      if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
+    } catch (const Error& error) {
+      if (i == 0 || error.error_class() != ErrorClass::interrupted) throw;
+      return true;  // frames that are done are reported
+    }
+    const RenderEnd end = render_within_budget(arguments.budget, session, messages.quiet, relmse, start);
+    if (end.interrupted && session.last().samples == 0 && !session.last().visible) return true;
+    Film film = session.resolve();
+    const std::string technique = film.metadata.at("technique");
+    const bool first_unfinished = session.last().samples == 0 && session.last().visible;
+    if (first_unfinished && !end.interrupted)
+      log_warning("the budget ended within the first sample per pixel{}: a coarse picture, or one without all light",
+                  session.last().phase.empty() ? "" : fmt::format(", in the stage '{}'", session.last().phase));
+    const bool not_begun = session.last().progress == 0 && !session.last().phase.empty() && !session.last().converged;
+    if (not_begun && !end.interrupted && !first_unfinished)
+      log_warning("the budget ended in the stage '{}', before {} had begun its work proper: light is missing",
+                  session.last().phase, technique);
+    if (end.interrupted || first_unfinished || not_begun) film.metadata["partial"] = "yes";
+    // One exposure for all frames: the first picture decides, else they would flicker.
+    if (is_automatic(exposure)) exposure = automatic_exposure(film.image());
+    write_outputs(outputs[i], film, exposure, arguments.half);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    summaries.push_back(frame_json(session, film, end, i == 0 ? load_seconds : 0, seconds, exposure, outputs[i]));
+    if (!messages.json) {
+      print_result("{}: {} samples per pixel, {:.1f} s{}{}\n", outputs[i].front().string(), session.last().samples,
+                   seconds, chosen_exposure(session, exposure, outputs[i]),
+                   session.last().converged ? fmt::format("; ended by {}: {}", technique, end.by) : "");
+    }
+    if (curve) {
+      curve->finish(session, film.image());
+      summaries.back().update(curve->to_json());
+    }
+    if (end.interrupted) return true;
+  }
+  return false;
+}
+
+CurveSchedule curve_schedule(const RenderArguments& arguments) {
+  using Work = CurveSchedule::Work;
+  const BudgetArguments& budget = arguments.budget;
+  if (budget.relmse > 0) return CurveSchedule::open_ended();
+  if (!arguments.curve) return CurveSchedule::at_the_end();
+  if (budget.seconds > 0) return CurveSchedule::up_to_seconds(budget.seconds);
+  if (budget.iterations > 0) return CurveSchedule::up_to_count(Work::iterations, budget.iterations);
+  if (budget.samples > 0) return CurveSchedule::up_to_count(Work::samples, budget.samples);
+  return CurveSchedule::open_ended();
+}
+
+WatchedInputs watched_inputs(const RenderArguments& arguments) {
+  return {scene_files(arguments.scene, arguments.overrides.overrides.environment.value_or("")),
+          technique_folders(arguments.technique.folders), kernel_path_roots()};
+}
+
+bool has_profile_file(const RenderArguments& arguments) {
+  return !arguments.profile.empty() && arguments.profile != "-";
+}
+
+/// What no rule about pairs of options finds: options that do nothing for the files that are asked for.
+void check_outputs(const RenderArguments& arguments, const Messages& messages) {
+  if (arguments.files.empty() && !messages.json)
+    throw_error(ErrorClass::usage, "no output file given; add --output FILE.exr or FILE.png");
+  if (arguments.half && !any_of_kind(arguments.files, ".exr"))
+    throw_error(ErrorClass::usage, "--half does nothing without an --output FILE.exr");
+  if (arguments.overrides.overrides.exposure && !any_of_kind(arguments.files, ".png") && !messages.json)
+    throw_error(ErrorClass::usage, "--exposure does nothing without an --output FILE.png");
+  if (has_profile_file(arguments) && !arguments.profile.ends_with(".json"))
+    throw_error(ErrorClass::usage, "--profile={}: the name must end in .json", arguments.profile);
+  check_distinct(arguments.files);  // a profile's name ends in .json, that of a picture does not
+}
+
+int render_picture(const RenderArguments& arguments, const Messages& messages) {
+  const auto start = std::chrono::steady_clock::now();
+  check_outputs(arguments, messages);
+  const TechniqueArguments::Spec spec = arguments.technique.single("render", "path_tracing");
+  const std::optional<FrameRange> frames = parse_frames(arguments.frames);
+  const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments.files, frames, arguments.overwrite);
+  if (has_profile_file(arguments)) check_output(arguments.profile, arguments.overwrite);
+  if (arguments.watch)
+    return render_and_watch(watched_inputs(arguments), !arguments.files.empty() || !arguments.profile.empty());
+  const TechniqueRegistry registry(arguments.technique.folders);
+  const TechniqueType& type = registry.find(spec.name);
+  check_parameters(type, spec);
+
+  const auto load_start = std::chrono::steady_clock::now();
+  Scene scene = arguments.load();
+  const double load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - load_start).count();
+  if (frames && scene.animations.empty()) log_warning("{} has no animation: all frames show the same", arguments.scene);
+  RenderSettings settings = arguments.settings;
+  settings.camera = scene.cameras.front();
+  std::unique_ptr<CurveRecorder> curve;
+  if (!arguments.reference.empty())
+    curve = std::make_unique<CurveRecorder>(arguments.reference, settings, scene.exposure, curve_schedule(arguments));
+  const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
+  auto preparing =
+      std::make_unique<Progress>("preparing", messages.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  RenderSession session(
+      device, std::move(scene), type, settings, spec.parameters,
+      [&preparing](double fraction, const std::string& stage) {
+        if (preparing) preparing->update(fraction, stage);
+      },
+      planned_seconds(arguments.budget));
+  preparing.reset();
+  const KeepOnInterrupt keep_pictures;
+  tell_plan(arguments.budget, session.plan(), spec.name);
+  for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
+
+  ordered_json summaries = ordered_json::array();
+  const bool interrupted =
+      render_frames(arguments, messages, session, outputs, frames, curve.get(), load_seconds, start, summaries);
+  if (summaries.empty()) {
+    throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
+  }
+  write_profile(arguments.profile, session, messages.json);
+  if (messages.json) print_result("{}\n", summary_json(summaries).dump(2));
+  if (!interrupted) return 0;
+  log_warning("interrupted: {} ({} samples per pixel)",
+              arguments.files.empty() ? "no file was asked for" : "the partial result is kept", session.last().samples);
+  return static_cast<int>(ErrorClass::interrupted);
+}
+
+}  // namespace
+
+int render(const Job& job, const RenderWork& work) {
+  RenderArguments arguments;
+  arguments.take(job);
+  arguments.technique.specs = {{work.technique, work.parameters}};
+  if (!work.output.empty()) arguments.files = {work.output};
+  arguments.overwrite = true;
+  arguments.budget.seconds = work.seconds;
+  arguments.budget.iterations = work.iterations;
+  arguments.budget.samples = work.samples;
+  arguments.budget.relmse = work.relmse;
+  arguments.reference = work.reference;
+  arguments.curve = work.curve;
+  Messages messages;
+  messages.json = messages.quiet = true;
+  messages.apply();
+  return render_picture(arguments, messages);
+}
+
+void add_render_command(Command program, Action& action) {
+  auto arguments = std::make_shared<RenderArguments>();
+  Command command = program.add_subcommand("render", "render a scene with one technique");
+  command.option("scene", arguments->scene).required();
+  command.option("--output", arguments->files)
+      .repeatable()
+      .value_name("FILE.exr|.png")
+      .default_text("none, with --json");
+  command.flag("--overwrite", arguments->overwrite);
+  command.flag("--half", arguments->half);
+  command.flag("--profile", arguments->profile);
+  command.flag("--watch", arguments->watch);
+  BudgetArguments& budget = arguments->budget;
+  command.option("--spp", budget.samples).check(whole_number(1)).default_text("64 without another budget");
+  command.option("--iterations", budget.iterations).check(whole_number(1)).default_text("no limit");
+  command.option("--time", budget.seconds).check(positive_number()).default_text("no limit");
+  command.option("--wall-time", budget.wall_seconds).check(positive_number()).default_text("no limit");
+  command.option("--relmse", budget.relmse).check(positive_number()).default_text("no limit");
+  command.option("--reference", arguments->reference).default_text("none");
+  command.flag("--curve", arguments->curve);
+  arguments->image.add_to(command, true);
+  arguments->overrides.add_exposure_to(command);
+  arguments->overrides.add_to(command);
+  command.option("--frames", arguments->frames).default_text("one, at --at");
+  command.option("--fps", arguments->frames_per_second).check(positive_number()).capture_default_str();
+  arguments->technique.add_to(command, "path_tracing");
+  arguments->device.add_to(command);
+  command.needs({"--overwrite"}, {"--output", "--profile"});
+  command.needs({"--fps"}, {"--frames"});
+  command.needs({"--relmse", "--curve"}, {"--reference"});
+  command.needs({"--curve"}, {"--json"});
+  command.needs({"--reference"}, {"--relmse", "--json"});
+  command.excludes({"--frames"}, {"--at", "--reference"});
+  command.examples({"lucarium render builtin:cornell -o cornell.png",
+                    "lucarium render builtin:cornell -t bundle_exchange --time 10 -o cornell.exr -o cornell.png"},
+                   "docs/rendering.md");
+  command.callback([arguments, &action] {
+    action = [arguments](const Messages& messages) {
+      arguments->settings = arguments->image.settings();
+      return render_picture(*arguments, messages);
+    };
+  });
+}
+
+}  // namespace lucarium::app

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/watch.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <thread>
+
+#include "lucarium/base/child_process.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/list_folder.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
+#include "lucarium/base/terminal.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::chrono::milliseconds poll_interval{200};
+
+struct Stamp {
+  fs::file_time_type time;
+  uintmax_t bytes = 0;
+  bool operator==(const Stamp&) const = default;
+};
+using Snapshot = std::map<fs::path, Stamp>;
+
+void add_file(Snapshot& snapshot, const fs::path& file) {
+  std::error_code failure;
+  const Stamp stamp{fs::last_write_time(file, failure), fs::file_size(file, failure)};
+  if (!failure) snapshot[file] = stamp;
+}
+
+Snapshot take_snapshot(const WatchedInputs& inputs) {
+  Snapshot snapshot;
+  std::error_code failure;
+  for (const fs::path& file : inputs.files) add_file(snapshot, file);
+  for (const fs::path& folder : inputs.plugins) {
+    for (const fs::directory_entry& entry : list_folder(folder, failure)) {
+      if (entry.path().extension() == ".so") add_file(snapshot, entry.path());
+    }
+  }
+  for (const fs::path& folder : inputs.kernels) {
+    for (const fs::directory_entry& entry : list_folder<fs::recursive_directory_iterator>(folder, failure)) {
+      if (entry.is_regular_file(failure)) add_file(snapshot, entry.path());
+    }
+  }
+  return snapshot;
+}
+
+/// The first file that is new, gone or different.
+fs::path changed_file(const Snapshot& before, const Snapshot& now) {
+  for (const auto& [file, stamp] : now) {
+    const auto known = before.find(file);
+    if (known == before.end() || !(known->second == stamp)) return file;
+  }
+  for (const auto& [file, stamp] : before) {
+    if (!now.contains(file)) return file;
+  }
+  return {};
+}
+
+/// Waits until something differs from `before` and then stays as it is for a moment (builds write in several steps).
+/// Returns what changed; empty when interrupted.
+fs::path wait_for_change(const WatchedInputs& inputs, const Snapshot& before) {
+  Snapshot last = take_snapshot(inputs);
+  while (!interrupt_requested()) {
+    const fs::path file = changed_file(before, last);
+    std::this_thread::sleep_for(poll_interval);
+    Snapshot now = take_snapshot(inputs);
+    if (!file.empty() && now == last) return file;
+    last = std::move(now);
+  }
+  return {};
+}
+
+std::vector<std::string> render_words(bool overwrite) {
+  std::ifstream command_line("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(command_line, word, '\0');) words.push_back(word);
+  if (words.empty()) throw_error(ErrorClass::internal, "cannot read /proc/self/cmdline");
+  std::erase(words, "--watch");
+  words.front() = fs::read_symlink("/proc/self/exe").string();
+  if (overwrite) words.emplace_back("--overwrite");
+  return words;
+}
+
+/// The environment map that the sidecar names.
+void add_sidecar_environment(const std::string& scene, std::vector<fs::path>& files) {
+  try {
+    const nlohmann::json json = nlohmann::json::parse(read_file(scene + ".lucarium.json"), nullptr, true, true);
+    const std::string environment = json.value("environment", "");
+    if (environment.empty()) return;
+    files.push_back(fs::path(scene).parent_path() / environment.substr(0, environment.find_first_of("*@")));
+  } catch (const std::exception&) {
+    // There is none, or the render says what is wrong with it.
+  }
+}
+
+}  // namespace
+
+std::vector<fs::path> scene_files(const std::string& scene, const std::string& environment) {
+  std::vector<fs::path> files;
+  if (!environment.empty()) files.emplace_back(environment.substr(0, environment.find_first_of("*@")));
+  if (scene.starts_with("builtin:")) return files;
+  files.insert(files.end(), {scene, scene + ".lucarium.json"});
+  if (environment.empty()) add_sidecar_environment(scene, files);
+  if (!scene.ends_with(".gltf")) return files;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(read_file(scene));
+    for (const char* list : {"buffers", "images"}) {
+      for (const nlohmann::json& item : json.value(list, nlohmann::json::array())) {
+        const std::string uri = item.value("uri", "");
+        if (!uri.empty() && !uri.starts_with("data:")) files.push_back(fs::path(scene).parent_path() / uri);
+      }
+    }
+  } catch (const std::exception&) {
+    // The render says what is wrong with the file.
+  }
+  return files;
+}
+
+int render_and_watch(const WatchedInputs& inputs, bool has_outputs) {
+  const std::vector<std::string> words = render_words(has_outputs);
+  bool rendered = false;
+  const auto end = [&rendered] { return rendered ? 0 : static_cast<int>(ErrorClass::interrupted); };
+  const KeepOnInterrupt end_the_loop;
+  while (true) {
+    const Snapshot before = take_snapshot(inputs);
+    const ChildResult result = run_child(words, [](std::string_view line) { print_note("{}\n", line); });
+    print_result("{}", result.out);
+    flush_results();
+    rendered |= result.exit_code == 0;
+    if (interrupt_requested()) return end();
+    if (result.exit_code == 0) {
+      print_note("rendered in {:.1f} s; watching {} files, Ctrl-C ends\n", result.seconds, before.size());
+    } else {
+      print_note("not rendered ({}): the last image is kept; watching {} files, Ctrl-C ends\n", describe_end(result),
+                 before.size());
+    }
+    const fs::path file = wait_for_change(inputs, before);
+    if (file.empty()) return end();
+    print_note("{} changed\n", file.string());
+  }
+}
+
+}  // namespace lucarium::app

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "grammar/command_line.h"
+
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "grammar/help_format.h"
+#include "grammar/option_texts.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/terminal.h"
+#include "lucarium/base/utf8.h"
+
+namespace lucarium::app {
+namespace {
+
+/// The subcommand that was named, else the program itself.
+const CLI::App& chosen_command(const CLI::App& program) {
+  const auto commands = program.get_subcommands();
+  return commands.empty() ? program : *commands.front();
+}
+
+/// Complaint about a first word that names no command, which --help behind it would hide; else empty.
+std::string unknown_command(const CLI::App& program, const std::vector<std::string>& arguments) {
+  const auto is_word = [](const std::string& argument) { return !argument.starts_with("-"); };
+  const auto word = std::find_if(arguments.begin(), arguments.end(), is_word);
+  if (&chosen_command(program) != &program || word == arguments.end()) return "";
+  std::vector<std::string> commands;
+  const auto is_shown = [](const CLI::App* sub) { return !sub->get_group().empty(); };
+  for (const CLI::App* sub : program.get_subcommands(is_shown)) commands.push_back(sub->get_name());
+  return fmt::format("unknown command '{}'{}", *word, suggest_name(*word, commands));
+}
+
+/// Complaint about an option of a command that stands before the command's name; else empty.
+std::string misplaced_option(const CLI::App& program, const std::vector<std::string>& arguments) {
+  const CLI::App& chosen = chosen_command(program);
+  for (const std::string& argument : arguments) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (!name.starts_with("-")) break;
+    if (program.get_option_no_throw(name)) continue;
+    const auto has_it = [&](const CLI::App* sub) {
+      return (&chosen == &program ? !sub->get_group().empty() : sub == &chosen) && sub->get_option_no_throw(name);
+    };
+    const auto owners = program.get_subcommands(has_it);
+    if (owners.empty()) break;
+    return fmt::format("{0} stands before the command's name; options of {1} stand behind it: lucarium {1} … {0}", name,
+                       owners.front()->get_name());
+  }
+  return "";
+}
+
+/// What is wrong with the arguments: a command or option that does not exist, with the nearest that does, before
+/// anything that CLI11 finds missing.
+std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake,
+                             const std::vector<std::string>& arguments) {
+  const CLI::App& command = chosen_command(program);
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  if (const std::string misplaced = misplaced_option(program, arguments); !misplaced.empty()) return misplaced;
+  if (const std::string unknown = unknown_command(program, arguments); !unknown.empty()) return unknown;
+  for (const std::string& argument : arguments) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (name.starts_with("--") && name != "--" && std::find(options.begin(), options.end(), name) == options.end()) {
+      return fmt::format("unknown option {}{}", name, suggest_name(name, options));
+    }
+  }
+  return fmt::format("{} (see lucarium{} --help)", mistake.what(),
+                     &command == &program ? "" : " " + command.get_name());
+}
+
+CLI::Option* describe(CLI::Option* option, const OptionText& entry) {
+  if (*entry.group) option->group(entry.group);
+  if (*entry.value) option->type_name(entry.value);
+  return option;
+}
+
+/// Before the command's name and behind it.
+void add_message_options(CLI::App& app, Messages& messages, const std::string& version) {
+  const auto add_flag = [&app](const char* name, bool& value) {
+    const OptionText& entry = option_text(name);
+    describe(app.add_flag(entry.names, value, entry.text), entry);
+  };
+  add_flag("--json", messages.json);
+  add_flag("--quiet", messages.quiet);
+  add_flag("--verbose", messages.verbose);
+  const OptionText &help = option_text("--help"), &number = option_text("--version");
+  describe(app.set_help_flag(help.names, help.text), help);
+  describe(app.set_version_flag(number.names, version, number.text), number);
+}
+
+/// Behind the command's name or, of the options that every command takes, before it.
+bool is_given(const CLI::App& command, const std::string& name) {
+  if (command.get_option(name)->count() > 0) return true;
+  const CLI::App* program = command.get_parent();
+  const CLI::Option* before = program ? program->get_option_no_throw(name) : nullptr;
+  return before && before->count() > 0;
+}
+
+template <class Validator>
+Check make_check(Validator validator) {
+  return std::make_shared<const CLI::Validator>(std::move(validator));
+}
+
+}  // namespace
+
+Check positive_number() {
+  return make_check(CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0;
+        return good ? std::string() : fmt::format("'{}' is not a number above 0", text);
+      },
+      ""));
+}
+
+Check not_negative_number() {
+  return make_check(CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
+        return good ? std::string() : fmt::format("'{}' is not a number from 0", text);
+      },
+      ""));
+}
+
+Check finite_number() {
+  return make_check(CLI::Validator(
+      [](std::string& text) {
+        double value = 0;
+        const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+        return good ? std::string() : fmt::format("'{}' is not a finite number", text);
+      },
+      ""));
+}
+
+Check whole_number(uint64_t smallest) {
+  return make_check(CLI::Validator(
+      [smallest](std::string& text) {
+        uint64_t value = 0;
+        const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (failure != std::errc() || end != text.data() + text.size() || value < smallest) {
+          return fmt::format("'{}' is not a whole number from {} to {}", text, smallest,
+                             std::numeric_limits<uint64_t>::max());
+        }
+        text = std::to_string(value);  // CLI11 takes leading zeros for an octal number
+        return std::string();
+      },
+      ""));
+}
+
+Check existing_folder() {
+  return make_check(CLI::Validator(
+      [](std::string& text) {
+        std::error_code ignored;
+        const bool there = std::filesystem::is_directory(text, ignored);
+        return there ? std::string() : fmt::format("there is no folder '{}'", text);
+      },
+      ""));
+}
+
+Check in_range(int low, int high) { return make_check(CLI::Range(low, high)); }
+Check in_range(unsigned low, unsigned high) { return make_check(CLI::Range(low, high)); }
+Check one_of(std::vector<std::string> words) { return make_check(CLI::IsMember(std::move(words))); }
+
+void Messages::apply() const { set_log_level(quiet ? LogLevel::error : verbose ? LogLevel::info : LogLevel::warning); }
+
+Option Option::required() { return Option(option_->required()); }
+// CLI11's check() drops what a check makes of the text (whole_number: no leading zeros); its transform() keeps it.
+Option Option::check(const Check& check) {
+  return Option(option_->transform(CLI::Validator(*check).description("")));  // its value_name() says it
+}
+Option Option::repeatable() { return Option(option_->take_all()->expected(1)->allow_extra_args(false)); }
+Option Option::trigger_on_parse() { return Option(option_->trigger_on_parse()->take_last()); }
+Option Option::default_text(const std::string& text) { return Option(option_->default_str(text)); }
+Option Option::capture_default_str() { return Option(option_->capture_default_str()); }
+Option Option::value_name(const std::string& name) { return Option(option_->type_name(name)); }
+
+Command::Command(CLI::App& app, std::shared_ptr<Messages> messages)
+    : app_(&app), messages_(std::move(messages)), rules_(std::make_shared<std::vector<std::function<void()>>>()) {}
+
+Command Command::add_subcommand(const std::string& name, const std::string& text) {
+  Command command(*app_->add_subcommand(name, text), messages_);
+  add_message_options(*command.app_, *messages_, app_->version());
+  return command;
+}
+
+void Command::examples(const std::vector<std::string>& lines, const std::string& page) {
+  std::string text = "Examples\n";
+  for (const std::string& line : lines) text += "  " + line + "\n";
+  app_->footer(text + "More: " + page);
+}
+
+template <class Value>
+Option Command::option(const std::string& name, Value& value) {
+  const OptionText& entry = option_text(name);
+  return Option(describe(app_->add_option(entry.names, value, entry.text), entry));
+}
+template Option Command::option(const std::string&, int&);
+template Option Command::option(const std::string&, uint32_t&);
+template Option Command::option(const std::string&, uint64_t&);
+template Option Command::option(const std::string&, float&);
+template Option Command::option(const std::string&, double&);
+template Option Command::option(const std::string&, std::string&);
+template Option Command::option(const std::string&, std::filesystem::path&);
+template Option Command::option(const std::string&, std::vector<uint64_t>&);
+template Option Command::option(const std::string&, std::vector<double>&);
+template Option Command::option(const std::string&, std::vector<std::string>&);
+template Option Command::option(const std::string&, std::vector<std::filesystem::path>&);
+template Option Command::option(const std::string&, std::optional<float>&);
+template Option Command::option(const std::string&, std::optional<double>&);
+template Option Command::option(const std::string&, std::optional<std::string>&);
+
+Option Command::option_function(const std::string& name, const std::function<void(const std::string&)>& take) {
+  const OptionText& entry = option_text(name);
+  return Option(describe(app_->add_option_function<std::string>(entry.names, take, entry.text), entry));
+}
+
+template <class Value>
+Option Command::flag(const std::string& name, Value& value) {
+  const OptionText& entry = option_text(name);
+  const std::string alone = std::is_same_v<Value, std::string> ? "{-}" : "";
+  return Option(describe(app_->add_flag(entry.names + alone, value, entry.text), entry));
+}
+template Option Command::flag(const std::string&, bool&);
+template Option Command::flag(const std::string&, std::string&);
+
+bool Command::given(const std::string& name) const { return is_given(*app_, name); }
+
+void Command::needs(const std::vector<std::string>& names, const std::vector<std::string>& others) {
+  rules_->push_back([app = app_, names, others] {
+    const auto given = [app](const std::string& name) { return is_given(*app, name); };
+    if (std::any_of(others.begin(), others.end(), given)) return;
+    for (const std::string& name : names) {
+      if (given(name)) throw_error(ErrorClass::usage, "{} does nothing without {}", name, fmt::join(others, " or "));
+    }
+  });
+}
+
+void Command::excludes(const std::vector<std::string>& names, const std::vector<std::string>& others) {
+  rules_->push_back([app = app_, names, others] {
+    for (const std::string& name : names) {
+      for (const std::string& other : others) {
+        if (is_given(*app, name) && is_given(*app, other))
+          throw_error(ErrorClass::usage, "give {} or {}, not both", name, other);
+      }
+    }
+  });
+}
+
+void Command::hide() { app_->group(""); }
+
+void Command::callback(const std::function<void()>& chosen) {
+  app_->callback([rules = rules_, chosen] {
+    for (const std::function<void()>& rule : *rules) rule();
+    chosen();
+  });
+}
+
+CommandLine::CommandLine(const std::string& name, const std::string& text, const std::string& version)
+    : app_(std::make_unique<CLI::App>(text, name)), messages_(std::make_shared<Messages>()) {
+  app_->formatter(make_help_format());
+  app_->require_subcommand(1);
+  app_->option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);  // the last one wins
+  add_message_options(*app_, *messages_, name + " " + version);
+}
+
+CommandLine::CommandLine(CommandLine&&) noexcept = default;
+CommandLine::~CommandLine() = default;
+
+Command CommandLine::program() { return Command(*app_, messages_); }
+
+std::optional<int> CommandLine::parse(int argc, char** argv) {
+  const std::vector<std::string> arguments(argv + 1, argv + argc);
+  for (const std::string& argument : arguments) {
+    if (!is_utf8(argument)) throw_error(ErrorClass::usage, "'{}' is not UTF-8; give it another name", argument);
+  }
+  if (arguments.empty()) {
+    print_note("{}", short_help(*app_));
+    return static_cast<int>(ErrorClass::usage);
+  }
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    if (const std::string unknown = unknown_command(*app_, arguments); !unknown.empty())
+      throw Error(ErrorClass::usage, unknown);
+    std::ostringstream text;
+    const int code = app_->exit(help, text, text);
+    print_text(text.str());
+    return code;
+  } catch (const CLI::ParseError& mistake) {
+    throw Error(ErrorClass::usage, describe_mistake(*app_, mistake, arguments));
+  }
+  if (messages_->quiet && messages_->verbose) throw Error(ErrorClass::usage, "give --quiet or --verbose, not both");
+  return std::nullopt;
+}
+
+}  // namespace lucarium::app

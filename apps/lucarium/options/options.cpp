@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options/options.h"
+
+#include <charconv>
+
+#include "lucarium/base/byte_size.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/request_limits.h"
+#include "lucarium/base/spelling.h"
+#include "lucarium/base/utf8.h"
+#include "lucarium/compare/request/device_arguments.h"
+#include "lucarium/compute/device/cache_folder.h"
+#include "lucarium/scene/exposure.h"
+#include "lucarium/services/path_set.h"
+
+namespace lucarium::app {
+namespace fs = std::filesystem;
+
+namespace {
+
+uint32_t parse_uint(const std::string& text, const std::string& whole, const std::string& what) {
+  uint32_t value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || end != text.data() + text.size())
+    throw_error(ErrorClass::usage, "'{}' is not {}", whole, what);
+  return value;
+}
+
+/// At both ends: a list that is written in quotes has blanks behind its commas.
+std::string without_blanks(const std::string& text) {
+  const size_t begin = text.find_first_not_of(" \t");
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
+}
+
+std::pair<std::string, std::string> parse_assignment(const std::string& text) {
+  const size_t equals = text.find('=');
+  const std::string key = without_blanks(text.substr(0, equals));
+  if (equals == std::string::npos || key.empty()) throw_error(ErrorClass::usage, "'{}' is not key=value", text);
+  return {key, without_blanks(text.substr(equals + 1))};
+}
+
+}  // namespace
+
+void add_technique_path(Command command, std::vector<std::filesystem::path>& folders) {
+  command.option("--technique-path", folders)
+      .check(existing_folder())
+      .repeatable()
+      .default_text("LUCARIUM_TECHNIQUE_PATH");
+}
+
+void DeviceArguments::add_to(Command command) {
+  command.option("--device", options.selector).default_text("first GPU, else first");
+  command.option("--threads", options.threads).check(in_range(0, max_threads)).capture_default_str();
+  command.option("--cache-dir", options.cache_dir).default_text("~/.cache/lucarium");
+  command.flag("--no-cache", no_cache);
+  command.option("--memory-limit", memory_limit).default_text("the device's");
+  command.option("--allocation-limit", allocation_limit).default_text("the device's");
+}
+
+const std::vector<std::string>& device_option_names() {
+  static const std::vector<std::string> names = {"--device",   "--threads",      "--cache-dir",
+                                                 "--no-cache", "--memory-limit", "--allocation-limit"};
+  return names;
+}
+
+void DeviceArguments::take(const DeviceOptions& given) {
+  options = given;
+  no_cache = !given.use_cache;
+}
+
+DeviceOptions DeviceArguments::resolved() const {
+  DeviceOptions result = options;
+  result.use_cache = !no_cache;
+  if (!memory_limit.empty()) result.memory_limit_bytes = parse_bytes(memory_limit, "--memory-limit");
+  if (!allocation_limit.empty()) result.allocation_limit_bytes = parse_bytes(allocation_limit, "--allocation-limit");
+  return result;
+}
+
+std::vector<std::string> DeviceArguments::in_comparison() const {
+  return write_device_arguments(options.selector, options.threads, memory_limit, allocation_limit);
+}
+
+void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<fs::path>& technique_folders) const {
+  comparison.program = fs::read_symlink("/proc/self/exe");
+  comparison.cache_dir = resolve_cache_dir(resolved());  // which refuses wrong limits, before anything is replaced
+  comparison.use_cache = !no_cache;
+  for (const fs::path& folder : technique_folders) comparison.technique_folders.push_back(fs::absolute(folder));
+  // They go into the jobs of a comparison, which are JSON: refused before its references are rendered.
+  std::vector<fs::path> named = comparison.technique_folders;
+  named.insert(named.end(), {comparison.program, comparison.cache_dir});
+  if (!comparison.folder.empty()) named.push_back(fs::absolute(comparison.folder));
+  for (const fs::path& path : named) {
+    if (!is_utf8(path.string()))
+      throw_error(ErrorClass::usage, "'{}' is not UTF-8; give the folder another name", path.string());
+  }
+}
+
+void SceneArguments::add_to(Command command) {
+  command.option("--camera", overrides.camera).default_text("the first");
+  command.option("--environment", overrides.environment).default_text("the scene's");
+  command.option("--light", overrides.lights).repeatable().default_text("the scene's");
+  command.option("--material", overrides.materials).repeatable().default_text("the scene's");
+  command.flag("--no-sidecar", no_sidecar);
+  command.option("--texture-size", import.max_texture_size)
+      .check(in_range(1u, largest_texture_size))
+      .capture_default_str();
+  command.option("--at", overrides.at_seconds).check(finite_number()).default_text("0");
+  command.option("--animation", overrides.animation).default_text("the first");
+}
+
+void SceneArguments::add_exposure_to(Command command) {
+  command.option_function("--exposure", [this](const std::string& text) { overrides.exposure = parse_exposure(text); })
+      .default_text("auto");
+}
+
+void SceneArguments::take(const Job& job) {
+  overrides = job.overrides;
+  import = job.import;
+  no_sidecar = !job.overrides.use_sidecar;
+}
+
+SceneOverrides SceneArguments::resolved() const {
+  SceneOverrides result = overrides;
+  result.use_sidecar = !no_sidecar;
+  return result;
+}
+
+Scene SceneArguments::load(const std::string& source) const { return load_scene(source, resolved(), import); }
+
+void ImageArguments::add_to(Command command, bool with_seed) {
+  command.option("--size", size).capture_default_str();
+  command.option("--max-bounces", max_bounces).check(in_range(-1, PathSet::kMaxBounces)).capture_default_str();
+  command.option("--pixel-sampling", pixel_sampling).capture_default_str();
+  if (with_seed) command.option("--seed", seed).check(whole_number(0)).capture_default_str();
+}
+
+RenderSettings ImageArguments::settings() const {
+  RenderSettings result;
+  std::tie(result.width, result.height) = parse_size(size);
+  result.max_bounces = max_bounces;
+  result.seed = seed;
+  if (pixel_sampling == "jitter") {
+    result.pixel_sampling = 0;
+  } else if (american_spelling(pixel_sampling) == "center") {
+    result.pixel_sampling = 1;
+  } else {
+    const std::string modes = fmt::format("jitter, center, or n from 2 to {}", finest_pixel_grid);
+    result.pixel_sampling = parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: " + modes);
+    if (result.pixel_sampling < 2 || result.pixel_sampling > finest_pixel_grid)
+      throw_error(ErrorClass::usage, "--pixel-sampling {} is not {}", pixel_sampling, modes);
+  }
+  return result;
+}
+
+TechniqueArguments::Spec TechniqueArguments::parse(const std::string& text) {
+  const size_t colon = text.find(':');
+  Spec spec{text.substr(0, colon), {}};
+  if (spec.name.empty()) throw_error(ErrorClass::usage, "'{}' names no technique", text);
+  if (colon != std::string::npos) spec.parameters = parse_parameters(text.substr(colon + 1));
+  return spec;
+}
+
+TechniqueArguments::Parameters TechniqueArguments::parse_parameters(const std::string& text) {
+  Parameters parameters;
+  for (size_t begin = 0; begin < text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    parameters.push_back(parse_assignment(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return parameters;
+}
+
+TechniqueArguments::Spec TechniqueArguments::single(const std::string& command, const std::string& otherwise) const {
+  if (specs.empty()) return {otherwise, leading};
+  if (specs.size() > 1)
+    throw_error(ErrorClass::usage, "{} takes one -t; to compare several use lucarium compare", command);
+  return all().front();
+}
+
+const std::vector<TechniqueArguments::Spec>& TechniqueArguments::all() const {
+  if (!leading.empty()) {
+    const std::string text = leading.front().first + "=" + leading.front().second;
+    throw_error(ErrorClass::usage, "-p {}: name the technique it belongs to first, as in -t path_tracing -p {}", text,
+                text);
+  }
+  return specs;
+}
+
+void TechniqueArguments::add_to(Command command, const std::string& default_technique) {
+  command.option_function("--technique", [this](const std::string& text) { specs.push_back(parse(text)); })
+      .trigger_on_parse()
+      .default_text(default_technique);
+  command
+      .option_function("--parameter",
+                       [this](const std::string& text) {
+                         Parameters& all = specs.empty() ? leading : specs.back().parameters;
+                         for (auto& parameter : parse_parameters(text)) all.push_back(std::move(parameter));
+                       })
+      .trigger_on_parse()
+      .default_text("the technique's");
+  add_technique_path(command, folders);
+}
+
+void check_parameters(const TechniqueType& type, const TechniqueArguments::Spec& spec) {
+  const std::unique_ptr<Technique> technique = type.create();
+  try {
+    technique->parameters().set_all(spec.parameters);
+  } catch (const Error& error) {
+    throw error.with_context(type.info().name);
+  }
+}
+
+void RenderingArguments::take(const Job& job) {
+  scene = job.scene;
+  device.take(job.device);
+  overrides.take(job);
+  settings.width = job.width;
+  settings.height = job.height;
+  settings.max_bounces = job.max_bounces;
+  settings.pixel_sampling = job.pixel_sampling;
+  settings.seed = job.seed;
+  technique.folders = job.technique_folders;
+}
+
+Scene RenderingArguments::load() const {
+  Scene loaded = overrides.load(scene);
+  require_light(loaded);
+  for (const std::string& warning : loaded.warnings) log_warning("{}", warning);
+  return loaded;
+}
+
+std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
+  const std::string what = fmt::format("a --size: pixels as WIDTHxHEIGHT, from 1 to {} each", largest_image_side);
+  const size_t x = text.find('x');
+  if (x == std::string::npos) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
+  const uint32_t width = parse_uint(text.substr(0, x), text, what), height = parse_uint(text.substr(x + 1), text, what);
+  if (width == 0 || height == 0 || width > largest_image_side || height > largest_image_side)
+    throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
+  return {width, height};
+}
+
+}  // namespace lucarium::app
