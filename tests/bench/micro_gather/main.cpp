@@ -6,7 +6,7 @@
 #include <ctime>
 #include <random>
 
-#include "../../techniques/micro_rendering/synthetic_forest.h"
+#include "gather/synthetic_forest.h"
 
 using namespace lucarium;
 using test::dvec3;
@@ -98,7 +98,7 @@ int main(int argc, char** argv) {
     for (const uint32_t edge : edges) {
       auto program_defines = all_defines;
       program_defines["MICRO_SIZE"] = std::to_string(edge);
-      const Program program = test::micro_program("micro_rendering/gather/micro_gather.cl", program_defines);
+      const Program& program = test::gather_program(program_defines);
       const auto points = make_gathers(gathers, edge, alpha, !shuffled);
       test::GatherRun run(forest, buffers, points, program);
       MicroSettings settings = test::default_settings();

@@ -13,21 +13,14 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-const Program& gather_program(const std::map<std::string, std::string>& defines = {}) {
-  static std::map<std::map<std::string, std::string>, Program> programs;
-  auto [at, added] = programs.try_emplace(defines);
-  if (added) at->second = test::micro_program("micro_rendering/gather/micro_gather.cl", defines);
-  return at->second;
-}
-
 /// Mean E / pi and mean share of the hemisphere that stays empty, at one or several points over frames.
 struct Gathered {
   double light = 0, empty = 0;
 };
 Gathered gathered(const test::SyntheticForest& forest, const std::vector<test::GatherPoint>& points, int frames,
-                  const std::map<std::string, std::string>& defines = {}) {
+                  const test::Defines& defines = {}) {
   const auto buffers = forest.upload();
-  test::GatherRun run(forest, buffers, points, gather_program(defines));
+  test::GatherRun run(forest, buffers, points, test::gather_program(defines));
   Gathered result;
   for (int frame = 0; frame < frames; ++frame) {
     run.run(test::default_settings(static_cast<uint32_t>(frame)));
@@ -109,9 +102,10 @@ TEST_CASE("a plane and a ball neither shine at themselves nor hide what is aroun
   // Its own leaves, however near, are nothing to cast rays at.
   test::SyntheticForest alone;
   alone.add(test::disc(1 << 13, dvec3(0), up, 1, dvec3(5)), pi);
-  CHECK(test::gather(alone, alone.upload(), on_plane, test::default_settings(), gather_program()).total().listed == 0);
-  for (const std::map<std::string, std::string>& defines :
-       {std::map<std::string, std::string>{}, {{"MICRO_RAYCAST", "0"}}, {{"MICRO_SAMPLE_SPLAT", "0"}}}) {
+  CHECK(
+      test::gather(alone, alone.upload(), on_plane, test::default_settings(), test::gather_program()).total().listed ==
+      0);
+  for (const test::Defines& defines : {test::Defines{}, {{"MICRO_RAYCAST", "0"}}, {{"MICRO_SAMPLE_SPLAT", "0"}}}) {
     CAPTURE(defines.size());
     const double from_plane = gathered(plane, on_plane, 2, defines).light,
                  from_ball = gathered(ball, on_ball, 2, defines).light;

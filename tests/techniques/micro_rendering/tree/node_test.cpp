@@ -57,7 +57,7 @@ std::vector<Node> packed_and_unpacked(const std::vector<Node>& nodes) {
   std::memcpy(static_cast<void*>(in.data()), nodes.data(), nodes.size() * sizeof(Node));
   const auto input = test::test_buffer(in), output = test::test_buffer<float4>(in.size());
   const uint32_t count = static_cast<uint32_t>(nodes.size());
-  test::run_kernel(test::micro_program("test_micro_rendering/node.cl"), "round_trip_nodes", count, 64,
+  test::run_kernel(test::micro_program("test_micro_rendering/tree/node.cl"), "round_trip_nodes", count, 64,
                    [&](PassBuilder& pass) { pass.arg("in", input).arg("count", count).arg("out", output); });
   const std::vector<float4> out = output.download();
   std::vector<Node> result(nodes.size());

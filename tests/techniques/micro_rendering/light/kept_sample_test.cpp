@@ -19,12 +19,13 @@ TEST_CASE("a leaf keeps a light sample in proportion to its luminance, and the s
   constexpr uint32_t leaves = 1 << 15;
   const auto in = test_buffer(luminances);
   const auto lights = test_buffer<MicroLeafLight>(leaves);
-  run_kernel(micro_program("test_micro_rendering/kept_sample.cl"), "keep_samples", leaves, 64, [&](PassBuilder& pass) {
-    pass.arg("luminances", in)
-        .arg("samples", static_cast<uint32_t>(luminances.size()))
-        .arg("count", leaves)
-        .arg("lights", lights);
-  });
+  run_kernel(micro_program("test_micro_rendering/light/kept_sample.cl"), "keep_samples", leaves, 64,
+             [&](PassBuilder& pass) {
+               pass.arg("luminances", in)
+                   .arg("samples", static_cast<uint32_t>(luminances.size()))
+                   .arg("count", leaves)
+                   .arg("lights", lights);
+             });
   std::vector<double> kept(luminances.size());
   for (const MicroLeafLight& light : lights.download()) {
     REQUIRE(light.direction.w == test::relative(sum, 1e-6));

@@ -5,6 +5,7 @@
 #include "synthetic_forest.h"
 
 using namespace lucarium;
+using test::Defines;
 using test::dvec3;
 
 namespace {
@@ -16,17 +17,13 @@ struct Square {
   std::vector<float2> back;
 };
 
-using Defines = std::map<std::string, std::string>;
-
 Square warp_square(const Defines& defines, uint32_t lobe, uint32_t edge, const glm::vec3& view, float alpha,
                    float eta = 0) {
-  static std::map<Defines, Program> programs;
-  auto [at, added] = programs.try_emplace(defines);
-  if (added) at->second = test::micro_program("test_micro_rendering/warp.cl", defines);
+  const Program& program = test::micro_program("test_micro_rendering/gather/warp.cl", defines);
   const size_t count = static_cast<size_t>(edge) * edge;
   const auto directions = test::test_buffer<float4>(count), values = test::test_buffer<float4>(count);
   const auto back = test::test_buffer<float2>(count);
-  test::run_kernel(at->second, "warp_square", count, 1, [&](PassBuilder& pass) {
+  test::run_kernel(program, "warp_square", count, 1, [&](PassBuilder& pass) {
     pass.arg("lobe", lobe).arg("edge", edge).arg("view", float4(view, alpha)).arg("eta", eta);
     pass.arg("directions", directions).arg("values", values).arg("back", back);
   });

@@ -12,13 +12,6 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-const Program& gather_program(const std::map<std::string, std::string>& defines = {}) {
-  static std::map<std::map<std::string, std::string>, Program> programs;
-  auto [at, added] = programs.try_emplace(defines);
-  if (added) at->second = test::micro_program("micro_rendering/gather/micro_gather.cl", defines);
-  return at->second;
-}
-
 /// Points on the walls of the cube [-1, 1]^3 and their normals.
 std::vector<test::GatherPoint> points_on_cube(int count) {
   std::vector<test::GatherPoint> points;
@@ -57,7 +50,7 @@ TEST_CASE("a closed room of radiance 1 reflects all of it, and its micro-buffers
     MicroSettings settings = test::default_settings();
     settings.splat_radius = c.splat_radius;
     const auto result = test::gather(forest, buffers, points_on_cube(count), settings,
-                                     gather_program({{"MICRO_SAMPLE_SPLAT", c.sample}}));
+                                     test::gather_program({{"MICRO_SAMPLE_SPLAT", c.sample}}));
     for (const float4& e : result.irradiance) CHECK(std::abs(e.x / pi - 1) < 0.01);
     CHECK(result.total().holes < c.max_holes * 576 * count);
     MESSAGE("empty " << mean_empty(result));
@@ -69,9 +62,9 @@ namespace {
 
 /// Mean E / pi over points and frames.
 double mean_over_frames(const test::SyntheticForest& forest, const std::vector<test::GatherPoint>& points, int frames,
-                        const std::map<std::string, std::string>& defines = {}) {
+                        const test::Defines& defines = {}) {
   const auto buffers = forest.upload();
-  test::GatherRun run(forest, buffers, points, gather_program(defines));
+  test::GatherRun run(forest, buffers, points, test::gather_program(defines));
   double sum = 0;
   for (int frame = 0; frame < frames; ++frame) {
     run.run(test::default_settings(static_cast<uint32_t>(frame)));
@@ -110,8 +103,7 @@ TEST_CASE("in a half-lit sphere every point gets the mean; the nearest-node spla
     dark.push_back({-p, p});
   }
   const double sample_bright = mean_over_frames(forest, bright, 8), sample_dark = mean_over_frames(forest, dark, 8);
-  const std::map<std::string, std::string> paper = {
-      {"MICRO_SAMPLE_SPLAT", "0"}, {"MICRO_CONSERVATIVE_CUT", "0"}, {"MICRO_HOLE_FILL", "0"}};
+  const test::Defines paper = {{"MICRO_SAMPLE_SPLAT", "0"}, {"MICRO_CONSERVATIVE_CUT", "0"}, {"MICRO_HOLE_FILL", "0"}};
   const double nearest_bright = mean_over_frames(forest, bright, 8, paper);
   MESSAGE("sample " << sample_bright / 1.5 << " " << sample_dark / 1.5 << " nearest " << nearest_bright / 1.5);
   CHECK(std::abs(sample_bright / 1.5 - 1) < 0.03);
@@ -126,7 +118,7 @@ TEST_CASE("gathers and frames are jittered apart: their mean over n of either er
   forest.add(test::cube_inside(1 << 12, 1, [](const dvec3& p) { return dvec3(p.x > 0.13 ? 2 : 0); }), 24);
   const auto buffers = forest.upload();
   const std::vector<test::GatherPoint> points(64, {dvec3(0.1, 0.2, -1), dvec3(0, 0, 1)});
-  test::GatherRun run(forest, buffers, points, gather_program());
+  test::GatherRun run(forest, buffers, points, test::gather_program());
   constexpr int frames = 16;
   std::vector<double> frame_means(frames), point_means(points.size());
   double mean = 0, squares = 0;
@@ -224,7 +216,7 @@ TEST_CASE("a glossy lobe in a closed room of radiance 1 reflects its albedo, by 
   };
   for (const char* warp : {"0", "1", "2"}) {
     CAPTURE(warp[0]);
-    const Program& program = gather_program({{"MICRO_WARP", warp}});
+    const Program& program = test::gather_program({{"MICRO_WARP", warp}});
     const auto result = test::gather(forest, buffers, points, test::default_settings(), program);
     double ratio = 0, grazing = 0;
     for (size_t i = 0; i < points.size(); ++i) {

@@ -142,9 +142,10 @@ class SyntheticForest {
     Buffers buffers{test_buffer(trees_), test_buffer<uint4>(count), test_buffer<uint2>(count),
                     test_buffer<uint4>(count / 2)};
     buffers.clips.fill_zero();
-    run_kernel(micro_program("test_micro_rendering/gather.cl"), "pack_forest", count, 64, [&](PassBuilder& pass) {
-      pass.arg("in", in).arg("count", count).arg("nodes", buffers.nodes).arg("radiance", buffers.radiance);
-    });
+    run_kernel(micro_program("test_micro_rendering/gather/gather.cl"), "pack_forest", count, 64,
+               [&](PassBuilder& pass) {
+                 pass.arg("in", in).arg("count", count).arg("nodes", buffers.nodes).arg("radiance", buffers.radiance);
+               });
     return buffers;
   }
   uint32_t tree_count() const { return static_cast<uint32_t>(trees_.size()); }
@@ -257,7 +258,7 @@ inline TypedBuffer<MicroGather> pack_gathers(const std::vector<GatherPoint>& poi
   const auto input = test_buffer(in);
   const uint32_t count = static_cast<uint32_t>(points.size());
   auto gathers = test_buffer<MicroGather>(count);
-  run_kernel(micro_program("test_micro_rendering/gather.cl"), "pack_gathers", count, 64,
+  run_kernel(micro_program("test_micro_rendering/gather/gather.cl"), "pack_gathers", count, 64,
              [&](PassBuilder& pass) { pass.arg("in", input).arg("count", count).arg("gathers", gathers); });
   return gathers;
 }
@@ -270,6 +271,10 @@ inline MicroSettings default_settings(uint32_t seed = 1) {
   settings.seed = seed;
   settings.inspect = 0xffffffffu;
   return settings;
+}
+
+inline const Program& gather_program(const Defines& defines = {}) {
+  return micro_program("micro_rendering/gather/micro_gather.cl", defines);
 }
 
 /// A recorded pass of `kernel` of `program`, which has mr_gather's parameters.

@@ -7,11 +7,10 @@
 #include "synthetic_forest.h"
 
 using namespace lucarium;
+using test::Defines;
 using test::dvec3;
 
 namespace {
-
-using Defines = std::map<std::string, std::string>;
 
 /// A room with a ball, whose points are two-sided twins, and a black disc: all rules of the cut apply.
 test::SyntheticForest make_scene() {
@@ -53,8 +52,7 @@ TEST_CASE("vectors of any width give bit for bit what single nodes in preorder g
   for (const Defines& rules : all_rules) {
     const auto run = [&](Defines defines) {
       defines.insert(rules.begin(), rules.end());
-      const Program program = test::micro_program("micro_rendering/gather/micro_gather.cl", defines);
-      return test::gather(forest, buffers, points, test::default_settings(), program);
+      return test::gather(forest, buffers, points, test::default_settings(), test::gather_program(defines));
     };
     const auto one = run({{"MICRO_LANES", "1"}});
     CHECK(one.total().visits > 40 * 2000);
@@ -82,7 +80,7 @@ TEST_CASE("the walk visits what a recursion visits") {
   const auto buffers = forest.upload();
   MicroSettings settings = test::default_settings();
   settings.kappa = 1e-6f;
-  const Program program = test::micro_program("micro_rendering/gather/micro_gather.cl");
+  const Program& program = test::gather_program();
   const auto all = test::gather(forest, buffers, {{dvec3(0), dvec3(0, 0, 1)}}, settings, program);
   CHECK(all.statistics[0].visits == 2047);
   CHECK(all.statistics[0].listed == 1024);
