@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of kernels/shared that C++ and OpenCL C compile from one source give the same bits in both.
+// Functions of kernels/lucarium/shared that C++ and OpenCL C compile from one source give the same bits in both.
 #include <doctest/doctest.h>
 
 #include <cstring>

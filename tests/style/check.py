@@ -5,7 +5,7 @@
   width     no line is wider than 120 columns (tables and code blocks of pages excepted)
   folders   folders include each other in one direction, and in the order of ORDER
   options   no string of the library is an option of the program: it starts it with a job file
-  links     every relative link of a page and every path that a page or comment names exists
+  links     every relative link of a page and every path of a file or folder that a page or comment names exists
   pages     pages but those of measurements have at most 5 numbers in 100 words of their sentences; a technique's page
             has at most 120 lines
   citations every section, equation, figure and table of a paper of CITATIONS that the sources cite is in that list, in
@@ -187,6 +187,9 @@ def check_folders():
 def check_links():
     folders = 'framework|kernels|techniques|tests|apps|tools|cmake|docs'
     path_rule = re.compile(rf'(?<![\w./$}}-])((?:{folders})/[\w./*-]+\.\w+)')
+    # Neither targets of the build (techniques/all) nor names that a reader fills in (techniques/NAME); a source may be
+    # named without its ending.
+    folder_rule = re.compile(rf'(?<![\w./$}}<:-])((?:{folders})/(?!all\b|[A-Z])[\w/-]+)(?![\w.*/{{<$-])')
     for file in tracked(TEXTS):
         text = read(file)
         if file.endswith('.md'):
@@ -200,6 +203,11 @@ def check_links():
             found = os.path.exists(target) or ('*' in target and glob_exists(target))
             if not found and not any(os.path.exists(os.path.join(base, target)) for base in (
                     os.path.dirname(file), 'framework/lucarium', 'kernels/lucarium', 'docs')):
+                yield f'{file}: names {target}, which does not exist'
+        for target in folder_rule.findall(text):
+            bases = ('.', os.path.dirname(file), 'framework/lucarium', 'kernels/lucarium', 'docs')
+            found = [os.path.join(base, target.rstrip('/')) for base in bases]
+            if not any(os.path.exists(path) or glob_exists(path + '.*') for path in found):
                 yield f'{file}: names {target}, which does not exist'
 
 

@@ -3,7 +3,8 @@
 """The generated tables of docs/measurements: measurements.py [ROOT]. Measures nothing. Each page's table has the rows
 of its PAGE.json, in that order, with a number, a commit that the history holds, a date and a machine; each row names a
 test case with that message, an experiment, or a command of the program or a benchmark with options, that the sources
-have. The passes and counters that experiments read exist. Prints one line per breach and exits with 1 if there is
+have. The passes and counters that experiments read exist. The errors below the README's pictures are those of
+docs/measurements/gallery.md. Prints one line per breach and exits with 1 if there is
 one."""
 import importlib.machinery
 import importlib.util
@@ -94,6 +95,21 @@ def experiment_faults(file, sources):
             yield f'{file}: no {kind} is called {name}'
 
 
+def gallery_faults(tool):
+    """Techniques and errors of the README's table that are not those of the page they are copied from."""
+    rows = [[cell.strip() for cell in line.strip('|').split('|')] for line in check.read('README.md').split('\n')
+            if line.startswith('|')]
+    errors = next((i for i, row in enumerate(rows) if i and row[0].startswith('relMSE ')), None)
+    if errors is None:
+        yield 'README.md: no table has the errors of its pictures'
+        return
+    shown = [(name.strip('`'), error.removeprefix('relMSE ')) for name, error in zip(rows[errors - 1], rows[errors])]
+    measured = re.findall(r'^\| `(\w+)[^`]*` \| \d+ \| ([\d.e-]+) \|$', check.read(f'{tool.PAGES}/gallery.md'), re.M)
+    for pair in shown:
+        if pair not in measured:
+            yield f'README.md: {" ".join(pair)}: {tool.PAGES}/gallery.md has {measured}'
+
+
 def history():
     """A function that says whether a commit is known; always true without the whole history."""
     shallow = subprocess.run(['git', 'rev-parse', '--is-shallow-repository'], capture_output=True, text=True)
@@ -128,6 +144,7 @@ def breaches():
                     yield f'{tool.PAGES}/{page}.md: {block}: "{what}" has no number, date or machine'
                 elif not (re.fullmatch(r'[0-9a-f]{7}', commit) and holds(commit)):
                     yield f'{tool.PAGES}/{page}.md: {block}: "{what}": the history has no commit {commit}'
+    yield from gallery_faults(tool)
     for file in check.tracked('.json'):
         if '/experiments/' in file:
             yield from experiment_faults(file, sources)
