@@ -3,7 +3,7 @@
 
 namespace lucarium::bench {
 
-TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Bvh& bvh, const std::vector<Ray>& rays,
+TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector, const std::vector<Ray>& rays,
                          bool any)
     : scheduler_(scheduler),
       rays_(device, "bench", "rays", rays),
@@ -13,9 +13,9 @@ TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Bvh& 
   const auto count = static_cast<uint32_t>(rays.size());
   ScheduleRecorder recorder = scheduler.record("rays", "bench");
   if (any)
-    bvh.record_any(recorder, "any hit", rays_, occluded_, counter_, 0, count);
+    intersector.record_any(recorder, "any hit", rays_, occluded_, counter_, 0, count);
   else
-    bvh.record_closest(recorder, "closest hit", rays_, hits_, counter_, 0, count);
+    intersector.record_closest(recorder, "closest hit", rays_, hits_, counter_, 0, count);
   schedule_ = recorder.compile();
   run();
 }

@@ -7,11 +7,12 @@
 
 namespace lucarium::bench {
 
-/// One pass of a hierarchy over a fixed batch of rays.
+/// One pass of an intersector over a fixed batch of rays.
 class TracedBatch {
  public:
   /// `any`: occlusion instead of closest hits. Runs once, so that drivers have compiled what they compile late.
-  TracedBatch(Device& device, KernelScheduler& scheduler, const Bvh& bvh, const std::vector<Ray>& rays, bool any);
+  TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector, const std::vector<Ray>& rays,
+              bool any);
 
   void run();
   std::vector<Hit> hits() const { return hits_.download(); }

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Memory layout of the voxel grid and the three A-buffers (structure/voxel_abuffer.h), which host and kernels share.
+//
+// Grid coordinates are in pixels, from the grid's lower corner. The A-buffer of axis k looks along +k; its columns are
+// (x, y) = (coordinate k + 1, coordinate k + 2), modulo 3. Voxels are cubes of `voxels.w` pixels.
+#ifndef VOXEL_ABUFFER_SHARED_ABUFFER_LAYOUT_H
+#define VOXEL_ABUFFER_SHARED_ABUFFER_LAYOUT_H
+#include "lucarium/shared/dialect.h"
+
+LUCARIUM_STRUCT_BEGIN(AbufferGrid)
+float4 center;  // xyz: what world positions are taken relative to [m]; w: edge of a pixel [m]
+float4 corner;  // xyz: lower corner of the grid relative to it [m]; w: pixels per metre
+uint4 voxels;   // xyz: along each axis; w: pixels per edge
+uint4 bricks;   // xyz: of 4 × 4 × 4 voxels along each axis; w: entries of the start table per axis
+float slack;    // how far rounding may move a position [pixels]
+uint triangles, pad0, pad1;
+LUCARIUM_STRUCT_END(AbufferGrid, 80)
+
+// Where the plane of a triangle lies in the columns of its dominant axis, in grid coordinates.
+LUCARIUM_STRUCT_BEGIN(AbufferPlane)
+float4 anchor;  // xyz: column and depth of a corner; w: half the depth that the plane passes in a column
+float4 slope;   // xy: depth per column; z, w: least and greatest depth of the triangle
+LUCARIUM_STRUCT_END(AbufferPlane, 32)
+
+// Classes of triangles (LayeredView::classes): those of axis k for exact search, and those for parity.
+#define ABUFFER_EXACT(k) (1u << (k))
+#define ABUFFER_PARITY 8u
+
+// A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity.
+#define ABUFFER_EXACT_AXES 7u
+#define ABUFFER_OCCUPIED 15u
+
+// Triangle t, as a leaf block of one triangle (lucarium/shared/bvh_layout.h), starts at word t · ABUFFER_TRIANGLE_WORDS.
+#define ABUFFER_TRIANGLE_WORDS 10u
+
+// Depths of exact fragments are kept as an interval in steps of 1/16 pixel: least depth rounded down in bits 0–15, and
+// in bits 16–31 this number less the greatest depth rounded up, so that one kind of comparison serves both ends.
+#define ABUFFER_DEPTH_STEPS 16.0f
+#define ABUFFER_DEPTH_LAST 65535.0f
+
+// Words behind the last fragment that vector loads may read.
+#define ABUFFER_PADDING 16u
+
+// Counts that a build leaves.
+#define ABUFFER_COUNT_EXACT 3u   // 0 … 3: first exact fragment of each axis, and their number
+#define ABUFFER_COUNT_PARITY 7u  // 4 … 7: the same of fragments for parity
+#define ABUFFER_COUNT_UNBALANCED 8u
+#define ABUFFER_COUNTS 16u
+
+#endif

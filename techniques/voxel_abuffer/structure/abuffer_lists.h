@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+#include <string>
+
+#include "lucarium/services/layered_raster/layered_raster.h"
+#include "voxel_abuffer/structure/grid_layout.h"
+
+namespace lucarium::abuffer {
+
+/// The fragment lists of three axes, in the order of voxel columns: start of each column's list, depths and triangles.
+/// Exact lists hold each triangle in the columns of its dominant axis only, every column that it touches (conservative),
+/// with intervals of depth; parity lists hold each triangle in all three, where it covers the columns' centres.
+class AbufferLists {
+ public:
+  enum class Kind { exact, parity };
+  AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, uint32_t pixels);
+
+  /// Follows a change of the scene; after SceneBuffers::update().
+  void update() { raster_.update(); }
+  uint64_t generation() const { return generation_ + raster_.generation(); }
+
+  /// Makes room for that many fragments (and more, so that a motion rarely needs more).
+  void reserve(const AbufferGrid& grid, size_t fragments);
+  size_t capacity() const { return capacity_; }
+  size_t bytes() const { return start_.bytes() + depths_.bytes() + fragments_.bytes(); }
+  static size_t estimate_bytes(const AbufferGrid& grid, size_t fragments);
+
+  /// Records the three views, and the packing of each. `views`: three LayeredView from `first_view` on.
+  struct Sources {
+    BufferRef grid, views, classes, planes, counts;
+  };
+  void record(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, uint32_t first_view,
+              const LayeredStoreOptions& store, const Program& pack) const;
+
+  const TypedBuffer<uint32_t>& start() const { return start_; }
+  const TypedBuffer<uint32_t>& depths() const { return depths_; }
+  const TypedBuffer<uint32_t>& fragments() const { return fragments_; }
+
+ private:
+  Kind kind_;
+  Device* device_;
+  LayeredRaster raster_;
+  TypedBuffer<uint32_t> start_, depths_, fragments_;
+  size_t capacity_ = 0;
+  uint64_t generation_ = 0;
+};
+
+}  // namespace lucarium::abuffer

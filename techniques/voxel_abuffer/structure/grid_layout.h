@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <array>
+
+#include "lucarium/scene/scene.h"
+#include "lucarium/shared/layered_raster.h"
+#include "voxel_abuffer/shared/abuffer_layout.h"
+
+namespace lucarium::abuffer {
+
+/// Sizes of the structure: n² pixels per A-buffer, N voxels along the longest side.
+struct GridSize {
+  uint32_t pixels = 1280;  ///< n, a multiple of N
+  uint32_t voxels = 64;    ///< N
+};
+
+/// N = √(3n) rounded up to a multiple of 16 where `voxels` is 0 (Hu et al. 2014, section 3.2); n rounded up to a
+/// multiple of N, or down where it would exceed what can be rasterized, so that voxel faces are pixel edges. Throws
+/// Error{usage} naming `abuffer_size` and `grid_size` where N > n.
+GridSize choose_grid_size(uint32_t pixels, uint32_t voxels);
+
+/// The grid around a scene's bounds: cubic voxels, N along the longest side and in proportion along the others, at least
+/// two pixels of margin on every side. Flat, empty and far scenes get one with edges well above rounding errors.
+AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles);
+
+/// The view along +k: columns (x, y) are the grid coordinates k + 1 and k + 2, so that a vertex is snapped alike in the
+/// two views that share a coordinate.
+LayeredView axis_view(const AbufferGrid& grid, int k, uint32_t classes);
+
+/// Pixels of the A-buffer of axis k.
+uint32_t axis_pixels(const AbufferGrid& grid, int k);
+
+}  // namespace lucarium::abuffer

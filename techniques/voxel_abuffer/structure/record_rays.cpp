@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "voxel_abuffer/structure/state.h"
+
+namespace lucarium::abuffer {
+
+namespace {
+
+constexpr size_t rays_per_item = 1024;   // ABUFFER_CHUNK
+constexpr size_t slice_rays = 1u << 15;  // per compute unit, between two looks at the cancel flag
+
+}  // namespace
+
+void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
+                                 const BufferRef& rays, const char* result_name, const BufferRef& result,
+                                 const BufferRef& counter, uint32_t counter_index, uint32_t capacity) const {
+  const size_t items = std::max<size_t>(1, (size_t{capacity} + rays_per_item - 1) / rays_per_item);
+  const auto of = [&](const TypedBuffer<uint32_t>& (AbufferLists::*what)() const) -> BufferRef {
+    return exact ? (*exact.*what)() : counts;  // never read: no voxel has exact triangles
+  };
+  PassBuilder pass = recorder.pass(pass_name, search_program, kernel);
+  pass.global(items)
+      .local(1)
+      .slice(slice_rays * std::max(1u, device->info().compute_units) / rays_per_item)
+      .arg("rays", rays)
+      .arg(result_name, result)
+      .arg("counter", counter)
+      .arg("counter_index", counter_index)
+      .arg("capacity", capacity)
+      .arg("abuffer_grid", grid_buffer)
+      .arg("abuffer_bricks", bricks)
+      .arg("abuffer_voxels", voxels)
+      .arg("abuffer_triangles", triangles)
+      .arg("abuffer_exact_start", of(&AbufferLists::start))
+      .arg("abuffer_exact_depths", of(&AbufferLists::depths))
+      .arg("abuffer_exact_fragments", of(&AbufferLists::fragments));
+  if (search_alpha) buffers->bind(pass);
+}
+
+void VoxelAbuffer::record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
+                                  const BufferRef& hits, const BufferRef& counter, uint32_t counter_index,
+                                  uint32_t capacity) const {
+  state_->record(recorder, pass_name, "abuffer_closest", rays, "hits", hits, counter, counter_index, capacity);
+}
+
+void VoxelAbuffer::record_any(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
+                              const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
+                              uint32_t capacity) const {
+  state_->record(recorder, pass_name, "abuffer_any", rays, "occluded", occluded, counter, counter_index, capacity);
+}
+
+}  // namespace lucarium::abuffer

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <optional>
+
+#include "lucarium/services/primitives/primitives.h"
+#include "voxel_abuffer/structure/abuffer_lists.h"
+#include "voxel_abuffer/structure/voxel_abuffer.h"
+
+namespace lucarium::abuffer {
+
+struct VoxelAbuffer::State {
+  State(KernelScheduler& scheduler, const SceneBuffers& buffers, const VoxelAbufferOptions& options);
+
+  void classify_scene(const Scene& scene);
+  void build();
+  /// Grid, classes, planes and corners of triangles; the numbers of fragments to expect.
+  void prepare();
+  void reserve();
+  void record_build();
+  void compile();
+  void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const BufferRef& rays,
+              const char* result_name, const BufferRef& result, const BufferRef& counter, uint32_t counter_index,
+              uint32_t capacity) const;
+
+  KernelScheduler* scheduler;
+  Device* device;
+  const SceneBuffers* buffers;
+  VoxelAbufferOptions options;
+  GridSize size;
+  TriangleClasses classes;
+  Primitives primitives;
+  Program prepare_program, pack_program, voxel_program, search_program;
+  bool search_alpha = false;
+  std::optional<AbufferLists> exact, parity;
+
+  AbufferGrid grid{};
+  TypedBuffer<AbufferGrid> grid_buffer;
+  TypedBuffer<LayeredView> views;  ///< exact x, y, z, parity x, y, z
+  TypedBuffer<uint32_t> component_of;
+  TypedBuffer<uint8_t> component_class, triangle_classes;
+  TypedBuffer<AbufferPlane> planes;
+  TypedBuffer<float> triangles, expected_exact, expected_parity, exact_sum, parity_sum;
+  TypedBuffer<uint32_t> voxels, counts;
+  TypedBuffer<uint64_t> bricks;
+
+  Schedule prepare_schedule, build_schedule;
+  uint64_t recorded_lists = 0;  ///< generation of the lists when the build was recorded
+  uint64_t scene_generation = 0;
+  uint32_t recorded_voxels[4] = {};
+  VoxelAbufferStatistics statistics;
+  uint64_t generation = 0;
+};
+
+}  // namespace lucarium::abuffer

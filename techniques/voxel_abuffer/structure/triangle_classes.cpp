@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxel_abuffer/structure/triangle_classes.h"
+
+#include <map>
+
+#include "lucarium/scene/mesh_components.h"
+#include "voxel_abuffer/shared/abuffer_layout.h"
+
+namespace lucarium::abuffer {
+
+TriangleClasses classify(const Scene& scene, Intersect intersect) {
+  TriangleClasses classes;
+  if (intersect == Intersect::exact) {  // needs to know nothing of components
+    classes.exact_triangles = static_cast<uint32_t>(scene.triangle_count());
+    classes.component_of.assign(classes.exact_triangles, 0);
+    classes.parity = classes.closed = classes.turned_outward = {0};
+    return classes;
+  }
+  std::map<const Mesh*, MeshComponents> meshes;  // instances share them
+  for (const SceneInstance& instance : scene.instances) {
+    const Mesh& mesh = instance.shape(scene);
+    const auto [found, is_new] = meshes.try_emplace(&mesh);
+    if (is_new) found->second = mesh_components(mesh.positions, mesh.triangles);
+    const MeshComponents& parts = found->second;
+    const auto first = static_cast<uint32_t>(classes.parity.size());
+    for (const uint32_t component : parts.component_of) classes.component_of.push_back(first + component);
+    for (const MeshComponent& part : parts.components) {
+      const bool parity = intersect == Intersect::parity || intersect == Intersect::plane ||
+                          (intersect == Intersect::automatic && part.closed);
+      classes.parity.push_back(parity ? ABUFFER_PARITY : 0);
+      classes.closed.push_back(part.closed);
+      classes.turned_outward.push_back(part.volume >= 0);
+      (parity ? classes.parity_triangles : classes.exact_triangles) += part.triangles;
+      classes.open_components += !part.closed;
+    }
+  }
+  return classes;
+}
+
+}  // namespace lucarium::abuffer

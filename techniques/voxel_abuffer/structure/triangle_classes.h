@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "lucarium/scene/scene.h"
+
+namespace lucarium::abuffer {
+
+/// How rays find hits.
+enum class Intersect {
+  automatic,  ///< closed components by parity, the others exactly
+  parity,     ///< all by parity: wrong where components are open
+  plane,      ///< by the planes of fragments
+  exact,      ///< by the triangles of fragments: hits of Bvh
+};
+
+/// Edge-connected components of all instances, each with the way in which it is searched.
+struct TriangleClasses {
+  std::vector<uint32_t> component_of;   ///< per world triangle
+  std::vector<uint8_t> parity;          ///< per component: ABUFFER_PARITY or 0, exact
+  std::vector<uint8_t> closed;          ///< per component
+  std::vector<uint8_t> turned_outward;  ///< per component: its front sides face outwards (1), or inwards (a room's)
+  uint32_t parity_triangles = 0, exact_triangles = 0;
+  uint32_t open_components = 0;
+};
+
+/// Corners are welded by equal positions within an instance. `doubleSided`, MASK and BLEND do not matter.
+TriangleClasses classify(const Scene& scene, Intersect intersect);
+
+}  // namespace lucarium::abuffer

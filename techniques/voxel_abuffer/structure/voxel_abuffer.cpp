@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxel_abuffer/structure/voxel_abuffer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/stopwatch.h"
+#include "lucarium/compute/program/source_library.h"
+#include "voxel_abuffer/structure/state.h"
+
+const lucarium::EmbeddedSources& voxel_abuffer_kernels();
+
+namespace lucarium::abuffer {
+
+namespace {
+
+constexpr const char* owner = "voxel_abuffer";
+constexpr const char* fewer_triangles = "use a scene with fewer triangles";
+constexpr const char* coarser_grid = "lower grid_size";
+constexpr uint32_t views_of_exact = 0, views_of_parity = 3;
+
+size_t brick_count(const AbufferGrid& grid) { return size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z; }
+
+/// Replaces a buffer that is too small; whether it did.
+template <class T>
+bool make_room(Device& device, TypedBuffer<T>& buffer, const char* name, size_t count, const char* remedy) {
+  if (buffer && buffer.count() >= count) return false;
+  buffer = {};
+  buffer = TypedBuffer<T>(device, owner, name, std::max<size_t>(1, count), remedy);
+  return true;
+}
+
+}  // namespace
+
+VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const VoxelAbufferOptions& with)
+    : scheduler(&on),
+      device(&on.device()),
+      buffers(&of),
+      options(with),
+      size(choose_grid_size(with.abuffer_size, with.grid_size)),
+      primitives(on.device()),
+      prepare_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/prepare_triangles"})),
+      pack_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
+      voxel_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_voxels"})),
+      grid_buffer(on.device(), owner, "grid", 1),
+      views(on.device(), owner, "views", 6),
+      exact_sum(on.device(), owner, "expected exact fragments", 1),
+      parity_sum(on.device(), owner, "expected parity fragments", 1),
+      counts(on.device(), owner, "counts", ABUFFER_COUNTS) {
+  statistics.abuffer_size = size.pixels;
+  statistics.grid_size = size.voxels;
+}
+
+void VoxelAbuffer::State::classify_scene(const Scene& scene) {
+  classes = classify(scene, options.intersect);
+  component_of = TypedBuffer<uint32_t>(*device, owner, "components", classes.component_of, fewer_triangles);
+  component_class = TypedBuffer<uint8_t>(*device, owner, "classes of components", classes.parity);
+  statistics.parity_triangles = classes.parity_triangles;
+  statistics.exact_triangles = classes.exact_triangles;
+  statistics.open_components = classes.open_components;
+  scene_generation = 0;
+}
+
+void VoxelAbuffer::State::prepare() {
+  const auto count = buffers->info().triangle_count;
+  const Bounds bounds{buffers->info().bounds_min.xyz(), buffers->info().bounds_max.xyz()};
+  grid = make_grid(size, bounds, count);
+  grid_buffer.upload({grid});
+  std::vector<LayeredView> six;
+  for (int k = 0; k < 3; ++k) six.push_back(axis_view(grid, k, ABUFFER_EXACT(k)));
+  for (int k = 0; k < 3; ++k) six.push_back(axis_view(grid, k, ABUFFER_PARITY));
+  views.upload(six);
+  if (buffers->generation() != scene_generation || !prepare_schedule) {
+    scene_generation = buffers->generation();
+    const size_t room = std::max(1u, count);
+    make_room(*device, triangle_classes, "classes", LayeredRaster::class_bytes(room), fewer_triangles);
+    make_room(*device, planes, "planes", room, fewer_triangles);
+    generation += make_room(*device, triangles, "triangles", ABUFFER_TRIANGLE_WORDS * room, fewer_triangles);
+    make_room(*device, expected_exact, "exact fragments of triangles", room, fewer_triangles);
+    make_room(*device, expected_parity, "parity fragments of triangles", room, fewer_triangles);
+    ScheduleRecorder recorder = scheduler->record("voxel_abuffer triangles", owner);
+    PassBuilder pass = recorder.pass("prepare_triangles", prepare_program, "abuffer_prepare_triangles");
+    buffers->bind(pass);
+    pass.global(room)
+        .arg("abuffer_grid", grid_buffer)
+        .arg("abuffer_component_of", component_of)
+        .arg("abuffer_component_class", component_class)
+        .arg("abuffer_classes", triangle_classes)
+        .arg("abuffer_planes", planes)
+        .arg("abuffer_triangles", triangles)
+        .arg("abuffer_expected_exact", expected_exact)
+        .arg("abuffer_expected_parity", expected_parity);
+    const auto sum = Primitives::Reduction::sum_float;
+    primitives.record_reduce(recorder, "expect_exact", sum, expected_exact, exact_sum, count);
+    primitives.record_reduce(recorder, "expect_parity", sum, expected_parity, parity_sum, count);
+    prepare_schedule = recorder.compile();
+    build_schedule = {};
+  }
+  scheduler->run_to_end(prepare_schedule);
+  scheduler->finish();
+  statistics.expected_exact_fragments = static_cast<double>(exact_sum.download()[0]);
+  statistics.expected_parity_fragments = static_cast<double>(parity_sum.download()[0]);
+}
+
+void VoxelAbuffer::State::reserve() {
+  const auto room = [](double expected) { return static_cast<size_t>(1.02 * expected) + 4096; };
+  const size_t voxel_count = 64 * brick_count(grid);
+  const size_t exact_room = room(statistics.expected_exact_fragments);
+  const size_t parity_room = room(statistics.expected_parity_fragments);
+  if (classes.exact_triangles > 0 && !exact)
+    exact.emplace(*scheduler, *buffers, AbufferLists::Kind::exact, size.pixels);
+  if (classes.parity_triangles > 0 && !parity)
+    parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size.pixels);
+  generation += make_room(*device, voxels, "voxels", voxel_count, coarser_grid);
+  generation += make_room(*device, bricks, "bricks", brick_count(grid), coarser_grid);
+  if (exact) exact->reserve(grid, exact_room);
+  if (parity) parity->reserve(grid, parity_room);
+}
+
+void VoxelAbuffer::State::record_build() {
+  ScheduleRecorder recorder = scheduler->record("voxel_abuffer build", owner);
+  recorder.fill_zero("clear_voxels", voxels);
+  recorder.fill_zero("clear_counts", counts);
+  recorder.pass("mark_voxels", voxel_program, "abuffer_mark_voxels")
+      .global(std::max(1u, grid.triangles))
+      .arg("abuffer_grid", grid_buffer)
+      .arg("abuffer_classes", triangle_classes)
+      .arg("abuffer_triangles", triangles)
+      .arg("abuffer_voxels", voxels);
+  recorder.pass("mark_bricks", voxel_program, "abuffer_mark_bricks")
+      .global(brick_count(grid))
+      .arg("abuffer_voxels", voxels)
+      .arg("count", static_cast<uint32_t>(brick_count(grid)))
+      .arg("abuffer_bricks", bricks);
+  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes, counts};
+  const LayeredStoreOptions store{.variant = options.list};
+  if (exact) exact->record(recorder, grid, sources, views_of_exact, store, pack_program);
+  if (parity) parity->record(recorder, grid, sources, views_of_parity, store, pack_program);
+  build_schedule = recorder.compile();
+}
+
+void VoxelAbuffer::State::build() {
+  const Stopwatch watch;
+  prepare();
+  reserve();
+  const auto lists_generation = [&] { return (exact ? exact->generation() : 0) + (parity ? parity->generation() : 0); };
+  if (exact) exact->update();
+  if (parity) parity->update();
+  for (;;) {
+    const uint32_t dims[4] = {grid.voxels.x, grid.voxels.y, grid.voxels.z, grid.voxels.w};
+    if (!build_schedule || recorded_lists != lists_generation() || !std::equal(dims, dims + 4, recorded_voxels)) {
+      record_build();
+      recorded_lists = lists_generation();
+      std::copy(dims, dims + 4, recorded_voxels);
+    }
+    scheduler->run_to_end(build_schedule);
+    scheduler->finish();
+    const std::vector<uint32_t> found = counts.download();
+    statistics.exact_fragments = found[ABUFFER_COUNT_EXACT];
+    statistics.parity_fragments = found[ABUFFER_COUNT_PARITY];
+    // Room for more than were expected: build again, drop nothing.
+    const bool exact_short = exact && statistics.exact_fragments > exact->capacity();
+    const bool parity_short = parity && statistics.parity_fragments > parity->capacity();
+    if (!exact_short && !parity_short) break;
+    if (exact_short) exact->reserve(grid, statistics.exact_fragments);
+    if (parity_short) parity->reserve(grid, statistics.parity_fragments);
+  }
+  statistics.bytes = triangles.bytes() + planes.bytes() + voxels.bytes() + bricks.bytes() + component_of.bytes() +
+                     triangle_classes.bytes() + expected_exact.bytes() + expected_parity.bytes() + (exact ? exact->bytes() : 0) +
+                     (parity ? parity->bytes() : 0);
+  ++statistics.builds;
+  statistics.build_seconds = watch.seconds();
+}
+
+void VoxelAbuffer::State::compile() {
+  const bool alpha = (buffers->info().flags & LUCARIUM_SCENE_HAS_ALPHA) != 0;
+  if (search_program && alpha == search_alpha) return;
+  ProgramSpec spec{.name = "voxel_abuffer/search", .files = {"voxel_abuffer/search/intersect.cl"}};
+  if (alpha) spec.defines["BVH_ALPHA"] = "";
+  spec.mad_enable = false;  // the triangle test is watertight by rounding both products of an edge alike
+  SourceLibrary library;
+  library.add(voxel_abuffer_kernels());
+  search_program = Program(*device, library, spec);
+  search_alpha = alpha;
+  ++generation;
+}
+
+VoxelAbuffer::VoxelAbuffer(KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+                           const VoxelAbufferOptions& options)
+    : state_(std::make_unique<State>(scheduler, buffers, options)) {
+  state_->classify_scene(scene);
+  state_->compile();
+  state_->build();
+}
+
+VoxelAbuffer::~VoxelAbuffer() = default;
+
+void VoxelAbuffer::update(const Scene& scene, const SceneChange& change) {
+  if (change.topology || state_->grid.triangles != state_->buffers->info().triangle_count)
+    state_->classify_scene(scene);
+  state_->compile();
+  if (change.geometry()) state_->build();
+}
+
+void VoxelAbuffer::rebuild() { state_->build(); }
+
+uint64_t VoxelAbuffer::generation() const {
+  return state_->generation + (state_->exact ? state_->exact->generation() : 0) +
+         (state_->parity ? state_->parity->generation() : 0);
+}
+
+const VoxelAbufferStatistics& VoxelAbuffer::statistics() const { return state_->statistics; }
+
+}  // namespace lucarium::abuffer

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <memory>
+#include <string>
+
+#include "lucarium/services/intersector.h"
+#include "lucarium/services/layered_raster/layered_raster.h"
+#include "voxel_abuffer/structure/triangle_classes.h"
+
+namespace lucarium::abuffer {
+
+struct VoxelAbufferOptions {
+  uint32_t abuffer_size = 1280;  ///< n: pixels per side of an A-buffer, 128 to 4096
+  uint32_t grid_size = 0;        ///< N: voxels along the longest side; 0: √(3n)
+  Intersect intersect = Intersect::automatic;
+  LayeredVariant list = LayeredVariant::tiles;  ///< tiles, exact (counted) or linked_list: the same structure
+};
+
+struct VoxelAbufferStatistics {
+  uint32_t abuffer_size = 0, grid_size = 0;  ///< as chosen
+  uint32_t parity_triangles = 0, exact_triangles = 0;
+  uint32_t open_components = 0;
+  size_t parity_fragments = 0, exact_fragments = 0;
+  double expected_parity_fragments = 0, expected_exact_fragments = 0;  ///< in the mean over positions of the grid
+  uint64_t builds = 0;
+  double build_seconds = 0;  ///< of the last one, elapsed
+  size_t bytes = 0;          ///< on the device
+};
+
+/// Ray tracing through a coarse voxel grid and three orthographic A-buffers, one along each axis, rasterized anew after
+/// every motion (Hu et al. 2014, "Ray tracing via GPU rasterization", section 3). Owner "voxel_abuffer" in the memory
+/// account. Results do not depend on the number of threads, nor on the way in which lists are made.
+class VoxelAbuffer : public Intersector {
+ public:
+  /// Refuses with Error{device} naming abuffer_size or grid_size, and the numbers, what does not fit into memory.
+  /// `scheduler` and `buffers` must outlive this.
+  VoxelAbuffer(KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+               const VoxelAbufferOptions& options = {});
+  ~VoxelAbuffer() override;
+
+  /// Follows a change; after SceneBuffers::update(). Geometry builds everything anew, on the device; cameras, lights and
+  /// opaque materials build nothing. The same as a new one over the changed scene, bit for bit.
+  void update(const Scene& scene, const SceneChange& change);
+  /// Builds anew although nothing changed (the paper does for every frame).
+  void rebuild();
+  /// Grows when passes recorded before must be recorded again.
+  uint64_t generation() const;
+
+  std::string name() const override { return "voxel_abuffer"; }
+  void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
+                      const BufferRef& hits, const BufferRef& counter, uint32_t counter_index,
+                      uint32_t capacity) const override;
+  void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
+                  const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
+                  uint32_t capacity) const override;
+
+  const VoxelAbufferStatistics& statistics() const;
+
+  struct State;
+  const State& state() const { return *state_; }  ///< what tests look at
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lucarium::abuffer
