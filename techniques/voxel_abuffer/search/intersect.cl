@@ -9,7 +9,7 @@
 
 #ifdef BVH_ALPHA
 #define ABUFFER_SCENE_PARAMETERS LUCARIUM_SCENE_PARAMETERS
-#define ABUFFER_SET_SCENE(context)     \
+#define ABUFFER_SET_SCENE(context)    \
   LUCARIUM_SCENE_BIND(abuffer_scene); \
   (context).triangles.scene = &abuffer_scene
 #else
@@ -17,22 +17,21 @@
 #define ABUFFER_SET_SCENE(context)
 #endif
 
-#define ABUFFER_PARAMETERS                                                                                \
-  __global const AbufferGrid *abuffer_grid, __global const ulong *abuffer_bricks,                         \
-      __global const uint *abuffer_voxels, __global const float *abuffer_triangles,                       \
-      __global const uint *abuffer_exact_start, __global const uint *abuffer_exact_depths,                \
-      __global const uint *abuffer_exact_fragments
+#define ABUFFER_PARAMETERS                                                                                             \
+  __global const AbufferGrid *abuffer_grid, __global const ulong *abuffer_bricks, __global const uint *abuffer_voxels, \
+      __global const float *abuffer_triangles, __global const uint *abuffer_exact_start,                               \
+      __global const uint *abuffer_exact_depths, __global const uint *abuffer_exact_fragments
 
-#define ABUFFER_CONTEXT(context)                        \
-  AbufferContext context;                               \
-  context.triangles.nodes = 0;                          \
-  context.triangles.blocks = abuffer_triangles;         \
-  context.grid = abuffer_grid[0];                       \
-  context.bricks = abuffer_bricks;                      \
-  context.voxels = abuffer_voxels;                      \
-  context.exact_start = abuffer_exact_start;            \
-  context.exact_depths = abuffer_exact_depths;          \
-  context.exact_fragments = abuffer_exact_fragments;    \
+#define ABUFFER_CONTEXT(context)                     \
+  AbufferContext context;                            \
+  context.triangles.nodes = 0;                       \
+  context.triangles.blocks = abuffer_triangles;      \
+  context.grid = abuffer_grid[0];                    \
+  context.bricks = abuffer_bricks;                   \
+  context.voxels = abuffer_voxels;                   \
+  context.exact_start = abuffer_exact_start;         \
+  context.exact_depths = abuffer_exact_depths;       \
+  context.exact_fragments = abuffer_exact_fragments; \
   ABUFFER_SET_SCENE(context)
 
 // Walks through the grid. Hits may lie behind the voxel in which they are found: the nearest one is final only when the

@@ -30,7 +30,8 @@ LUCARIUM_STRUCT_END(AbufferPlane, 32)
 #define ABUFFER_EXACT_AXES 7u
 #define ABUFFER_OCCUPIED 15u
 
-// Triangle t, as a leaf block of one triangle (lucarium/shared/bvh_layout.h), starts at word t · ABUFFER_TRIANGLE_WORDS.
+// Triangle t, as a leaf block of one triangle (lucarium/shared/bvh_layout.h), starts at word t ·
+// ABUFFER_TRIANGLE_WORDS.
 #define ABUFFER_TRIANGLE_WORDS 10u
 
 // Depths of exact fragments are kept as an interval in steps of 1/16 pixel: least depth rounded down in bits 0–15, and

@@ -9,8 +9,9 @@
 namespace lucarium::abuffer {
 
 /// The fragment lists of three axes, in the order of voxel columns: start of each column's list, depths and triangles.
-/// Exact lists hold each triangle in the columns of its dominant axis only, every column that it touches (conservative),
-/// with intervals of depth; parity lists hold each triangle in all three, where it covers the columns' centres.
+/// Exact lists hold each triangle in the columns of its dominant axis only, every column that it touches
+/// (conservative), with intervals of depth; parity lists hold each triangle in all three, where it covers the columns'
+/// centres.
 class AbufferLists {
  public:
   enum class Kind { exact, parity };

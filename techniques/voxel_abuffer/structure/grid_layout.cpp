@@ -61,9 +61,9 @@ LayeredView axis_view(const AbufferGrid& grid, int k, uint32_t classes) {
   glm::vec3 direction(0), right(0);
   direction[k] = right[x] = 1;
   const glm::vec3 corner = grid.corner.xyz();
-  LayeredView view = orthographic_view(grid.center.xyz(), direction, right, grid.center.w,
-                                       component(grid.voxels, x) * grid.voxels.w,
-                                       component(grid.voxels, y) * grid.voxels.w, -corner[k], {corner[x], corner[y]});
+  LayeredView view =
+      orthographic_view(grid.center.xyz(), direction, right, grid.center.w, component(grid.voxels, x) * grid.voxels.w,
+                        component(grid.voxels, y) * grid.voxels.w, -corner[k], {corner[x], corner[y]});
   view.classes = classes;
   return view;
 }

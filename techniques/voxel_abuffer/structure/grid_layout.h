@@ -19,8 +19,8 @@ struct GridSize {
 /// Error{usage} naming `abuffer_size` and `grid_size` where N > n.
 GridSize choose_grid_size(uint32_t pixels, uint32_t voxels);
 
-/// The grid around a scene's bounds: cubic voxels, N along the longest side and in proportion along the others, at least
-/// two pixels of margin on every side. Flat, empty and far scenes get one with edges well above rounding errors.
+/// The grid around a scene's bounds: cubic voxels, N along the longest side and in proportion along the others, at
+/// least two pixels of margin on every side. Flat, empty and far scenes get one with edges well above rounding errors.
 AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles);
 
 /// The view along +k: columns (x, y) are the grid coordinates k + 1 and k + 2, so that a vertex is snapped alike in the

@@ -6,8 +6,8 @@
 
 #define ABUFFER_VOXEL_PAD 0.1f  // pixels: a ray that runs along a voxel's face finds what touches it from outside
 
-// Whether the projections of a triangle (two of its corners will do, the third projects to one of them) and of a cube of
-// half edge `half` around the origin are apart, along the cross product of an edge and a coordinate axis.
+// Whether the projections of a triangle (two of its corners will do, the third projects to one of them) and of a cube
+// of half edge `half` around the origin are apart, along the cross product of an edge and a coordinate axis.
 static bool abuffer_apart(float a, float b, float p_a, float p_b, float q_a, float q_b, float half_edge) {
   const float p = a * p_b - b * p_a, q = a * q_b - b * q_a, reach = half_edge * (fabs(a) + fabs(b));
   return fmin(p, q) > reach || fmax(p, q) < -reach;
@@ -67,7 +67,6 @@ __kernel void abuffer_mark_bricks(__global const uint* abuffer_voxels, uint coun
   const uint brick = get_global_id(0);
   if (brick >= count) return;
   ulong bits = 0ul;
-  for (uint i = 0u; i < 64u; ++i)
-    bits |= (ulong)((abuffer_voxels[brick * 64u + i] & ABUFFER_OCCUPIED) != 0u) << i;
+  for (uint i = 0u; i < 64u; ++i) bits |= (ulong)((abuffer_voxels[brick * 64u + i] & ABUFFER_OCCUPIED) != 0u) << i;
   abuffer_bricks[brick] = bits;
 }

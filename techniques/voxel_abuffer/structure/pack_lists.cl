@@ -27,21 +27,21 @@ typedef struct AbufferPack {
 } AbufferPack;
 
 // One row of voxels per work-item. Copies nothing where it would not fit: the host makes room and builds again.
-#define ABUFFER_PACK(COPY)                                                                                 \
-  const AbufferGrid grid = abuffer_grid[0];                                                                \
-  const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis));         \
-  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = get_global_id(0);          \
-  const uint width = columns * edge;                                                                       \
-  if (row >= rows || abuffer_counts[first + axis + 1u] > capacity) return;                                 \
-  uint place = abuffer_counts[first + axis] + pixel_start[row * edge * width];                             \
-  __global uint* start = abuffer_start + axis * grid.bricks.w + row * columns * edge * edge;               \
-  for (uint voxel = 0u; voxel < columns; ++voxel)                                                          \
-    for (uint y = row * edge; y < (row + 1u) * edge; ++y)                                                  \
-      for (uint x = voxel * edge; x < (voxel + 1u) * edge; ++x) {                                          \
-        *start++ = place;                                                                                  \
-        const uint begin = pixel_start[y * width + x], end = pixel_start[y * width + x + 1u];              \
-        for (uint i = begin; i < end; ++i, ++place) COPY                                                   \
-      }                                                                                                    \
+#define ABUFFER_PACK(COPY)                                                                         \
+  const AbufferGrid grid = abuffer_grid[0];                                                        \
+  const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis)); \
+  const uint rows = abuffer_component(grid.voxels, abuffer_axis_y(axis)), row = get_global_id(0);  \
+  const uint width = columns * edge;                                                               \
+  if (row >= rows || abuffer_counts[first + axis + 1u] > capacity) return;                         \
+  uint place = abuffer_counts[first + axis] + pixel_start[row * edge * width];                     \
+  __global uint* start = abuffer_start + axis * grid.bricks.w + row * columns * edge * edge;       \
+  for (uint voxel = 0u; voxel < columns; ++voxel)                                                  \
+    for (uint y = row * edge; y < (row + 1u) * edge; ++y)                                          \
+      for (uint x = voxel * edge; x < (voxel + 1u) * edge; ++x) {                                  \
+        *start++ = place;                                                                          \
+        const uint begin = pixel_start[y * width + x], end = pixel_start[y * width + x + 1u];      \
+        for (uint i = begin; i < end; ++i, ++place) COPY                                           \
+      }                                                                                            \
   if (row + 1u == rows) *start = place
 
 __kernel void abuffer_pack_exact(__global const AbufferGrid* abuffer_grid, __global const uint* pixel_start,

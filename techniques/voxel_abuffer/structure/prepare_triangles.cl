@@ -38,9 +38,10 @@ static float4 abuffer_areas(const float4* p) {
   return (float4)(0.5f * fabs(cross((p[1] - p[0]).xyz, (p[2] - p[0]).xyz)), 0.0f);
 }
 
-// abuffer_expected_*: fragments of each triangle in the mean over all positions of the grid. A pixel square that touches a convex polygon has its centre in the Minkowski sum of both, whose
-// area is the polygon's, its width, its height and 1 (pixels); a pixel's centre lies in the projected area.
-// abuffer_component_class: ABUFFER_PARITY or 0 for each component.
+// abuffer_expected_*: fragments of each triangle in the mean over all positions of the grid. A pixel square that
+// touches a convex polygon has its centre in the Minkowski sum of both, whose area is the polygon's, its width, its
+// height and 1 (pixels); a pixel's centre lies in the projected area. abuffer_component_class: ABUFFER_PARITY or 0 for
+// each component.
 __kernel void abuffer_prepare_triangles(__global const Vertex* scene_vertices, __global const Triangle* scene_triangles,
                                         __global const AbufferGrid* abuffer_grid,
                                         __global const uint* abuffer_component_of,
@@ -68,8 +69,8 @@ __kernel void abuffer_prepare_triangles(__global const Vertex* scene_vertices, _
   abuffer_classes[i] = parity ? parity : (uchar)ABUFFER_EXACT(axis);
   const float4 areas = abuffer_areas(p), size = fmax(p[0], fmax(p[1], p[2])) - fmin(p[0], fmin(p[1], p[2]));
   const float all = areas.x + areas.y + areas.z;
-  const float touched = abuffer_at(areas, axis) + abuffer_at(size, abuffer_axis_x(axis)) +
-                        abuffer_at(size, abuffer_axis_y(axis)) + 1.0f;
+  const float touched =
+      abuffer_at(areas, axis) + abuffer_at(size, abuffer_axis_x(axis)) + abuffer_at(size, abuffer_axis_y(axis)) + 1.0f;
   abuffer_expected_exact[i] = parity || !isfinite(touched) ? 0.0f : touched;
   abuffer_expected_parity[i] = parity && isfinite(all) ? all : 0.0f;
 }

@@ -40,7 +40,8 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
       options(with),
       size(choose_grid_size(with.abuffer_size, with.grid_size)),
       primitives(on.device()),
-      prepare_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/prepare_triangles"})),
+      prepare_program(
+          make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/prepare_triangles"})),
       pack_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
       voxel_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_voxels"})),
       grid_buffer(on.device(), owner, "grid", 1),
@@ -167,8 +168,8 @@ void VoxelAbuffer::State::build() {
     if (parity_short) parity->reserve(grid, statistics.parity_fragments);
   }
   statistics.bytes = triangles.bytes() + planes.bytes() + voxels.bytes() + bricks.bytes() + component_of.bytes() +
-                     triangle_classes.bytes() + expected_exact.bytes() + expected_parity.bytes() + (exact ? exact->bytes() : 0) +
-                     (parity ? parity->bytes() : 0);
+                     triangle_classes.bytes() + expected_exact.bytes() + expected_parity.bytes() +
+                     (exact ? exact->bytes() : 0) + (parity ? parity->bytes() : 0);
   ++statistics.builds;
   statistics.build_seconds = watch.seconds();
 }

@@ -27,9 +27,9 @@ struct VoxelAbufferStatistics {
   size_t bytes = 0;          ///< on the device
 };
 
-/// Ray tracing through a coarse voxel grid and three orthographic A-buffers, one along each axis, rasterized anew after
-/// every motion (Hu et al. 2014, "Ray tracing via GPU rasterization", section 3). Owner "voxel_abuffer" in the memory
-/// account. Results do not depend on the number of threads, nor on the way in which lists are made.
+/// Ray tracing through a coarse voxel grid and three orthographic A-buffers, one along each axis, rasterized again
+/// after every motion (Hu et al. 2014, "Ray tracing via GPU rasterization", section 3). Owner "voxel_abuffer" in the
+/// memory account. Results do not depend on the number of threads, nor on the way in which lists are made.
 class VoxelAbuffer : public Intersector {
  public:
   /// Refuses with Error{device} naming abuffer_size or grid_size, and the numbers, what does not fit into memory.
@@ -38,10 +38,10 @@ class VoxelAbuffer : public Intersector {
                const VoxelAbufferOptions& options = {});
   ~VoxelAbuffer() override;
 
-  /// Follows a change; after SceneBuffers::update(). Geometry builds everything anew, on the device; cameras, lights and
-  /// opaque materials build nothing. The same as a new one over the changed scene, bit for bit.
+  /// Follows a change; after SceneBuffers::update(). Geometry builds everything again, on the device; cameras, lights
+  /// and opaque materials build nothing. The same as a new one over the changed scene, bit for bit.
   void update(const Scene& scene, const SceneChange& change);
-  /// Builds anew although nothing changed (the paper does for every frame).
+  /// Builds again although nothing changed (the paper does for every frame).
   void rebuild();
   /// Grows when passes recorded before must be recorded again.
   uint64_t generation() const;

@@ -70,7 +70,8 @@ void measure_rays(Device& device, KernelScheduler& scheduler, const Field& field
   std::vector<std::unique_ptr<TracedBatch>> batches;
   std::vector<Contestant> contestants;
   const auto add = [&](const std::string& name, const Intersector& intersector) {
-    TracedBatch* batch = batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, intersector, rays, any)).get();
+    TracedBatch* batch =
+        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, intersector, rays, any)).get();
     contestants.push_back({.name = name, .run = [batch] { batch->run(); }, .cpus = options.threads});
   };
   add("wide", field.bvh);
@@ -91,11 +92,12 @@ void measure_builds(KernelScheduler& scheduler, Field& field, const Options& opt
   std::vector<Contestant> contestants;
   SceneChange everything;
   everything.topology = true;
-  contestants.push_back({.name = "wide", .run = [&] { field.bvh.update(field.scene, field.buffers, everything); },
+  contestants.push_back({.name = "wide",
+                         .run = [&] { field.bvh.update(field.scene, field.buffers, everything); },
                          .cpus = options.threads});
   for (size_t i = 0; i < options.modes.size(); ++i)
-    contestants.push_back({.name = options.modes[i], .run = [&field, i] { field.structures[i]->rebuild(); },
-                           .cpus = options.threads});
+    contestants.push_back(
+        {.name = options.modes[i], .run = [&field, i] { field.structures[i]->rebuild(); }, .cpus = options.threads});
   run_rounds(contestants, options.rounds);
   for (const Contestant& c : contestants)
     fmt::print("| build | {} | {:.4f} s, {:.4f} s elapsed | {:.3f} |\n", c.name, median(c.cpu), median(c.wall),

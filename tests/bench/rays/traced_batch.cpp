@@ -3,8 +3,8 @@
 
 namespace lucarium::bench {
 
-TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector, const std::vector<Ray>& rays,
-                         bool any)
+TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector,
+                         const std::vector<Ray>& rays, bool any)
     : scheduler_(scheduler),
       rays_(device, "bench", "rays", rays),
       hits_(device, "bench", "hits", any ? 1 : rays.size()),

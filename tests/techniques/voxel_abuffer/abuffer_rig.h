@@ -50,15 +50,13 @@ struct AbufferRig {
 /// sides), half of these cosine-distributed and half to points within the scene's bounds. Seeds are 1, 2, …
 inline std::vector<Ray> scene_rays(const AbufferRig& rig, uint32_t count, uint32_t seed) {
   const std::vector<Vertex> vertices = rig.buffers.scene_vertices.download();
-  const std::vector<Triangle> triangles =
-      rig.buffers.scene_triangles.download(0, rig.buffers.info().triangle_count);
+  const std::vector<Triangle> triangles = rig.buffers.scene_triangles.download(0, rig.buffers.info().triangle_count);
   const Bounds bounds{rig.buffers.info().bounds_min.xyz(), rig.buffers.info().bounds_max.xyz()};
-  const glm::vec3 eye = rig.scene.cameras.empty() ? bounds.min - glm::vec3(1)
-                                                  : glm::vec3(rig.scene.cameras[0].world_from_camera[3]);
+  const glm::vec3 eye =
+      rig.scene.cameras.empty() ? bounds.min - glm::vec3(1) : glm::vec3(rig.scene.cameras[0].world_from_camera[3]);
   Random random(seed);
   const auto inside = [&] {
-    return bounds.min +
-           (bounds.max - bounds.min) * glm::vec3(random.uniform(), random.uniform(), random.uniform());
+    return bounds.min + (bounds.max - bounds.min) * glm::vec3(random.uniform(), random.uniform(), random.uniform());
   };
   std::vector<Ray> rays;
   for (uint32_t i = 0; i < count; ++i) {

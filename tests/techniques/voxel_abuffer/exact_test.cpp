@@ -47,8 +47,7 @@ TEST_CASE("exact hits are those of the hierarchy, to the bit: built-in scenes") 
     if (!full_run() && name != "cornell" && name != "atrium" && name != "spheres") continue;
     CAPTURE(name);
     AbufferRig rig(make_builtin_scene(name));
-    const VoxelAbuffer structure =
-        rig.make({.abuffer_size = full_run() ? 1280u : 512u, .intersect = Intersect::exact});
+    const VoxelAbuffer structure = rig.make({.abuffer_size = full_run() ? 1280u : 512u, .intersect = Intersect::exact});
     const Differences d = compare(rig, structure, scene_rays(rig, count, 7));
     CHECK(d.hits == 0);
     CHECK(d.occluded == 0);
@@ -61,8 +60,7 @@ TEST_CASE("exact hits are those of the hierarchy: unconnected triangles of all s
     CAPTURE(size);
     CAPTURE(grid);
     AbufferRig rig(scene_of(random_soup(3000, size)));
-    const VoxelAbuffer structure =
-        rig.make({.abuffer_size = size, .grid_size = grid, .intersect = Intersect::exact});
+    const VoxelAbuffer structure = rig.make({.abuffer_size = size, .grid_size = grid, .intersect = Intersect::exact});
     const Differences d = compare(rig, structure, scene_rays(rig, full_run() ? 300000 : 15000, size));
     CHECK(d.hits == 0);
     CHECK(d.occluded == 0);
