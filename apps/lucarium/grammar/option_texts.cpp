@@ -9,7 +9,7 @@ namespace {
 
 const OptionText entries[] = {
     // Words by their place.
-    {"scene", "", "SCENE", "a .gltf or .glb file, or builtin:NAME"},
+    {"scene", "", "SCENE", "a .gltf or .glb file, or builtin:NAME[:key=value,...]"},
     {"technique", "", "NAME", "a technique (see lucarium techniques)"},
     {"name", "", "NAME", "name of the new technique: letters a-z, digits, _"},
     {"experiment", "", "PAPER[/EXPERIMENT]", "one experiment, or all of a paper"},

@@ -85,7 +85,12 @@ std::vector<Candidate> complete(const std::string& kind, const std::vector<std::
   const std::vector<fs::path> folders(named.begin(), named.end());
   std::vector<Candidate> candidates;
   if (kind == "scene") {
-    for (const std::string& name : builtin_scene_names()) candidates.push_back({"builtin:" + name, ""});
+    for (const std::string& name : builtin_scene_names()) {
+      candidates.push_back({"builtin:" + name, ""});
+      if (!typed.starts_with("builtin:" + name + ":")) continue;
+      for (const BuiltinParameter& parameter : builtin_scene_parameters(name))
+        candidates.push_back({"builtin:" + name + ":" + parameter.name + "=", parameter.doc});
+    }
   } else if (kind == "technique") {
     candidates = techniques(TechniqueRegistry(folders), typed);
   } else if (kind == "parameter") {

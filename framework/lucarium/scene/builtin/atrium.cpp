@@ -238,21 +238,6 @@ void add_furniture(Scene& scene, const Palette& p) {
   }
 }
 
-/// A clear sky without the sun's disc: blue overhead, pale at the horizon, grey ground below it.
-Environment sky() {
-  Environment environment;
-  environment.name = "clear sky";
-  environment.width = 128, environment.height = 64;
-  for (uint32_t j = 0; j < environment.height; ++j) {
-    const float up =
-        std::cos(glm::pi<float>() * (static_cast<float>(j) + 0.5f) / static_cast<float>(environment.height));
-    const glm::vec3 horizon(1.05f, 1.15f, 1.30f), zenith(0.28f, 0.55f, 1.15f), ground(0.22f, 0.20f, 0.18f);
-    const glm::vec3 color = up > 0 ? glm::mix(horizon, zenith, std::pow(up, 0.5f)) : ground;
-    environment.radiance.insert(environment.radiance.end(), environment.width, 1.6f * color);
-  }
-  return environment;
-}
-
 }  // namespace
 
 Scene make_atrium() {
@@ -265,7 +250,7 @@ Scene make_atrium() {
   add_floor(scene, palette);
   add_furniture(scene, palette);
 
-  scene.environment = sky();
+  scene.environment = clear_sky(1.6f);
   SceneLight sun;
   sun.name = "sun";
   sun.type = LightType::directional;

@@ -138,6 +138,32 @@ void add_instance(Scene& scene, int mesh, int material, const glm::mat4& world_f
   scene.instances.push_back(instance);
 }
 
+int add_node_instance(Scene& scene, int mesh, int material, const glm::vec3& position) {
+  const int index = static_cast<int>(scene.nodes.size());
+  Node node;
+  node.name = scene.meshes[mesh].name;
+  node.translation = position;
+  node.meshes = {mesh};
+  scene.nodes.push_back(node);
+  add_instance(scene, mesh, material);
+  scene.instances.back().node = index;
+  return index;
+}
+
+Environment clear_sky(float strength) {
+  Environment environment;
+  environment.name = "clear sky";
+  environment.width = 128, environment.height = 64;
+  for (uint32_t j = 0; j < environment.height; ++j) {
+    const float up =
+        std::cos(glm::pi<float>() * (static_cast<float>(j) + 0.5f) / static_cast<float>(environment.height));
+    const glm::vec3 horizon(1.05f, 1.15f, 1.30f), zenith(0.28f, 0.55f, 1.15f), ground(0.22f, 0.20f, 0.18f);
+    const glm::vec3 color = up > 0 ? glm::mix(horizon, zenith, std::pow(up, 0.5f)) : ground;
+    environment.radiance.insert(environment.radiance.end(), environment.width, strength * color);
+  }
+  return environment;
+}
+
 glm::mat4 frame_along(const glm::vec3& position, const glm::vec3& direction) {
   const glm::vec3 back = -glm::normalize(direction);
   const glm::vec3 up = std::abs(back.y) > 0.999f ? glm::vec3(0, 0, back.y > 0 ? -1 : 1) : glm::vec3(0, 1, 0);

@@ -62,6 +62,12 @@ int add_mesh(Scene& scene, Mesh mesh);
 /// An occurrence of it.
 void add_instance(Scene& scene, int mesh, int material, const glm::mat4& world_from_object = glm::mat4(1.f));
 
+/// A node at `position` with an occurrence of it, to be animated; returns the node's index.
+int add_node_instance(Scene& scene, int mesh, int material, const glm::vec3& position);
+
+/// A clear sky without the sun's disc: blue overhead, pale at the horizon, grey ground below it.
+Environment clear_sky(float strength);
+
 /// A camera at `eye` that looks at `target`; yfov in degrees.
 SceneCamera look_at_camera(const std::string& name, const glm::vec3& eye, const glm::vec3& target, float yfov_degrees);
 
@@ -78,5 +84,7 @@ Scene make_atrium();
 Scene make_lamps(int count);
 Scene make_picture_lamp();
 Scene make_spheres();
+Scene make_solids();
+Scene make_debris(int pieces);
 
 }  // namespace lucarium
