@@ -169,7 +169,7 @@ def check_shell(shell, declared):
     offers(shell, 'lucarium render builtin:cornell -p estimator=m', 'estimator=mis', only=True)
     offers(shell, 'lucarium check path_tracing -p estimator=m', 'estimator=mis', only=True)
     offers(shell, 'lucarium scene builtin:at', 'builtin:atrium', only=True)
-    offers(shell, 'lucarium scene builtin:debris:', 'builtin:debris:pieces=', only=True)
+    offers(shell, 'lucarium scene builtin:debris:', 'builtin:debris:pieces=')
     # What a Tab makes of the line: the rest of the word, and a space where nothing can follow it.
     for line, wanted in (('lucarium rend', 'lucarium render'),
                          ('lucarium render --iter', 'lucarium render --iterations'),
