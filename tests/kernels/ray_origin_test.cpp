@@ -122,7 +122,7 @@ TEST_CASE("rays do not find the triangle that they leave, at whatever angle") {
   const auto found = test_buffer<Hit>(rays.size());
   const auto counter = test_buffer(std::vector<uint>{static_cast<uint>(rays.size())});
   ScheduleRecorder recorder = scheduler.record("trace", "test");
-  bvh.record_closest(recorder, "closest", ray_buffer, found, counter, 0, static_cast<uint32_t>(rays.size()));
+  bvh.record_closest(recorder, "closest", {ray_buffer, counter, 0, static_cast<uint32_t>(rays.size())}, found);
   Schedule schedule = recorder.compile();
   scheduler.run(schedule);
   scheduler.finish();

@@ -121,7 +121,7 @@ class AmbientOcclusion : public TechniqueBase<Options> {
         .arg("seed", seed_)
         .arg("reach", parameters_.distance * scene().bounds().radius())
         .arg("rays", rays);
-    bvh().record_any(recorder, "occlusion rays", rays, occluded, count_, 0, pixels());
+    bvh().record_any(recorder, "occlusion rays", {rays, count_, 0, pixels()}, occluded);
     recorder.pass("add open rays", program_, "add_open_rays")
         .global(pixels())
         .arg("count", pixels())

@@ -23,4 +23,16 @@ float u;         // barycentric weight of the second vertex
 float v;         // barycentric weight of the third vertex
 LUCARIUM_STRUCT_END(Hit, 16)
 
+// The surfaces that a ray leaves and is to reach, for intersectors that want to know (Intersector::wants_ends): a world
+// triangle each, LUCARIUM_NONE where there is none (a camera, a punctual light, the infinite) or none is known. The
+// front of a triangle is the side from which its corners are counter-clockwise. Of an inactive ray they mean nothing.
+#define LUCARIUM_RAY_END_BACK \
+  0x80000000u  // start: the ray leaves on the back side of the triangle; end: the point on
+               // the triangle is reached from its back side
+
+LUCARIUM_STRUCT_BEGIN(RayEnds)
+uint start;  // the triangle off which the origin lies, and the side
+uint end;    // the triangle off which the ray's last point lies, and the side
+LUCARIUM_STRUCT_END(RayEnds, 8)
+
 #endif

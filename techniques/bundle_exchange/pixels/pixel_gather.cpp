@@ -61,7 +61,7 @@ void PixelGather::record(ScheduleRecorder& recorder, const LayeredRaster::Stored
       .arg("contribution", contribution_)
       .arg("rays", rays_)
       .arg("shares", shares_);
-  intersector_->record_closest(recorder, "rays of pixels not found", rays_, hits, count_, 0, options_.pixels);
+  intersector_->record_closest(recorder, "rays of pixels not found", {rays_, count_, 0, options_.pixels}, hits);
   PassBuilder missed =
       surface_pass(recorder, "gather at pixels not found", program_, "gather_missed", *scene_, *atlas_);
   missed.global(options_.pixels)

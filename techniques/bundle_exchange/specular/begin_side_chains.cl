@@ -35,8 +35,9 @@ __kernel void begin_side_chains(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   SpecularChain chain =
       begin_chain(target, (float3)(1.0f / probabilities[target]), medium_at(&scene, &surface, LUCARIUM_NONE));
   Ray ray = inactive_ray(), shadow_ray = ray;
+  RayEnds ends;
   float3 light = (float3)(0.0f);
-  if (!settings.lit || !sample_chain_light(&scene, settings, &surface, &bsdf, &chain, &light, &shadow_ray))
+  if (!settings.lit || !sample_chain_light(&scene, settings, &surface, &bsdf, &chain, &light, &shadow_ray, &ends))
     shadow_ray = inactive_ray();
   if (!extend_chain(&scene, settings, &surface, &bsdf, &chain, &ray)) ray = inactive_ray();
   chains[target] = chain;

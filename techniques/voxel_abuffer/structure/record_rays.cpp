@@ -13,9 +13,8 @@ constexpr size_t slice_rays = 1u << 15;  // per compute unit, between two looks 
 }  // namespace
 
 void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
-                                 const BufferRef& rays, const char* result_name, const BufferRef& result,
-                                 const BufferRef& counter, uint32_t counter_index, uint32_t capacity) const {
-  const size_t items = std::max<size_t>(1, (size_t{capacity} + rays_per_item - 1) / rays_per_item);
+                                 const RayBuffers& rays, const char* result_name, const BufferRef& result) const {
+  const size_t items = std::max<size_t>(1, (size_t{rays.capacity} + rays_per_item - 1) / rays_per_item);
   const auto of = [&](const TypedBuffer<uint32_t>& (AbufferLists::*what)() const) -> BufferRef {
     return exact ? (*exact.*what)() : counts;  // never read: no voxel has exact triangles
   };
@@ -23,11 +22,11 @@ void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& 
   pass.global(items)
       .local(1)
       .slice(slice_rays * std::max(1u, device->info().compute_units) / rays_per_item)
-      .arg("rays", rays)
+      .arg("rays", rays.rays)
       .arg(result_name, result)
-      .arg("counter", counter)
-      .arg("counter_index", counter_index)
-      .arg("capacity", capacity)
+      .arg("counter", rays.counter)
+      .arg("counter_index", rays.counter_index)
+      .arg("capacity", rays.capacity)
       .arg("abuffer_grid", grid_buffer)
       .arg("abuffer_bricks", bricks)
       .arg("abuffer_voxels", voxels)
@@ -38,16 +37,14 @@ void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& 
   if (search_alpha) buffers->bind(pass);
 }
 
-void VoxelAbuffer::record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                                  const BufferRef& hits, const BufferRef& counter, uint32_t counter_index,
-                                  uint32_t capacity) const {
-  state_->record(recorder, pass_name, "abuffer_closest", rays, "hits", hits, counter, counter_index, capacity);
+void VoxelAbuffer::record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                                  const BufferRef& hits) const {
+  state_->record(recorder, pass_name, "abuffer_closest", rays, "hits", hits);
 }
 
-void VoxelAbuffer::record_any(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                              const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
-                              uint32_t capacity) const {
-  state_->record(recorder, pass_name, "abuffer_any", rays, "occluded", occluded, counter, counter_index, capacity);
+void VoxelAbuffer::record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                              const BufferRef& occluded) const {
+  state_->record(recorder, pass_name, "abuffer_any", rays, "occluded", occluded);
 }
 
 }  // namespace lucarium::abuffer

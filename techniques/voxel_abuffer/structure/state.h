@@ -18,9 +18,8 @@ struct VoxelAbuffer::State {
   void reserve();
   void record_build();
   void compile();
-  void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const BufferRef& rays,
-              const char* result_name, const BufferRef& result, const BufferRef& counter, uint32_t counter_index,
-              uint32_t capacity) const;
+  void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const RayBuffers& rays,
+              const char* result_name, const BufferRef& result) const;
 
   KernelScheduler* scheduler;
   Device* device;

@@ -47,12 +47,10 @@ class VoxelAbuffer : public Intersector {
   uint64_t generation() const;
 
   std::string name() const override { return "voxel_abuffer"; }
-  void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                      const BufferRef& hits, const BufferRef& counter, uint32_t counter_index,
-                      uint32_t capacity) const override;
-  void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                  const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
-                  uint32_t capacity) const override;
+  void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                      const BufferRef& hits) const override;
+  void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                  const BufferRef& occluded) const override;
 
   const VoxelAbufferStatistics& statistics() const;
 

@@ -250,7 +250,7 @@ class Bench {
     first_ = start.compile();
     for (int from = 0; from < 2; ++from) {
       ScheduleRecorder recorder = scheduler_.record("next rays", "bench");
-      bvh_.record_closest(recorder, "closest", ray_buffer_[from], hits_, counter_[from], 0, capacity);
+      bvh_.record_closest(recorder, "closest", {ray_buffer_[from], counter_[from], 0, capacity}, hits_);
       recorder.fill_zero("next counter", counter_[1 - from]);
       recorder.pass("next rays", rays_, "next_rays")
           .global(capacity / 1024 + 1)

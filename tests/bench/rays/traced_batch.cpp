@@ -13,9 +13,9 @@ TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Inter
   const auto count = static_cast<uint32_t>(rays.size());
   ScheduleRecorder recorder = scheduler.record("rays", "bench");
   if (any)
-    intersector.record_any(recorder, "any hit", rays_, occluded_, counter_, 0, count);
+    intersector.record_any(recorder, "any hit", {rays_, counter_, 0, count}, occluded_);
   else
-    intersector.record_closest(recorder, "closest hit", rays_, hits_, counter_, 0, count);
+    intersector.record_closest(recorder, "closest hit", {rays_, counter_, 0, count}, hits_);
   schedule_ = recorder.compile();
   run();
 }

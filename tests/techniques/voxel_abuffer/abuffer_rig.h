@@ -33,8 +33,8 @@ struct AbufferRig {
     const TypedBuffer<uint32_t> occluded(scheduler.device(), "test", "occluded", rays.size());
     const TypedBuffer<uint32_t> counter(scheduler.device(), "test", "counter", std::vector<uint32_t>{count});
     ScheduleRecorder recorder = scheduler.record("trace", "test");
-    intersector.record_closest(recorder, "closest", ray_buffer, hits, counter, 0, count);
-    intersector.record_any(recorder, "any", ray_buffer, occluded, counter, 0, count);
+    intersector.record_closest(recorder, "closest", {ray_buffer, counter, 0, count}, hits);
+    intersector.record_any(recorder, "any", {ray_buffer, counter, 0, count}, occluded);
     Schedule schedule = recorder.compile();
     scheduler.run(schedule);
     scheduler.finish();

@@ -88,9 +88,8 @@ struct Bvh::State {
   void prepare_refit();
   void upload();
   void compile();
-  void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const BufferRef& rays,
-              const char* result_name, const BufferRef& result, const BufferRef& counter, uint32_t counter_index,
-              uint32_t capacity) const;
+  void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const RayBuffers& rays,
+              const char* result_name, const BufferRef& result) const;
 };
 
 void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
@@ -191,18 +190,17 @@ void Bvh::State::compile() {
 }
 
 void Bvh::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
-                        const BufferRef& rays, const char* result_name, const BufferRef& result,
-                        const BufferRef& counter, uint32_t counter_index, uint32_t capacity) const {
-  const size_t items = std::max<size_t>(1, (size_t{capacity} + shape.rays_per_item - 1) / shape.rays_per_item);
+                        const RayBuffers& rays, const char* result_name, const BufferRef& result) const {
+  const size_t items = std::max<size_t>(1, (size_t{rays.capacity} + shape.rays_per_item - 1) / shape.rays_per_item);
   PassBuilder pass = recorder.pass(pass_name, program, kernel);
   pass.global(items)
       .local(shape.local_size)
       .slice(slice_rays * std::max(1u, device->info().compute_units) / shape.rays_per_item)
-      .arg("rays", rays)
+      .arg("rays", rays.rays)
       .arg(result_name, result)
-      .arg("counter", counter)
-      .arg("counter_index", counter_index)
-      .arg("capacity", capacity)
+      .arg("counter", rays.counter)
+      .arg("counter_index", rays.counter_index)
+      .arg("capacity", rays.capacity)
       .arg("bvh_nodes", nodes)
       .arg("bvh_blocks", blocks);
   if (program_alpha) scene->bind(pass);
@@ -255,16 +253,14 @@ void Bvh::update(std::span<const Vertex> vertices, std::span<const Triangle> tri
 
 uint64_t Bvh::generation() const { return state_->generation; }
 
-void Bvh::record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                         const BufferRef& hits, const BufferRef& counter, uint32_t counter_index,
-                         uint32_t capacity) const {
-  state_->record(recorder, pass_name, "bvh_closest", rays, "hits", hits, counter, counter_index, capacity);
+void Bvh::record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                         const BufferRef& hits) const {
+  state_->record(recorder, pass_name, "bvh_closest", rays, "hits", hits);
 }
 
-void Bvh::record_any(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                     const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
-                     uint32_t capacity) const {
-  state_->record(recorder, pass_name, "bvh_any", rays, "occluded", occluded, counter, counter_index, capacity);
+void Bvh::record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                     const BufferRef& occluded) const {
+  state_->record(recorder, pass_name, "bvh_any", rays, "occluded", occluded);
 }
 
 BvhTraversal Bvh::traversal() const { return state_->traversal; }

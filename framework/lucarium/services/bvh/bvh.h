@@ -60,12 +60,10 @@ class Bvh : public Intersector {
   uint64_t generation() const;
 
   std::string name() const override { return "bvh"; }
-  void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                      const BufferRef& hits, const BufferRef& counter, uint32_t counter_index,
-                      uint32_t capacity) const override;
-  void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const BufferRef& rays,
-                  const BufferRef& occluded, const BufferRef& counter, uint32_t counter_index,
-                  uint32_t capacity) const override;
+  void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                      const BufferRef& hits) const override;
+  void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
+                  const BufferRef& occluded) const override;
 
   BvhTraversal traversal() const;  ///< the one chosen
   const BvhStatistics& statistics() const;

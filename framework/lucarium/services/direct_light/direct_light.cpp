@@ -7,6 +7,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/light_at_points/light_at_points.h"
+#include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {
@@ -39,7 +40,7 @@ struct DirectLight::State {
                 {"services/direct_light",
                  {"lucarium/services/direct_light/sample_direct_light.cl",
                   "lucarium/services/direct_light/add_direct_light.cl"},
-                 {}}) {}
+                 ray_end_defines(intersector)}) {}
 
   Recorded& radiance_schedule(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& sums);
   Recorded& irradiance_schedule(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& sums);
@@ -91,6 +92,8 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
   const BufferRef bsdf_rays = recorder.transient<Ray>("BSDF rays", count, kFewerPoints);
   const BufferRef bsdf_weights = recorder.transient<float4>("BSDF weights", count, kFewerPoints);
   const BufferRef hits = recorder.transient<Hit>("hits", count, kFewerPoints);
+  const BufferRef shadow_ends = transient_ray_ends(recorder, intersector, "ends of shadow rays", count, kFewerPoints);
+  const BufferRef bsdf_ends = transient_ray_ends(recorder, intersector, "ends of BSDF rays", count, kFewerPoints);
   PassBuilder sample = recorder.pass("sample direct light", program, "sample_direct_radiance");
   scene.bind(sample);
   sample.global(count)
@@ -102,9 +105,11 @@ Recorded& DirectLight::State::radiance_schedule(const TypedBuffer<GBufferPoint>&
       .arg("shadow_rays", shadow_rays)
       .arg("shadow_light", shadow_light)
       .arg("bsdf_rays", bsdf_rays)
-      .arg("bsdf_weights", bsdf_weights);
-  intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, point_count, 0, count);
-  intersector.record_closest(recorder, "BSDF rays", bsdf_rays, hits, point_count, 0, count);
+      .arg("bsdf_weights", bsdf_weights)
+      .arg_if_present("shadow_ends", shadow_ends)
+      .arg_if_present("bsdf_ends", bsdf_ends);
+  intersector.record_any(recorder, "shadow rays", {shadow_rays, point_count, 0, count, shadow_ends}, occluded);
+  intersector.record_closest(recorder, "BSDF rays", {bsdf_rays, point_count, 0, count, bsdf_ends}, hits);
   PassBuilder add = recorder.pass("add direct light", program, "add_direct_radiance");
   scene.bind(add);
   add.global(count)
@@ -126,7 +131,9 @@ Recorded& DirectLight::State::irradiance_schedule(const TypedBuffer<SurfacePoint
   if (recorded.schedule) return recorded;
   if (!point_program)
     point_program = Program(device, SourceLibrary(),
-                            {"services/surface_points", {"lucarium/services/light_at_points/surface_points.cl"}, {}});
+                            {"services/surface_points",
+                             {"lucarium/services/light_at_points/surface_points.cl"},
+                             ray_end_defines(intersector)});
   const LightAtPoints light(
       device, scene, intersector, point_program, static_cast<uint32_t>(points.count()),
       [&](PassBuilder& pass) { pass.arg("points", points); }, owner, kFewerPoints);
@@ -151,8 +158,9 @@ DirectLight::DirectLight(Device& device, KernelScheduler& scheduler, const Scene
 
 DirectLight::~DirectLight() = default;
 
-size_t DirectLight::estimate_bytes(size_t points) {
-  return points * (2 * sizeof(Ray) + 2 * sizeof(float4) + sizeof(uint32_t) + sizeof(Hit));  // the transients, unshared
+size_t DirectLight::estimate_bytes(size_t points, bool ray_ends) {
+  const size_t per_ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
+  return points * (2 * per_ray + 2 * sizeof(float4) + sizeof(uint32_t) + sizeof(Hit));  // the transients, unshared
 }
 
 bool DirectLight::accumulate_radiance(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance,

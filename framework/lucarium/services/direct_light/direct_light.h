@@ -35,8 +35,8 @@ class DirectLight {
   /// Compiles what the same call will launch.
   void warm_up(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& radiance);
   void warm_up(const TypedBuffer<SurfacePoint>& points, const TypedBuffer<float4>& irradiance);
-  /// Device memory of one pair of buffers, without them [bytes].
-  static size_t estimate_bytes(size_t points);
+  /// Device memory of one pair of buffers, without them [bytes]. `ray_ends`: over an intersector that wants them.
+  static size_t estimate_bytes(size_t points, bool ray_ends = false);
 
  private:
   struct State;

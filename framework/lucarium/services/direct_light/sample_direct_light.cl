@@ -12,7 +12,9 @@
 // shadow_light: xyz what the pixel gets if shadow ray i is free; w: bits of the medium that BSDF ray i runs through.
 // bsdf_weights: xyz factor of the light that BSDF ray i meets; w: density of its direction [1/sr].
 __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint count,
-                                     uint sample_index, uint seed, uint kinds, __global Ray* restrict shadow_rays,
+                                     uint sample_index, uint seed, uint kinds,
+                                     LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends) LUCARIUM_RAY_ENDS_PARAMETER(bsdf_ends)
+                                         __global Ray* restrict shadow_rays,
                                      __global float4* restrict shadow_light, __global Ray* restrict bsdf_rays,
                                      __global float4* restrict bsdf_weights) {
   const uint i = get_global_id(0);
@@ -32,10 +34,12 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   const LightChoiceSample u = sample_light_dimensions(&sampler, 0u);
   float3 light;
   Ray ray;
+  RayEnds ends;
   const uint here = gbuffer_medium(point), behind = medium_behind(&scene, &surface, here);
   if (sample_light_at(&scene, &surface, &bsdf, u, here, true, kinds,
-                      make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light, &ray)) {
+                      make_ray_seed(hash_uint3(sampler.seed, sample_index, 0u)), &light, &ray, &ends)) {
     shadow_rays[i] = ray;
+    LUCARIUM_STORE_RAY_ENDS(shadow_ends, i, ends);
     shadow_light[i] = (float4)(point.throughput.xyz * light, 0.0f);
   }
 
@@ -45,6 +49,7 @@ __kernel void sample_direct_radiance(LUCARIUM_SCENE_PARAMETERS __global const GB
   const BsdfSample sample = sample_bsdf(&bsdf, u.lobe, v.direction);
   if (sample.delta || is_black(sample.weight)) return;
   bsdf_rays[i] = make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 1u)));
+  LUCARIUM_STORE_RAY_ENDS(bsdf_ends, i, ray_ends(&surface, sample.direction));
   bsdf_weights[i] = (float4)(point.throughput.xyz * sample.weight, sample.pdf);
   shadow_light[i].w = as_float(sample.transmitted ? behind : here);
 }

@@ -33,7 +33,7 @@ void keep_surface(const Scene* scene, const Surface* surface, const Bsdf* bsdf, 
 
 // True when the path goes on along `next_ray`.
 bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hit hit, float3 direction,
-                GBufferPoint* point, Ray* next_ray) {
+                GBufferPoint* point, Ray* next_ray, RayEnds* next_ends) {
   const Surface surface = make_surface(scene, hit, direction, 0u);
   point->position.w += hit.distance;
   // While the path is followed, the medium of its ray waits where the view will be.
@@ -66,15 +66,16 @@ bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hi
   }
   *next_ray =
       make_ray(&surface, sample.direction, make_ray_seed(hash_uint3(sampler.seed, sample_index, 2u * events + 1u)));
+  *next_ends = ray_ends(&surface, sample.direction);
   return true;
 }
 
-// Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i] and next_queue[i].
+// Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i].
 __kernel void fill_gbuffer(LUCARIUM_SCENE_PARAMETERS Frame frame, uint sample_index, __global const Ray* restrict rays,
                            __global const Hit* restrict hits, __global const uint* restrict queue,
                            __global const uint* restrict active, __global GBufferPoint* restrict points,
-                           __global Ray* restrict next_rays, __global uint* restrict next_queue,
-                           __global uint* restrict alive) {
+                           LUCARIUM_RAY_ENDS_PARAMETER(next_ends) __global Ray* restrict next_rays,
+                           __global uint* restrict next_queue, __global uint* restrict alive) {
   const uint i = get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -84,13 +85,15 @@ __kernel void fill_gbuffer(LUCARIUM_SCENE_PARAMETERS Frame frame, uint sample_in
   GBufferPoint point = points[pixel];
   bool goes_on = false;
   Ray next_ray = rays[i];
+  RayEnds ends = no_ray_ends();
   if (hit.triangle != LUCARIUM_NO_HIT)
-    goes_on = follow_hit(&scene, frame.seed, sample_index, pixel, hit, direction, &point, &next_ray);
+    goes_on = follow_hit(&scene, frame.seed, sample_index, pixel, hit, direction, &point, &next_ray, &ends);
   else if (scene.scene_info->environment_light != LUCARIUM_NONE)
     point.emission.xyz += point.throughput.xyz * environment_radiance(&scene, direction);
   if (!goes_on) point.view.w = 0.0f;
   points[pixel] = point;
   alive[i] = goes_on;
   next_rays[i] = next_ray;
+  LUCARIUM_STORE_RAY_ENDS(next_ends, i, ends);
   next_queue[i] = pixel;
 }

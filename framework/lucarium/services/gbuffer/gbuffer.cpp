@@ -6,6 +6,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/primitives/primitives.h"
+#include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {
@@ -29,9 +30,10 @@ struct GBuffer::State {
                 {"services/gbuffer",
                  {"lucarium/services/gbuffer/generate_gbuffer_rays.cl", "lucarium/services/gbuffer/fill_gbuffer.cl",
                   "lucarium/services/path_integrator/advance_paths.cl"},
-                 {}}),
+                 ray_end_defines(intersector)}),
         points(device, owner, "G-buffer", pixels, kLowerSize),
         rays(device, owner, "G-buffer rays", pixels, kLowerSize),
+        ends(make_ray_ends(device, intersector, owner, "ends of G-buffer rays", pixels, kLowerSize)),
         queue(device, owner, "G-buffer queue", pixels, kLowerSize),
         active(device, owner, "active G-buffer rays", 1) {
     record_start();
@@ -51,6 +53,7 @@ struct GBuffer::State {
   Program program;
   TypedBuffer<GBufferPoint> points;
   TypedBuffer<Ray> rays;
+  TypedBuffer<RayEnds> ends;     ///< empty where the intersector wants none
   TypedBuffer<uint32_t> queue;   ///< pixel of ray i
   TypedBuffer<uint32_t> active;  ///< one element: rays in the queue
   Schedule start, follow;
@@ -69,6 +72,7 @@ void GBuffer::State::record_start() {
       .arg("sample_index", start_sample)
       .arg("points", points)
       .arg("rays", rays)
+      .arg_if_present("ends", ends)
       .arg("queue", queue)
       .arg("active", active);
   start = recorder.compile();
@@ -80,11 +84,12 @@ void GBuffer::State::record_follow() {
   follow_sample = recorder.variable("sample", 0u);
   const BufferRef hits = recorder.transient<Hit>("hits", pixels, kLowerSize);
   const BufferRef next_rays = recorder.transient<Ray>("next rays", pixels, kLowerSize);
+  const BufferRef next_ends = transient_ray_ends(recorder, intersector, "ends of next rays", pixels, kLowerSize);
   const BufferRef next_queue = recorder.transient<uint32_t>("next queue", pixels, kLowerSize);
   const BufferRef alive = recorder.transient<uint32_t>("alive", pixels, kLowerSize);
   const BufferRef survivors = recorder.transient<uint32_t>("survivors", pixels, kLowerSize);
   const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
-  intersector.record_closest(recorder, "closest hit", rays, hits, active, 0, pixels);
+  intersector.record_closest(recorder, "closest hit", {rays, active, 0, pixels, ends}, hits);
   PassBuilder fill = recorder.pass("fill G-buffer", program, "fill_gbuffer");
   scene.bind(fill);
   fill.global_by(active)
@@ -96,6 +101,7 @@ void GBuffer::State::record_follow() {
       .arg("active", active)
       .arg("points", points)
       .arg("next_rays", next_rays)
+      .arg_if_present("next_ends", next_ends)
       .arg("next_queue", next_queue)
       .arg("alive", alive);
   primitives.record_compact(recorder, "compact rays", alive, survivors, next_active, 0, active, 0, pixels);
@@ -105,6 +111,8 @@ void GBuffer::State::record_follow() {
       .arg("next_active", next_active)
       .arg("next_rays", next_rays)
       .arg("next_queue", next_queue)
+      .arg_if_present("next_ends", next_ends)
+      .arg_if_present("ends", ends)
       .arg("rays", rays)
       .arg("queue", queue)
       .arg("active", active);
@@ -165,8 +173,10 @@ void GBuffer::resolve(Film& film) const {
   write("Ns", {"X", "Y", "Z"}, &GBufferPoint::shading);
 }
 
-size_t GBuffer::estimate_bytes(uint32_t width, uint32_t height) {
-  return size_t{width} * height * (sizeof(GBufferPoint) + 2 * sizeof(Ray) + sizeof(Hit) + 4 * sizeof(uint32_t));
+size_t GBuffer::estimate_bytes(uint32_t width, uint32_t height, bool ray_ends) {
+  return size_t{width} * height *
+         (sizeof(GBufferPoint) + 2 * (sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0)) + sizeof(Hit) +
+          4 * sizeof(uint32_t));
 }
 
 }  // namespace lucarium

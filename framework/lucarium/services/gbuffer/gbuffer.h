@@ -28,7 +28,8 @@ class GBuffer {
   const TypedBuffer<GBufferPoint>& points() const;  ///< width · height, rows from the top
   /// Writes Albedo, P, N, Ns AOVs of the last render.
   void resolve(Film& film) const;
-  static size_t estimate_bytes(uint32_t width, uint32_t height);
+  /// `ray_ends`: over an intersector that wants them.
+  static size_t estimate_bytes(uint32_t width, uint32_t height, bool ray_ends = false);
 
  private:
   struct State;

@@ -27,10 +27,10 @@ class InteriorWalks {
  public:
   InteriorWalks(Device& device, const SceneBuffers& scene, const Intersector& intersector, const InteriorRule& rule);
 
-  /// Records all steps of walks i < counter[0] ≤ capacity. `rays` (Ray): the first ones, inactive where there is no
-  /// walk; they are overwritten. escaped[i] (uchar) becomes 1 where a walk escapes, and stays as it is elsewhere.
-  void record(ScheduleRecorder& recorder, const BufferRef& rays, const BufferRef& escaped, const BufferRef& counter,
-              uint32_t capacity) const;
+  /// Records all steps of walks. `rays`: the first ones, inactive where there is no walk; they and their ends are
+  /// overwritten. counter_index is 0. escaped[i] (uchar) becomes 1 where a walk escapes, and stays as it is elsewhere.
+  void record(ScheduleRecorder& recorder, const RayBuffers& rays, const BufferRef& escaped) const;
+  const Intersector& intersector() const { return *intersector_; }
   const Program& program() const { return program_; }  ///< walks.cl
   const SceneBuffers& scene() const { return *scene_; }
 

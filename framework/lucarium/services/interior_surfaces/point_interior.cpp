@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/interrupt.h"
+#include "lucarium/services/ray_ends.h"
 
 namespace lucarium {
 namespace {
@@ -51,6 +52,7 @@ std::vector<uint8_t> PointInterior::walk(std::span<const InteriorPoint> points, 
   ScheduleRecorder recorder = scheduler_.record("interior of points", owner_);
   const Variable<uint32_t> number = recorder.variable("number", 0u);
   const BufferRef rays = recorder.transient<Ray>("steps of walks", count, remedy_);
+  const BufferRef ends = transient_ray_ends(recorder, walks_.intersector(), "ends of steps of walks", count, remedy_);
   PassBuilder begin = recorder.pass("begin walks", walks_.program(), "begin_point_walks");
   walks_.scene().bind(begin);
   begin.global(count)
@@ -59,8 +61,9 @@ std::vector<uint8_t> PointInterior::walk(std::span<const InteriorPoint> points, 
       .arg("behind", side == Side::behind ? 1u : 0u)
       .arg("number", number)
       .arg("escaped", escaped)
-      .arg("rays", rays);
-  walks_.record(recorder, rays, escaped, counter, count);
+      .arg("rays", rays)
+      .arg_if_present("ends", ends);
+  walks_.record(recorder, {rays, counter, 0, count, ends}, escaped);
   Schedule schedule = recorder.compile();
   for (uint32_t i = 0; i < walks; ++i) {
     throw_if_interrupted("hidden points");

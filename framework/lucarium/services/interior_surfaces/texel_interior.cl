@@ -23,7 +23,8 @@ __kernel void begin_interior(uint count, __global uint* restrict states, __globa
 __kernel void aim_texel_walks(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global const AtlasSample* restrict atlas_samples, uint samples, uint first, uint turn,
                               __global const uint* restrict list, __global const uint* restrict active,
-                              __global Ray* restrict rays, __global uchar* restrict escaped) {
+                              LUCARIUM_RAY_ENDS_PARAMETER(ends) __global Ray* restrict rays,
+                              __global uchar* restrict escaped) {
   const uint j = get_global_id(0);
   if (j >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -31,7 +32,9 @@ __kernel void aim_texel_walks(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const AtlasSample sample = atlas_samples[point];
   const Surface surface = atlas_surface(&scene, atlas_info, point / samples, sample.triangle, sample.b1, sample.b2);
   const float4 u = random_float4(INTERIOR_SEED, point, turn);
-  rays[j] = walk_ray(&surface, surface.n_g, u.xy, as_uint(u.z));
+  const Ray ray = walk_ray(&surface, surface.n_g, u.xy, as_uint(u.z));
+  rays[j] = ray;
+  LUCARIUM_STORE_RAY_ENDS(ends, j, ray_ends(&surface, ray.direction.xyz));
   escaped[j] = 0;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/interior_point.h"
 
 namespace lucarium {
@@ -31,7 +32,9 @@ TexelInterior::TexelInterior(Device& device, KernelScheduler& scheduler, const S
       primitives_(device),
       walks_(device, scene, intersector, rule),
       program_(device, SourceLibrary(),
-               {"interior of texels", {"lucarium/services/interior_surfaces/texel_interior.cl"}, {}}),
+               {"interior of texels",
+                {"lucarium/services/interior_surfaces/texel_interior.cl"},
+                ray_end_defines(intersector)}),
       sides_(atlas.info().texel_count),
       samples_(samples_per_side(atlas)),
       chunk_(std::min(kChunk, sides_)),
@@ -57,6 +60,7 @@ void TexelInterior::record(const SurfaceAtlas& atlas, const std::string& owner) 
                   list = recorder.transient<uint32_t>("points in doubt", capacity),
                   all = recorder.transient<uint32_t>("points", 1), active = recorder.transient<uint32_t>("active", 1),
                   rays = recorder.transient<Ray>("steps of walks", capacity),
+                  ends = transient_ray_ends(recorder, walks_.intersector(), "ends of steps of walks", capacity),
                   escaped = recorder.transient<uint8_t>("escaped", capacity);
   recorder.pass("begin interior", program_, "begin_interior")
       .global(capacity)
@@ -76,8 +80,9 @@ void TexelInterior::record(const SurfaceAtlas& atlas, const std::string& owner) 
         .arg("list", list)
         .arg("active", active)
         .arg("rays", rays)
+        .arg_if_present("ends", ends)
         .arg("escaped", escaped);
-    walks_.record(recorder, rays, escaped, active, capacity);
+    walks_.record(recorder, {rays, active, 0, capacity, ends}, escaped);
     recorder.pass("judge walks", program_, "judge_texel_walks")
         .global_by(active)
         .arg("turn", round)

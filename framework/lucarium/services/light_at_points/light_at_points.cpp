@@ -8,6 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/primitives/primitives.h"
+#include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {
@@ -35,6 +36,7 @@ LightAtPoints::LightAtPoints(Device& device, const SceneBuffers& scene, const In
 
 LightAtPoints::Shadows LightAtPoints::shadows(ScheduleRecorder& recorder) const {
   return {recorder.transient<Ray>("shadow rays of points", points_, remedy_),
+          transient_ray_ends(recorder, intersector_, "ends of shadow rays of points", points_, remedy_),
           recorder.transient<float4>("light behind the shadow rays", points_, remedy_),
           recorder.transient<uint32_t>("occluded points", points_, remedy_)};
 }
@@ -67,6 +69,7 @@ void LightAtPoints::record_samples(ScheduleRecorder& recorder, const Variable<ui
                                    const Variable<uint32_t>& seed, const Bind& bind_sums, uint32_t kinds) const {
   const Shadows found = shadows(recorder);
   const BufferRef lamp_rays = recorder.transient<Ray>("rays to lamps", points_, remedy_);
+  const BufferRef lamp_ends = transient_ray_ends(recorder, intersector_, "ends of rays to lamps", points_, remedy_);
   const BufferRef lamps = recorder.transient<Hit>("hits of lamps", points_, remedy_);
   point_pass(recorder, "sample light at points", "sample_light_at_points")
       .slice(kPointsPerSlice)
@@ -75,9 +78,12 @@ void LightAtPoints::record_samples(ScheduleRecorder& recorder, const Variable<ui
       .arg("kinds", kinds)
       .arg("shadow_rays", found.rays)
       .arg("shadow_light", found.light)
-      .arg("lamp_rays", lamp_rays);
-  intersector_.record_any(recorder, "shadow rays of points", found.rays, found.occluded, count_, 0, points_);
-  intersector_.record_closest(recorder, "rays to lamps", lamp_rays, lamps, count_, 0, points_);
+      .arg("lamp_rays", lamp_rays)
+      .arg_if_present("shadow_ends", found.ends)
+      .arg_if_present("lamp_ends", lamp_ends);
+  intersector_.record_any(recorder, "shadow rays of points", {found.rays, count_, 0, points_, found.ends},
+                          found.occluded);
+  intersector_.record_closest(recorder, "rays to lamps", {lamp_rays, count_, 0, points_, lamp_ends}, lamps);
   PassBuilder add = add_pass(recorder, "add_light_at_points", found, sample_index, seed, bind_sums);
   bind_points_(add);
   add.arg("lamp_rays", lamp_rays).arg("lamps", lamps);
@@ -94,8 +100,10 @@ void LightAtPoints::record_virtual_light(ScheduleRecorder& recorder, const Buffe
       .arg("seed", seed)
       .arg("max_geometry", max_geometry)
       .arg("shadow_rays", found.rays)
-      .arg("shadow_light", found.light);
-  intersector_.record_any(recorder, "rays to virtual lights", found.rays, found.occluded, count_, 0, points_);
+      .arg("shadow_light", found.light)
+      .arg_if_present("shadow_ends", found.ends);
+  intersector_.record_any(recorder, "rays to virtual lights", {found.rays, count_, 0, points_, found.ends},
+                          found.occluded);
   add_pass(recorder, "add_virtual_light_at_points", found, light, seed, bind_sums);
 }
 

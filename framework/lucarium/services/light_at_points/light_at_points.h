@@ -14,7 +14,8 @@ namespace lucarium {
 /// point and pass, or that of photons. A .cl file of the technique's says what point i is and where its light goes:
 /// light_at_points.clh.
 ///
-///   const Program program(device, library, {"my technique/points", {"my_technique/points.cl"}, {}});
+///   const Program program(device, library,
+///                         {"my technique/points", {"my_technique/points.cl"}, ray_end_defines(bvh)});
 ///   LightAtPoints light(device, buffers, bvh, program, points, [&](PassBuilder& pass) { pass.arg("leaves", leaves); },
 ///                       "my technique", "use fewer points");
 ///   light.record_samples(recorder, sample, seed, [&](PassBuilder& pass) { pass.arg("sums", sums); });
@@ -52,7 +53,7 @@ class LightAtPoints {
 
  private:
   struct Shadows {
-    BufferRef rays, light, occluded;
+    BufferRef rays, ends, light, occluded;
   };
   Shadows shadows(ScheduleRecorder& recorder) const;
   PassBuilder point_pass(ScheduleRecorder& recorder, const std::string& name, const char* kernel) const;

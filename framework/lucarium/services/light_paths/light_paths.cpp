@@ -3,6 +3,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium {
@@ -36,6 +37,8 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
   const LightPathRules rules = rules_of(options_);
   const BufferRef rays = recorder.transient<Ray>("rays of light paths", paths, options_.remedy);
   const BufferRef hits = recorder.transient<Hit>("hits of light paths", paths, options_.remedy);
+  const BufferRef ends =
+      transient_ray_ends(recorder, intersector_, "ends of rays of light paths", paths, options_.remedy);
   const BufferRef states = recorder.transient<LightPathState>("light paths", paths, options_.remedy);
   PassBuilder emit = recorder.pass("emit light paths", program, "emit_light_paths");
   scene_.bind(emit);
@@ -45,9 +48,10 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
       .arg("frame", run)
       .arg("seed", seed)
       .arg("rays", rays)
+      .arg_if_present("ends", ends)
       .arg("states", states);
   for (uint32_t number = 0; number < options_.vertices; ++number) {
-    intersector_.record_closest(recorder, "trace light paths", rays, hits, count_, 0, paths);
+    intersector_.record_closest(recorder, "trace light paths", {rays, count_, 0, paths, ends}, hits);
     PassBuilder advance = recorder.pass("vertices of light paths", program, "advance_light_paths");
     scene_.bind(advance);
     advance.global(paths)
@@ -58,6 +62,7 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
         .arg("number", number)
         .arg("hits", hits)
         .arg("rays", rays)
+        .arg_if_present("ends", ends)
         .arg("states", states);
     bind(advance);
   }
@@ -72,7 +77,9 @@ void LightPaths::record_virtual_lights(ScheduleRecorder& recorder, const Variabl
     throw_error(ErrorClass::internal, "LightPaths: lights has {} elements, vertices from number {} on fill {}",
                 lights.count(), first, virtual_lights(first));
   const Program program(device_, SourceLibrary(),
-                        {"services/light_paths", {"lucarium/services/light_paths/store_virtual_lights.cl"}, {}});
+                        {"services/light_paths",
+                         {"lucarium/services/light_paths/store_virtual_lights.cl"},
+                         ray_end_defines(intersector_)});
   recorder.fill_zero("no virtual lights", lights);
   record(recorder, run, seed, program, [&](PassBuilder& pass) {
     pass.arg("lights", lights).arg("first", first).arg("paths", options_.paths).arg("reflected", reflected ? 1u : 0u);

@@ -40,8 +40,8 @@ class LightPaths {
              const std::string& owner);
 
   /// Records one run: all paths from their lights to their last vertices. `program` holds the kernels of
-  /// light_paths.clh, `bind` binds the technique's own arguments of advance_light_paths. Every value of `run` gives
-  /// other paths.
+  /// light_paths.clh, compiled with ray_end_defines(); `bind` binds the technique's own arguments of
+  /// advance_light_paths. Every value of `run` gives other paths.
   void record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
               const Program& program, const Bind& bind) const;
 

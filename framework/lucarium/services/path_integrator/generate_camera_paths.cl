@@ -3,7 +3,8 @@
 #include "lucarium/camera.clh"
 #include "lucarium/services/path_integrator/path_state.clh"
 
-__kernel void generate_camera_paths(Frame frame, PathSettings settings, PathBatch batch, __global Ray* restrict rays,
+__kernel void generate_camera_paths(Frame frame, PathSettings settings, PathBatch batch,
+                                    LUCARIUM_RAY_ENDS_PARAMETER(ends) __global Ray* restrict rays,
                                     __global uint* restrict queue, __global uint* restrict active,
                                     __global float4* restrict path_throughput, __global PathState* restrict path_state,
                                     __global float4* restrict path_radiance) {
@@ -16,6 +17,7 @@ __kernel void generate_camera_paths(Frame frame, PathSettings settings, PathBatc
   const uint pixel = batch.first_pixel + path % batch.pixel_count;
   rays[path] = primary_ray(&frame, pixel % frame.width, pixel / frame.width, sampler.index, u.film,
                            path_ray_seed(settings, &sampler, LUCARIUM_NONE));
+  LUCARIUM_STORE_RAY_ENDS(ends, path, no_ray_ends());
   queue[path] = path;
   path_throughput[path] = (float4)(1.0f, 1.0f, 1.0f, 0.0f);
   PathState state;

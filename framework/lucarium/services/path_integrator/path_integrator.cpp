@@ -8,6 +8,7 @@
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/direct_light/light_mixture.h"
 #include "lucarium/services/path_integrator/path_integrator_state.h"
+#include "lucarium/services/ray_ends.h"
 
 namespace lucarium {
 namespace {
@@ -62,7 +63,7 @@ PathIntegrator::State::State(Device& device_, KernelScheduler& scheduler_, const
                                           make_light_mixture(lights, options.light_choice, sampled));
   }
   settings = make_settings();
-  std::map<std::string, std::string> defines;
+  std::map<std::string, std::string> defines = ray_end_defines(intersector);
   if (options.estimator == PathEstimator::mis_balance) defines["LUCARIUM_BALANCE_HEURISTIC"] = "";
   program = Program(device, SourceLibrary(),
                     {"services/path_integrator",
@@ -112,12 +113,14 @@ PathSettings PathIntegrator::State::make_settings() const {
 }
 
 void PathIntegrator::State::allocate() {
-  device.memory().require_total(owner, "path tracing", estimate_bytes(frame.width, frame.height, options), kLowerBatch);
+  device.memory().require_total(
+      owner, "path tracing", estimate_bytes(frame.width, frame.height, options, intersector.wants_ends()), kLowerBatch);
   const size_t count = plan.paths();
   const auto make = [&]<class T>(TypedBuffer<T>& buffer, const char* name, size_t elements) {
     buffer = TypedBuffer<T>(device, owner, name, elements, kLowerBatch);
   };
   make(paths.rays, "rays", count);
+  paths.ends = make_ray_ends(device, intersector, owner, "ends of rays", count, kLowerBatch);
   make(paths.queue, "path queue", count);
   make(paths.active, "active paths", 1);
   make(paths.throughput, "throughput", count);
@@ -134,10 +137,12 @@ void PathIntegrator::State::allocate() {
   if (!plan.single_batch()) make_sums(backup);  // a single batch changes the sums all at once, or not at all
 }
 
-size_t PathIntegrator::estimate_bytes(uint32_t width, uint32_t height, const PathIntegratorOptions& options) {
+size_t PathIntegrator::estimate_bytes(uint32_t width, uint32_t height, const PathIntegratorOptions& options,
+                                      bool ray_ends) {
   const BatchPlan plan = plan_batches(width, height, options);
   const size_t per_path = 2 * sizeof(Ray) + sizeof(Hit) + sizeof(PathState) +
-                          (2 + LUCARIUM_PATH_LAYERS) * sizeof(float4) + sizeof(Ray) + 6 * sizeof(uint32_t);
+                          (2 + LUCARIUM_PATH_LAYERS) * sizeof(float4) + sizeof(Ray) + 6 * sizeof(uint32_t) +
+                          (ray_ends ? 3 * sizeof(RayEnds) : 0);
   const size_t per_pixel =
       (LUCARIUM_PATH_LAYERS + (options.replicates > 1 ? options.replicates : 0)) * 2 * sizeof(float4) +
       sizeof(uint32_t);

@@ -72,7 +72,9 @@ class PathIntegrator {
   std::vector<std::vector<float>> replicate_images() const;
   /// paths, closest_rays, shadow_rays, nonfinite, terminated_by_cap, terminated_in_mirrors.
   std::map<std::string, double> counters() const;
-  static size_t estimate_bytes(uint32_t width, uint32_t height, const PathIntegratorOptions& options);
+  /// `ray_ends`: over an intersector that wants them.
+  static size_t estimate_bytes(uint32_t width, uint32_t height, const PathIntegratorOptions& options,
+                               bool ray_ends = false);
 
  private:
   struct State;

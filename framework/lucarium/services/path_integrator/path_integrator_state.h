@@ -23,6 +23,7 @@ BatchPlan plan_batches(uint32_t width, uint32_t height, const PathIntegratorOpti
 /// State of the paths of one batch, one entry per path (rays and hits: per active path).
 struct PathBuffers {
   TypedBuffer<Ray> rays;
+  TypedBuffer<RayEnds> ends;       ///< of the rays; empty where the intersector wants none
   TypedBuffer<uint32_t> queue;     ///< path of ray i
   TypedBuffer<uint32_t> active;    ///< one element: rays in the queue
   TypedBuffer<float4> throughput;  ///< xyz; w: pdf of the last BSDF sample [1/sr]

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "lucarium/services/path_integrator/path_integrator_state.h"
+#include "lucarium/services/ray_ends.h"
 
 namespace lucarium {
 namespace {
@@ -31,6 +32,7 @@ void PathIntegrator::State::record_generate() {
       .arg("settings", settings)
       .arg("batch", generate_batch)
       .arg("rays", paths.rays)
+      .arg_if_present("ends", paths.ends)
       .arg("queue", paths.queue)
       .arg("active", paths.active)
       .arg("path_throughput", paths.throughput)
@@ -52,8 +54,10 @@ void PathIntegrator::State::record_bounce() {
   const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", capacity, kLowerBatch);
   const BufferRef shadow_light = recorder.transient<float4>("light behind the shadow rays", capacity, kLowerBatch);
   const BufferRef occluded = recorder.transient<uint32_t>("occluded", capacity, kLowerBatch);
+  const BufferRef next_ends = transient_ray_ends(recorder, intersector, "ends of next rays", capacity, kLowerBatch);
+  const BufferRef shadow_ends = transient_ray_ends(recorder, intersector, "ends of shadow rays", capacity, kLowerBatch);
 
-  intersector.record_closest(recorder, "closest hit", paths.rays, hits, paths.active, 0, capacity);
+  intersector.record_closest(recorder, "closest hit", {paths.rays, paths.active, 0, capacity, paths.ends}, hits);
   PassBuilder shade = recorder.pass("shade surface", program, "shade_surface");
   bind_scene(shade);
   shade.global_by(paths.active)
@@ -70,9 +74,11 @@ void PathIntegrator::State::record_bounce() {
       .arg("next_queue", next_queue)
       .arg("alive", alive)
       .arg("shadow_rays", shadow_rays)
-      .arg("shadow_light", shadow_light);
+      .arg("shadow_light", shadow_light)
+      .arg_if_present("next_ends", next_ends)
+      .arg_if_present("shadow_ends", shadow_ends);
   if (settings.flags & (LUCARIUM_PATH_SAMPLE_LIGHTS | LUCARIUM_PATH_PUNCTUAL)) {
-    intersector.record_any(recorder, "shadow rays", shadow_rays, occluded, paths.active, 0, capacity);
+    intersector.record_any(recorder, "shadow rays", {shadow_rays, paths.active, 0, capacity, shadow_ends}, occluded);
     recorder.pass("add unoccluded light", program, "add_unoccluded_light")
         .global_by(paths.active)
         .arg("batch", bounce_batch)
@@ -90,6 +96,8 @@ void PathIntegrator::State::record_bounce() {
       .arg("next_active", next_active)
       .arg("next_rays", next_rays)
       .arg("next_queue", next_queue)
+      .arg_if_present("next_ends", next_ends)
+      .arg_if_present("ends", paths.ends)
       .arg("rays", paths.rays)
       .arg("queue", paths.queue)
       .arg("active", paths.active);

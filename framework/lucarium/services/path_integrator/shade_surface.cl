@@ -11,8 +11,9 @@
 typedef struct Walk {
   uint path;
   PathState state;
-  float3 throughput;  // of the path up to this vertex
-  float pdf;          // of the BSDF sample that led here [1/sr]
+  float3 throughput;               // of the path up to this vertex
+  float pdf;                       // of the BSDF sample that led here [1/sr]
+  RayEnds shadow_ends, next_ends;  // of the rays that leave the vertex
 } Walk;
 
 // Adds light that reaches the path's last vertex to the layer it belongs to.
@@ -67,10 +68,11 @@ void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const 
   if (!bsdf_has_smooth_lobe(bsdf)) return;
   float3 light;
   Ray ray;
+  RayEnds ends;
   const bool hits_compete = settings.flags & LUCARIUM_PATH_HIT_LIGHTS;
   const uint seed = path_ray_seed(settings, sampler, 2u * walk->state.segment);
   if (!sample_light_at(scene, surface, bsdf, u, walk->state.medium, hits_compete, LUCARIUM_ALL_LIGHTS, seed, &light,
-                       &ray))
+                       &ray, &ends))
     return;
   light *= walk->throughput;
   if (!is_contribution(light)) {
@@ -79,6 +81,7 @@ void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const 
   }
   if (is_black(light)) return;
   *shadow_ray = ray;
+  walk->shadow_ends = ends;
   *shadow_light = (float4)(light, as_float(scatterings));
   walk->state.flags += PATH_SHADOW_RAY_ONE;
 }
@@ -131,6 +134,7 @@ bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, con
     walk->throughput /= survival;
   }
   *ray = make_ray(surface, sample.direction, path_ray_seed(settings, sampler, 2u * walk->state.segment + 1u));
+  walk->next_ends = ray_ends(surface, sample.direction);
   walk->state.segment += 1u;
   return true;
 }
@@ -160,13 +164,15 @@ bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk*
   return sample_direction(scene, settings, walk, &surface, &bsdf, &sampler, u.lobe, next_ray);
 }
 
-// Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i] and next_queue[i]; shadow_rays[i]
-// is inactive where there is no light sample.
+// Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i];
+// shadow_rays[i] is inactive where there is no light sample.
 __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, PathBatch batch,
                             __global const Ray* restrict rays, __global const Hit* restrict hits,
                             __global const uint* restrict queue, __global const uint* restrict active,
                             __global float4* restrict path_throughput, __global PathState* restrict path_state,
-                            __global float4* restrict path_radiance, __global Ray* restrict next_rays,
+                            __global float4* restrict path_radiance,
+                            LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(shadow_ends)
+                                __global Ray* restrict next_rays,
                             __global uint* restrict next_queue, __global uint* restrict alive,
                             __global Ray* restrict shadow_rays, __global float4* restrict shadow_light) {
   const uint i = get_global_id(0);
@@ -181,6 +187,7 @@ __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, Pat
   const float4 carried = path_throughput[walk.path];
   walk.throughput = carried.xyz;
   walk.pdf = carried.w;
+  walk.shadow_ends = walk.next_ends = no_ray_ends();
 
   shadow_rays[i] = inactive_ray();
   bool goes_on = false;
@@ -193,6 +200,8 @@ __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, Pat
 
   alive[i] = goes_on;
   next_rays[i] = next_ray;
+  LUCARIUM_STORE_RAY_ENDS(next_ends, i, walk.next_ends);
+  LUCARIUM_STORE_RAY_ENDS(shadow_ends, i, walk.shadow_ends);
   next_queue[i] = walk.path;
   path_state[walk.path] = walk.state;
   path_throughput[walk.path] = (float4)(walk.throughput, walk.pdf);

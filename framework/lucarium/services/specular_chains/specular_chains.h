@@ -30,8 +30,8 @@ class SpecularChains {
     std::string owner;      ///< pays for the memory
     std::string what;       ///< has chains, for names of passes and memory: "pixels"
   };
-  /// The consumer's kernels with LUCARIUM_CHAIN_PARAMETERS and LUCARIUM_CHAIN_LIGHT_PARAMETERS, and what binds their
-  /// other parameters.
+  /// The consumer's kernels with LUCARIUM_CHAIN_PARAMETERS and LUCARIUM_CHAIN_LIGHT_PARAMETERS, compiled with
+  /// ray_end_defines(), and what binds their other parameters.
   struct Consumer {
     Program program;
     std::string advance, add_light;
@@ -45,12 +45,14 @@ class SpecularChains {
   // What begins chains fills: by target; rays, and their targets, `active` of them.
   const TypedBuffer<SpecularChain>& chains() const { return chains_; }
   const TypedBuffer<Ray>& first_rays() const { return rays_; }
+  const TypedBuffer<RayEnds>& first_ends() const { return ends_; }  ///< empty where the intersector wants none
   const TypedBuffer<uint32_t>& queue() const { return queue_; }
   const TypedBuffer<uint32_t>& active() const { return active_; }
   /// Records the passes that let the consumer add light samples behind shadow rays which are free; for those of the
   /// first vertices, which the caller has sampled (sample_chain_light()). No passes without punctual lights.
-  /// shadow_light: xyz light, w bits of its number of scatterings.
-  void record_light(ScheduleRecorder& recorder, const BufferRef& shadow_rays, const BufferRef& shadow_light) const;
+  /// shadow_light: xyz light, w bits of its number of scatterings; shadow_ends: where the intersector wants them.
+  void record_light(ScheduleRecorder& recorder, const BufferRef& shadow_rays, const BufferRef& shadow_light,
+                    const BufferRef& shadow_ends = {}) const;
 
   /// Follows all chains to their ends; false when cancelled, and the chains must be begun again.
   bool follow(const ChainSettings& settings);
@@ -69,6 +71,7 @@ class SpecularChains {
   Program program_;
   TypedBuffer<SpecularChain> chains_;
   TypedBuffer<Ray> rays_;
+  TypedBuffer<RayEnds> ends_;
   TypedBuffer<uint32_t> queue_, active_, counts_;
   Schedule follow_;
   Variable<ChainSettings> settings_;

@@ -52,8 +52,8 @@ class Tracer {
     occluded.write(untouched.data(), rays.size() * sizeof(uint32_t));
     const TypedBuffer<uint32_t> counter(*device_, "test", "counter", std::vector<uint32_t>{77, count});
     ScheduleRecorder recorder = scheduler_.record("trace", "test");
-    bvh.record_closest(recorder, "closest", ray_buffer, hits, counter, 1, capacity);
-    bvh.record_any(recorder, "any", ray_buffer, occluded, counter, 1, capacity);
+    bvh.record_closest(recorder, "closest", {ray_buffer, counter, 1, capacity}, hits);
+    bvh.record_any(recorder, "any", {ray_buffer, counter, 1, capacity}, occluded);
     Schedule schedule = recorder.compile();
     scheduler_.run(schedule);
     scheduler_.finish();
