@@ -24,8 +24,8 @@ class Intersector {
  public:
   virtual ~Intersector() = default;
   virtual std::string name() const = 0;
-  /// Whether it has to know which surfaces a ray leaves and is to reach, since it does not tell them from others by
-  /// distance: callers of record_*() then fill RayBuffers::ends. One answer in its whole life.
+  /// Whether it needs to know which surfaces a ray leaves and is to reach, since distance alone does not show it:
+  /// callers of record_*() then fill RayBuffers::ends. One answer in its whole life.
   virtual bool wants_ends() const { return false; }
 
   /// Records the passes that fill hits[i] (Hit) for ray i of the batch.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which surfaces rays leave and are to reach, as services tell it to intersectors that want to know: every start must
-// be the triangle off which the ray's origin lies, on the side that is told, and every end likewise.
+// Which surfaces rays leave and are to reach, as services say it to intersectors that want to know: every start must
+// be the triangle off which the ray's origin lies, on the side that is said, and every end likewise.
 #include "lucarium/services/ray_ends.h"
 
 #include <glm/glm.hpp>
@@ -82,8 +82,8 @@ double distance_to(const glm::dvec3& p, const std::array<glm::dvec3, 3>& t) {
   return inside ? std::abs(glm::dot(p - t[0], normal)) / glm::length(normal) : nearest;
 }
 
-/// What the rays of a service have told.
-struct Told {
+/// What the ends of a service's rays are.
+struct Ends {
   size_t rays = 0, any = 0, starts = 0, ends = 0;
   size_t far = 0, wrong_side = 0, ends_of_closest = 0;  ///< faults
   size_t back_starts = 0, back_ends = 0;
@@ -106,29 +106,30 @@ class Rig {
   }
 
   /// Looks at the rays since the last call; none may be wrong.
-  Told check(const std::string& service) {
+  Ends check(const std::string& service) {
     scheduler.finish();
-    Told told;
+    Ends found;
     for (const KeptRay& kept : keeper.take()) {
-      ++told.rays;
-      told.any += kept.any;
+      ++found.rays;
+      found.any += kept.any;
       const glm::dvec3 origin(kept.ray.origin.xyz()), direction(kept.ray.direction.xyz());
       if (kept.ends.start != LUCARIUM_NONE) {
-        ++told.starts;
-        told.back_starts += look_at(kept.ends.start, origin, told);
+        ++found.starts;
+        found.back_starts += look_at(kept.ends.start, origin, found);
       }
       if (kept.ends.end != LUCARIUM_NONE) {
-        ++told.ends;
-        told.ends_of_closest += !kept.any;
-        told.back_ends += look_at(kept.ends.end, origin + double{kept.ray.direction.w} * direction, told);
+        ++found.ends;
+        found.ends_of_closest += !kept.any;
+        found.back_ends += look_at(kept.ends.end, origin + double{kept.ray.direction.w} * direction, found);
       }
     }
-    INFO(service, ": ", told.rays, " rays, ", told.starts, " starts, ", told.ends, " ends, farthest ", told.farthest);
-    CHECK(told.rays > 0);
-    CHECK(told.far == 0);
-    CHECK(told.wrong_side == 0);
-    CHECK(told.ends_of_closest == 0);
-    return told;
+    INFO(service, ": ", found.rays, " rays, ", found.starts, " starts, ", found.ends, " ends, farthest ",
+         found.farthest);
+    CHECK(found.rays > 0);
+    CHECK(found.far == 0);
+    CHECK(found.wrong_side == 0);
+    CHECK(found.ends_of_closest == 0);
+    return found;
   }
 
   KernelScheduler scheduler;
@@ -138,8 +139,8 @@ class Rig {
   Frame frame{};
 
  private:
-  /// Whether the triangle's back was told.
-  bool look_at(uint32_t end, const glm::dvec3& point, Told& told) const {
+  /// Whether the triangle's back is meant.
+  bool look_at(uint32_t end, const glm::dvec3& point, Ends& found) const {
     const uint32_t index = end & ~LUCARIUM_RAY_END_BACK;
     REQUIRE(index < triangles_.size());
     const Triangle& triangle = triangles_[index];
@@ -150,11 +151,11 @@ class Rig {
     for (const glm::dvec3& corner : corners)
       for (int axis = 0; axis < 3; ++axis) size = std::max(size, std::abs(corner[axis]));
     const double away = distance_to(point, corners) / size;
-    told.farthest = std::max(told.farthest, away);
-    told.far += !(away <= kOffset);
+    found.farthest = std::max(found.farthest, away);
+    found.far += !(away <= kOffset);
     const bool back = end & LUCARIUM_RAY_END_BACK;
     const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
-    told.wrong_side += (glm::dot(point - corners[0], normal) < 0) != back;
+    found.wrong_side += (glm::dot(point - corners[0], normal) < 0) != back;
     return back;
   }
   std::vector<Vertex> vertices_;
@@ -182,15 +183,15 @@ TEST_CASE("ray ends: of paths, and pictures do not depend on them") {
     }
     for (const char* layer : {"emission", "direct", "indirect"})
       CHECK(films[0].find(layer)->pixels == films[1].find(layer)->pixels);
-    const Told told = rig.check("paths");
+    const Ends found = rig.check("paths");
     // All but the camera's own rays leave surfaces; lamps are ends, the other lights have none.
-    CHECK(told.rays - told.starts == size_t{kPixels} * options.samples_per_iteration);
-    if (only_lamps(scene)) CHECK(told.ends == told.any);
+    CHECK(found.rays - found.starts == size_t{kPixels} * options.samples_per_iteration);
+    if (only_lamps(scene)) CHECK(found.ends == found.any);
     if (name == "made") {
-      CHECK(told.back_starts > 100);
-      CHECK(told.back_ends > 100);
-      CHECK(told.ends > 100);
-      CHECK(told.ends < told.any);
+      CHECK(found.back_starts > 100);
+      CHECK(found.back_ends > 100);
+      CHECK(found.ends > 100);
+      CHECK(found.ends < found.any);
     }
   }
 }
@@ -201,14 +202,14 @@ TEST_CASE("ray ends: of the G-buffer, and of direct light at its pixels and at p
     Rig rig(scene);
     GBuffer gbuffer(*test_device(), rig.scheduler, rig.buffers, rig.keeper, rig.frame, "test");
     REQUIRE(gbuffer.render(0));
-    const Told seen = rig.check("G-buffer");
+    const Ends seen = rig.check("G-buffer");
     CHECK(seen.rays - seen.starts == kPixels);
     CHECK(seen.ends == 0);
 
     DirectLight direct(*test_device(), rig.scheduler, rig.buffers, rig.keeper, "test");
     const TypedBuffer<float4> sums(*test_device(), "test", "sums", kPixels);
     REQUIRE(direct.accumulate_radiance(gbuffer.points(), sums, 0, 3));
-    const Told pixels = rig.check("direct light at pixels");
+    const Ends pixels = rig.check("direct light at pixels");
     CHECK(pixels.starts == pixels.rays);
     if (only_lamps(scene)) CHECK(pixels.ends == pixels.any);
 
@@ -226,7 +227,7 @@ TEST_CASE("ray ends: of the G-buffer, and of direct light at its pixels and at p
     const TypedBuffer<SurfacePoint> list(*test_device(), "test", "points", points);
     const TypedBuffer<float4> irradiance(*test_device(), "test", "irradiance", points.size());
     REQUIRE(direct.accumulate_irradiance(list, irradiance, 0, 3));
-    const Told at_points = rig.check("direct light at points");
+    const Ends at_points = rig.check("direct light at points");
     CHECK(at_points.starts == at_points.rays);
     if (only_lamps(scene)) CHECK(at_points.ends == at_points.any);
   }
@@ -243,13 +244,13 @@ TEST_CASE("ray ends: of light paths, and of the light of their vertices") {
     paths.record_virtual_lights(recorder, run, seed, lights, 0, true);
     Schedule schedule = recorder.compile();
     REQUIRE(rig.scheduler.run(schedule) == RunResult::done);
-    const Told told = rig.check("light paths");
-    CHECK(told.ends == 0);
-    if (only_lamps(scene)) CHECK(told.starts == told.rays);
+    const Ends found = rig.check("light paths");
+    CHECK(found.ends == 0);
+    if (only_lamps(scene)) CHECK(found.starts == found.rays);
     if (name == "made") {
-      CHECK(told.starts > 1000);
-      CHECK(told.starts < told.rays);
-      CHECK(told.back_starts > 100);
+      CHECK(found.starts > 1000);
+      CHECK(found.starts < found.rays);
+      CHECK(found.back_starts > 100);
     }
   }
 }
@@ -284,11 +285,11 @@ TEST_CASE("ray ends: of specular chains") {
     settings.limit = LUCARIUM_NONE;
     settings.max_vertices = 16;
     REQUIRE(chains.follow(settings));
-    const Told told = rig.check("chains");
-    CHECK(told.starts == told.rays);
-    CHECK(told.ends == 0);  // punctual lights alone are sampled
-    if (name == "made") CHECK(told.any > 0);
-    if (name == "made") CHECK(told.back_starts > 100);
+    const Ends found = rig.check("chains");
+    CHECK(found.starts == found.rays);
+    CHECK(found.ends == 0);  // punctual lights alone are sampled
+    if (name == "made") CHECK(found.any > 0);
+    if (name == "made") CHECK(found.back_starts > 100);
   }
 }
 
@@ -306,9 +307,9 @@ TEST_CASE("ray ends: of walks from points and texels") {
     const PointInterior interior(*test_device(), rig.scheduler, rig.buffers, rig.keeper, {.steps = 3}, "test", "");
     for (const auto side : {PointInterior::Side::own, PointInterior::Side::behind}) {
       interior.are_open(points, {}, side, 4, {});
-      const Told told = rig.check("points");
-      CHECK(told.starts == told.rays);
-      CHECK(told.back_starts > 0);
+      const Ends found = rig.check("points");
+      CHECK(found.starts == found.rays);
+      CHECK(found.back_starts > 0);
     }
     SurfaceAtlasOptions options;
     options.texel_count = 2000;
@@ -316,7 +317,7 @@ TEST_CASE("ray ends: of walks from points and texels") {
     const SurfaceAtlas atlas(*test_device(), rig.scheduler, scene, rig.buffers, options, "test");
     TexelInterior texels(*test_device(), rig.scheduler, rig.buffers, rig.keeper, atlas, "test", "");
     REQUIRE(texels.advance());
-    const Told told = rig.check("texels");
-    CHECK(told.starts == told.rays);
+    const Ends found = rig.check("texels");
+    CHECK(found.starts == found.rays);
   }
 }
