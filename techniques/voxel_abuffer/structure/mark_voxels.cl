@@ -1,41 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which voxels triangles touch (conservative, by separating axes: Akenine-Möller, "Fast 3D Triangle-Box Overlap
-// Testing", 2001), and which bricks have such voxels. Fragments alone miss some (Hu et al. 2014 voxelise by them).
+// Which voxels triangles touch, and which bricks have such voxels. Fragments alone miss some (Hu et al. 2014 voxelise by
+// them).
 #include "lucarium/shared/scene_types.h"
-#include "voxel_abuffer/structure/grid.clh"
-
-#define ABUFFER_VOXEL_PAD 0.1f  // pixels: a ray that runs along a voxel's face finds what touches it from outside
-
-// Whether the projections of a triangle (two of its corners will do, the third projects to one of them) and of a cube
-// of half edge `half` around the origin are apart, along the cross product of an edge and a coordinate axis.
-static bool abuffer_apart(float a, float b, float p_a, float p_b, float q_a, float q_b, float half_edge) {
-  const float p = a * p_b - b * p_a, q = a * q_b - b * q_a, reach = half_edge * (fabs(a) + fabs(b));
-  return fmin(p, q) > reach || fmax(p, q) < -reach;
-}
-
-static bool abuffer_touches(const float4* corners, float4 center, float half_edge) {
-  const float4 p = corners[0] - center, q = corners[1] - center, r = corners[2] - center;
-  const float4 pq = q - p, qr = r - q, rp = p - r;
-  const float4 n = (float4)(cross(pq.xyz, qr.xyz), 0.0f), size = fabs(pq) + fabs(qr);
-  const float length = size.x + size.y + size.z;
-  // The normal's own rounding counts, too.
-  if (fabs(dot(n.xyz, p.xyz)) > half_edge * (fabs(n.x) + fabs(n.y) + fabs(n.z)) + 1e-6f * length * length * length)
-    return false;
-  return !(abuffer_apart(pq.x, pq.y, p.x, p.y, r.x, r.y, half_edge) ||
-           abuffer_apart(pq.y, pq.z, p.y, p.z, r.y, r.z, half_edge) ||
-           abuffer_apart(pq.z, pq.x, p.z, p.x, r.z, r.x, half_edge) ||
-           abuffer_apart(qr.x, qr.y, q.x, q.y, p.x, p.y, half_edge) ||
-           abuffer_apart(qr.y, qr.z, q.y, q.z, p.y, p.z, half_edge) ||
-           abuffer_apart(qr.z, qr.x, q.z, q.x, p.z, p.x, half_edge) ||
-           abuffer_apart(rp.x, rp.y, r.x, r.y, q.x, q.y, half_edge) ||
-           abuffer_apart(rp.y, rp.z, r.y, r.z, q.y, q.z, half_edge) ||
-           abuffer_apart(rp.z, rp.x, r.z, r.x, q.z, q.x, half_edge));
-}
-
-static int4 abuffer_clamped_voxel(const AbufferGrid* grid, float4 position) {
-  const float4 voxel = floor(position / (float)grid->voxels.w);
-  return clamp(convert_int4(clamp(voxel, -1.0f, 8192.0f)), (int4)(0), convert_int4(grid->voxels) - 1);
-}
+#include "voxel_abuffer/structure/touches.clh"
 
 __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __global const uchar* abuffer_classes,
                                   __global const float* abuffer_triangles, volatile __global uint* abuffer_voxels) {
