@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which voxels triangles touch, and which bricks have such voxels. Fragments alone miss some (Hu et al. 2014 voxelise by
-// them).
+// Which voxels triangles touch, and which bricks have such voxels. Fragments alone miss some (Hu et al. 2014 voxelise
+// by them).
 #include "lucarium/shared/scene_types.h"
 #include "voxel_abuffer/structure/touches.clh"
 
