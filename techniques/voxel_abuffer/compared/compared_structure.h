@@ -26,7 +26,7 @@ inline constexpr float occupied_pad = 0.01f;
 /// the memory account. Results do not depend on the number of threads.
 class ComparedStructure : public Intersector {
  public:
-  /// Follows a change; after SceneBuffers::update(). Geometry builds everything anew.
+  /// Follows a change; after SceneBuffers::update(). Moved geometry rebuilds everything.
   void update(const SceneChange& change);
   void rebuild();
   /// Grows when passes recorded before must be recorded again.

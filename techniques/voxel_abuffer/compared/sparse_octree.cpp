@@ -16,7 +16,7 @@ SparseOctree::SparseOctree(KernelScheduler& scheduler, const SceneBuffers& buffe
     : ComparedStructure(
           scheduler, buffers,
           {.name = "octree", .morton = true, .needs_scene = true, .pad = occupied_pad, .remedy = "lower abuffer_size"}),
-      levels_(std::clamp(static_cast<uint32_t>(std::bit_width(size - 1)), 4u, OCTREE_MOST_LEVELS + 2) - 2),
+      levels_(std::clamp(static_cast<uint32_t>(std::bit_width(size - 1)), 4u, OCTREE_MAX_LEVELS + 2) - 2),
       fill_program_(
           make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/compared/fill_structures"})),
       build_program_(

@@ -33,7 +33,7 @@ static uint compared_child(uint4 voxel, uint bit) {
 
 // Nodes of the path from the root to a voxel; path[levels] is a brick.
 typedef struct ComparedPath {
-  uint node[OCTREE_MOST_LEVELS + 1];
+  uint node[OCTREE_MAX_LEVELS + 1];
   uint depth;  // the last that is known
 } ComparedPath;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which triangle touches which voxel: counted, then written triangle by triangle. A triangle is followed column by
-// column along the axis where its plane is flattest, so that the work goes with its area, not with its box.
+// column along the axis where its plane is flattest, so that the work is in proportion to its area, not to its box.
 #include "lucarium/shared/scene_types.h"
 #include "voxel_abuffer/compared/voxel_keys.clh"
 #include "voxel_abuffer/structure/touches.clh"

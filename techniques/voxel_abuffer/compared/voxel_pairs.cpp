@@ -14,7 +14,7 @@ namespace lucarium::abuffer {
 namespace {
 
 constexpr const char* owner = "voxel_abuffer";
-constexpr double most_pairs = 4e9;  // indices are 32 bits wide
+constexpr double max_pairs = 4e9;  // indices are 32 bits wide
 
 std::map<std::string, std::string> defines(bool morton) {
   std::map<std::string, std::string> result;
@@ -78,9 +78,9 @@ void VoxelPairs::count(const std::string& remedy) {
   scheduler_->run_to_end(count_schedule_);
   scheduler_->finish();
   const double expected = static_cast<double>(float_total_.download()[0]);
-  if (expected > most_pairs)
+  if (expected > max_pairs)
     throw_error(ErrorClass::device, "voxel_abuffer: {:.3g} pairs of voxels and triangles are more than {:.3g}; {}",
-                expected, most_pairs, remedy);
+                expected, max_pairs, remedy);
   pair_count_ = total_.download()[0];
 }
 

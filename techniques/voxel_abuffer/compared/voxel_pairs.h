@@ -27,8 +27,8 @@ class VoxelPairs {
   /// `morton`: bricks are numbered along a Morton curve, else row by row (voxel_keys.clh).
   VoxelPairs(KernelScheduler& scheduler, const SceneBuffers& buffers, bool morton);
 
-  /// Finds them anew. `pad`: how far beside a triangle voxels count as touched [pixels]. Throws Error{device} with
-  /// `remedy` where memory does not suffice.
+  /// Finds them for the scene at present. `pad`: how far beside a triangle voxels count as touched [pixels]. Throws
+  /// Error{device} with `remedy` where memory does not suffice.
   void build(const AbufferGrid& grid, float pad, const std::string& remedy);
   /// Grows when build() replaced a buffer.
   uint64_t generation() const { return generation_; }

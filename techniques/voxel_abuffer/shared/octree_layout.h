@@ -4,6 +4,6 @@
 #define VOXEL_ABUFFER_SHARED_OCTREE_LAYOUT_H
 
 // Levels of nodes with eight children above the bricks, which hold the two lowest levels of the octree.
-#define OCTREE_MOST_LEVELS 10u
+#define OCTREE_MAX_LEVELS 10u
 
 #endif

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Occupied voxels and sparse octrees to compare with: what they find lies within a voxel of the surfaces, and the more
-// voxels, the fewer rays are told wrongly.
+// voxels, the fewer rays are wrong.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -97,7 +97,7 @@ TEST_CASE("an octree's hits are those of as many voxels") {
   }
 }
 
-TEST_CASE("voxels hide no surface, and what they tell wrongly goes with their size") {
+TEST_CASE("voxels hide no surface, and wrong rays become fewer in proportion to their size") {
   AbufferRig rig(load_scene("builtin:solids"));
   std::vector<Wrong> camera, bounce, connected;
   for (const uint32_t size : {128u, 256u, 512u}) {
