@@ -19,8 +19,9 @@
 
 #define ABUFFER_PARAMETERS                                                                                             \
   __global const AbufferGrid *abuffer_grid, __global const ulong *abuffer_bricks, __global const uint *abuffer_voxels, \
-      __global const float *abuffer_triangles, __global const uint *abuffer_exact_start,                               \
-      __global const uint *abuffer_exact_depths, __global const uint *abuffer_exact_fragments
+      __global const ulong *abuffer_cells, __global const float *abuffer_triangles,                                    \
+      __global const uint *abuffer_exact_start, __global const uint *abuffer_exact_depths,                             \
+      __global const uint *abuffer_exact_fragments
 
 #define ABUFFER_CONTEXT(context)                     \
   AbufferContext context;                            \
@@ -29,6 +30,7 @@
   context.grid = abuffer_grid[0];                    \
   context.bricks = abuffer_bricks;                   \
   context.voxels = abuffer_voxels;                   \
+  context.cells = abuffer_cells;                     \
   context.exact_start = abuffer_exact_start;         \
   context.exact_depths = abuffer_exact_depths;       \
   context.exact_fragments = abuffer_exact_fragments; \
@@ -44,9 +46,7 @@ static bool abuffer_trace(const AbufferContext* context, AbufferRay* r, Hit* bes
     int4 axes;
     const float leaves = abuffer_exit(context, r, bits == 0ul, &axes);
     if (bits >> (index & 63u) & 1ul) {
-      uint mask = context->voxels[index] & ABUFFER_EXACT_AXES;
-      for (uint axis = 0u; mask; ++axis, mask >>= 1)
-        if ((mask & 1u) && abuffer_search_columns(context, r, axis, r->distance, leaves, &last, best, any)) return true;
+      if (abuffer_search_voxel(context, r, context->voxels[index], leaves, &last, best, any)) return true;
     }
     if (best->distance <= leaves || leaves >= r->end) return false;
     if (!abuffer_step(context, r, bits == 0ul, axes, leaves)) return false;

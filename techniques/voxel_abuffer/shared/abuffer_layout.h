@@ -26,9 +26,15 @@ LUCARIUM_STRUCT_END(AbufferPlane, 32)
 #define ABUFFER_EXACT(k) (1u << (k))
 #define ABUFFER_PARITY 8u
 
-// A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity.
+// A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity;
+// bits 4 …: its first cell block, one for each bit of 0, 1, 2 in turn.
 #define ABUFFER_EXACT_AXES 7u
 #define ABUFFER_OCCUPIED 15u
+#define ABUFFER_CELLS_SHIFT 4u
+
+// A cell block says which of a voxel's 8 × 8 × 8 cells the depth intervals of exact fragments of one axis touch. Word
+// 8 m + j is the slice j across axis m: bit 8 c + b for the coordinates b along m + 1 and c along m + 2, modulo 3.
+#define ABUFFER_CELL_WORDS 24u
 
 // Triangle t, as a leaf block of one triangle (lucarium/shared/bvh_layout.h), starts at word t ·
 // ABUFFER_TRIANGLE_WORDS.
@@ -46,6 +52,7 @@ LUCARIUM_STRUCT_END(AbufferPlane, 32)
 #define ABUFFER_COUNT_EXACT 3u   // 0 … 3: first exact fragment of each axis, and their number
 #define ABUFFER_COUNT_PARITY 7u  // 4 … 7: the same of fragments for parity
 #define ABUFFER_COUNT_UNBALANCED 8u
+#define ABUFFER_COUNT_CELLS 9u  // cell blocks
 #define ABUFFER_COUNTS 16u
 
 #endif

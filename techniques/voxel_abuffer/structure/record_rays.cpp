@@ -30,6 +30,7 @@ void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& 
       .arg("abuffer_grid", grid_buffer)
       .arg("abuffer_bricks", bricks)
       .arg("abuffer_voxels", voxels)
+      .arg("abuffer_cells", cells)
       .arg("abuffer_triangles", triangles)
       .arg("abuffer_exact_start", of(&AbufferLists::start))
       .arg("abuffer_exact_depths", of(&AbufferLists::depths))

@@ -40,7 +40,7 @@ struct VoxelAbuffer::State {
   TypedBuffer<AbufferPlane> planes;
   TypedBuffer<float> triangles, expected_exact, expected_parity, exact_sum, parity_sum;
   TypedBuffer<uint32_t> voxels, counts;
-  TypedBuffer<uint64_t> bricks;
+  TypedBuffer<uint64_t> bricks, cells;
 
   Schedule prepare_schedule, build_schedule;
   uint64_t recorded_lists = 0;  ///< generation of the lists when the build was recorded

@@ -22,12 +22,12 @@ constexpr uint32_t views_of_exact = 0, views_of_parity = 3;
 
 size_t brick_count(const AbufferGrid& grid) { return size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z; }
 
-/// Replaces a buffer that is too small; whether it did.
+/// Replaces a buffer that is too small, with some room to spare; whether it did.
 template <class T>
 bool make_room(Device& device, TypedBuffer<T>& buffer, const char* name, size_t count, const char* remedy) {
   if (buffer && buffer.count() >= count) return false;
   buffer = {};
-  buffer = TypedBuffer<T>(device, owner, name, std::max<size_t>(1, count), remedy);
+  buffer = TypedBuffer<T>(device, owner, name, std::max<size_t>(1, count + count / 16), remedy);
   return true;
 }
 
@@ -115,6 +115,7 @@ void VoxelAbuffer::State::reserve() {
     parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size.pixels);
   generation += make_room(*device, voxels, "voxels", voxel_count, coarser_grid);
   generation += make_room(*device, bricks, "bricks", brick_count(grid), coarser_grid);
+  generation += make_room(*device, cells, "cells", ABUFFER_CELL_WORDS, coarser_grid);
   if (exact) exact->reserve(grid, exact_room);
   if (parity) parity->reserve(grid, parity_room);
 }
@@ -129,14 +130,39 @@ void VoxelAbuffer::State::record_build() {
       .arg("abuffer_classes", triangle_classes)
       .arg("abuffer_triangles", triangles)
       .arg("abuffer_voxels", voxels);
+  const auto voxel_count = static_cast<uint32_t>(64 * brick_count(grid));
+  const auto cell_capacity = static_cast<uint32_t>(cells.count() / ABUFFER_CELL_WORDS);
+  const BufferRef cell_first = recorder.transient<uint32_t>("cell_first", voxel_count, coarser_grid);
+  const BufferRef cell_count = recorder.transient<uint32_t>("cell_count", 1);
+  recorder.pass("count_cells", voxel_program, "abuffer_count_cells")
+      .global(voxel_count)
+      .arg("abuffer_voxels", voxels)
+      .arg("count", voxel_count)
+      .arg("abuffer_cell_first", cell_first);
+  primitives.record_exclusive_scan(recorder, "scan_cells", cell_first, cell_first, cell_count, voxel_count);
   recorder.pass("mark_bricks", voxel_program, "abuffer_mark_bricks")
       .global(brick_count(grid))
-      .arg("abuffer_voxels", voxels)
+      .arg("abuffer_cell_first", cell_first)
       .arg("count", static_cast<uint32_t>(brick_count(grid)))
+      .arg("abuffer_voxels", voxels)
       .arg("abuffer_bricks", bricks);
-  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes, counts};
+  recorder.pass("keep_cell_count", voxel_program, "abuffer_keep_cell_count")
+      .global(1)
+      .local(1)
+      .arg("abuffer_cell_count", cell_count)
+      .arg("abuffer_counts", counts);
+  recorder.fill_zero("clear_cells", cells);
+  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes, counts,
+                                      voxels,      cells, cell_capacity};
   const LayeredStoreOptions store{.variant = options.list};
   if (exact) exact->record(recorder, grid, sources, views_of_exact, store, pack_program);
+  recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
+      .global(voxel_count)
+      .arg("abuffer_voxels", voxels)
+      .arg("count", voxel_count)
+      .arg("abuffer_counts", counts)
+      .arg("cell_capacity", cell_capacity)
+      .arg("abuffer_cells", cells);
   if (parity) parity->record(recorder, grid, sources, views_of_parity, store, pack_program);
   build_schedule = recorder.compile();
 }
@@ -163,13 +189,17 @@ void VoxelAbuffer::State::build() {
     // Room for more than were expected: build again, drop nothing.
     const bool exact_short = exact && statistics.exact_fragments > exact->capacity();
     const bool parity_short = parity && statistics.parity_fragments > parity->capacity();
-    if (!exact_short && !parity_short) break;
+    const size_t cell_words = size_t{ABUFFER_CELL_WORDS} * found[ABUFFER_COUNT_CELLS];
+    const bool cells_short = make_room(*device, cells, "cells", cell_words, coarser_grid);
+    if (!exact_short && !parity_short && !cells_short) break;
+    generation += cells_short;
+    build_schedule = {};
     if (exact_short) exact->reserve(grid, statistics.exact_fragments);
     if (parity_short) parity->reserve(grid, statistics.parity_fragments);
   }
-  statistics.bytes = triangles.bytes() + planes.bytes() + voxels.bytes() + bricks.bytes() + component_of.bytes() +
-                     triangle_classes.bytes() + expected_exact.bytes() + expected_parity.bytes() +
-                     (exact ? exact->bytes() : 0) + (parity ? parity->bytes() : 0);
+  statistics.bytes = triangles.bytes() + planes.bytes() + voxels.bytes() + bricks.bytes() + cells.bytes() +
+                     component_of.bytes() + triangle_classes.bytes() + expected_exact.bytes() +
+                     expected_parity.bytes() + (exact ? exact->bytes() : 0) + (parity ? parity->bytes() : 0);
   ++statistics.builds;
   statistics.build_seconds = watch.seconds();
 }
