@@ -25,12 +25,15 @@ LUCARIUM_STRUCT_END(AbufferPlane, 32)
 // Classes of triangles (LayeredView::classes): those of axis k for exact search, and those for parity.
 #define ABUFFER_EXACT(k) (1u << (k))
 #define ABUFFER_PARITY 8u
+#define ABUFFER_ROOM 16u  // with ABUFFER_PARITY: fronts face inwards
 
 // A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity;
-// bits 4 …: its first cell block, one for each bit of 0, 1, 2 in turn.
+// bits 4, 5: the axis by whose columns it is searched for parity, 3: any; bits 6 …: its first cell block, one for each
+// bit of 0, 1, 2 in turn.
 #define ABUFFER_EXACT_AXES 7u
 #define ABUFFER_OCCUPIED 15u
-#define ABUFFER_CELLS_SHIFT 4u
+#define ABUFFER_AXIS_SHIFT 4u
+#define ABUFFER_CELLS_SHIFT 6u
 
 // A cell block says which of a voxel's 8 × 8 × 8 cells the depth intervals of exact fragments of one axis touch. Word
 // 8 m + j is the slice j across axis m: bit 8 c + b for the coordinates b along m + 1 and c along m + 2, modulo 3.

@@ -72,7 +72,10 @@ void AbufferLists::record(ScheduleRecorder& recorder, const AbufferGrid& grid, c
         .arg("abuffer_start", start_)
         .arg("abuffer_depths", depths_)
         .arg("abuffer_fragments", fragments_);
-    if (!exact) continue;
+    if (!exact) {
+      pass.arg("abuffer_facing", sources.facing);
+      continue;
+    }
     pass.arg("abuffer_planes", sources.planes)
         .arg("abuffer_voxels", sources.voxels)
         .arg("cell_capacity", sources.cell_capacity)

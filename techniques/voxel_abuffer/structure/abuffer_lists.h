@@ -29,7 +29,7 @@ class AbufferLists {
 
   /// Records the three views, and the packing of each. `views`: three LayeredView from `first_view` on.
   struct Sources {
-    BufferRef grid, views, classes, planes, counts, voxels, cells;
+    BufferRef grid, views, classes, planes, counts, voxels, cells, facing;
     uint32_t cell_capacity = 0;  ///< blocks
   };
   void record(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, uint32_t first_view,

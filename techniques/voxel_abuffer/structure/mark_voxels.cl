@@ -17,7 +17,7 @@ __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __gl
   const float4 sum = low + high;
   if (!(fabs(sum.x) + fabs(sum.y) + fabs(sum.z) < 1e15f)) return;  // not finite, or beyond what rays can hit
   const int4 first = abuffer_clamped_voxel(&grid, low), last = abuffer_clamped_voxel(&grid, high);
-  const uint bits = abuffer_classes[i];
+  const uint bits = abuffer_classes[i] & ABUFFER_OCCUPIED;
   // Along one axis only it touches all that its bounds do.
   const int axes = (first.x != last.x) + (first.y != last.y) + (first.z != last.z);
   for (int z = first.z; z <= last.z; ++z)
@@ -50,6 +50,53 @@ __kernel void abuffer_mark_bricks(__global const uint* abuffer_cell_first, uint 
     abuffer_voxels[voxel] = word | abuffer_cell_first[voxel] << ABUFFER_CELLS_SHIFT;
   }
   abuffer_bricks[brick] = bits;
+}
+
+// The axis by whose columns a voxel is searched for parity: that of the largest component of the sum of |n| over the
+// surface in it, or, with `average`, of the average normal (Hu et al. 2014, section 3.1); any where there are no
+// fragments.
+__kernel void abuffer_choose_axes(__global const int2* abuffer_facing, uint count, uint average,
+                                  __global uint* abuffer_voxels) {
+  const uint i = get_global_id(0);
+  if (i >= count || !(abuffer_voxels[i] & ABUFFER_PARITY)) return;
+  uint axis = 3u;
+  int most = 0;
+  for (uint k = 0u; k < 3u; ++k) {
+    const int2 facing = abuffer_facing[3u * i + k];
+    const int size = average ? (int)abs(facing.y) : facing.x;
+    if (size > most) {
+      most = size;
+      axis = k;
+    }
+  }
+  abuffer_voxels[i] |= axis << ABUFFER_AXIS_SHIFT;
+}
+
+// Columns in which fronts and backs do not cancel: of meshes whose seams a deformation opened. abuffer_unbalanced: per
+// component, set to 1; behind them the number of such columns.
+__kernel void abuffer_check_columns(__global const AbufferGrid* abuffer_grid, __global const uint* abuffer_start,
+                                    __global const uint* abuffer_fragments, __global const uint* abuffer_component_of,
+                                    __global const uint* abuffer_counts, uint first, uint capacity,
+                                    uint components, volatile __global uint* abuffer_unbalanced) {
+  const AbufferGrid grid = abuffer_grid[0];
+  const uint column = get_global_id(0), axis = get_global_id(1);
+  const uint columns = abuffer_component(grid.voxels, abuffer_axis_x(axis)) *
+                       abuffer_component(grid.voxels, abuffer_axis_y(axis)) * grid.voxels.w * grid.voxels.w;
+  if (column >= columns || abuffer_counts[first + 3u] > capacity) return;
+  const uint begin = abuffer_start[axis * grid.bricks.w + column], end = abuffer_start[axis * grid.bricks.w + column + 1u];
+  int balance = 0;
+  for (uint i = begin; i < end; ++i) balance += abuffer_fragments[i] >> 31 ? -1 : 1;
+  if (balance == 0) return;
+  atomic_inc(abuffer_unbalanced + components);
+  // Which components: those that do not balance by themselves.
+  for (uint i = begin; i < end; ++i) {
+    const uint component = abuffer_component_of[abuffer_fragments[i] & 0x7fffffffu];
+    int own = 0;
+    for (uint j = begin; j < end; ++j)
+      if (abuffer_component_of[abuffer_fragments[j] & 0x7fffffffu] == component)
+        own += abuffer_fragments[j] >> 31 ? -1 : 1;
+    if (own != 0) abuffer_unbalanced[component] = 1u;
+  }
 }
 
 // Bits 8 i + j exchanged with 8 j + i (Warren, "Hacker's Delight", 2nd edition, 2012, figure 7-3).

@@ -59,11 +59,7 @@ static void abuffer_mark_cells(__global const AbufferGrid* grid, __global const 
   const uint first = min((interval & 0xffffu) / steps, last_slab);
   const uint last = min(((uint)ABUFFER_DEPTH_LAST - (interval >> 16)) / steps, last_slab);
   for (uint slab = first; slab <= last; ++slab) {
-    const uint z = slab >> 3;
-    const uint4 voxel = axis == 0u   ? (uint4)(z, voxel_x, voxel_y, 0u)
-                        : axis == 1u ? (uint4)(voxel_y, z, voxel_x, 0u)
-                                     : (uint4)(voxel_x, voxel_y, z, 0u);
-    const uint word = voxels[abuffer_voxel(grid->bricks, voxel)];
+    const uint word = voxels[abuffer_voxel(grid->bricks, abuffer_voxel_of(axis, voxel_x, voxel_y, slab >> 3))];
     if (!(word & ABUFFER_EXACT(axis))) continue;  // near it only
     const uint block = (word >> ABUFFER_CELLS_SHIFT) + popcount(word & (ABUFFER_EXACT(axis) - 1u));
     cells[block * ABUFFER_CELL_WORDS + 8u * axis + (slab & 7u)] |= section;
@@ -89,15 +85,23 @@ __kernel void abuffer_pack_exact(__global const AbufferGrid* abuffer_grid, __glo
   });
 }
 
+// abuffer_facing: per voxel and axis, its fragments, and those that face against the axis less those along it. They are
+// the sums of |n| and n over the voxel's surface in units of pixels (cleared before).
 __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __global const uint* pixel_start,
                                   __global const LayeredFragment* fragments, __global const uint* abuffer_counts,
                                   uint axis, uint first, uint capacity, __global uint* abuffer_start,
-                                  __global float* abuffer_depths, __global uint* abuffer_fragments) {
+                                  __global float* abuffer_depths, __global uint* abuffer_fragments,
+                                  __global int2* abuffer_facing) {
   const float corner = axis == 0u   ? abuffer_grid[0].corner.x
                        : axis == 1u ? abuffer_grid[0].corner.y
                                     : abuffer_grid[0].corner.z;
   ABUFFER_PACK({
-    abuffer_depths[place] = (fragments[i].depth - corner) * grid.corner.w;
-    abuffer_fragments[place] = fragments[i].triangle;
+    const LayeredFragment f = fragments[i];
+    const float depth = (f.depth - corner) * grid.corner.w;
+    abuffer_depths[place] = depth;
+    abuffer_fragments[place] = f.triangle;
+    const uint z = min((uint)fmax(depth / (float)edge, 0.0f), abuffer_component(grid.voxels, axis) - 1u);
+    const uint index = abuffer_voxel(grid.bricks, abuffer_voxel_of(axis, voxel, row, z));
+    abuffer_facing[3u * index + axis] += (int2)(1, f.triangle & LAYERED_AWAY ? -1 : 1);
   });
 }

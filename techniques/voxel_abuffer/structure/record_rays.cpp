@@ -15,9 +15,6 @@ constexpr size_t slice_rays = 1u << 15;  // per compute unit, between two looks 
 void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel,
                                  const RayBuffers& rays, const char* result_name, const BufferRef& result) const {
   const size_t items = std::max<size_t>(1, (size_t{rays.capacity} + rays_per_item - 1) / rays_per_item);
-  const auto of = [&](const TypedBuffer<uint32_t>& (AbufferLists::*what)() const) -> BufferRef {
-    return exact ? (*exact.*what)() : counts;  // never read: no voxel has exact triangles
-  };
   PassBuilder pass = recorder.pass(pass_name, search_program, kernel);
   pass.global(items)
       .local(1)
@@ -30,11 +27,20 @@ void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& 
       .arg("abuffer_grid", grid_buffer)
       .arg("abuffer_bricks", bricks)
       .arg("abuffer_voxels", voxels)
-      .arg("abuffer_cells", cells)
-      .arg("abuffer_triangles", triangles)
-      .arg("abuffer_exact_start", of(&AbufferLists::start))
-      .arg("abuffer_exact_depths", of(&AbufferLists::depths))
-      .arg("abuffer_exact_fragments", of(&AbufferLists::fragments));
+      .arg("abuffer_triangles", triangles);
+  if (exact)
+    pass.arg("abuffer_cells", cells)
+        .arg("abuffer_exact_start", exact->start())
+        .arg("abuffer_exact_depths", exact->depths())
+        .arg("abuffer_exact_fragments", exact->fragments());
+  if (parity)
+    pass.arg("ends", rays.ends)
+        .arg("abuffer_classes", triangle_classes)
+        .arg("abuffer_offset", options.offset)
+        .arg("abuffer_bisections", options.bisections)
+        .arg("abuffer_parity_start", parity->start())
+        .arg("abuffer_parity_depths", parity->depths())
+        .arg("abuffer_parity_fragments", parity->fragments());
   if (search_alpha) buffers->bind(pass);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <map>
 #include <optional>
 
 #include "lucarium/services/primitives/primitives.h"
@@ -17,6 +18,10 @@ struct VoxelAbuffer::State {
   void prepare();
   void reserve();
   void record_build();
+  void record_axes(ScheduleRecorder& recorder);
+  void run_build();
+  /// Moves components whose columns do not balance to exact search; whether there were any.
+  bool move_unbalanced();
   void compile();
   void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const RayBuffers& rays,
               const char* result_name, const BufferRef& result) const;
@@ -26,9 +31,11 @@ struct VoxelAbuffer::State {
   const SceneBuffers* buffers;
   VoxelAbufferOptions options;
   GridSize size;
-  TriangleClasses classes;
+  TriangleClasses loaded_classes;  ///< of the scene's meshes
+  TriangleClasses classes;         ///< less the components that the last build moved
   Primitives primitives;
   Program prepare_program, pack_program, voxel_program, search_program;
+  std::map<std::string, std::string> search_defines;
   bool search_alpha = false;
   std::optional<AbufferLists> exact, parity;
 
@@ -40,7 +47,9 @@ struct VoxelAbuffer::State {
   TypedBuffer<AbufferPlane> planes;
   TypedBuffer<float> triangles, expected_exact, expected_parity, exact_sum, parity_sum;
   TypedBuffer<uint32_t> voxels, counts;
+  TypedBuffer<uint32_t> unbalanced;  ///< per component
   TypedBuffer<uint64_t> bricks, cells;
+  TypedBuffer<int2> facing;  ///< per voxel and axis
 
   Schedule prepare_schedule, build_schedule;
   uint64_t recorded_lists = 0;  ///< generation of the lists when the build was recorded

@@ -13,7 +13,7 @@ TriangleClasses classify(const Scene& scene, Intersect intersect) {
   if (intersect == Intersect::exact) {  // needs to know nothing of components
     classes.exact_triangles = static_cast<uint32_t>(scene.triangle_count());
     classes.component_of.assign(classes.exact_triangles, 0);
-    classes.parity = classes.closed = classes.turned_outward = {0};
+    classes.parity = {0};
     return classes;
   }
   std::map<const Mesh*, MeshComponents> meshes;  // instances share them
@@ -27,9 +27,8 @@ TriangleClasses classify(const Scene& scene, Intersect intersect) {
     for (const MeshComponent& part : parts.components) {
       const bool parity = intersect == Intersect::parity || intersect == Intersect::plane ||
                           (intersect == Intersect::automatic && part.closed);
-      classes.parity.push_back(parity ? ABUFFER_PARITY : 0);
-      classes.closed.push_back(part.closed);
-      classes.turned_outward.push_back(part.volume >= 0);
+      const uint32_t sides = part.volume < 0 ? ABUFFER_PARITY | ABUFFER_ROOM : ABUFFER_PARITY;
+      classes.parity.push_back(static_cast<uint8_t>(parity ? sides : 0));
       (parity ? classes.parity_triangles : classes.exact_triangles) += part.triangles;
       classes.open_components += !part.closed;
     }

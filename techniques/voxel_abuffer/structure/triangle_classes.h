@@ -17,10 +17,8 @@ enum class Intersect {
 
 /// Edge-connected components of all instances, each with the way in which it is searched.
 struct TriangleClasses {
-  std::vector<uint32_t> component_of;   ///< per world triangle
-  std::vector<uint8_t> parity;          ///< per component: ABUFFER_PARITY or 0, exact
-  std::vector<uint8_t> closed;          ///< per component
-  std::vector<uint8_t> turned_outward;  ///< per component: its front sides face outwards (1), or inwards (a room's)
+  std::vector<uint32_t> component_of;  ///< per world triangle
+  std::vector<uint8_t> parity;         ///< per component: ABUFFER_PARITY, perhaps with ABUFFER_ROOM; 0: exact
   uint32_t parity_triangles = 0, exact_triangles = 0;
   uint32_t open_components = 0;
 };

@@ -54,12 +54,17 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
 }
 
 void VoxelAbuffer::State::classify_scene(const Scene& scene) {
-  classes = classify(scene, options.intersect);
+  loaded_classes = classes = classify(scene, options.intersect);
   component_of = TypedBuffer<uint32_t>(*device, owner, "components", classes.component_of, fewer_triangles);
   component_class = TypedBuffer<uint8_t>(*device, owner, "classes of components", classes.parity);
   statistics.parity_triangles = classes.parity_triangles;
   statistics.exact_triangles = classes.exact_triangles;
   statistics.open_components = classes.open_components;
+  statistics.moved_components = 0;
+  exact.reset();
+  parity.reset();
+  ++generation;
+  unbalanced = TypedBuffer<uint32_t>(*device, owner, "unbalanced components", classes.parity.size() + 1);
   scene_generation = 0;
 }
 
@@ -117,7 +122,9 @@ void VoxelAbuffer::State::reserve() {
   generation += make_room(*device, bricks, "bricks", brick_count(grid), coarser_grid);
   generation += make_room(*device, cells, "cells", ABUFFER_CELL_WORDS, coarser_grid);
   if (exact) exact->reserve(grid, exact_room);
-  if (parity) parity->reserve(grid, parity_room);
+  if (!parity) return;
+  make_room(*device, facing, "facing", 3 * voxel_count, coarser_grid);
+  parity->reserve(grid, parity_room);
 }
 
 void VoxelAbuffer::State::record_build() {
@@ -153,7 +160,7 @@ void VoxelAbuffer::State::record_build() {
       .arg("abuffer_counts", counts);
   recorder.fill_zero("clear_cells", cells);
   const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes, counts,
-                                      voxels,      cells, cell_capacity};
+                                      voxels,      cells, facing, cell_capacity};
   const LayeredStoreOptions store{.variant = options.list};
   if (exact) exact->record(recorder, grid, sources, views_of_exact, store, pack_program);
   recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
@@ -163,17 +170,40 @@ void VoxelAbuffer::State::record_build() {
       .arg("abuffer_counts", counts)
       .arg("cell_capacity", cell_capacity)
       .arg("abuffer_cells", cells);
-  if (parity) parity->record(recorder, grid, sources, views_of_parity, store, pack_program);
+  if (parity) {
+    recorder.fill_zero("clear_facing", facing);
+    parity->record(recorder, grid, sources, views_of_parity, store, pack_program);
+    record_axes(recorder);
+  }
   build_schedule = recorder.compile();
 }
 
-void VoxelAbuffer::State::build() {
-  const Stopwatch watch;
-  prepare();
-  reserve();
+void VoxelAbuffer::State::record_axes(ScheduleRecorder& recorder) {
+  const auto columns = static_cast<uint32_t>(grid.bricks.w - 1);
+  const auto voxel_count = static_cast<uint32_t>(64 * brick_count(grid));
+  recorder.pass("choose_axes", voxel_program, "abuffer_choose_axes")
+      .global(voxel_count)
+      .arg("abuffer_facing", facing)
+      .arg("count", voxel_count)
+      .arg("average", options.axis_rule == AxisRule::average_normal ? 1u : 0u)
+      .arg("abuffer_voxels", voxels);
+  if (options.intersect != Intersect::automatic) return;
+  recorder.fill_zero("clear_unbalanced", unbalanced);
+  recorder.pass("check_columns", voxel_program, "abuffer_check_columns")
+      .global(columns, 3)
+      .arg("abuffer_grid", grid_buffer)
+      .arg("abuffer_start", parity->start())
+      .arg("abuffer_fragments", parity->fragments())
+      .arg("abuffer_component_of", component_of)
+      .arg("abuffer_counts", counts)
+      .arg("first", ABUFFER_COUNT_EXACT + 1)
+      .arg("capacity", static_cast<uint32_t>(parity->capacity()))
+      .arg("components", static_cast<uint32_t>(classes.parity.size()))
+      .arg("abuffer_unbalanced", unbalanced);
+}
+
+void VoxelAbuffer::State::run_build() {
   const auto lists_generation = [&] { return (exact ? exact->generation() : 0) + (parity ? parity->generation() : 0); };
-  if (exact) exact->update();
-  if (parity) parity->update();
   for (;;) {
     const uint32_t dims[4] = {grid.voxels.x, grid.voxels.y, grid.voxels.z, grid.voxels.w};
     if (!build_schedule || recorded_lists != lists_generation() || !std::equal(dims, dims + 4, recorded_voxels)) {
@@ -189,16 +219,58 @@ void VoxelAbuffer::State::build() {
     // Room for more than were expected: build again, drop nothing.
     const bool exact_short = exact && statistics.exact_fragments > exact->capacity();
     const bool parity_short = parity && statistics.parity_fragments > parity->capacity();
-    const size_t cell_words = size_t{ABUFFER_CELL_WORDS} * found[ABUFFER_COUNT_CELLS];
-    const bool cells_short = make_room(*device, cells, "cells", cell_words, coarser_grid);
-    if (!exact_short && !parity_short && !cells_short) break;
-    generation += cells_short;
-    build_schedule = {};
     if (exact_short) exact->reserve(grid, statistics.exact_fragments);
     if (parity_short) parity->reserve(grid, statistics.parity_fragments);
+    const size_t cell_words = size_t{ABUFFER_CELL_WORDS} * found[ABUFFER_COUNT_CELLS];
+    const bool cells_short = make_room(*device, cells, "cells", cell_words, coarser_grid);
+    if (!exact_short && !parity_short && !cells_short) return;
+    generation += cells_short;
+    build_schedule = {};
   }
+}
+
+bool VoxelAbuffer::State::move_unbalanced() {
+  if (!parity || options.intersect != Intersect::automatic) return false;
+  const std::vector<uint32_t> found = unbalanced.download();
+  statistics.unbalanced_columns += found.back();
+  bool any = false;
+  for (size_t component = 0; component + 1 < found.size(); ++component)
+    if (found[component] && classes.parity[component]) {
+      classes.parity[component] = 0;
+      ++statistics.moved_components;
+      any = true;
+    }
+  if (!any) return false;
+  component_class.upload(classes.parity);
+  classes.parity_triangles = classes.exact_triangles = 0;
+  for (const uint32_t component : classes.component_of)
+    ++(classes.parity[component] ? classes.parity_triangles : classes.exact_triangles);
+  if (classes.parity_triangles == 0) parity.reset();
+  build_schedule = {};
+  ++generation;
+  return true;
+}
+
+void VoxelAbuffer::State::build() {
+  const Stopwatch watch;
+  statistics.unbalanced_columns = 0;
+  if (statistics.moved_components > 0) {  // as a new structure would begin
+    classes = loaded_classes;
+    component_class.upload(classes.parity);
+    statistics.moved_components = 0;
+    build_schedule = {};
+  }
+  do {
+    prepare();
+    reserve();
+    if (exact) exact->update();
+    if (parity) parity->update();
+    run_build();
+  } while (move_unbalanced());
+  statistics.parity_triangles = classes.parity_triangles;
+  statistics.exact_triangles = classes.exact_triangles;
   statistics.bytes = triangles.bytes() + planes.bytes() + voxels.bytes() + bricks.bytes() + cells.bytes() +
-                     component_of.bytes() + triangle_classes.bytes() + expected_exact.bytes() +
+                     facing.bytes() + component_of.bytes() + triangle_classes.bytes() + expected_exact.bytes() +
                      expected_parity.bytes() + (exact ? exact->bytes() : 0) + (parity ? parity->bytes() : 0);
   ++statistics.builds;
   statistics.build_seconds = watch.seconds();
@@ -206,13 +278,22 @@ void VoxelAbuffer::State::build() {
 
 void VoxelAbuffer::State::compile() {
   const bool alpha = (buffers->info().flags & LUCARIUM_SCENE_HAS_ALPHA) != 0;
-  if (search_program && alpha == search_alpha) return;
-  ProgramSpec spec{.name = "voxel_abuffer/search", .files = {"voxel_abuffer/search/intersect.cl"}};
-  if (alpha) spec.defines["BVH_ALPHA"] = "";
+  std::map<std::string, std::string> defines;
+  if (alpha) defines["BVH_ALPHA"] = "";
+  if (exact) defines["ABUFFER_WITH_EXACT"] = "";
+  if (parity) {
+    defines["ABUFFER_WITH_PARITY"] = "";
+    defines["ABUFFER_STEPS"] = options.search == Search::columns ? "0" : options.search == Search::one_step ? "1" : "3";
+    if (!options.refine) defines["ABUFFER_UNREFINED"] = "";
+  }
+  if (search_program && defines == search_defines) return;
+  ProgramSpec spec{
+      .name = "voxel_abuffer/search", .files = {"voxel_abuffer/search/intersect.cl"}, .defines = defines};
   spec.mad_enable = false;  // the triangle test is watertight by rounding both products of an edge alike
   SourceLibrary library;
   library.add(voxel_abuffer_kernels());
   search_program = Program(*device, library, spec);
+  search_defines = defines;
   search_alpha = alpha;
   ++generation;
 }
@@ -221,8 +302,8 @@ VoxelAbuffer::VoxelAbuffer(KernelScheduler& scheduler, const Scene& scene, const
                            const VoxelAbufferOptions& options)
     : state_(std::make_unique<State>(scheduler, buffers, options)) {
   state_->classify_scene(scene);
-  state_->compile();
   state_->build();
+  state_->compile();
 }
 
 VoxelAbuffer::~VoxelAbuffer() = default;
@@ -230,11 +311,16 @@ VoxelAbuffer::~VoxelAbuffer() = default;
 void VoxelAbuffer::update(const Scene& scene, const SceneChange& change) {
   if (change.topology || state_->grid.triangles != state_->buffers->info().triangle_count)
     state_->classify_scene(scene);
-  state_->compile();
   if (change.geometry()) state_->build();
+  state_->compile();
 }
 
-void VoxelAbuffer::rebuild() { state_->build(); }
+void VoxelAbuffer::rebuild() {
+  state_->build();
+  state_->compile();
+}
+
+bool VoxelAbuffer::wants_ends() const { return state_->options.intersect != Intersect::exact; }
 
 uint64_t VoxelAbuffer::generation() const {
   return state_->generation + (state_->exact ? state_->exact->generation() : 0) +

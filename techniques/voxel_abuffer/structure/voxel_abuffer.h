@@ -9,10 +9,28 @@
 
 namespace lucarium::abuffer {
 
+/// Where parity looks for crossings in a voxel.
+enum class Search {
+  columns,      ///< 2D-DDA through all columns
+  three_steps,  ///< at four points, then by bisection
+  one_step,     ///< at both ends, then by bisection
+};
+
+/// By which axis' columns a voxel is searched for parity.
+enum class AxisRule {
+  absolute_normal,  ///< largest component of the sum of |n|: opposite faces do not cancel
+  average_normal,   ///< of the average normal (Hu et al. 2014)
+};
+
 struct VoxelAbufferOptions {
   uint32_t abuffer_size = 1280;  ///< n: pixels per side of an A-buffer, 128 to 4096
   uint32_t grid_size = 0;        ///< N: voxels along the longest side; 0: √(3n)
   Intersect intersect = Intersect::automatic;
+  Search search = Search::columns;
+  AxisRule axis_rule = AxisRule::absolute_normal;
+  uint32_t bisections = 10;  ///< 4 to 16
+  float offset = 1;          ///< β: of parity rays off the surfaces at their ends [pixels], 0.5 to 4
+  bool refine = true;        ///< hits lie in their triangles' planes; else where the search found them
   LayeredVariant list = LayeredVariant::tiles;  ///< tiles, exact (counted) or linked_list: the same structure
 };
 
@@ -22,6 +40,8 @@ struct VoxelAbufferStatistics {
   uint32_t open_components = 0;
   size_t parity_fragments = 0, exact_fragments = 0;
   double expected_parity_fragments = 0, expected_exact_fragments = 0;  ///< in the mean over positions of the grid
+  uint32_t unbalanced_columns = 0;  ///< at the first try of the last build
+  uint32_t moved_components = 0;    ///< closed ones that became exact since, as their seams have opened
   uint64_t builds = 0;
   double build_seconds = 0;  ///< of the last one, elapsed
   size_t bytes = 0;          ///< on the device
@@ -47,6 +67,7 @@ class VoxelAbuffer : public Intersector {
   uint64_t generation() const;
 
   std::string name() const override { return "voxel_abuffer"; }
+  bool wants_ends() const override;
   void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
                       const BufferRef& hits) const override;
   void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,

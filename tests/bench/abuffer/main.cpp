@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <cstring>
+#include <cmath>
 
 #include "lucarium/scene/load/load_scene.h"
 #include "ray_subject.h"
@@ -27,10 +27,13 @@ struct Options {
   bool profile = false;
 };
 
-abuffer::Intersect intersect_of(const std::string& mode) {
-  if (mode == "exact") return abuffer::Intersect::exact;
-  if (mode == "plane") return abuffer::Intersect::plane;
-  return mode == "auto" ? abuffer::Intersect::automatic : abuffer::Intersect::parity;
+abuffer::VoxelAbufferOptions options_of(const std::string& mode, const Options& options) {
+  abuffer::VoxelAbufferOptions o{.abuffer_size = options.size, .grid_size = options.grid};
+  using abuffer::Intersect;
+  o.intersect = mode == "exact" ? Intersect::exact : mode == "auto" ? Intersect::automatic : Intersect::parity;
+  if (mode == "3" || mode == "1")
+    o.search = mode == "3" ? abuffer::Search::three_steps : abuffer::Search::one_step;
+  return o;
 }
 
 /// One scene with the hierarchy and a structure per mode.
@@ -40,10 +43,8 @@ struct Field {
         buffers(scheduler.device(), scene),
         bvh(scheduler.device(), scene, buffers, BvhTraversal::wide) {
     for (const std::string& mode : options.modes)
-      structures.push_back(std::make_unique<abuffer::VoxelAbuffer>(
-          scheduler, scene, buffers,
-          abuffer::VoxelAbufferOptions{
-              .abuffer_size = options.size, .grid_size = options.grid, .intersect = intersect_of(mode)}));
+      structures.push_back(
+          std::make_unique<abuffer::VoxelAbuffer>(scheduler, scene, buffers, options_of(mode, options)));
   }
   Scene scene;
   SceneBuffers buffers;
@@ -51,9 +52,12 @@ struct Field {
   std::vector<std::unique_ptr<abuffer::VoxelAbuffer>> structures;
 };
 
+/// One hits and the other misses, or distances differ by more than 1e-3 of themselves.
 size_t differences(const std::vector<Hit>& a, const std::vector<Hit>& b) {
   size_t count = 0;
-  for (size_t i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(Hit)) != 0;
+  for (size_t i = 0; i < a.size(); ++i)
+    count += (a[i].triangle == LUCARIUM_NO_HIT) != (b[i].triangle == LUCARIUM_NO_HIT) ||
+             std::fabs(a[i].distance - b[i].distance) > 1e-3f * b[i].distance;
   return count;
 }
 
@@ -67,11 +71,13 @@ void measure_rays(Device& device, KernelScheduler& scheduler, const Field& field
                   RayKind kind, const Options& options) {
   const std::vector<Ray>& rays = subject.rays(kind);
   const bool any = kind == RayKind::shadow;
+  std::vector<RayEnds> ends = subject.starts;
+  if (kind == RayKind::primary) ends.assign(rays.size(), {LUCARIUM_NONE, LUCARIUM_NONE});
   std::vector<std::unique_ptr<TracedBatch>> batches;
   std::vector<Contestant> contestants;
   const auto add = [&](const std::string& name, const Intersector& intersector) {
     TracedBatch* batch =
-        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, intersector, rays, any)).get();
+        batches.emplace_back(std::make_unique<TracedBatch>(device, scheduler, intersector, rays, any, ends)).get();
     contestants.push_back({.name = name, .run = [batch] { batch->run(); }, .cpus = options.threads});
   };
   add("wide", field.bvh);
@@ -142,7 +148,7 @@ int main(int argc, char** argv) {
   app.add_option("--size", options.size, "abuffer_size");
   app.add_option("--grid", options.grid, "grid_size");
   app.add_option("--threads", options.threads, "of the device");
-  app.add_option("--modes", options.modes, "exact, parity, plane, auto");
+  app.add_option("--modes", options.modes, "exact, auto, 2d, 3, 1 (the last three: parity)");
   app.add_flag("--profile", options.profile, "the passes of a build");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -38,7 +38,9 @@ void make_secondary(RaySubject& subject, const std::vector<Hit>& hits, const Bou
     const Triangle& t = subject.triangles[hits[i].triangle];
     const auto corner = [&](uint32_t vertex) { return glm::vec3(subject.vertices[vertex].position.xyz()); };
     glm::vec3 normal = glm::normalize(glm::cross(corner(t.v1) - corner(t.v0), corner(t.v2) - corner(t.v0)));
-    if (glm::dot(normal, primary.direction.xyz()) > 0) normal = -normal;
+    const bool back = glm::dot(normal, primary.direction.xyz()) > 0;
+    if (back) normal = -normal;
+    subject.starts.push_back({hits[i].triangle | (back ? LUCARIUM_RAY_END_BACK : 0), LUCARIUM_NONE});
     const glm::vec3 origin = primary.origin.xyz() + hits[i].distance * primary.direction.xyz() + 1e-3f * normal;
     const float z = 1 - 2 * uniform(engine), angle = 6.2831853f * uniform(engine), r = std::sqrt(1 - z * z);
     const glm::vec3 on_sphere(r * std::cos(angle), r * std::sin(angle), z);

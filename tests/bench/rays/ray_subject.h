@@ -21,6 +21,7 @@ struct RaySubject {
   std::vector<Vertex> vertices;
   std::vector<Triangle> triangles;
   std::vector<Ray> primary, diffuse, shadow;
+  std::vector<RayEnds> starts;  ///< of diffuse and shadow rays alike
 
   /// `scene` is a file or built-in, with "@camera" (docs/scenes.md) to look through another than its first one.
   /// One primary ray per pixel of width × height. The others stand in the order of the

@@ -4,18 +4,19 @@
 namespace lucarium::bench {
 
 TracedBatch::TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector,
-                         const std::vector<Ray>& rays, bool any)
+                         const std::vector<Ray>& rays, bool any, const std::vector<RayEnds>& ends)
     : scheduler_(scheduler),
       rays_(device, "bench", "rays", rays),
       hits_(device, "bench", "hits", any ? 1 : rays.size()),
+      ends_(device, "bench", "ends", ends),
       occluded_(device, "bench", "occluded", any ? rays.size() : 1),
       counter_(device, "bench", "counter", std::vector<uint32_t>{static_cast<uint32_t>(rays.size())}) {
   const auto count = static_cast<uint32_t>(rays.size());
   ScheduleRecorder recorder = scheduler.record("rays", "bench");
   if (any)
-    intersector.record_any(recorder, "any hit", {rays_, counter_, 0, count}, occluded_);
+    intersector.record_any(recorder, "any hit", {rays_, counter_, 0, count, ends_}, occluded_);
   else
-    intersector.record_closest(recorder, "closest hit", {rays_, counter_, 0, count}, hits_);
+    intersector.record_closest(recorder, "closest hit", {rays_, counter_, 0, count, ends_}, hits_);
   schedule_ = recorder.compile();
   run();
 }

@@ -12,7 +12,7 @@ class TracedBatch {
  public:
   /// `any`: occlusion instead of closest hits. Runs once, so that drivers have compiled what they compile late.
   TracedBatch(Device& device, KernelScheduler& scheduler, const Intersector& intersector, const std::vector<Ray>& rays,
-              bool any);
+              bool any, const std::vector<RayEnds>& ends = {});
 
   void run();
   std::vector<Hit> hits() const { return hits_.download(); }
@@ -22,6 +22,7 @@ class TracedBatch {
   KernelScheduler& scheduler_;
   TypedBuffer<Ray> rays_;
   TypedBuffer<Hit> hits_;
+  TypedBuffer<RayEnds> ends_;
   TypedBuffer<uint32_t> occluded_, counter_;
   Schedule schedule_;
 };

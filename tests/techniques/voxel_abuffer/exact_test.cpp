@@ -48,7 +48,7 @@ TEST_CASE("exact hits are those of the hierarchy, to the bit: built-in scenes") 
     CAPTURE(name);
     AbufferRig rig(make_builtin_scene(name));
     const VoxelAbuffer structure = rig.make({.abuffer_size = full_run() ? 1280u : 512u, .intersect = Intersect::exact});
-    const Differences d = compare(rig, structure, scene_rays(rig, count, 7));
+    const Differences d = compare(rig, structure, scene_rays(rig, count, 7).rays);
     CHECK(d.hits == 0);
     CHECK(d.occluded == 0);
     CHECK(d.hit_rays > count / 4);
@@ -61,7 +61,7 @@ TEST_CASE("exact hits are those of the hierarchy: unconnected triangles of all s
     CAPTURE(grid);
     AbufferRig rig(scene_of(random_soup(3000, size)));
     const VoxelAbuffer structure = rig.make({.abuffer_size = size, .grid_size = grid, .intersect = Intersect::exact});
-    const Differences d = compare(rig, structure, scene_rays(rig, full_run() ? 300000 : 15000, size));
+    const Differences d = compare(rig, structure, scene_rays(rig, full_run() ? 300000 : 15000, size).rays);
     CHECK(d.hits == 0);
     CHECK(d.occluded == 0);
     CHECK(d.hit_rays > 1000);
