@@ -23,13 +23,13 @@
 #endif
 
 #ifdef ABUFFER_WITH_EXACT
-#define ABUFFER_EXACT_PARAMETERS                                                             \
-  , __global const ulong *abuffer_cells, __global const uint *abuffer_exact_start,           \
+#define ABUFFER_EXACT_PARAMETERS                                                   \
+  , __global const ulong *abuffer_cells, __global const uint *abuffer_exact_start, \
       __global const uint *abuffer_exact_depths, __global const uint *abuffer_exact_fragments
-#define ABUFFER_SET_EXACT(context)                   \
-  context.cells = abuffer_cells;                     \
-  context.exact_start = abuffer_exact_start;         \
-  context.exact_depths = abuffer_exact_depths;       \
+#define ABUFFER_SET_EXACT(context)             \
+  context.cells = abuffer_cells;               \
+  context.exact_start = abuffer_exact_start;   \
+  context.exact_depths = abuffer_exact_depths; \
   context.exact_fragments = abuffer_exact_fragments
 #else
 #define ABUFFER_EXACT_PARAMETERS
@@ -37,25 +37,24 @@
 #endif
 
 #ifdef ABUFFER_WITH_PARITY
-#define ABUFFER_PARITY_PARAMETERS                                                                \
-  , __global const RayEnds *ends, __global const uchar *abuffer_classes, float abuffer_offset,   \
-      uint abuffer_bisections, __global const uint *abuffer_parity_start,                        \
-      __global const float *abuffer_parity_depths, __global const uint *abuffer_parity_fragments
-#define ABUFFER_SET_PARITY(context)                    \
-  context.classes = abuffer_classes;                   \
-  context.offset = abuffer_offset;                     \
-  context.bisections = abuffer_bisections;             \
-  context.parity_start = abuffer_parity_start;         \
-  context.parity_depths = abuffer_parity_depths;       \
+#define ABUFFER_PARITY_PARAMETERS                                                                                      \
+  , __global const RayEnds *ends, __global const uchar *abuffer_classes, float abuffer_offset,                         \
+      uint abuffer_bisections, __global const uint *abuffer_parity_start, __global const float *abuffer_parity_depths, \
+      __global const uint *abuffer_parity_fragments
+#define ABUFFER_SET_PARITY(context)              \
+  context.classes = abuffer_classes;             \
+  context.offset = abuffer_offset;               \
+  context.bisections = abuffer_bisections;       \
+  context.parity_start = abuffer_parity_start;   \
+  context.parity_depths = abuffer_parity_depths; \
   context.parity_fragments = abuffer_parity_fragments
 #else
 #define ABUFFER_PARITY_PARAMETERS
 #define ABUFFER_SET_PARITY(context)
 #endif
 
-#define ABUFFER_PARAMETERS                                                                                 \
-  __global const AbufferGrid *abuffer_grid, __global const ulong *abuffer_bricks,                          \
-      __global const uint *abuffer_voxels,                                                                 \
+#define ABUFFER_PARAMETERS                                                                                             \
+  __global const AbufferGrid *abuffer_grid, __global const ulong *abuffer_bricks, __global const uint *abuffer_voxels, \
       __global const float *abuffer_triangles ABUFFER_EXACT_PARAMETERS ABUFFER_PARITY_PARAMETERS
 
 #define ABUFFER_CONTEXT(context)                \
@@ -88,8 +87,7 @@ static bool abuffer_trace_exact(const AbufferContext* context, AbufferRay* r, Hi
 
 // Whether an any-hit ray is stopped; of others the nearest hit. Triangles for parity and those for exact search are two
 // sets, and the nearer of their hits counts.
-static bool abuffer_trace(const AbufferContext* context, const Ray ray, const RayEnds ends, Hit* best,
-                          const bool any) {
+static bool abuffer_trace(const AbufferContext* context, const Ray ray, const RayEnds ends, Hit* best, const bool any) {
 #ifdef ABUFFER_WITH_PARITY
   AbufferParityRay p;
   if (abuffer_begin_parity(context, ray, ends, &p)) {

@@ -159,8 +159,8 @@ void VoxelAbuffer::State::record_build() {
       .arg("abuffer_cell_count", cell_count)
       .arg("abuffer_counts", counts);
   recorder.fill_zero("clear_cells", cells);
-  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes, counts,
-                                      voxels,      cells, facing, cell_capacity};
+  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes,       counts,
+                                      voxels,      cells, facing,           cell_capacity};
   const LayeredStoreOptions store{.variant = options.list};
   if (exact) exact->record(recorder, grid, sources, views_of_exact, store, pack_program);
   recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
@@ -287,8 +287,7 @@ void VoxelAbuffer::State::compile() {
     if (!options.refine) defines["ABUFFER_UNREFINED"] = "";
   }
   if (search_program && defines == search_defines) return;
-  ProgramSpec spec{
-      .name = "voxel_abuffer/search", .files = {"voxel_abuffer/search/intersect.cl"}, .defines = defines};
+  ProgramSpec spec{.name = "voxel_abuffer/search", .files = {"voxel_abuffer/search/intersect.cl"}, .defines = defines};
   spec.mad_enable = false;  // the triangle test is watertight by rounding both products of an edge alike
   SourceLibrary library;
   library.add(voxel_abuffer_kernels());

@@ -40,8 +40,8 @@ struct VoxelAbufferStatistics {
   uint32_t open_components = 0;
   size_t parity_fragments = 0, exact_fragments = 0;
   double expected_parity_fragments = 0, expected_exact_fragments = 0;  ///< in the mean over positions of the grid
-  uint32_t unbalanced_columns = 0;  ///< at the first try of the last build
-  uint32_t moved_components = 0;    ///< closed ones that became exact since, as their seams have opened
+  uint32_t unbalanced_columns = 0;                                     ///< at the first try of the last build
+  uint32_t moved_components = 0;  ///< closed ones that became exact since, as their seams have opened
   uint64_t builds = 0;
   double build_seconds = 0;  ///< of the last one, elapsed
   size_t bytes = 0;          ///< on the device

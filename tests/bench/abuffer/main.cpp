@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <cmath>
+#include <cstdio>
 
 #include "lucarium/scene/load/load_scene.h"
 #include "ray_subject.h"
@@ -31,8 +31,7 @@ abuffer::VoxelAbufferOptions options_of(const std::string& mode, const Options& 
   abuffer::VoxelAbufferOptions o{.abuffer_size = options.size, .grid_size = options.grid};
   using abuffer::Intersect;
   o.intersect = mode == "exact" ? Intersect::exact : mode == "auto" ? Intersect::automatic : Intersect::parity;
-  if (mode == "3" || mode == "1")
-    o.search = mode == "3" ? abuffer::Search::three_steps : abuffer::Search::one_step;
+  if (mode == "3" || mode == "1") o.search = mode == "3" ? abuffer::Search::three_steps : abuffer::Search::one_step;
   return o;
 }
 
