@@ -32,7 +32,7 @@ Start start_of(const RayEnds& ends) {
   return ends.start == LUCARIUM_NONE ? camera : ends.start & LUCARIUM_RAY_END_BACK ? back : front;
 }
 
-/// Rays told wrongly, per ray, by where they start; far: hits more than four pixels off.
+/// Rays that err, per ray, by where they start; far: hits more than four pixels off.
 std::array<Rates, 3> compare(AbufferRig& rig, const VoxelAbuffer& structure, const TestRays& rays) {
   const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
   const AbufferRig::Results right = rig.trace(bvh, rays.rays), found = rig.trace(structure, rays.rays, rays.ends);
