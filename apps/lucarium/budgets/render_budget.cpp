@@ -70,17 +70,21 @@ std::string about(double seconds) {
   return seconds < 10 ? fmt::format("{:.2g}", seconds) : fmt::format("{:.0f}", seconds);
 }
 
-/// After a budget that was too small: which one would have done.
-void tell_first_picture(const BudgetArguments& arguments, const RenderSession& session,
-                        std::chrono::steady_clock::time_point start) {
+/// When there was a first picture [s], on the clocks of --time and --wall-time.
+struct FirstPicture {
+  double counted = 0, wall = 0;
+};
+
+/// After a budget that was too small for the first picture: which one would have done.
+void tell_first_picture(const BudgetArguments& arguments, const FirstPicture& picture) {
   std::vector<std::string> enough;
-  const auto add = [&](const char* option, double seconds) {
-    enough.push_back(fmt::format("{} {}", option, about(1.1 * seconds)));
+  const auto add = [&](const char* option, double budget, double seconds) {
+    if (budget > 0 && seconds > budget) enough.push_back(fmt::format("{} {}", option, about(1.1 * seconds)));
   };
-  if (arguments.seconds > 0) add("--time", counted_seconds(session.clocks()));
-  if (arguments.wall_seconds > 0)
-    add("--wall-time", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  if (!enough.empty()) log_warning("there is a picture now: {} would have given it", fmt::join(enough, " and "));
+  add("--time", arguments.seconds, picture.counted);
+  add("--wall-time", arguments.wall_seconds, picture.wall);
+  if (!enough.empty())
+    log_warning("the first picture came later than the budget: {} would have given it", fmt::join(enough, " and "));
 }
 
 }  // namespace
@@ -91,8 +95,8 @@ double planned_seconds(const BudgetArguments& arguments) {
 
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique) {
   if (!plan.changes.empty())
-    log_warning("{}: for {}: {}; the first whole picture would take about {} s otherwise", technique,
-                time_option(arguments), plan.changes_text(), about(plan.default_seconds));
+    log_warning("{}: for {}: {}; half of it is for the first whole picture, which would take about {} s otherwise",
+                technique, time_option(arguments), plan.changes_text(), about(plan.default_seconds));
   if (plan.budget_seconds > 0 && !plan.fits())
     log_warning("{}: {} is too short for a whole picture; about {} s would do", technique, time_option(arguments),
                 about(plan.sufficient_seconds + (is_wall_time(arguments) ? start_seconds : 0)));
@@ -106,7 +110,14 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
   TimeLeft left;
   left.update(0, 0);
   bool accurate = false;
+  const auto nothing_yet = [&] {
+    return session.last().samples == 0 && !session.last().visible && !session.last().converged;
+  };
+  std::optional<FirstPicture> first;
   const auto on_progress = [&](const IterationResult& now) {
+    if (!first && !nothing_yet())
+      first = {counted_seconds(session.clocks()),
+               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
     const double seconds = session.clocks().iterate;
     left.update(now.progress, seconds);
     double fraction = now.progress;
@@ -126,14 +137,11 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
   };
   RenderEnd end;
   end.interrupted = session.run(budget, on_progress);
-  const auto nothing_yet = [&] {
-    return session.last().samples == 0 && !session.last().visible && !session.last().converged;
-  };
   if (!end.interrupted && nothing_yet()) {
     log_warning("the budget ended before there was any picture; going on to the first one");
     end.interrupted = session.run({}, [&](const IterationResult& now) { return on_progress(now) && nothing_yet(); });
-    if (!end.interrupted) tell_first_picture(arguments, session, start);
   }
+  if (first && !end.interrupted) tell_first_picture(arguments, *first);
   end.by = end.interrupted ? "Ctrl-C" : ended_by(arguments, budget, session, accurate);
   if (!session.last().converged) end.seconds_left = left.estimate();
   return end;

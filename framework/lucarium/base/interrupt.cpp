@@ -11,7 +11,6 @@
 namespace lucarium {
 namespace {
 
-constexpr char kInterrupted[] = "lucarium: error: interrupted; nothing was kept\n";
 constexpr char kClearLine[] = "\r\x1b[2K";  // a progress bar may stand there
 
 std::atomic<bool> requested{false}, signalled{false}, ended{false}, on_terminal{false};
@@ -22,7 +21,7 @@ static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_alw
 void end_if_free() {
   if (keepers != 0 || delays != 0 || ended.exchange(true)) return;
   [[maybe_unused]] ssize_t written = on_terminal ? ::write(STDERR_FILENO, kClearLine, sizeof kClearLine - 1) : 0;
-  written = ::write(STDERR_FILENO, kInterrupted, sizeof kInterrupted - 1);
+  written = ::write(STDERR_FILENO, interrupt_message, sizeof interrupt_message - 1);
   ::_exit(static_cast<int>(ErrorClass::interrupted));
 }
 

@@ -3,6 +3,9 @@
 
 namespace lucarium {
 
+/// What the process says when a signal ends it at once.
+inline constexpr char interrupt_message[] = "lucarium: error: interrupted; nothing was kept\n";
+
 /// For the first moment of a program: SIGINT, SIGTERM and SIGHUP end the process with one line of error and the exit
 /// code of `interrupted`. While there is nothing to keep they do so at once, whatever the process is at: kernels that
 /// compile, images that are decoded. While a KeepOnInterrupt lives they set a flag instead, and a second one ends the

@@ -4,54 +4,21 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <fstream>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
-#include "lucarium/compare/run/comparison.h"
-#include "test_support.h"
+#include "small_comparison.h"
 
 using namespace lucarium;
 namespace fs = std::filesystem;
 
 namespace {
 
-/// One run of one scene at a size that takes no time.
-struct SmallComparison {
-  test::TemporaryFolder folder;
-  TechniqueRegistry registry;
-  ComparisonSpec spec;
-  ComparisonOptions options;
-
-  SmallComparison() {
-    spec.scenes.resize(1);
-    spec.scenes[0].source = "builtin:cornell";
-    spec.variants = {{"path_tracing", {}, ""}};
-    spec.budgets = {{0, 1, 0, 0}};
-    spec.seeds = 1;
-    spec.width = spec.height = 8;
-    spec.max_bounces = 0;
-    spec.reference.samples = 32;
-    options.folder = folder.path() / "results";
-    options.cache_dir = folder.path() / "cache";
-    options.program = std::getenv("LUCARIUM_TEST_PROGRAM");
-    // References of its own, but compiled kernels of all tests.
-    const fs::path programs = fs::path(std::getenv("LUCARIUM_CACHE_DIR")) / "programs";
-    fs::create_directories(programs);
-    fs::create_directories(options.cache_dir);
-    fs::create_directory_symlink(fs::absolute(programs), options.cache_dir / "programs");
-  }
-  ~SmallComparison() { set_interrupt_requested(false); }
-
-  ComparisonResult run() const { return run_comparison(spec, registry, options); }
-  std::string results() const { return read_file(options.folder / "results.json"); }
-};
-
 /// The class of the error with which a comparison ends.
-ErrorClass end_of(const SmallComparison& comparison) {
+ErrorClass end_of(const test::SmallComparison& comparison) {
   try {
     comparison.run();
   } catch (const Error& error) {
@@ -64,7 +31,7 @@ ErrorClass end_of(const SmallComparison& comparison) {
 }  // namespace
 
 TEST_CASE("Ctrl-C between two experiments that replace results deleted those of the next one") {
-  SmallComparison comparison;
+  test::SmallComparison comparison;
   REQUIRE(comparison.run().pieces.size() == 1);
   const std::string before = comparison.results();
   comparison.options.overwrite = true;
@@ -75,7 +42,7 @@ TEST_CASE("Ctrl-C between two experiments that replace results deleted those of 
 }
 
 TEST_CASE("Ctrl-C while a resumed comparison renders a reference ended it with an error about a missing image") {
-  SmallComparison comparison;
+  test::SmallComparison comparison;
   comparison.spec.seeds = 2;  // so that a bias is measured against the reference
   REQUIRE(comparison.run().pieces.size() == 2);
   const std::string before = comparison.results();
@@ -96,7 +63,7 @@ TEST_CASE("Ctrl-C while a resumed comparison renders a reference ended it with a
 }
 
 TEST_CASE("a comparison that is interrupted while it plans left an empty folder with a lock") {
-  SmallComparison comparison;
+  test::SmallComparison comparison;
   comparison.spec.scenes.resize(2);
   comparison.spec.scenes[1].source = "/nonexistent.glb";  // reported in the middle of planning
   bool reported = false;
@@ -112,7 +79,7 @@ TEST_CASE("a comparison that is interrupted while it plans left an empty folder 
 }
 
 TEST_CASE("a comparison resumed on another machine mixed seeds whose parameters had been planned differently") {
-  SmallComparison comparison;
+  test::SmallComparison comparison;
   comparison.spec.seeds = 3;
   const ComparisonResult first = comparison.run();
   REQUIRE(first.pieces.size() == 3);

@@ -98,6 +98,8 @@ inline nlohmann::ordered_json example_piece(const std::filesystem::path& folder,
           {"budget", 0},
           {"seed", seed},
           {"image", image},
+          {"parameters", "name=x,points=16"},
+          {"planned", "points 64 -> 16"},
           {"iterations", 64},
           {"samples", 64},
           {"passes",
@@ -127,7 +129,8 @@ inline void write_report_example(const std::filesystem::path& folder, const Repo
   for (size_t v = 0; v < example.variants; ++v) {
     results["variants"].push_back({{"label", v == 1 ? example.hostile : fmt::format("technique_{}", v + 1)},
                                    {"technique", "t"},
-                                   {"parameters", {{"name", example.hostile}}},
+                                   {"parameters", {{"name", example.hostile}, {"points", "64"}}},
+                                   {"given", {"name"}},
                                    {"summary", example.hostile},
                                    {"citation", "none"},
                                    {"version", "1"}});

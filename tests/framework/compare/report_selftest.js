@@ -101,6 +101,10 @@
         'refused and failed are named',
         /refused/.test(document.getElementById('overview').innerText) &&
             /killed by signal/.test(document.getElementById('overview').innerText));
+    const parameters = document.querySelector('#provenance dl.parameters');
+    check('parameters that were given are bold', parameters.querySelectorAll('strong').length === 2 &&
+            parameters.querySelector('dt strong').textContent === 'name');
+    check('what a budget lowered is said', /64 \(for a budget of time: 16\)/.test(parameters.textContent));
     check('a refused technique has a row', Boolean(document.querySelector('#scene td.obstacle')));
     document.querySelector('#scene thead button').click();
     check('tables sort', Boolean(document.querySelector('#scene th[aria-sort]')));

@@ -135,6 +135,8 @@ struct BaselineComparison {
 
 struct VariantInfo {
   std::string summary, citation, version;
+  std::vector<std::pair<std::string, std::string>> parameters;  ///< all, before a budget of time lowers any
+  std::vector<std::string> given;                               ///< names of those that the comparison sets
 };
 
 struct ComparisonResult {

@@ -79,6 +79,7 @@ ordered_json piece_json(const PieceResult& piece) {
     return json;
   }
   json.update({{"image", piece.image},
+               {"parameters", piece.parameters},
                {"iterations", piece.iterations},
                {"samples", piece.samples},
                {"iterate_seconds", piece.iterate_seconds},
@@ -100,6 +101,8 @@ ordered_json piece_json(const PieceResult& piece) {
   if (piece.reached_seconds) json["reached_seconds"] = *piece.reached_seconds;
   const ordered_json summary = ordered_json::parse(piece.render_summary);
   for (const char* key : {"passes", "counters", "warnings"}) json[key] = summary.at(key);
+  for (const char* key : {"planned", "plan"})
+    if (summary.contains(key)) json[key] = summary[key];
   return json;
 }
 
@@ -158,9 +161,10 @@ ordered_json budget_json(const ComparisonBudget& budget) {
 
 ordered_json variant_json(const TechniqueVariant& variant, const VariantInfo& info) {
   ordered_json parameters = ordered_json::object();
-  for (const auto& [name, value] : variant.parameters) parameters[name] = value;
+  for (const auto& [name, value] : info.parameters) parameters[name] = value;
   return {{"label", variant.label()}, {"technique", variant.technique}, {"parameters", parameters},
-          {"summary", info.summary},  {"citation", info.citation},      {"version", info.version}};
+          {"given", info.given},      {"summary", info.summary},        {"citation", info.citation},
+          {"version", info.version}};
 }
 
 ordered_json baseline_json(const BaselineComparison& baseline) {

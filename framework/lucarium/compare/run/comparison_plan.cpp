@@ -58,11 +58,7 @@ SceneVariant plan_variant(const TechniqueVariant& variant, const Scene& scene, c
   SceneVariant result;
   const TechniqueType& type = registry.find(variant.technique);
   const std::unique_ptr<Technique> technique = type.create();
-  try {
-    technique->parameters().set_all(variant.parameters);
-  } catch (const Error& error) {
-    throw error.with_context(variant.technique);
-  }
+  set_parameters(*technique, variant);
   try {
     check_settings(type.info(), settings);
   } catch (const Error& error) {
@@ -78,6 +74,14 @@ SceneVariant plan_variant(const TechniqueVariant& variant, const Scene& scene, c
 }
 
 }  // namespace
+
+void set_parameters(Technique& technique, const TechniqueVariant& variant) {
+  try {
+    technique.parameters().set_all(variant.parameters);
+  } catch (const Error& error) {
+    throw error.with_context(variant.technique);
+  }
+}
 
 ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& request, const TechniqueRegistry& registry) {
   ScenePlan plan;

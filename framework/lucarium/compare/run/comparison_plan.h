@@ -20,6 +20,9 @@ struct ScenePlan {
 /// Base seed of references: not one of the pieces' seeds 1, 2, …
 inline constexpr uint64_t reference_seed = 0x5eed;
 
+/// Sets the variant's parameters; mistakes in them are errors with the technique's name.
+void set_parameters(Technique& technique, const TechniqueVariant& variant);
+
 /// Loads the scene, asks every variant which light paths it computes, and groups the variants by that: one reference
 /// each. Variants that cannot do the settings are marked as refused. A scene that cannot be used has a failure; throws
 /// Error for mistakes in the comparison itself (unknown technique or parameter).

@@ -12,6 +12,7 @@
 #include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
+#include "lucarium/base/spelling.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/piece.h"
 #include "lucarium/compare/results/result_folder.h"
@@ -42,6 +43,18 @@ std::string planned_changes(const PieceResult& piece) {
   return json::parse(piece.render_summary).value("planned", "");
 }
 
+VariantInfo describe(const TechniqueVariant& variant, const TechniqueRegistry& registry) {
+  const TechniqueType& type = registry.find(variant.technique);
+  const TechniqueInfo& info = type.info();
+  const std::unique_ptr<Technique> technique = type.create();
+  set_parameters(*technique, variant);
+  VariantInfo result{info.summary, info.citation, info.version, {}, {}};
+  for (const ParameterTable::Entry& entry : technique->parameters().entries())
+    result.parameters.emplace_back(entry.info.name, entry.get());
+  for (const auto& [name, value] : variant.parameters) result.given.push_back(american_spelling(name));
+  return result;
+}
+
 }  // namespace
 
 ComparisonResult run_comparison(const ComparisonSpec& spec, const TechniqueRegistry& registry,
@@ -57,10 +70,7 @@ ComparisonRunner::ComparisonRunner(const ComparisonSpec& spec, const TechniqueRe
   result_.version = LUCARIUM_VERSION;
   result_.machine = describe_machine();
   result_.started = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-  for (const TechniqueVariant& variant : spec_.variants) {
-    const TechniqueInfo& info = registry_.find(variant.technique).info();
-    result_.variants.push_back({info.summary, info.citation, info.version});
-  }
+  for (const TechniqueVariant& variant : spec_.variants) result_.variants.push_back(describe(variant, registry_));
   // Mistakes in them must not wait until all is rendered.
   apply_gates(options_.gates, result_);
   if (!options_.baseline.empty()) compare_with_baseline(result_, options_.baseline);

@@ -63,6 +63,7 @@ TEST_CASE("a time that is over before the first iteration gives a picture and a 
                                           "--wall-time 0.001 -o " + (folder.path() / "a.png").string());
   CHECK(late.exit_code == 0);
   CHECK(contains(late.err, "--wall-time 0.001 was over before the first iteration"));
+  CHECK(contains(late.err, "the first picture came later than the budget: --wall-time "));
   const ProgramResult unlit = run_lucarium(
       "render builtin:cornell -t bundle_exchange:texels=2048 --size 16x16 --max-bounces 1 --iterations 1 --json "
       "--overwrite -o " +
@@ -80,6 +81,7 @@ TEST_CASE("a budget of time lowers what nobody set, says so, and the picture can
       run_lucarium(common + "-t micro_rendering:light_samples=2 --time 0.01 -o " + file("a.exr"));
   REQUIRE(timed.exit_code == 0);
   CHECK(contains(timed.err, "micro_rendering: for --time 0.01: points_log2 18 -> "));
+  CHECK(contains(timed.err, "; half of it is for the first whole picture, which would take about "));
   CHECK(contains(timed.err, "is too short for a whole picture; about "));
   const json summary = only_frame(timed);
   CHECK(summary["plan"]["budget_seconds"] == 0.01);

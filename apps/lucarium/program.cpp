@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium: the command-line program. All work is in the library; this only reads arguments and prints.
+// lucarium: the command-line program, as a library that start/ loads. All work is in the framework; this only reads
+// arguments and prints.
+#include "program.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,13 +34,10 @@ int run(int argc, char** argv) {
   return action(line.messages());
 }
 
-/// Before the constructors of the libraries, which take most of the start: from the program's first moment on.
-void install_first(int, char**, char**) { install_interrupt_handler(); }
-[[gnu::section(".preinit_array"), gnu::used]] void (*const run_first)(int, char**, char**) = install_first;
-
 }  // namespace
 
-int main(int argc, char** argv) {
+int lucarium_main(int argc, char** argv) {
+  install_interrupt_handler();  // instead of the one that stood until now
   end_with_parent();
   try {
     const int code = run(argc, argv);
