@@ -51,3 +51,16 @@ TEST_CASE("a plug-in that cannot be loaded does not stop the others, and says wh
   CHECK(contains(result.err, "wrong_abi.so: is built for ABI"));
   CHECK(contains(result.err, "text_file.so: cannot be loaded: "));
 }
+
+TEST_CASE("an executable without its program says what is missing: exit code 70") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / "bin");
+  const std::filesystem::path copy = folder.path() / "bin/lucarium";
+  std::filesystem::copy_file(environment("LUCARIUM_TEST_PROGRAM"), copy);
+  const ProgramResult result = run_program(copy.string() + " --version");
+  CHECK(result.exit_code == 70);
+  CHECK(result.out.empty());
+  CHECK(result.err.starts_with("lucarium: error: " + copy.parent_path().string()));
+  CHECK(contains(result.err, "lucarium_program.so: cannot open"));
+  CHECK(contains(result.err, "; install the program again\n"));
+}

@@ -49,7 +49,8 @@ function provenanceSection() {
         ['memory', machine.memory_bytes && bytes(machine.memory_bytes)], ['system', machine.system]
       ]),
       h('details', {}, h('summary', {}, 'Techniques and parameters'),
-        h('p', {class: 'note'}, 'Bold: set in the comparison. All others have the technique’s defaults.'), h('div', {class: 'cards'}, techniques)),
+        h('p', {class: 'note'}, 'Bold: set in the comparison. All others have the technique’s defaults.'),
+        h('div', {class: 'cards'}, techniques)),
       h('details', {}, h('summary', {}, 'Metrics'),
         sortableTable(
             'Definitions', ['metric', 'formula', 'unit', 'better'].map(name => ({name})), formulas, 'numbers left')),
