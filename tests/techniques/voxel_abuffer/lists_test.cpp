@@ -21,22 +21,6 @@ using abuffer::VoxelAbuffer;
 
 namespace {
 
-Soup box(const glm::vec3& low, const glm::vec3& high) {
-  Soup soup;
-  for (uint32_t i = 0; i < 8; ++i)
-    soup.add_vertex({i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z});
-  for (const auto& [a, b, c, d] : {std::array{0u, 2u, 3u, 1u},
-                                   {4u, 5u, 7u, 6u},
-                                   {0u, 1u, 5u, 4u},
-                                   {2u, 6u, 7u, 3u},
-                                   {0u, 4u, 6u, 2u},
-                                   {1u, 3u, 7u, 5u}}) {
-    soup.triangles.push_back({a, b, c, 0});
-    soup.triangles.push_back({a, c, d, 0});
-  }
-  return soup;
-}
-
 /// The lists of one axis on the host.
 struct HostLists {
   std::vector<uint32_t> start, fragments;
