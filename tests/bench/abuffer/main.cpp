@@ -10,8 +10,8 @@
 #include "lucarium/scene/load/load_scene.h"
 #include "ray_subject.h"
 #include "rounds.h"
+#include "structure.h"
 #include "traced_batch.h"
-#include "voxel_abuffer/structure/voxel_abuffer.h"
 
 namespace {
 
@@ -27,14 +27,6 @@ struct Options {
   bool profile = false;
 };
 
-abuffer::VoxelAbufferOptions options_of(const std::string& mode, const Options& options) {
-  abuffer::VoxelAbufferOptions o{.abuffer_size = options.size, .grid_size = options.grid};
-  using abuffer::Intersect;
-  o.intersect = mode == "exact" ? Intersect::exact : mode == "auto" ? Intersect::automatic : Intersect::parity;
-  if (mode == "3" || mode == "1") o.search = mode == "3" ? abuffer::Search::three_steps : abuffer::Search::one_step;
-  return o;
-}
-
 /// One scene with the hierarchy and a structure per mode.
 struct Field {
   Field(KernelScheduler& scheduler, const std::string& name, const Options& options)
@@ -42,13 +34,12 @@ struct Field {
         buffers(scheduler.device(), scene),
         bvh(scheduler.device(), scene, buffers, BvhTraversal::wide) {
     for (const std::string& mode : options.modes)
-      structures.push_back(
-          std::make_unique<abuffer::VoxelAbuffer>(scheduler, scene, buffers, options_of(mode, options)));
+      structures.push_back(make_structure(mode, scheduler, scene, buffers, options.size, options.grid));
   }
   Scene scene;
   SceneBuffers buffers;
   Bvh bvh;
-  std::vector<std::unique_ptr<abuffer::VoxelAbuffer>> structures;
+  std::vector<Structure> structures;
 };
 
 /// One hits and the other misses, or distances differ by more than 1e-3 of themselves.
@@ -80,7 +71,7 @@ void measure_rays(Device& device, KernelScheduler& scheduler, const Field& field
     contestants.push_back({.name = name, .run = [batch] { batch->run(); }, .cpus = options.threads});
   };
   add("wide", field.bvh);
-  for (size_t i = 0; i < options.modes.size(); ++i) add(options.modes[i], *field.structures[i]);
+  for (size_t i = 0; i < options.modes.size(); ++i) add(options.modes[i], *field.structures[i].intersector);
   run_rounds(contestants, options.rounds);
   for (size_t i = 0; i < contestants.size(); ++i) {
     const Contestant& c = contestants[i];
@@ -102,20 +93,17 @@ void measure_builds(KernelScheduler& scheduler, Field& field, const Options& opt
                          .cpus = options.threads});
   for (size_t i = 0; i < options.modes.size(); ++i)
     contestants.push_back(
-        {.name = options.modes[i], .run = [&field, i] { field.structures[i]->rebuild(); }, .cpus = options.threads});
+        {.name = options.modes[i], .run = [&field, i] { field.structures[i].rebuild(); }, .cpus = options.threads});
   run_rounds(contestants, options.rounds);
   for (const Contestant& c : contestants)
     fmt::print("| build | {} | {:.4f} s, {:.4f} s elapsed | {:.3f} |\n", c.name, median(c.cpu), median(c.wall),
                median_ratio(contestants[0].wall, c.wall));
-  for (size_t i = 0; i < options.modes.size(); ++i) {
-    const abuffer::VoxelAbufferStatistics& s = field.structures[i]->statistics();
-    fmt::print("{}: n={}, N={}, {} exact and {} parity fragments, {} bytes (hierarchy: {})\n", options.modes[i],
-               s.abuffer_size, s.grid_size, s.exact_fragments, s.parity_fragments, s.bytes,
+  for (size_t i = 0; i < options.modes.size(); ++i)
+    fmt::print("{}: {} (hierarchy: {} bytes)\n", options.modes[i], field.structures[i].summary(),
                field.bvh.statistics().bytes);
-  }
   if (!options.profile) return;
   scheduler.reset_profile();
-  for (const auto& structure : field.structures) structure->rebuild();
+  for (const Structure& structure : field.structures) structure.rebuild();
   fmt::print("{}\n", scheduler.profile().table());
 }
 
@@ -147,7 +135,7 @@ int main(int argc, char** argv) {
   app.add_option("--size", options.size, "abuffer_size");
   app.add_option("--grid", options.grid, "grid_size");
   app.add_option("--threads", options.threads, "of the device");
-  app.add_option("--modes", options.modes, "exact, auto, 2d, 3, 1 (the last three: parity)");
+  app.add_option("--modes", options.modes, structure_modes);
   app.add_flag("--profile", options.profile, "the passes of a build");
   CLI11_PARSE(app, argc, argv);
   try {

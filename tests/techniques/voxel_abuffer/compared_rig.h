@@ -89,20 +89,7 @@ inline EndedRays connections(const AbufferRig& rig, uint32_t count, uint32_t see
 }
 
 inline AbufferRig::Results trace(AbufferRig& rig, const Intersector& intersector, const EndedRays& batch) {
-  Device& device = rig.scheduler.device();
-  const auto count = static_cast<uint32_t>(batch.rays.size());
-  const TypedBuffer<Ray> rays(device, "test", "rays", batch.rays);
-  const TypedBuffer<RayEnds> ends(device, "test", "ends", batch.ends);
-  const TypedBuffer<Hit> hits(device, "test", "hits", count);
-  const TypedBuffer<uint32_t> occluded(device, "test", "occluded", count);
-  const TypedBuffer<uint32_t> counter(device, "test", "counter", std::vector<uint32_t>{count});
-  ScheduleRecorder recorder = rig.scheduler.record("trace", "test");
-  intersector.record_closest(recorder, "closest", {rays, counter, 0, count, ends}, hits);
-  intersector.record_any(recorder, "any", {rays, counter, 0, count, ends}, occluded);
-  Schedule schedule = recorder.compile();
-  rig.scheduler.run(schedule);
-  rig.scheduler.finish();
-  return {hits.download(), occluded.download()};
+  return rig.trace(intersector, batch.rays, batch.ends);
 }
 
 /// Rays whose hits, or whether they are blocked, differ in any bit.
