@@ -156,6 +156,34 @@ TEST_CASE("rays leave and reach a surface without meeting its own voxels, howeve
   CHECK(stopped(octree) == 0);
 }
 
+TEST_CASE("leaves report the first of their triangles, and where its plane is met") {
+  Soup soup = tilted_plane();
+  for (const Triangle& t : tilted_plane().triangles)
+    soup.add_triangle(soup.corner(t.v0), soup.corner(t.v1), soup.corner(t.v2));  // the same once more
+  AbufferRig rig(scene_of(soup));
+  Random random(3);
+  EndedRays rays;
+  for (int i = 0; i < 5000; ++i) {
+    const glm::vec3 target(random.uniform(-0.6f, 0.6f), 0, random.uniform(-0.6f, 0.6f)), eye(0.3f, 2, 0.1f);
+    rays.add(make_ray(eye, glm::normalize(target - eye)), {LUCARIUM_NONE, LUCARIUM_NONE});
+  }
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  const SparseOctree octree(rig.scheduler, rig.buffers, 100);
+  const AbufferRig::Results expected = trace(rig, bvh, rays), found = trace(rig, octree, rays);
+  size_t same = 0, alike = 0, second = 0;
+  for (size_t i = 0; i < rays.rays.size(); ++i) {
+    const Hit &a = expected.hits[i], &b = found.hits[i];
+    REQUIRE(b.triangle != LUCARIUM_NO_HIT);
+    second += b.triangle >= 2;
+    if (std::abs(a.distance - b.distance) > 1e-5f || a.triangle != b.triangle) continue;
+    ++same;
+    alike += std::abs(a.u - b.u) < 1e-4f && std::abs(a.v - b.v) < 1e-4f;
+  }
+  CHECK(second == 0);
+  CHECK(same > rays.rays.size() / 2);  // others meet the plane behind the first voxel that it touches
+  CHECK(alike == same);
+}
+
 TEST_CASE("occupied voxels of MASK and BLEND surfaces let rays pass as the surfaces do") {
   SceneMaterial quarter;
   quarter.alpha_mode = AlphaMode::blend;
