@@ -162,12 +162,11 @@ __kernel void compared_pad_keys(__global const uint* compared_total, uint capaci
 }
 
 // Whether a run of equal keys begins.
-__kernel void compared_mark_runs(__global const uint* compared_keys, __global const uint* compared_total, uint shift,
-                                 uint capacity, __global uint* compared_begins) {
+__kernel void compared_mark_runs(__global const uint* compared_keys, __global const uint* compared_total, uint capacity,
+                                 __global uint* compared_begins) {
   const uint i = get_global_id(0);
   if (i >= capacity) return;
-  compared_begins[i] =
-      i < compared_total[0] && (i == 0u || compared_keys[i] >> shift != compared_keys[i - 1u] >> shift);
+  compared_begins[i] = i < compared_total[0] && (i == 0u || compared_keys[i] != compared_keys[i - 1u]);
 }
 
 // A bit for each occupied voxel of a brick. compared_brick_count[0]: bricks.

@@ -46,13 +46,10 @@ VoxelPairs::VoxelPairs(KernelScheduler& scheduler, const SceneBuffers& buffers, 
 
 size_t VoxelPairs::bytes() const {
   size_t sum = 0;
-  for (const TypedBuffer<uint32_t>* buffer :
-       {&counts_, &keys_, &order_, &triangles_, &begins_, &brick_start_, &brick_keys_, &brick_voxels_, &brick_first_})
-    sum += *buffer ? buffer->bytes() : 0;
-  for (const Buffer* buffer : {static_cast<const Buffer*>(&within_), static_cast<const Buffer*>(&brick_masks_),
-                               static_cast<const Buffer*>(&float_counts_)})
-    sum += *buffer ? buffer->bytes() : 0;
-  return sum + (build_schedule_ ? build_schedule_.transient_bytes() : 0);
+  const Buffer* const all[] = {&counts_,      &float_counts_, &keys_,        &order_,       &triangles_,
+                               &brick_start_, &brick_keys_,   &brick_first_, &brick_masks_, &within_};
+  for (const Buffer* buffer : all) sum += buffer->bytes();
+  return sum + (sort_schedule_ ? sort_schedule_.transient_bytes() : 0);
 }
 
 void VoxelPairs::count(const std::string& remedy) {
@@ -73,7 +70,7 @@ void VoxelPairs::count(const std::string& remedy) {
                               triangles);
     primitives_.record_exclusive_scan(recorder, "place_pairs", counts_, counts_, total_, triangles);
     count_schedule_ = recorder.compile();
-    build_schedule_ = {};
+    sort_schedule_ = {};
   }
   scheduler_->run_to_end(count_schedule_);
   scheduler_->finish();
@@ -105,14 +102,17 @@ void VoxelPairs::record_sort(ScheduleRecorder& recorder) {
       .arg("compared_keys", keys_)
       .arg("compared_order", order_);
   primitives_.record_sort_pairs(recorder, "sort_pairs", keys_, order_, capacity, static_cast<int>(bits) + 1);
+  const BufferRef begins = recorder.transient<uint32_t>("beginnings of bricks", capacity);
   recorder.pass("mark_runs", program_, "compared_mark_runs")
       .global(capacity)
       .arg("compared_keys", keys_)
       .arg("compared_total", total_)
-      .arg("shift", 0u)
       .arg("capacity", capacity)
-      .arg("compared_begins", begins_);
-  primitives_.record_compact(recorder, "find_bricks", begins_, brick_start_, brick_counter_, 0, total_, 0, capacity);
+      .arg("compared_begins", begins);
+  primitives_.record_compact(recorder, "find_bricks", begins, brick_start_, brick_counter_, 0, total_, 0, capacity);
+}
+
+void VoxelPairs::record_bricks(ScheduleRecorder& recorder) {
   const auto room = static_cast<uint32_t>(brick_keys_.count());
   recorder.pass("fill_bricks", program_, "compared_fill_bricks")
       .global(room)
@@ -125,9 +125,31 @@ void VoxelPairs::record_sort(ScheduleRecorder& recorder) {
       .arg("capacity", room)
       .arg("compared_brick_keys", brick_keys_)
       .arg("compared_brick_masks", brick_masks_)
-      .arg("compared_brick_voxels", brick_voxels_);
-  primitives_.record_exclusive_scan(recorder, "place_voxels", brick_voxels_, brick_first_, voxel_counter_,
+      .arg("compared_brick_voxels", brick_first_);
+  primitives_.record_exclusive_scan(recorder, "place_voxels", brick_first_, brick_first_, voxel_counter_,
                                     brick_counter_, 0, room);
+}
+
+/// Number of bricks: known when the pairs are sorted.
+void VoxelPairs::sort(const std::string& remedy) {
+  Device& device = scheduler_->device();
+  bool replaced = make_compared_room(device, within_, "voxels of pairs", pair_count_, remedy);
+  for (const auto& [buffer, name] : {std::pair{&keys_, "keys of pairs"},
+                                     {&order_, "order of pairs"},
+                                     {&triangles_, "triangles of pairs"},
+                                     {&brick_start_, "first pairs of bricks"}})
+    replaced |= make_compared_room(device, *buffer, name, pair_count_, remedy);
+  const uint32_t bits = key_bits(layout_, morton_);
+  if (!sort_schedule_ || replaced || bits != recorded_bits_) {
+    ScheduleRecorder recorder = scheduler_->record("voxel_abuffer sorted pairs", owner);
+    record_sort(recorder);
+    sort_schedule_ = recorder.compile();
+    brick_schedule_ = {};
+    recorded_bits_ = bits;
+  }
+  scheduler_->run_to_end(sort_schedule_);
+  scheduler_->finish();
+  brick_count_ = brick_counter_.download()[0];
 }
 
 void VoxelPairs::build(const AbufferGrid& grid, float pad, const std::string& remedy) {
@@ -136,32 +158,19 @@ void VoxelPairs::build(const AbufferGrid& grid, float pad, const std::string& re
   pad_ = pad;
   grid_.upload({grid});
   count(remedy);
+  sort(remedy);
   Device& device = scheduler_->device();
-  uint64_t replaced = 0;
-  for (const auto& [buffer, name] : {std::pair{&keys_, "keys of pairs"},
-                                     {&order_, "order of pairs"},
-                                     {&triangles_, "triangles of pairs"},
-                                     {&begins_, "beginnings of bricks"},
-                                     {&brick_start_, "first pairs of bricks"}})
-    replaced += make_compared_room(device, *buffer, name, pair_count_, remedy);
-  replaced += make_compared_room(device, within_, "voxels of pairs", pair_count_, remedy);
-  // Not more bricks than there are in the grid, or pairs.
-  const size_t room = std::min<size_t>(pair_count_, brick_slots(grid));
-  replaced += make_compared_room(device, brick_keys_, "bricks", room, remedy);
-  replaced += make_compared_room(device, brick_voxels_, "voxels of bricks", room, remedy);
-  replaced += make_compared_room(device, brick_first_, "first voxels of bricks", room, remedy);
-  replaced += make_compared_room(device, brick_masks_, "occupied voxels", room, remedy);
-  const uint32_t bits = key_bits(grid, morton_);
-  if (!build_schedule_ || replaced > 0 || bits != recorded_bits_) {
+  bool replaced = make_compared_room(device, brick_masks_, "occupied voxels", brick_count_, remedy);
+  replaced |= make_compared_room(device, brick_keys_, "bricks", brick_count_, remedy);
+  replaced |= make_compared_room(device, brick_first_, "first voxels of bricks", brick_count_, remedy);
+  generation_ += replaced;
+  if (!brick_schedule_ || replaced) {
     ScheduleRecorder recorder = scheduler_->record("voxel_abuffer bricks", owner);
-    record_sort(recorder);
-    build_schedule_ = recorder.compile();
-    recorded_bits_ = bits;
-    generation_ += replaced;
+    record_bricks(recorder);
+    brick_schedule_ = recorder.compile();
   }
-  scheduler_->run_to_end(build_schedule_);
+  scheduler_->run_to_end(brick_schedule_);
   scheduler_->finish();
-  brick_count_ = brick_counter_.download()[0];
   voxel_count_ = voxel_counter_.download()[0];
 }
 

@@ -57,7 +57,9 @@ class VoxelPairs {
 
  private:
   void count(const std::string& remedy);
+  void sort(const std::string& remedy);
   void record_sort(ScheduleRecorder& recorder);
+  void record_bricks(ScheduleRecorder& recorder);
 
   KernelScheduler* scheduler_;
   const SceneBuffers* buffers_;
@@ -69,12 +71,12 @@ class VoxelPairs {
   uint32_t pair_count_ = 0, brick_count_ = 0, voxel_count_ = 0;
   uint64_t generation_ = 0, scene_generation_ = 0;
   TypedBuffer<AbufferGrid> grid_;
-  TypedBuffer<uint32_t> counts_, total_, keys_, order_, triangles_, begins_;
+  TypedBuffer<uint32_t> counts_, total_, keys_, order_, triangles_;
   TypedBuffer<float> float_counts_, float_total_;
   TypedBuffer<uint8_t> within_;
-  TypedBuffer<uint32_t> brick_counter_, brick_start_, brick_keys_, brick_voxels_, brick_first_, voxel_counter_;
+  TypedBuffer<uint32_t> brick_counter_, brick_start_, brick_keys_, brick_first_, voxel_counter_;
   TypedBuffer<uint64_t> brick_masks_;
-  Schedule count_schedule_, build_schedule_;
+  Schedule count_schedule_, sort_schedule_, brick_schedule_;
   uint32_t recorded_bits_ = 0;
 };
 
