@@ -21,7 +21,7 @@ void check_pairs(const std::vector<double>& a, const std::vector<double>& b) {
 
 }  // namespace
 
-SeedMean seed_mean(const std::vector<double>& values, double confidence) {
+ConfidenceInterval seed_mean(const std::vector<double>& values, double confidence) {
   const size_t n = values.size();
   const bool undefined = n == 0 || std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); });
   if (undefined) return {not_a_number, not_a_number, not_a_number, n};
@@ -38,13 +38,13 @@ SeedMean seed_mean(const std::vector<double>& values, double confidence) {
   return {mean, mean - half_width, mean + half_width, n};
 }
 
-SeedMean seed_geometric_mean(const std::vector<double>& values, double confidence) {
+ConfidenceInterval seed_geometric_mean(const std::vector<double>& values, double confidence) {
   std::vector<double> logs;
   for (const double v : values) {
     if (v < 0) throw_error(ErrorClass::internal, "{} is below 0 and has no geometric mean", v);
     logs.push_back(std::log(v));
   }
-  const SeedMean mean = seed_mean(logs, confidence);
+  const ConfidenceInterval mean = seed_mean(logs, confidence);
   if (mean.mean == -infinity) {
     const bool all_zero = std::all_of(values.begin(), values.end(), [](double v) { return v == 0; });
     return {0, 0, all_zero ? 0 : infinity, mean.seeds};
@@ -52,14 +52,14 @@ SeedMean seed_geometric_mean(const std::vector<double>& values, double confidenc
   return {std::exp(mean.mean), std::exp(mean.low), std::exp(mean.high), mean.seeds};
 }
 
-SeedMean paired_difference(const std::vector<double>& a, const std::vector<double>& b, double confidence) {
+ConfidenceInterval paired_difference(const std::vector<double>& a, const std::vector<double>& b, double confidence) {
   check_pairs(a, b);
   std::vector<double> differences(a.size());
   for (size_t i = 0; i < a.size(); ++i) differences[i] = a[i] == b[i] ? 0 : a[i] - b[i];
   return seed_mean(differences, confidence);
 }
 
-SeedMean paired_ratio(const std::vector<double>& a, const std::vector<double>& b, double confidence) {
+ConfidenceInterval paired_ratio(const std::vector<double>& a, const std::vector<double>& b, double confidence) {
   check_pairs(a, b);
   std::vector<double> ratios(a.size());
   for (size_t i = 0; i < a.size(); ++i) ratios[i] = a[i] == b[i] ? 1 : a[i] / b[i];

@@ -11,7 +11,7 @@
 // depth away from the viewer).
 LUCARIUM_STRUCT_BEGIN(LayeredView)
 float4 row_x, row_y, row_w;
-float depth_min;     // depth range of the film: sorting resolves (depth_max - depth_min) / 2^22
+float depth_min;     // depth range of the view: sorting resolves (depth_max - depth_min) / 2^22
 float depth_scale;   // 1 / (depth_max - depth_min)
 uint width, height;  // pixels, at most those of the LayeredRaster
 uint seed;           // decides BLEND together with triangle and pixel
@@ -48,7 +48,7 @@ uint triangle;  // world triangle | LAYERED_AWAY
 float depth;
 LUCARIUM_STRUCT_END(LayeredFragment, 8)
 
-// Sort key: depth in steps of 1 / 2^22 of the film's range, then LAYERED_KEY_TOWARDS, then 6 bits that say where the
+// Sort key: depth in steps of 1 / 2^22 of the view's range, then LAYERED_KEY_TOWARDS, then 6 bits that say where the
 // payload is. Nothing: all ones.
 // Where two surfaces meet, rounding may swap their depths. What is less than a step apart (up to two may be) counts as
 // equal there, and LAYERED_AWAY comes first (a closed room's near wall is before its far wall at their

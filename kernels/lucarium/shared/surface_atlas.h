@@ -26,10 +26,10 @@ float area;     // of the texel on this side [m²]
 LUCARIUM_STRUCT_END(AtlasTexel, 16)
 
 // The part of a triangle that belongs to a texel; pieces of all texels sum to 1 over each triangle that rays can hit.
-LUCARIUM_STRUCT_BEGIN(AtlasPiece)
+LUCARIUM_STRUCT_BEGIN(TexelPiece)
 uint triangle;
 float fraction;  // of the triangle's area [1]
-LUCARIUM_STRUCT_END(AtlasPiece, 8)
+LUCARIUM_STRUCT_END(TexelPiece, 8)
 
 // A point of a texel.
 LUCARIUM_STRUCT_BEGIN(AtlasSample)

@@ -16,7 +16,7 @@ typedef struct Exchange {
 #define LAYERED_PAYLOAD LayeredAtlasCell
 #include "lucarium/services/layered_raster/tiles.clh"
 
-void layered_announce(Exchange* exchange, uint triangle) { LUCARIUM_PREFETCH(exchange->triangles + triangle); }
+void layered_prefetch(Exchange* exchange, uint triangle) { LUCARIUM_PREFETCH(exchange->triangles + triangle); }
 
 void layered_touch(Exchange* exchange, uint first, uint last) {
   LUCARIUM_PREFETCH(exchange->table + first);

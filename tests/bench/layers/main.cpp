@@ -79,7 +79,7 @@ Scene make_full_room() {
   return scene;
 }
 
-/// Uniform directions; films are the square around the bounding sphere.
+/// Uniform directions; images are the square around the bounding sphere.
 std::vector<LayeredView> make_views(const Scene& scene, uint32_t count, uint32_t size) {
   const Bounds bounds = scene.bounds();
   const float radius = bounds.radius() * 1.0001f, pixel = 2 * radius / static_cast<float>(size);
@@ -121,7 +121,7 @@ class Bench {
         raster_(scheduler_, buffers_, {.max_width = settings.size, .max_height = settings.size}),
         bvh_(scheduler_.device(), scene_, buffers_),
         views_(scheduler_.device(), "bench", "views", make_views(scene_, settings.directions, settings.size)) {
-    fmt::print("{}: {} triangles, {} texel sides, film {} x {}\n", settings.scene, scene_.triangle_count(),
+    fmt::print("{}: {} triangles, {} texel sides, image {} x {}\n", settings.scene, scene_.triangle_count(),
                atlas_.info().texel_count, settings.size, settings.size);
     SourceLibrary library;
     library.add(lucarium_layer_bench_kernels());
@@ -327,7 +327,7 @@ int main(int argc, char** argv) {
   Settings settings;
   CLI::App app("All-fragment rasterization and exchange beside rays");
   app.add_option("scene", settings.scene, "`room` (70 000 triangles) or any scene")->capture_default_str();
-  app.add_option("--size", settings.size, "film edge [pixels]")->capture_default_str();
+  app.add_option("--size", settings.size, "edge of the image [pixels]")->capture_default_str();
   app.add_option("--texels", settings.texels, "texel sides of the atlas")->capture_default_str();
   app.add_option("--directions", settings.directions)->capture_default_str();
   app.add_option("--rounds", settings.rounds)->capture_default_str();

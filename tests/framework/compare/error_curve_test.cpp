@@ -86,7 +86,7 @@ TEST_CASE("95 % of the seeds' intervals hold the slope −1 of progressive Monte
   for (int trial = 0; trial < trials; ++trial) {
     std::vector<std::vector<CurvePoint>> curves;
     for (int seed = 0; seed < 3; ++seed) curves.push_back(progressive_run(random, 32));
-    const SeedMean slope = seed_slope(curves);
+    const ConfidenceInterval slope = seed_slope(curves);
     held += slope.low <= -1 && -1 <= slope.high;
   }
   const double share = static_cast<double>(held) / trials;

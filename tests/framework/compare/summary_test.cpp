@@ -165,7 +165,7 @@ TEST_CASE("Welch's ratio holds the truth as often as it says") {
     std::vector<double> now, then;
     for (int i = 0; i < 4; ++i) now.push_back(2 * std::exp(0.3 * normal(random)));
     for (int i = 0; i < 6; ++i) then.push_back(std::exp(0.1 * normal(random)));
-    const SeedMean ratio = welch_ratio(now, then);
+    const ConfidenceInterval ratio = welch_ratio(now, then);
     held += ratio.low <= 2 && 2 <= ratio.high;
   }
   // Welch's approximation is good to about 1 % here; the count's own deviation is 0.0034.

@@ -11,7 +11,7 @@ using namespace lucarium;
 namespace {
 
 /// The most bytes that are alive at one step: no plan can need less.
-size_t peak_bytes(const std::vector<Life>& lives, const std::vector<size_t>& bytes, int steps) {
+size_t peak_bytes(const std::vector<LiveRange>& lives, const std::vector<size_t>& bytes, int steps) {
   size_t peak = 0;
   for (int step = 0; step < steps; ++step) {
     size_t alive = 0;
@@ -26,7 +26,7 @@ size_t peak_bytes(const std::vector<Life>& lives, const std::vector<size_t>& byt
 TEST_CASE("a life spans first to last use, and a discard begins a new one") {
   const std::vector<TransientUse> uses = {{0, 0, true}, {1, 1, false}, {2, 0, false},
                                           {5, 0, true}, {6, 0, false}, {7, 1, true}};
-  const std::vector<Life> lives = find_lives(uses, {false, true});
+  const std::vector<LiveRange> lives = compute_live_ranges(uses, {false, true});
   REQUIRE(lives.size() == 3);
   CHECK((lives[0].transient == 0 && lives[0].first == 0 && lives[0].last == 2));
   CHECK((lives[1].transient == 1 && lives[1].first == 1 && lives[1].last == 7));
@@ -34,7 +34,7 @@ TEST_CASE("a life spans first to last use, and a discard begins a new one") {
 }
 
 TEST_CASE("a chain of equal transients needs two of them") {
-  std::vector<Life> lives;
+  std::vector<LiveRange> lives;
   for (int i = 0; i < 10; ++i) lives.push_back({i, i, i + 1});
   const ArenaPlan plan = place_lives(lives, std::vector<size_t>(10, 1024), 128, 1 << 20);
   REQUIRE(plan.arena_bytes.size() == 1);
@@ -50,7 +50,7 @@ TEST_CASE("random lives: aligned, below the limit, never overlapping in time and
   for (int trial = 0; trial < 200; ++trial) {
     const int steps = 40;
     const size_t alignment = 128, limit = 16384;
-    std::vector<Life> lives;
+    std::vector<LiveRange> lives;
     std::vector<size_t> bytes;
     for (int i = 0; i < 30; ++i) {
       const int first = static_cast<int>(random() % steps);
@@ -86,7 +86,7 @@ TEST_CASE("random lives: aligned, below the limit, never overlapping in time and
 }
 
 TEST_CASE("lives go to further arenas when one is full") {
-  const std::vector<Life> lives = {{0, 0, 3}, {1, 0, 3}, {2, 0, 3}};
+  const std::vector<LiveRange> lives = {{0, 0, 3}, {1, 0, 3}, {2, 0, 3}};
   const ArenaPlan plan = place_lives(lives, {1000, 1000, 1000}, 128, 2048);
   CHECK(plan.arena_bytes.size() == 2);
 }

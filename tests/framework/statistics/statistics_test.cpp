@@ -19,7 +19,7 @@ template <typename Draw>
 double coverage(size_t trials, size_t seeds, double truth, const Draw& interval_of_draws) {
   size_t held = 0;
   for (size_t i = 0; i < trials; ++i) {
-    const SeedMean mean = interval_of_draws(seeds);
+    const ConfidenceInterval mean = interval_of_draws(seeds);
     held += mean.low <= truth && truth <= mean.high;
   }
   return static_cast<double>(held) / static_cast<double>(trials);
@@ -34,17 +34,17 @@ bool is_95_percent(double share, size_t trials) {
 
 TEST_CASE("interval of three values by hand") {
   // mean 2, s = 1, t(2) = 4.302653: 2 ± 4.302653/√3
-  const SeedMean mean = seed_mean({1, 2, 3});
+  const ConfidenceInterval mean = seed_mean({1, 2, 3});
   CHECK(mean.mean == 2);
   CHECK(mean.low == test::relative(2 - 4.302653 / std::sqrt(3)));
   CHECK(mean.high == test::relative(2 + 4.302653 / std::sqrt(3)));
   CHECK(mean.seeds == 3);
-  const SeedMean narrow = seed_mean({1, 2, 3}, 0.5);
+  const ConfidenceInterval narrow = seed_mean({1, 2, 3}, 0.5);
   CHECK(narrow.high - 2 == test::relative(0.816497 / std::sqrt(3)));  // t of two sides, 50 %, 2 degrees of freedom
 }
 
 TEST_CASE("geometric mean by hand; scaling the values scales the interval") {
-  const SeedMean mean = seed_geometric_mean({1, 10, 100});
+  const ConfidenceInterval mean = seed_geometric_mean({1, 10, 100});
   CHECK(mean.mean == test::relative(10));
   CHECK(mean.high == test::relative(10 * std::pow(10, 4.302653 / std::sqrt(3))));
   CHECK(mean.low == test::relative(100 / mean.high));

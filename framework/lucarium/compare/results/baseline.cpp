@@ -75,7 +75,7 @@ size_t find_label(const json& list, const char* key, const std::string& label) {
   return std::string::npos;
 }
 
-std::string judge(const SeedMean& ratio) {
+std::string judge(const ConfidenceInterval& ratio) {
   if (!std::isfinite(ratio.high) || ratio.low <= 0) return "unknown";
   return ratio.high < 1 ? "better" : ratio.low > 1 ? "worse" : "same";
 }
@@ -96,9 +96,9 @@ json read_results(const std::filesystem::path& folder) {
 
 }  // namespace
 
-SeedMean welch_ratio(const std::vector<double>& now, const std::vector<double>& then) {
+ConfidenceInterval welch_ratio(const std::vector<double>& now, const std::vector<double>& then) {
   const LogMean a = log_mean(now), b = log_mean(then);
-  SeedMean ratio;
+  ConfidenceInterval ratio;
   ratio.seeds = std::min(now.size(), then.size());
   ratio.mean = std::exp(a.mean - b.mean);
   ratio.low = 0;
@@ -135,7 +135,7 @@ BaselineComparison compare_with_baseline(const ComparisonResult& result, const s
         const std::vector<double> then = values_then(old, old_scene, old_variant, old_budget, metric);
         if (now.empty() || then.empty()) continue;
         found = true;
-        const SeedMean ratio = welch_ratio(now, then);
+        const ConfidenceInterval ratio = welch_ratio(now, then);
         comparison.changes.push_back({scene, variant, budget, metric, ratio, judge(ratio)});
       }
       if (!found) comparison.missing.push_back(fmt::format("{}, {}, {}", result.scenes[scene].name, label, wanted));

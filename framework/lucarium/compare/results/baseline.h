@@ -9,7 +9,7 @@
 namespace lucarium {
 
 /// Ratio of the geometric means of independent positive values, `now` over `then`. One value on a side: no bounds.
-SeedMean welch_ratio(const std::vector<double>& now, const std::vector<double>& then);
+ConfidenceInterval welch_ratio(const std::vector<double>& now, const std::vector<double>& then);
 
 /// Compares with the results.json of another folder in relMSE, HDR_FLIP and seconds. Throws Error{input} when it cannot
 /// be read.

@@ -36,8 +36,8 @@ struct BiasAndVariance {
   /// √(error_of_mean / (variance/S + reference's own)): error of the mean in units of its standard error. About 1
   /// without bias; infinite for an image that is wrong and does not vary; 0 for one that is right and does not.
   double standard_errors = 0;
-  SeedMean relative_mean;  ///< (mean of x_s − mean of r)/mean of r, with its interval over the seeds
-  double mean_t = 0;       ///< the same in units of its standard error: Student's t with S − 1 degrees of freedom
+  ConfidenceInterval relative_mean;  ///< (mean of x_s − mean of r)/mean of r, with its interval over the seeds
+  double mean_t = 0;  ///< the same in units of its standard error: Student's t with S − 1 degrees of freedom
 };
 
 /// `reference_error`: own error of the reference on the same scale (ReferenceError, reference_image.h), 0 if exact. The

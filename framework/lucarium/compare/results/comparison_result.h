@@ -85,27 +85,27 @@ using SummaryKey = std::tuple<size_t, size_t, size_t>;
 /// When the curve of a variant gets to an error, over its seeds.
 struct SummaryTime {
   double relmse = 0;
-  std::optional<SeedMean> seconds;  ///< absent: some seed does not get there
-  bool at_most = false;             ///< the first snapshot of some seed was below it already
+  std::optional<ConfidenceInterval> seconds;  ///< absent: some seed does not get there
+  bool at_most = false;                       ///< the first snapshot of some seed was below it already
 };
 
 struct SummaryPoint {
   double seconds = 0, samples = 0;
-  SeedMean relmse;
+  ConfidenceInterval relmse;
 };
 
 /// Summary of the finished pieces of one key (docs/results.md).
 struct Summary {
   size_t seeds = 0;
-  std::map<std::string, SeedMean> metrics;
+  std::map<std::string, ConfidenceInterval> metrics;
   double iterate_seconds = 0, prepare_seconds = 0, compile_seconds = 0, device_seconds = 0, samples = 0;
   size_t peak_host_bytes = 0, peak_device_bytes = 0;
   double debiased_mse = 0;
   bool resolved = true;
   std::optional<BiasAndVariance> bias;  ///< from two seeds on
   std::vector<SummaryPoint> curve;
-  SeedMean slope;
-  std::optional<SeedMean> reached_seconds;  ///< with an error budget, when every seed got there
+  ConfidenceInterval slope;
+  std::optional<ConfidenceInterval> reached_seconds;  ///< with an error budget, when every seed got there
   std::vector<SummaryTime> times;
 };
 
@@ -113,7 +113,7 @@ struct Summary {
 struct SummaryPair {
   size_t scene = 0, budget = 0, a = 0, b = 0;
   std::string metric;
-  SeedMean ratio;
+  ConfidenceInterval ratio;
   bool different() const { return ratio.seeds > 1 && (ratio.low > 1 || ratio.high < 1); }
 };
 
@@ -121,8 +121,8 @@ struct SummaryPair {
 struct BaselineChange {
   size_t scene = 0, variant = 0, budget = 0;
   std::string metric;
-  SeedMean ratio;       ///< now over then: geometric means with Welch's 95 % interval on logarithms
-  std::string verdict;  ///< better, worse, same (the interval holds 1), unknown (one seed)
+  ConfidenceInterval ratio;  ///< now over then: geometric means with Welch's 95 % interval on logarithms
+  std::string verdict;       ///< better, worse, same (the interval holds 1), unknown (one seed)
 };
 
 struct BaselineComparison {

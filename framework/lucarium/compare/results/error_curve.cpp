@@ -56,7 +56,7 @@ PowerLaw fit_power_law(const std::vector<CurvePoint>& curve) {
   return {xy / xx, std::exp(mean_y - xy / xx * mean_x), points};
 }
 
-SeedMean seed_slope(const std::vector<std::vector<CurvePoint>>& curves, double confidence) {
+ConfidenceInterval seed_slope(const std::vector<std::vector<CurvePoint>>& curves, double confidence) {
   std::vector<double> slopes;
   for (const std::vector<CurvePoint>& curve : curves) slopes.push_back(fit_power_law(curve).slope);
   return seed_mean(slopes, confidence);

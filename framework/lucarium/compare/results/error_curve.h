@@ -43,6 +43,6 @@ PowerLaw fit_power_law(const std::vector<CurvePoint>& curve);
 
 /// Mean of the slopes of independent runs with its interval. The points of one run are not independent (each contains
 /// the samples of the one before), so that residuals about one line say nothing about the slope's error; seeds do.
-SeedMean seed_slope(const std::vector<std::vector<CurvePoint>>& curves, double confidence = 0.95);
+ConfidenceInterval seed_slope(const std::vector<std::vector<CurvePoint>>& curves, double confidence = 0.95);
 
 }  // namespace lucarium

@@ -20,7 +20,7 @@ void put(ordered_json& object, const char* key, double value) {
   if (std::isfinite(value)) object[key] = value;
 }
 
-ordered_json mean_json(const SeedMean& mean) {
+ordered_json mean_json(const ConfidenceInterval& mean) {
   ordered_json json = ordered_json::object();
   put(json, "mean", mean.mean);
   if (mean.seeds > 1) {

@@ -33,8 +33,8 @@ double average(const std::vector<double>& values) {
 bool is_arithmetic(const std::string& metric) { return metric == "PSNR" || metric == "SSIM"; }
 
 /// Means of the metrics that every piece has.
-std::map<std::string, SeedMean> mean_metrics(const std::vector<const PieceResult*>& pieces) {
-  std::map<std::string, SeedMean> means;
+std::map<std::string, ConfidenceInterval> mean_metrics(const std::vector<const PieceResult*>& pieces) {
+  std::map<std::string, ConfidenceInterval> means;
   for (const auto& [name, unused] : pieces.front()->metrics) {
     std::vector<double> values;
     for (const PieceResult* piece : pieces) {
@@ -67,7 +67,7 @@ std::vector<SummaryPoint> mean_curve(const std::vector<const PieceResult*>& piec
   return points;
 }
 
-std::optional<SeedMean> mean_reached(const std::vector<const PieceResult*>& pieces) {
+std::optional<ConfidenceInterval> mean_reached(const std::vector<const PieceResult*>& pieces) {
   std::vector<double> seconds;
   for (const PieceResult* piece : pieces) {
     if (!piece->reached_seconds) return std::nullopt;

@@ -219,7 +219,7 @@ bool ComparisonRunner::run_missing_pieces() {
           if (interrupt_requested()) return false;
           PieceResult piece = run_piece(scene, variant, budget, seed);
           if (interrupt_requested() && !piece.failure.empty()) return false;  // its partial result does not count
-          tell(piece, number, total);
+          log_result(piece, number, total);
           if (drop_unlike_pieces(piece)) complete = false;
           add_piece(std::move(piece));
           save();
@@ -253,7 +253,7 @@ bool ComparisonRunner::drop_unlike_pieces(const PieceResult& piece) {
   return true;
 }
 
-void ComparisonRunner::tell(const PieceResult& piece, size_t number, size_t total) const {
+void ComparisonRunner::log_result(const PieceResult& piece, size_t number, size_t total) const {
   std::string outcome = piece.failure;
   if (outcome.empty()) {
     outcome = fmt::format("relMSE {:.3g} after {:.1f} s, {} samples", piece.metrics.at("relMSE"), piece.seconds(),

@@ -45,7 +45,7 @@ class ComparisonRunner {
   bool is_wanted(size_t scene, size_t variant) const;
   bool is_finished(const SummaryKey& key, uint32_t seed) const;
   const ReferenceResult& reference_of(size_t scene, size_t variant) const;
-  void tell(const PieceResult& piece, size_t number, size_t total) const;
+  void log_result(const PieceResult& piece, size_t number, size_t total) const;
 
   void update_conclusions();
   void say(const std::string& line) const;

@@ -1,23 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What was measured on PoCL 3.1 (Debian 12, 2 cores, SSD), one program of 4 mid-sized kernels, a fresh process each;
-// "load" is create + build, "first launches" all four kernels at local size 64, in ms:
-//
-//                                                              load      first launches
-//   nothing cached                                            500-830    480-750
-//   from source, PoCL's own cache folder kept                  25-40       8
-//   binary taken before the first launches, folder fresh         18      650
-//   binary taken after them, folder fresh on disk              18-39       8   (PoCL synchronises each file it unpacks)
-//   binary taken after them, folder fresh in memory               7        8
-//   compiled object + clLinkProgram                             410        8   (links again each time)
-//   this cache                                                  3-7        7
-//
-// A process start takes 20-50 ms until the device is open; start to first kernel with 8 such programs: 0.13 s with
-// this cache (two cores busy otherwise), 0.35 s through PoCL's own. Two things cost: from source, PoCL always
-// preprocesses a megabyte of headers; and asked for a binary, PoCL compiles one more variant of every kernel (see
-// driver_files.h for how that is avoided: 2.5 instead of 570 ms). And PoCL's own folder cannot be trusted from one
-// process to the next: a damaged program.bc or .so there ends the process. Hence a folder per process (DriverFolder),
-// filled from verified entries.
+// Why PoCL's own cache does not do: from source it always preprocesses a megabyte of headers, and asked for a binary it
+// compiles one more variant of every kernel (driver_files.h avoids that). Its folder cannot be trusted from one process
+// to the next either: a damaged program.bc or .so there ends the process. Hence a folder per process (DriverFolder),
+// filled from verified entries. What each way costs: docs/measurements/building.md.
 #include "lucarium/compute/device/program_cache.h"
 
 #include <algorithm>

@@ -152,10 +152,10 @@ void ScheduleCompiler::plan_transients() {
         uses.push_back({static_cast<int>(i), access.resource, access.discards});
     }
   }
-  std::vector<Life> lives = find_lives(uses, single_life);
+  std::vector<LiveRange> lives = compute_live_ranges(uses, single_life);
   lives_of_.resize(recorded_.resources.size());
   for (size_t i = 0; i < lives.size(); ++i) {
-    const Life& life = lives[i];
+    const LiveRange& life = lives[i];
     lives_of_[static_cast<size_t>(life.transient)].push_back(static_cast<int>(i));
     state_->counter_of_life.push_back(value_of_transient_[static_cast<size_t>(life.transient)]);
     const Draft& first = drafts_[static_cast<size_t>(life.first)];

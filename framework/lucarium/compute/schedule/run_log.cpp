@@ -72,7 +72,7 @@ void RunLog::add(Schedule::State& schedule, RunRecord record, bool keep) {
       {std::move(record), schedule.device, schedule.facts, keep ? schedule.profile_slots : nullptr, profile_.runs});
 }
 
-void RunLog::settle(size_t count, ApiCalls& calls) {
+void RunLog::retire(size_t count, ApiCalls& calls) {
   while (waiting_.size() > count) {
     const Waiting run = std::move(waiting_.front());
     waiting_.pop_front();

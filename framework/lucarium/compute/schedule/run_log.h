@@ -23,7 +23,7 @@ class RunLog {
   void add(Schedule::State& schedule, RunRecord record, bool keep);
   /// Waits for the oldest runs until at most `count` are left. Throws Error{device} that names
   /// the pass when a command had failed.
-  void settle(size_t count, ApiCalls& calls);
+  void retire(size_t count, ApiCalls& calls);
   size_t waiting() const { return waiting_.size(); }
   /// Forgets them after a failure; the device must be idle.
   void drop() { waiting_.clear(); }

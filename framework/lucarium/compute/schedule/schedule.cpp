@@ -42,7 +42,7 @@ Schedule::State::~State() {
 cl_mem Schedule::State::handle(const MemoryRef& memory_of) const {
   if (memory_of.life >= 0) return memory->handle(memory_of.life);
   const size_t index = static_cast<size_t>(memory_of.resource);
-  if (!stand_ins.empty() && stand_ins[index]) return stand_ins[index].handle();
+  if (!scratch_copies.empty() && scratch_copies[index]) return scratch_copies[index].handle();
   return resources[index].buffer.handle();
 }
 

@@ -155,7 +155,7 @@ std::array<size_t, 3> ScheduleRun::global_size(const CompiledStep& of) const {
     global[0] = static_cast<size_t>(std::ceil(count * of.items_per_count));
   }
   for (size_t d = 0; d < 3; ++d) {
-    if (options_.rehearsal) global[d] = std::max<size_t>(global[d], 1);
+    if (options_.warm_up) global[d] = std::max<size_t>(global[d], 1);
     global[d] = (global[d] + of.local[d] - 1) / of.local[d] * of.local[d];
   }
   return global;
@@ -164,13 +164,13 @@ std::array<size_t, 3> ScheduleRun::global_size(const CompiledStep& of) const {
 bool ScheduleRun::enqueue_kernel(size_t index) {
   const std::array<size_t, 3> global = global_size(step(index));
   if (global[0] * global[1] * global[2] == 0) return true;
-  if (options_.rehearsal) {
+  if (options_.warm_up) {
     while (first_queued_ < record_.events.size()) wait_for_oldest();  // drivers may compile behind the enqueueing
     device_.compile_progress().launching(step(index).launch);
   }
   if (step(index).slice_items > 0) return enqueue_slices(index, global);
   enqueue_piece(index, global, true);
-  if (options_.rehearsal && device_.info().is_pocl && step(index).counter >= 0 && global[0] < pocl_large_grid) {
+  if (options_.warm_up && device_.info().is_pocl && step(index).counter >= 0 && global[0] < pocl_large_grid) {
     // The count may be of the other class next time: compile that variant too.
     const size_t local = step(index).local[0];
     enqueue_piece(index, {(pocl_large_grid + local - 1) / local * local, global[1], global[2]}, false);
@@ -243,7 +243,7 @@ void ScheduleRun::enqueue_fill(size_t index) {
 }
 
 void ScheduleRun::enqueue_read_back(size_t index) {
-  if (options_.rehearsal) return;
+  if (options_.warm_up) return;
   CompiledStep& copy = step(index);
   const size_t bytes = state_.bytes(copy.target);
   copy.staging.resize(bytes);
@@ -277,7 +277,7 @@ void ScheduleRun::enqueue_counter_read(size_t index) {
 }
 
 void ScheduleRun::run_host_step(size_t index) {
-  if (options_.rehearsal) return;
+  if (options_.warm_up) return;
   if (waits_.empty()) {  // an earlier run may still use what the step touches
     check_opencl(clFinish(queue_), "clFinish", state_.where(step(index)), device_);
     ++calls_.waits;

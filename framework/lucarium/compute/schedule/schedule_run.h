@@ -34,7 +34,7 @@ class ScheduleRun {
  public:
   struct Options {
     bool overlap = false;
-    bool rehearsal = false;  ///< warm-up: no host steps, no read-backs, nothing left out
+    bool warm_up = false;  ///< warm-up: no host steps, no read-backs, nothing left out
     const std::function<bool()>* cancelled = nullptr;
   };
   ScheduleRun(Schedule::State& state, const Options& options, ApiCalls& calls);

@@ -99,7 +99,7 @@ struct Schedule::State {
   std::shared_ptr<std::vector<int>> profile_slots;  ///< by step, index in the profile `profile_id`
   uint64_t profile_id = 0;
   /// Copies that stand for the callers' buffers during a warm-up, by resource.
-  std::vector<Buffer> stand_ins;
+  std::vector<Buffer> scratch_copies;
 
   cl_mem handle(const MemoryRef& memory_of) const;
   size_t bytes(const MemoryRef& memory_of) const;

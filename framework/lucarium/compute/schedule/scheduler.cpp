@@ -21,9 +21,9 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 
 /// Puts copies in the place of the callers' buffers that the schedule writes, for as long as it lives. Where a copy
 /// cannot be bound, the callers' buffers are bound again before the error leaves.
-class StandIns {
+class ScratchCopies {
  public:
-  explicit StandIns(Schedule::State& state) : state_(state) {
+  explicit ScratchCopies(Schedule::State& state) : state_(state) {
     std::vector<bool> written(state.resources.size(), false);
     for (const CompiledStep& step : state.steps) {
       for (const int resource : step.written) written[static_cast<size_t>(resource)] = true;
@@ -39,7 +39,7 @@ class StandIns {
                    "clEnqueueCopyBuffer", original.name(), *state.device);
     }
     state.device->finish();
-    state.stand_ins = std::move(copies);
+    state.scratch_copies = std::move(copies);
     try {
       bind();
     } catch (...) {
@@ -47,9 +47,9 @@ class StandIns {
       throw;
     }
   }
-  ~StandIns() { restore(); }
-  StandIns(const StandIns&) = delete;
-  StandIns& operator=(const StandIns&) = delete;
+  ~ScratchCopies() { restore(); }
+  ScratchCopies(const ScratchCopies&) = delete;
+  ScratchCopies& operator=(const ScratchCopies&) = delete;
 
  private:
   void bind() {
@@ -67,7 +67,7 @@ class StandIns {
   void restore() noexcept {
     try {
       state_.device->finish();
-      state_.stand_ins.clear();
+      state_.scratch_copies.clear();
       bind();
     } catch (const std::exception& error) {
       state_.facts->failure = error.what();
@@ -115,11 +115,11 @@ struct KernelScheduler::State {
         ++cancelled_runs;
         device->finish();
         ++calls.waits;
-        log.settle(0, calls);
+        log.retire(0, calls);
         return result;
       }
       log.add(schedule, run.take_record(), keep);
-      if (schedule.has_read_back || how.rehearsal) log.settle(0, calls);
+      if (schedule.has_read_back || how.warm_up) log.retire(0, calls);
       return result;
     } catch (...) {
       fail(schedule, std::current_exception());
@@ -167,7 +167,7 @@ void KernelScheduler::run_to_end(Schedule& schedule) { replay(schedule, false); 
 RunResult KernelScheduler::replay(Schedule& schedule, bool cancellable) {
   Schedule::State& state = state_->check_runnable(schedule);
   const auto start = Clock::now();
-  if (state_->log.waiting() >= runs_in_flight) state_->log.settle(runs_in_flight - 1, state_->calls);
+  if (state_->log.waiting() >= runs_in_flight) state_->log.retire(runs_in_flight - 1, state_->calls);
   ScheduleRun::Options how;
   how.overlap = state_->overlaps(state);
   how.cancelled = cancellable ? &state_->cancelled : nullptr;
@@ -194,22 +194,22 @@ uint64_t KernelScheduler::run(Schedule& schedule, const Budget& budget) {
 
 void KernelScheduler::finish() {
   const auto start = Clock::now();
-  state_->log.settle(0, state_->calls);
+  state_->log.retire(0, state_->calls);
   state_->log.add_wall_seconds(seconds_since(start));
 }
 
 void KernelScheduler::warm_up(Schedule& schedule) {
   Schedule::State& state = state_->check_runnable(schedule);
   finish();
-  std::unique_ptr<StandIns> stand_ins;
+  std::unique_ptr<ScratchCopies> scratch_copies;
   try {
-    stand_ins = std::make_unique<StandIns>(state);
+    scratch_copies = std::make_unique<ScratchCopies>(state);
   } catch (const Error& error) {
     log_warning("no warm-up of schedule '{}': {}", schedule.name(), error.what());
     return;
   }
   ScheduleRun::Options how;
-  how.rehearsal = true;
+  how.warm_up = true;
   how.cancelled = &state_->cancelled;
   const ApiCalls before = state_->calls;
   state_->execute(state, how, false);

@@ -16,7 +16,7 @@ constexpr cl_uchar guard_byte = 0xA5;
 }  // namespace
 
 TransientMemory::TransientMemory(Device& device, std::string schedule, std::string owner,
-                                 std::vector<TransientSpec> specs, std::vector<Life> lives, bool debug)
+                                 std::vector<TransientSpec> specs, std::vector<LiveRange> lives, bool debug)
     : device_(&device),
       schedule_(std::move(schedule)),
       owner_(std::move(owner)),
@@ -28,7 +28,7 @@ TransientMemory::TransientMemory(Device& device, std::string schedule, std::stri
       places_(lives_.size()),
       slot_of_(lives_.size(), -1),
       sub_buffers_(lives_.size()) {
-  std::vector<Life> counted;
+  std::vector<LiveRange> counted;
   std::vector<size_t> counted_index;
   for (size_t i = 0; i < lives_.size(); ++i) {
     if (!is_counted(static_cast<int>(i))) {
@@ -49,7 +49,7 @@ TransientMemory::TransientMemory(Device& device, std::string schedule, std::stri
 }
 
 void TransientMemory::allocate_arenas() {
-  std::vector<Life> fixed;
+  std::vector<LiveRange> fixed;
   std::vector<size_t> sizes, index;
   for (size_t i = 0; i < lives_.size(); ++i) {
     if (slot_of_[i] >= 0) continue;

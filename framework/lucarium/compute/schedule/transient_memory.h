@@ -24,9 +24,9 @@ class TransientMemory {
  public:
   /// `specs` by transient. Throws Error{device} when the memory does not suffice.
   TransientMemory(Device& device, std::string schedule, std::string owner, std::vector<TransientSpec> specs,
-                  std::vector<Life> lives, bool debug);
+                  std::vector<LiveRange> lives, bool debug);
 
-  const std::vector<Life>& lives() const { return lives_; }
+  const std::vector<LiveRange>& lives() const { return lives_; }
   bool is_counted(int life) const { return spec(life).counted; }
   const std::string& name(int life) const { return spec(life).name; }
   bool debug() const { return debug_; }
@@ -70,7 +70,7 @@ class TransientMemory {
   Device* device_;
   std::string schedule_, owner_;
   std::vector<TransientSpec> specs_;
-  std::vector<Life> lives_;
+  std::vector<LiveRange> lives_;
   bool debug_;
   size_t guard_bytes_;
   std::vector<size_t> bytes_;      ///< by life

@@ -25,8 +25,9 @@ size_t lowest_gap(const std::vector<Range>& taken, size_t bytes, size_t alignmen
 
 }  // namespace
 
-std::vector<Life> find_lives(const std::vector<TransientUse>& uses, const std::vector<bool>& single_life) {
-  std::vector<Life> lives;
+std::vector<LiveRange> compute_live_ranges(const std::vector<TransientUse>& uses,
+                                           const std::vector<bool>& single_life) {
+  std::vector<LiveRange> lives;
   std::vector<int> current(single_life.size(), -1);
   for (const TransientUse& use : uses) {
     const size_t transient = static_cast<size_t>(use.transient);
@@ -40,7 +41,7 @@ std::vector<Life> find_lives(const std::vector<TransientUse>& uses, const std::v
   return lives;
 }
 
-ArenaPlan place_lives(const std::vector<Life>& lives, const std::vector<size_t>& bytes, size_t alignment,
+ArenaPlan place_lives(const std::vector<LiveRange>& lives, const std::vector<size_t>& bytes, size_t alignment,
                       size_t max_arena_bytes) {
   std::vector<size_t> order(lives.size());
   std::iota(order.begin(), order.end(), size_t{0});
@@ -74,7 +75,7 @@ ArenaPlan place_lives(const std::vector<Life>& lives, const std::vector<size_t>&
   return plan;
 }
 
-std::vector<int> assign_slots(const std::vector<Life>& lives) {
+std::vector<int> assign_slots(const std::vector<LiveRange>& lives) {
   std::vector<size_t> order(lives.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return lives[a].first < lives[b].first; });

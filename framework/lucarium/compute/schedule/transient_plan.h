@@ -14,15 +14,15 @@ struct TransientUse {
 
 /// Live range of a transient, the steps [first, last]. A transient that is discarded and filled again has several live
 /// ranges, each with memory of its own.
-struct Life {
+struct LiveRange {
   int transient = 0;
   int first = 0, last = 0;
-  bool overlaps(const Life& other) const { return first <= other.last && other.first <= last; }
+  bool overlaps(const LiveRange& other) const { return first <= other.last && other.first <= last; }
 };
 
 /// Lives in order of their first step. `uses` are in program order, at most one per step and transient; a transient
 /// with `single_life` (by transient) is never split.
-std::vector<Life> find_lives(const std::vector<TransientUse>& uses, const std::vector<bool>& single_life);
+std::vector<LiveRange> compute_live_ranges(const std::vector<TransientUse>& uses, const std::vector<bool>& single_life);
 
 /// Where a life's memory lies.
 struct Placement {
@@ -38,11 +38,11 @@ struct ArenaPlan {
 /// Colours the interval graph of lives with byte ranges: lives that overlap in time get disjoint memory. Largest
 /// first, each at the lowest offset (a multiple of `alignment`) of the first arena that has room; arenas never exceed
 /// `max_arena_bytes` unless a single life does (the caller refuses that one by name). Deterministic.
-ArenaPlan place_lives(const std::vector<Life>& lives, const std::vector<size_t>& bytes, size_t alignment,
+ArenaPlan place_lives(const std::vector<LiveRange>& lives, const std::vector<size_t>& bytes, size_t alignment,
                       size_t max_arena_bytes);
 
 /// The same for lives whose sizes are known only at run time: the number of the buffer each one uses. The fewest
 /// buffers that keep overlapping lives apart.
-std::vector<int> assign_slots(const std::vector<Life>& lives);
+std::vector<int> assign_slots(const std::vector<LiveRange>& lives);
 
 }  // namespace lucarium

@@ -46,7 +46,7 @@ class LightListBuilder {
   /// twice that if two-sided; environment π R² ∫ L dω. R is the radius of the scene's bounding sphere.
   LightList build(const Scene& scene, float scene_radius, LightChoice choice);
   /// Materials changed.
-  void forget() { radiance_.clear(); }
+  void drop_radiance() { radiance_.clear(); }
 
  private:
   void add_triangles(const Scene& scene, LightList& list);

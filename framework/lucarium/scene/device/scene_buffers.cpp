@@ -263,14 +263,14 @@ void SceneBuffers::update(const Scene& scene, const SceneChange& change) {
   device_->finish();
   if (change.topology || !layout_.fits(scene)) {
     layout_ = SceneLayout(scene);
-    light_builder_.forget();
+    light_builder_.drop_radiance();
     build(scene);
     return;
   }
   const float previous_radius = info_.bounds_max.w;
   if (!change.materials.empty()) {
     upload_materials(scene);
-    light_builder_.forget();
+    light_builder_.drop_radiance();
   }
   if (change.environment) upload_environment(scene);
   if (change.geometry()) update_geometry(scene, change);

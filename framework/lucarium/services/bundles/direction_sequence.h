@@ -39,12 +39,11 @@ struct DirectionOptions {
 /// Directions are lines: uniform ones cover half of the sphere, so that what is stratified is twice as dense. An
 /// estimator that adds W f(ω) for both ends of each line has the mean ∫ f dω over the sphere, guided or not.
 ///
-/// Hammersley's points come in random order: their own sweeps the sphere once, and an average that forgets would know
-/// only its end. Blocks are in Sobol's order, in which beginnings are even too, except within runs of 128 directions
-/// (the first: 32, 32, 64), which are permuted: Sobol's next directions lie where the last ones did not, which biases
-/// what is built on the last few. With two rooms that a slit joins, the dark one was 1.3 % too bright after 1024
-/// directions of bundle_exchange without permutation. `permuted` is for estimators over pairs of successive directions,
-/// which then fill the product space.
+/// Hammersley's points are shuffled: in natural order they sweep the sphere once, and an average that forgets would
+/// hold only the end of the sweep. Blocks are in Sobol's order, in which beginnings are even too, except within runs of
+/// 128 directions (the first: 32, 32, 64), which are permuted: Sobol's next directions lie where the last ones did not,
+/// which biases what is built on the last few (docs/measurements/bundle_exchange.md, "Directions"). `permuted` is for
+/// estimators over pairs of successive directions, which then fill the product space.
 class DirectionSequence {
  public:
   /// `guide` may be null: nothing guides, and DirectionOptions::guiding is 0.

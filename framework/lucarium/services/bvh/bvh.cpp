@@ -10,8 +10,8 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
-#include "lucarium/services/bvh/forest.h"
-#include "lucarium/services/bvh/parts.h"
+#include "lucarium/services/bvh/moving_parts.h"
+#include "lucarium/services/bvh/two_level_bvh.h"
 
 namespace lucarium {
 
@@ -60,26 +60,26 @@ struct Bvh::State {
         traversal(choose_traversal(asked, on.info())),
         shape(shape_of(traversal)),
         scene(of),
-        forest(shape.width, shape.leaf_size, std::max(1u, std::thread::hardware_concurrency())) {}
+        hierarchy(shape.width, shape.leaf_size, std::max(1u, std::thread::hardware_concurrency())) {}
 
   Device* device;
   BvhTraversal traversal;
   TraversalShape shape;
   const SceneBuffers* scene;  // for MASK and BLEND materials; null: everything is opaque
-  BvhForest forest;
-  BvhParts parts;  // which instance lies in which part of the forest
+  TwoLevelBvh hierarchy;
+  MovingParts parts;  // which instance lies in which part of the hierarchy
   WorldGeometry geometry;
   Program program;
   uint32_t program_stack = 0;
   bool program_alpha = false;
   TypedBuffer<uint32_t> nodes, blocks;
-  bool uploaded = false;                        // these hold what the forest did after its last change
+  bool uploaded = false;                        // these hold what the hierarchy did after its last change
   size_t vertex_count = 0, triangle_count = 0;  // of the last build
   BvhStatistics statistics;
   uint64_t generation = 0;
 
   void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
-             std::vector<BvhForest::Part> ranges);
+             std::vector<TwoLevelBvh::Part> ranges);
   void build_scene(const SceneBuffers& buffers);
   void follow(const SceneBuffers& buffers, const SceneChange& change);
   bool same_counts(size_t vertices, size_t triangles) const {
@@ -93,11 +93,11 @@ struct Bvh::State {
 };
 
 void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
-                       std::vector<BvhForest::Part> ranges) {
+                       std::vector<TwoLevelBvh::Part> ranges) {
   const Stopwatch watch;
   vertex_count = vertices.size();
   triangle_count = triangles.size();
-  forest.build(vertices, triangles, std::move(ranges));
+  hierarchy.build(vertices, triangles, std::move(ranges));
   statistics.build_seconds = watch.seconds();
 }
 
@@ -105,16 +105,16 @@ void Bvh::State::build(std::span<const Vertex> vertices, std::span<const Triangl
 void Bvh::State::build_scene(const SceneBuffers& buffers) {
   geometry.read_all(buffers);
   build(geometry.vertices, geometry.triangles, parts.ranges(buffers));
-  if (forest.parts().size() == 1) geometry = {};  // nothing is known to move: read again should something
+  if (hierarchy.parts().size() == 1) geometry = {};  // nothing is known to move: read again should something
 }
 
 /// Brings back the words that were given up after the upload.
 void Bvh::State::prepare_refit() {
-  if (forest.can_refit()) return;
-  if (forest.released())
-    forest.restore(nodes.download(0, forest.node_word_count()), blocks.download(0, forest.block_word_count()));
+  if (hierarchy.can_refit()) return;
+  if (hierarchy.released())
+    hierarchy.restore(nodes.download(0, hierarchy.node_word_count()), blocks.download(0, hierarchy.block_word_count()));
   else
-    forest.restore({}, {});
+    hierarchy.restore({}, {});
 }
 
 void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) {
@@ -122,16 +122,16 @@ void Bvh::State::follow(const SceneBuffers& buffers, const SceneChange& change) 
   geometry.read_instances(buffers, change);
   std::vector<size_t> moved = parts.touched(change);
   for (const size_t part : moved) {
-    if (forest.refit(part, geometry.vertices, geometry.triangles)) continue;
-    if (part == BvhParts::resting) {
+    if (hierarchy.refit(part, geometry.vertices, geometry.triangles)) continue;
+    if (part == MovingParts::resting) {
       // A moving instance would degrade the static part again and again: give it a part of its own.
       parts.separate(change);
       build(geometry.vertices, geometry.triangles, parts.ranges(buffers));
       return;
     }
-    forest.rebuild(part, geometry.vertices, geometry.triangles);
+    hierarchy.rebuild(part, geometry.vertices, geometry.triangles);
   }
-  forest.join(moved);
+  hierarchy.join(moved);
 }
 
 /// Buffers that are too small are replaced: both or, if memory does not suffice, none, so that what was recorded and
@@ -141,37 +141,38 @@ void Bvh::State::upload() {
   const auto too_small = [](const TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words) {
     return !buffer || buffer.count() < words.size();
   };
-  const bool new_nodes = too_small(nodes, forest.node_words()), new_blocks = too_small(blocks, forest.block_words());
+  const bool new_nodes = too_small(nodes, hierarchy.node_words()),
+             new_blocks = too_small(blocks, hierarchy.block_words());
   const size_t bytes =
-      (new_nodes ? 4 * forest.node_words().size() : 0) + (new_blocks ? 4 * forest.block_words().size() : 0);
+      (new_nodes ? 4 * hierarchy.node_words().size() : 0) + (new_blocks ? 4 * hierarchy.block_words().size() : 0);
   const bool all = !std::exchange(uploaded, false);
   if (bytes > 0) device->memory().require_total("bvh", "hierarchy", bytes, remedy);
   const auto allocate = [&](const char* name, const std::vector<uint32_t>& words) {
     return TypedBuffer<uint32_t>(*device, "bvh", name, std::max<size_t>(1, words.size()), remedy);
   };
-  TypedBuffer<uint32_t> node_buffer = new_nodes ? allocate("nodes", forest.node_words()) : nodes;
-  TypedBuffer<uint32_t> block_buffer = new_blocks ? allocate("leaf blocks", forest.block_words()) : blocks;
+  TypedBuffer<uint32_t> node_buffer = new_nodes ? allocate("nodes", hierarchy.node_words()) : nodes;
+  TypedBuffer<uint32_t> block_buffer = new_blocks ? allocate("leaf blocks", hierarchy.block_words()) : blocks;
   nodes = std::move(node_buffer);
   blocks = std::move(block_buffer);
   if (new_nodes || new_blocks) ++generation;
-  write_words(nodes, forest.node_words(), all || new_nodes, forest.changed_nodes());
-  write_words(blocks, forest.block_words(), all || new_blocks, forest.changed_blocks());
+  write_words(nodes, hierarchy.node_words(), all || new_nodes, hierarchy.changed_nodes());
+  write_words(blocks, hierarchy.block_words(), all || new_blocks, hierarchy.changed_blocks());
   uploaded = true;
-  forest.release();
-  statistics.triangles = forest.triangle_count();
-  statistics.ignored_triangles = forest.ignored_count();
-  statistics.nodes = forest.node_count();
-  statistics.leaf_blocks = forest.block_count();
+  hierarchy.release();
+  statistics.triangles = hierarchy.triangle_count();
+  statistics.ignored_triangles = hierarchy.ignored_count();
+  statistics.nodes = hierarchy.node_count();
+  statistics.leaf_blocks = hierarchy.block_count();
   statistics.bytes = nodes.bytes() + blocks.bytes();
-  statistics.sah_cost = forest.sah_cost();
-  statistics.parts = static_cast<uint32_t>(forest.parts().size());
-  statistics.part_builds = forest.builds();
-  statistics.part_refits = forest.refits();
-  statistics.host_bytes = forest.host_bytes();
+  statistics.sah_cost = hierarchy.sah_cost();
+  statistics.parts = static_cast<uint32_t>(hierarchy.parts().size());
+  statistics.part_builds = hierarchy.builds();
+  statistics.part_refits = hierarchy.refits();
+  statistics.host_bytes = hierarchy.host_bytes();
 }
 
 void Bvh::State::compile() {
-  const uint32_t stack = std::max({minimum_stack, std::bit_ceil(forest.stack_size()), program_stack});
+  const uint32_t stack = std::max({minimum_stack, std::bit_ceil(hierarchy.stack_size()), program_stack});
   const bool alpha = scene && (scene->info().flags & LUCARIUM_SCENE_HAS_ALPHA);
   if (program && stack == program_stack && alpha == program_alpha) return;
   ProgramSpec spec{.name = "services/bvh", .files = {"lucarium/services/bvh/intersect.cl"}};
@@ -224,7 +225,7 @@ void Bvh::update(const Scene& scene, const SceneBuffers& buffers, const SceneCha
   State& s = *state_;
   s.scene = &buffers;
   if (change.topology || !s.same_counts(buffers.scene_vertices.count(), buffers.info().triangle_count)) {
-    s.parts = BvhParts(scene);
+    s.parts = MovingParts(scene);
     s.build_scene(buffers);
   } else if (change.geometry()) {
     s.follow(buffers, change);
@@ -243,10 +244,10 @@ void Bvh::update(std::span<const Vertex> vertices, std::span<const Triangle> tri
     s.prepare_refit();
   else
     topology = true;
-  if (topology || !s.forest.refit(0, vertices, triangles))
+  if (topology || !s.hierarchy.refit(0, vertices, triangles))
     s.build(vertices, triangles, {{{0, static_cast<uint32_t>(triangles.size())}}});
   else
-    s.forest.join(all);
+    s.hierarchy.join(all);
   s.compile();  // before the upload: a program for more stack serves the old hierarchy, too
   s.upload();
 }

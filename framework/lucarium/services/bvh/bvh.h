@@ -46,11 +46,11 @@ class Bvh : public Intersector {
 
   /// Follows a change; to be called after buffers.update(). Instances that an animation, skin or morph can move have
   /// hierarchies of their own below a small one: when they move only these are refitted, or rebuilt when their
-  /// quality fell (SAH cost above 1.5× built). Instances that move without such announcement are refitted with the
-  /// rest, and get hierarchies of their own when that is not good enough. Changed topology, also where it shows in the
+  /// quality fell (SAH cost above 1.5× built). An instance moved by the program is refitted with the static part
+  /// and gets its own hierarchy once refitting degrades it. Changed topology, also where it shows in the
   /// counts only, rebuilds everything. To be called for changed materials, too: the kernels are compiled for whether
-  /// any is MASK or BLEND. Recorded schedules stay valid unless generation() changes. What does not fit into memory is
-  /// refused, and hits stay those of before.
+  /// any is MASK or BLEND. Recorded schedules stay valid unless generation() changes. If memory runs out it throws;
+  /// the old BVH stays valid.
   void update(const Scene& scene, const SceneBuffers& buffers, const SceneChange& change);
   /// The same for any triangles; without `topology` only vertices have moved and triangles are those of the
   /// build (another number of them is taken for changed topology).

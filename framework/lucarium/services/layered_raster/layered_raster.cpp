@@ -16,9 +16,9 @@ namespace {
 
 constexpr uint32_t lanes = 16;               // pixels per row of a tile
 constexpr uint32_t chunks = 16;              // runs of triangles binned in parallel
-constexpr uint32_t slice_pixels = 1u << 22;  // of the film between two looks whether to stop, about 0.1 s
+constexpr uint32_t slice_pixels = 1u << 22;  // of the image between two checks for an interrupt
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
-constexpr const char* smaller_film = "lower the resolution of the raster";
+constexpr const char* smaller_image = "lower the resolution of the raster";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
@@ -151,11 +151,11 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       .discards("layered_clip_counts");
   primitives.record_exclusive_scan(recorder, name + ".clip_scan", clip_counts, clip_counts, bins.clipped, blocks);
   bins.extra = recorder.transient_sized_by<LayeredRecord>(name + ".clip_records", bins.clipped, 0, LAYERED_CLIP_PARTS,
-                                                          smaller_film);
+                                                          smaller_image);
   bins.clips =
-      recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
+      recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_image);
   bins.extra_bounds =
-      recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_film);
+      recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_image);
   class_pass(".clip", "layered_clip_triangles")
       .global(blocks)
       .local(1)
@@ -171,7 +171,7 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       .discards("layered_extra")
       .discards("layered_clips")
       .discards("layered_extra_bounds");
-  const BufferRef histogram = recorder.transient<uint32_t>(name + ".histogram", size_t{chunks} * stride, smaller_film);
+  const BufferRef histogram = recorder.transient<uint32_t>(name + ".histogram", size_t{chunks} * stride, smaller_image);
   bins.starts = recorder.transient<uint32_t>(name + ".starts", stride);
   const BufferRef pair_count = recorder.transient<uint32_t>(name + ".pair_count", 1);
   recorder.pass(name + ".count_bins", program, "layered_count_bins")
@@ -194,7 +194,7 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       .arg("layered_starts", bins.starts)
       .discards("layered_starts");
   primitives.record_exclusive_scan(recorder, name + ".scan_bins", bins.starts, bins.starts, pair_count, stride);
-  bins.pairs = recorder.transient_sized_by<uint32_t>(name + ".pairs", pair_count, 0, 1, smaller_film);
+  bins.pairs = recorder.transient_sized_by<uint32_t>(name + ".pairs", pair_count, 0, 1, smaller_image);
   recorder.pass(name + ".fill_bins", program, "layered_fill_bins")
       .global(chunks)
       .local(1)

@@ -41,7 +41,7 @@ struct LayeredStoreOptions {
 /// there (integer edge functions, top-left rule), so that meshes are watertight and no fragment is ever dropped.
 /// Triangles without area, which rays never hit, have none. MASK discards fragments, BLEND keeps them with probability
 /// alpha, decided by triangle, pixel and LayeredView::seed (LayeredRasterOptions::keep_alpha: neither does). Order:
-/// depth to 1/2²² of the film's range, then fronts that face along the view first, then by triangle (clipped triangles
+/// depth to 1/2²² of the view's range, then fronts that face along the view first, then by triangle (clipped triangles
 /// after others). Results do not depend on the number of threads.
 ///
 /// Consumers either walk over sorted fragments while they are in registers (record_tiles(),
@@ -100,9 +100,9 @@ class LayeredRaster {
 };
 
 /// An orthographic view along unit `direction`: `right` is a unit vector orthogonal to it, x grows along it and y along
-/// direction × right. The film is `width` × `height` square pixels of `pixel_size` [m], pixel (0, 0) begins at `corner`
-/// (in-plane coordinates along x and y relative to `center`); depths are relative to `center`, from -depth to depth
-/// [m].
+/// direction × right. The raster image is `width` × `height` square pixels of `pixel_size` [m], pixel (0, 0) begins at
+/// `corner` (in-plane coordinates along x and y relative to `center`); depths are relative to `center`, from -depth to
+/// depth [m].
 LayeredView orthographic_view(const glm::vec3& center, const glm::vec3& direction, const glm::vec3& right,
                               float pixel_size, uint32_t width, uint32_t height, float depth, const glm::vec2& corner);
 /// A perspective view: horizontal extent at unit distance is 2·tan_half_width; depths are along `direction`.

@@ -44,6 +44,7 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
     const uint index = block * 16u + lane;
     float4 p[3] = {(float4)(NAN), (float4)(NAN), (float4)(NAN)};
     uint flags = 0u;
+    // Fetch corners and flags. Places behind the last triangle hold NaN, which set-up drops.
     if (index < scene_info->triangle_count) {
       const Triangle triangle = scene_triangles[index];
       p[0] = scene_vertices[triangle.v0].position;
@@ -53,6 +54,7 @@ __kernel void layered_gather_triangles(__global const SceneInfo* scene_info, __g
       flags = material & (LUCARIUM_MATERIAL_MASK | LUCARIUM_MATERIAL_BLEND) ? LAYERED_RECORD_ALPHA : 0u;
       if (layered_unsure_area(p)) unsure |= 1u << lane;
     }
+    // Store component by component.
     for (uint corner = 0u; corner < 3u; ++corner) {
       out[(3u * corner + 0u) * 16u + lane] = p[corner].x;
       out[(3u * corner + 1u) * 16u + lane] = p[corner].y;

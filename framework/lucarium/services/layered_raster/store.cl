@@ -81,8 +81,10 @@ __kernel void layered_count_fragments(LAYERED_TILE_PARAMETERS __global uint* pix
     for (uint row = 0u; row < LAYERED_TILE_ROWS; ++row) counts[row] = 0;
     const uint first = layered_starts[row_of_tiles * tiles_x + tile];
     const uint end = layered_starts[row_of_tiles * tiles_x + tile + 1u];
+    // Count the fragments of all triangles over the tile, a row of pixels at once.
     for (uint i = first; i < end; ++i)
       layered_count_triangle(&tiles, layered_pairs[i], (int)(tile * LAYERED_LANES), py, counts);
+    // Write the pixels that lie in the image, and of each no more than is kept.
     for (uint row = 0u; row < min(LAYERED_TILE_ROWS, height - (uint)py); ++row) {
       const uint px = tile * LAYERED_LANES;
       for (uint lane = 0u; lane < min((uint)LAYERED_LANES, width - px); ++lane) {

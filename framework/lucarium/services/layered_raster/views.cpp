@@ -9,7 +9,7 @@ float4 row(const glm::vec3& axis, const glm::vec3& origin, float offset) {
   return float4(axis, offset - glm::dot(axis, origin));
 }
 
-void set_film(LayeredView& view, uint32_t width, uint32_t height, float depth_min, float depth_max) {
+void set_image(LayeredView& view, uint32_t width, uint32_t height, float depth_min, float depth_max) {
   view.width = width;
   view.height = height;
   view.depth_min = depth_min;
@@ -25,7 +25,7 @@ LayeredView orthographic_view(const glm::vec3& center, const glm::vec3& directio
   view.row_x = row(right / pixel_size, center, -corner.x / pixel_size);
   view.row_y = row(down / pixel_size, center, -corner.y / pixel_size);
   view.row_w = row(direction, center, 0);
-  set_film(view, width, height, -depth, depth);
+  set_image(view, width, height, -depth, depth);
   return view;
 }
 
@@ -38,7 +38,7 @@ LayeredView perspective_view(const glm::vec3& eye, const glm::vec3& direction, c
   view.row_x = row(right * scale + direction * half_width, eye, 0);
   view.row_y = row(down * scale + direction * half_height, eye, 0);
   view.row_w = row(direction, eye, 0);
-  set_film(view, width, height, near_depth, far_depth);
+  set_image(view, width, height, near_depth, far_depth);
   return view;
 }
 

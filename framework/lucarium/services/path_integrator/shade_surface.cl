@@ -179,6 +179,7 @@ __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, Pat
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
   prefetch_surfaces(&scene, hits, i, active[0]);
+  // Load the path's state.
   const Hit hit = hits[i];
   const float3 direction = rays[i].direction.xyz;
   Walk walk;
@@ -189,6 +190,7 @@ __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, Pat
   walk.pdf = carried.w;
   walk.shadow_ends = walk.next_ends = no_ray_ends();
 
+  // Shade what its ray met: a surface, or the environment, at which every path ends.
   shadow_rays[i] = inactive_ray();
   bool goes_on = false;
   Ray next_ray = inactive_ray();
@@ -198,6 +200,7 @@ __kernel void shade_surface(LUCARIUM_SCENE_PARAMETERS PathSettings settings, Pat
     goes_on = shade_hit(&scene, settings, batch, &walk, hit, direction, path_radiance, &shadow_rays[i],
                         &shadow_light[i], &next_ray);
 
+  // Store the state; dead paths are compacted away by alive.
   alive[i] = goes_on;
   next_rays[i] = next_ray;
   LUCARIUM_STORE_RAY_ENDS(next_ends, i, walk.next_ends);

@@ -18,11 +18,12 @@ float triangle_area(const global Vertex* vertices, Triangle triangle) {
 __kernel void place_atlas_sides(__global const Vertex* restrict scene_vertices,
                                 __global const Triangle* restrict scene_triangles, AtlasInfo atlas_info,
                                 __global const uint2* restrict atlas_ranges,
-                                __global const AtlasPiece* restrict atlas_pieces,
+                                __global const TexelPiece* restrict atlas_pieces,
                                 __global AtlasTexel* restrict atlas_texels,
                                 __global SurfacePoint* restrict atlas_points) {
   const uint side = get_global_id(0);
   if (side >= atlas_info.texel_count) return;
+  // Sum the areas of its pieces.
   const uint2 range = atlas_ranges[side];
   float area = 0.0f;
   for (uint i = range.x; i < range.x + range.y; ++i)
@@ -31,6 +32,7 @@ __kernel void place_atlas_sides(__global const Vertex* restrict scene_vertices,
   texel.area = area;
   atlas_texels[side] = texel;
 
+  // Place its point; a triangle without area takes the interpolated normal.
   const Triangle triangle = scene_triangles[texel.triangle];
   const Vertex a = scene_vertices[triangle.v0], b = scene_vertices[triangle.v1], c = scene_vertices[triangle.v2];
   const float3 interpolated = interpolate3(a.normal.xyz, b.normal.xyz, c.normal.xyz, texel.b1, texel.b2);

@@ -2,7 +2,7 @@
 #include "lucarium/services/surface_atlas/geometry.h"
 
 #include "lucarium/scene/device/emission.h"
-#include "lucarium/services/bvh/parts.h"
+#include "lucarium/services/bvh/moving_parts.h"
 
 namespace lucarium {
 

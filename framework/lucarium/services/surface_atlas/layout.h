@@ -49,7 +49,7 @@ struct AtlasLayout {
   std::vector<uint8_t> links;            ///< per cell: LUCARIUM_ATLAS_LINK bits
   std::vector<AtlasTexel> texels;        ///< per texel side
   std::vector<uint2> ranges;             ///< per texel side: first and number of its pieces; backs share their front's
-  std::vector<AtlasPiece> pieces;
+  std::vector<TexelPiece> pieces;
   std::vector<AtlasSample>
       samples;  ///< per texel side AtlasLayoutOptions::samples, uniform over its area; backs as fronts
   std::vector<AtlasChart> charts;

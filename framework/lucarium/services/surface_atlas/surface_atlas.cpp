@@ -10,7 +10,7 @@
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/device/emission.h"
-#include "lucarium/services/bvh/parts.h"
+#include "lucarium/services/bvh/moving_parts.h"
 #include "lucarium/services/surface_atlas/geometry.h"
 
 namespace lucarium {
@@ -100,7 +100,7 @@ struct SurfaceAtlas::State {
   TypedBuffer<SurfacePoint> points;
   TypedBuffer<AtlasMaterial> materials;
   TypedBuffer<uint2> ranges;
-  TypedBuffer<AtlasPiece> pieces;
+  TypedBuffer<TexelPiece> pieces;
   TypedBuffer<AtlasSample> samples;
   Schedule place, shade;
   uint64_t generation = 0, scene_generation = 0;
@@ -266,8 +266,8 @@ size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions
   const size_t triangles = static_cast<size_t>(scene.triangle_count());
   const size_t per_side = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2) +
                           options.samples * sizeof(AtlasSample);
-  return sides * (per_side + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(AtlasPiece) / 2) +
-         triangles * (sizeof(AtlasTriangle) + 2 * sizeof(AtlasPiece));
+  return sides * (per_side + 2 * (sizeof(uint32_t) + 1) + 3 * sizeof(TexelPiece) / 2) +
+         triangles * (sizeof(AtlasTriangle) + 2 * sizeof(TexelPiece));
 }
 
 void SurfaceAtlas::warm_up() {
@@ -287,7 +287,7 @@ const TypedBuffer<AtlasTexel>& SurfaceAtlas::texels() const { return state_->tex
 const TypedBuffer<SurfacePoint>& SurfaceAtlas::surface_points() const { return state_->points; }
 const TypedBuffer<AtlasMaterial>& SurfaceAtlas::materials() const { return state_->materials; }
 const TypedBuffer<uint2>& SurfaceAtlas::ranges() const { return state_->ranges; }
-const TypedBuffer<AtlasPiece>& SurfaceAtlas::pieces() const { return state_->pieces; }
+const TypedBuffer<TexelPiece>& SurfaceAtlas::pieces() const { return state_->pieces; }
 const TypedBuffer<AtlasSample>& SurfaceAtlas::samples() const { return state_->samples; }
 const std::vector<AtlasChart>& SurfaceAtlas::charts() const { return state_->charts; }
 

@@ -61,7 +61,7 @@ class SurfaceAtlas {
   const TypedBuffer<SurfacePoint>& surface_points() const;
   const TypedBuffer<AtlasMaterial>& materials() const;
   const TypedBuffer<uint2>& ranges() const;
-  const TypedBuffer<AtlasPiece>& pieces() const;
+  const TypedBuffer<TexelPiece>& pieces() const;
   /// SurfaceAtlasOptions::samples random points per texel side, uniform over its area.
   const TypedBuffer<AtlasSample>& samples() const;
   const std::vector<AtlasChart>& charts() const;

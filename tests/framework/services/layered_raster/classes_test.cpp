@@ -32,7 +32,7 @@ Soup bodies(std::vector<uint8_t>& classes) {
   return soup;
 }
 
-/// A film of size² pixels along +k, x along the next axis, of the cube of half width `radius`.
+/// An image of size² pixels along +k, x along the next axis, of the cube of half width `radius`.
 LayeredView axis_view(int k, float radius, uint32_t size, uint32_t classes) {
   glm::vec3 direction(0), right(0);
   direction[k] = right[(k + 1) % 3] = 1;
@@ -149,7 +149,7 @@ TEST_CASE("conservative views of the dominant axes hold every triangle, each in 
 
 TEST_CASE("kept alpha: MASK and BLEND have the fragments of opaque triangles") {
   constexpr uint32_t width = 90, height = 70;
-  const Soup soup = film_triangles(300, width, height, 4);
+  const Soup soup = image_triangles(300, width, height, 4);
   const auto fragments = [&](AlphaMode mode, bool keep) {
     SceneMaterial material;
     material.alpha_mode = mode;

@@ -142,7 +142,7 @@ TEST_CASE("coverage, sides, depths and order of random triangles") {
   }
 }
 
-TEST_CASE("a film smaller than the largest") {
+TEST_CASE("an image smaller than the largest") {
   const Soup soup = mixed_triangles(200, 50, 40, 7);
   LayeredScene scene(scene_of(soup), {.max_width = 100, .max_height = 90});
   HostLayers layers = scene.store(pixel_view(50, 40));

@@ -13,7 +13,7 @@ using namespace lucarium::test;
 
 namespace {
 
-/// A film of size² pixels over the sphere of the given radius about the origin.
+/// An image of size² pixels over the sphere of the given radius about the origin.
 LayeredView view_along(const glm::vec3& direction, float radius, uint32_t size, float shift = 0) {
   const glm::vec3 other = std::abs(direction.x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
   const glm::vec3 right = glm::normalize(glm::cross(other, direction));
@@ -110,7 +110,7 @@ TEST_CASE("lines among triangles take nothing away from them, were it the thinne
       const glm::vec3 c = line ? a : a + (needle ? 0.4f : 1.f) * edge + (needle ? 3e-7f : 0.3f) * random.in_cube(1);
       with_lines.add_triangle(a, a + edge, c);
       if (line) {
-        without.add_triangle(glm::vec3(9, 0, 0), glm::vec3(9, 1, 0), glm::vec3(9, 0, 1));  // beside the film
+        without.add_triangle(glm::vec3(9, 0, 0), glm::vec3(9, 1, 0), glm::vec3(9, 0, 1));  // beside the image
       } else {
         without.add_triangle(a, a + edge, c);
       }
@@ -161,7 +161,7 @@ TEST_CASE("fans about pixel centres cover each pixel once") {
 
 TEST_CASE("conservative coverage holds every pixel that a triangle touches, and few others") {
   constexpr uint32_t width = 100, height = 80;
-  Soup soup = film_triangles(60, width, height, 3);
+  Soup soup = image_triangles(60, width, height, 3);
   Random random(4);
   for (int i = 0; i < 60; ++i) {  // needles and specks that cover no centre
     const glm::vec3 a(random.uniform(0, width), random.uniform(0, height), 0);

@@ -13,17 +13,17 @@ using namespace lucarium::test;
 
 namespace {
 
-struct Film {
+struct ImagePlane {
   glm::dvec3 eye, direction, right, down;  ///< right, down: per pixel at depth 1 (perspective) or at all (orthographic)
   double half_width, half_height;
   bool perspective;
 };
 
-/// Depth at which a point of the film sees a triangle's plane inside the triangle.
-std::optional<double> see(const Film& film, const Soup& soup, const Triangle& t, double x, double y) {
-  const glm::dvec3 offset = film.right * (x - film.half_width) + film.down * (y - film.half_height);
-  const glm::dvec3 d = film.perspective ? film.direction + offset : film.direction;
-  const glm::dvec3 o = film.perspective ? film.eye : film.eye + offset;
+/// Depth at which a point of the image sees a triangle's plane inside the triangle.
+std::optional<double> see(const ImagePlane& plane, const Soup& soup, const Triangle& t, double x, double y) {
+  const glm::dvec3 offset = plane.right * (x - plane.half_width) + plane.down * (y - plane.half_height);
+  const glm::dvec3 d = plane.perspective ? plane.direction + offset : plane.direction;
+  const glm::dvec3 o = plane.perspective ? plane.eye : plane.eye + offset;
   const glm::dvec3 a = soup.corner(t.v0), e1 = glm::dvec3(soup.corner(t.v1)) - a,
                    e2 = glm::dvec3(soup.corner(t.v2)) - a;
   const glm::dvec3 p = glm::cross(d, e2), s = o - a, q = glm::cross(s, e1);
@@ -33,7 +33,7 @@ std::optional<double> see(const Film& film, const Soup& soup, const Triangle& t,
 }
 
 /// Every pixel around whose centre (0.02 pixels) rays agree on a triangle must agree with the fragments.
-void check_against_rays(const Film& film, const Soup& soup, const HostLayers& layers, double near_depth,
+void check_against_rays(const ImagePlane& plane, const Soup& soup, const HostLayers& layers, double near_depth,
                         double tolerance) {
   uint32_t wrong = 0, wrong_depth = 0, compared = 0, unclear = 0;
   for (uint32_t y = 0; y < layers.height; ++y)
@@ -48,7 +48,7 @@ void check_against_rays(const Film& film, const Soup& soup, const HostLayers& la
         double depth = 0, least = 1e30, most = -1e30;
         for (int k = 0; k < 5; ++k) {
           const double dx = k == 1 ? 0.02 : k == 2 ? -0.02 : 0, dy = k == 3 ? 0.02 : k == 4 ? -0.02 : 0;
-          const auto hit = see(film, soup, soup.triangles[t], x + 0.5 + dx, y + 0.5 + dy);
+          const auto hit = see(plane, soup, soup.triangles[t], x + 0.5 + dx, y + 0.5 + dy);
           if (!hit || *hit < near_depth) continue;
           ++seen;
           if (k == 0) depth = *hit;
@@ -82,8 +82,8 @@ Soup around(uint32_t count, float half, uint32_t seed) {
   return soup;
 }
 
-Film film_of(const glm::vec3& eye, const glm::vec3& direction, const glm::vec3& down, double tan_half, uint32_t width,
-             uint32_t height) {
+ImagePlane plane_of(const glm::vec3& eye, const glm::vec3& direction, const glm::vec3& down, double tan_half,
+                    uint32_t width, uint32_t height) {
   const double pixel = 2 * tan_half / width;
   return {
       eye,          direction, pixel * glm::dvec3(glm::cross(down, direction)), pixel * glm::dvec3(down), 0.5 * width,
@@ -101,7 +101,7 @@ TEST_CASE("perspective views, with triangles through the near plane and behind t
     const glm::vec3 eye = random.in_cube(2), direction = random.direction();
     const glm::vec3 down = glm::normalize(glm::cross(direction, random.direction()));
     const HostLayers layers = scene.store(perspective_view(eye, direction, down, 0.8f, 80, 60, near_depth, 30));
-    check_against_rays(film_of(eye, direction, down, 0.8, 80, 60), soup, layers, near_depth, 2e-3);
+    check_against_rays(plane_of(eye, direction, down, 0.8, 80, 60), soup, layers, near_depth, 2e-3);
   }
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("payloads that are clipped agree between the ways to store") {
   CHECK(std::memcmp(tiles.fragments.data(), lists.fragments.data(), 8 * tiles.fragments.size()) == 0);
 }
 
-TEST_CASE("orthographic views of triangles far larger than the film") {
+TEST_CASE("orthographic views of triangles far larger than the image") {
   Soup soup;
   Random random(5);
   for (int i = 0; i < 40; ++i) {
@@ -124,12 +124,12 @@ TEST_CASE("orthographic views of triangles far larger than the film") {
     };
     soup.add_triangle(corner(), corner(), corner());
   }
-  soup.add_triangle({100, 0, 0}, {110, 0, 0}, {100, 10, 0});        // beside the film
+  soup.add_triangle({100, 0, 0}, {110, 0, 0}, {100, 10, 0});        // beside the image
   soup.add_triangle({1e30f, 0, 0}, {1e30f, 1, 0}, {2e30f, 10, 0});  // nowhere
   soup.add_triangle({NAN, 0, 0}, {10, 0, 0}, {0, 10, 0});
   LayeredScene scene(scene_of(soup), {.max_width = 64, .max_height = 48});
-  const Film film{{32, 24, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, 32, 24, false};
-  check_against_rays(film, soup, scene.store(pixel_view(64, 48)), -1e9, 1e-3);
+  const ImagePlane plane{{32, 24, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, 32, 24, false};
+  check_against_rays(plane, soup, scene.store(pixel_view(64, 48)), -1e9, 1e-3);
 }
 
 TEST_CASE("a closed mesh that is clipped keeps its balance") {

@@ -45,8 +45,8 @@ inline LayeredView pixel_view(uint32_t width, uint32_t height, float depth = 16)
   return view;
 }
 
-/// Large and small triangles all over a film, unrelated to the grid of pixels.
-inline Soup film_triangles(uint32_t count, float width, float height, uint32_t seed) {
+/// Large and small triangles all over an image, unrelated to the grid of pixels.
+inline Soup image_triangles(uint32_t count, float width, float height, uint32_t seed) {
   Soup soup;
   Random random(seed);
   for (uint32_t i = 0; i < count; ++i) {

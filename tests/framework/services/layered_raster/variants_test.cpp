@@ -37,7 +37,7 @@ TEST_CASE("variants") {
   for (const uint32_t count : {200u, 3000u}) {
     CAPTURE(count);
     const LayeredView view = pixel_view(width, height);
-    LayeredScene scene(scene_of(film_triangles(count, width, height, count)),
+    LayeredScene scene(scene_of(image_triangles(count, width, height, count)),
                        {.max_width = width, .max_height = height});
     const HostLayers tiles = scene.store(view);
     CHECK(tiles.fragments.size() > 10000);
@@ -77,14 +77,14 @@ TEST_CASE("variants") {
 
 TEST_CASE("without compiler built-ins") {
   const LayeredView view = pixel_view(width, height);
-  const Scene triangles = scene_of(film_triangles(3000, width, height, 2));
+  const Scene triangles = scene_of(image_triangles(3000, width, height, 2));
   LayeredScene native(triangles, {.max_width = width, .max_height = height});
   LayeredScene portable(triangles, {.max_width = width, .max_height = height, .portable = true});
   CHECK(same(native.store(view), portable.store(view)));
 }
 
 TEST_CASE("no pass reads what none has written or writes outside its memory") {
-  Soup soup = film_triangles(300, width, height, 5);
+  Soup soup = image_triangles(300, width, height, 5);
   soup.add_triangle({-1e5f, -2e5f, 0}, {3e5f, 10, 1}, {-1e5f, 2e5f, 2});  // is clipped
   const LayeredView view = pixel_view(width, height);
   LayeredScene plain(scene_of(soup), {.max_width = width, .max_height = height});
@@ -99,7 +99,7 @@ TEST_CASE("no pass reads what none has written or writes outside its memory") {
 TEST_CASE("moved triangles, and others") {
   const LayeredView view = pixel_view(width, height);
   const auto moved_by = [](float x, uint32_t count) {
-    Scene scene = scene_of(film_triangles(count, width, height, 12));
+    Scene scene = scene_of(image_triangles(count, width, height, 12));
     scene.instances[0].world_from_object[3].x = x;
     return scene;
   };
@@ -185,7 +185,7 @@ TEST_CASE("nearly equal depths: fronts along the view first, wherever a step of 
 TEST_CASE("layers for a number of threads" * doctest::skip(std::getenv("LUCARIUM_TEST_LAYERS") == nullptr)) {
   DeviceOptions device;
   device.threads = std::atoi(std::getenv("LUCARIUM_TEST_THREADS"));
-  LayeredScene scene(scene_of(film_triangles(3000, 300, 300, 9)), {.max_width = 300, .max_height = 300}, device);
+  LayeredScene scene(scene_of(image_triangles(3000, 300, 300, 9)), {.max_width = 300, .max_height = 300}, device);
   std::ofstream(std::getenv("LUCARIUM_TEST_LAYERS"), std::ios::binary) << bytes_of(scene.store(pixel_view(300, 300)));
 }
 

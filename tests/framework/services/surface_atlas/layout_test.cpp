@@ -189,7 +189,7 @@ TEST_CASE("triangles that nothing hits change no texel of those behind them in t
   CHECK(same_bytes(layout.table, plain.table));
   CHECK(same_bytes(layout.links, plain.links));
   for (AtlasTexel& texel : layout.texels) texel.triangle -= before;
-  for (AtlasPiece& piece : layout.pieces) piece.triangle -= before;
+  for (TexelPiece& piece : layout.pieces) piece.triangle -= before;
   CHECK(same_bytes(layout.texels, plain.texels));
   CHECK(same_bytes(layout.pieces, plain.pieces));
 }

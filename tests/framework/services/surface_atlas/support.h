@@ -84,7 +84,7 @@ inline void check_sums(const AtlasGeometry& g, const AtlasLayout& layout) {
     double texel_area = 0;
     const uint2 range = layout.ranges[side];
     for (uint32_t i = range.x; i < range.x + range.y; ++i) {
-      const AtlasPiece& piece = layout.pieces[i];
+      const TexelPiece& piece = layout.pieces[i];
       REQUIRE(bool(g.two_sided[g.instance[piece.triangle]]) == two_sided);
       if (!back) covered[piece.triangle] += double(piece.fraction);
       texel_area += double(piece.fraction) * area_of(g, piece.triangle);
@@ -122,7 +122,7 @@ inline void check_lookups(
     CHECK_MESSAGE(glm::length(at - from) < reach, "triangle " << t << ", texel " << texel);
     const uint2 range = layout.ranges[texel];
     const bool own = std::any_of(layout.pieces.begin() + range.x, layout.pieces.begin() + range.x + range.y,
-                                 [&](const AtlasPiece& piece) { return piece.triangle == t; });
+                                 [&](const TexelPiece& piece) { return piece.triangle == t; });
     strangers += !own;
   }
   CHECK(strangers < points / 10);

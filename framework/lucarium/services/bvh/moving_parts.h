@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lucarium/scene/device/scene_buffers.h"
-#include "lucarium/services/bvh/forest.h"
+#include "lucarium/services/bvh/two_level_bvh.h"
 
 namespace lucarium {
 
@@ -19,17 +19,17 @@ struct WorldGeometry {
   void read_instances(const SceneBuffers& buffers, const SceneChange& change);
 };
 
-/// Assigns instances to parts of a BvhForest: part 0 holds what is at rest, each other part one instance that moves.
-class BvhParts {
+/// Assigns instances to parts of a TwoLevelBvh: part 0 holds what is at rest, each other part one instance that moves.
+class MovingParts {
  public:
   static constexpr size_t resting = 0;
 
-  BvhParts() = default;
+  MovingParts() = default;
   /// Instances that hang on a node which some animation moves, and skinned or morphed ones, get parts of their own.
-  explicit BvhParts(const Scene& scene);
+  explicit MovingParts(const Scene& scene);
 
   /// Triangles of every part.
-  std::vector<BvhForest::Part> ranges(const SceneBuffers& buffers) const;
+  std::vector<TwoLevelBvh::Part> ranges(const SceneBuffers& buffers) const;
   /// Parts of the moved and deformed instances, ascending.
   std::vector<size_t> touched(const SceneChange& change) const;
   /// Gives the moved and deformed instances that are at rest parts of their own.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/bvh/forest.h"
+#include "lucarium/services/bvh/two_level_bvh.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,7 +10,8 @@
 
 namespace lucarium {
 
-void BvhForest::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles, std::vector<Part> parts) {
+void TwoLevelBvh::build(std::span<const Vertex> vertices, std::span<const Triangle> triangles,
+                        std::vector<Part> parts) {
   ranges_ = std::move(parts);
   if (ranges_.empty()) ranges_.emplace_back();
   trees_.assign(ranges_.size(), {});
@@ -22,7 +23,7 @@ void BvhForest::build(std::span<const Vertex> vertices, std::span<const Triangle
   write(all);
 }
 
-void BvhForest::join(std::span<const size_t> changed) {
+void TwoLevelBvh::join(std::span<const size_t> changed) {
   if (layout_fits()) {
     write(changed);
     return;
@@ -33,7 +34,7 @@ void BvhForest::join(std::span<const size_t> changed) {
   write(all);
 }
 
-void BvhForest::rebuild(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+void TwoLevelBvh::rebuild(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
   Tree& tree = trees_[part];
   std::vector<BoundedTriangle> bounded;
   size_t count = 0;
@@ -58,7 +59,7 @@ void BvhForest::rebuild(size_t part, std::span<const Vertex> vertices, std::span
   ++builds_;
 }
 
-bool BvhForest::refit(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+bool TwoLevelBvh::refit(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
   Tree& tree = trees_[part];
   Box unused;
   for (const uint32_t triangle : tree.ignored) {
@@ -69,7 +70,7 @@ bool BvhForest::refit(size_t part, std::span<const Vertex> vertices, std::span<c
   return tree.tree.sah_cost() <= rebuild_ratio * tree.built_cost;
 }
 
-bool BvhForest::layout_fits() const {
+bool TwoLevelBvh::layout_fits() const {
   return std::all_of(trees_.begin(), trees_.end(), [](const Tree& tree) {
     return tree.tree.node_count() <= tree.nodes && tree.tree.block_count() <= tree.blocks;
   });
@@ -77,7 +78,7 @@ bool BvhForest::layout_fits() const {
 
 /// Gives every part its place: top, then the parts' nodes; children follow their parents. The top over n parts has at
 /// most n − 1 nodes, since each has two children or more.
-void BvhForest::lay_out() {
+void TwoLevelBvh::lay_out() {
   node_count_ = has_top() ? static_cast<uint32_t>(trees_.size()) - 1 : 0;
   block_count_ = 0;
   for (Tree& tree : trees_) {
@@ -94,7 +95,7 @@ void BvhForest::lay_out() {
   blocks_.assign(block_word_count(), 0);
 }
 
-void BvhForest::require_reach(size_t nodes, size_t blocks) const {
+void TwoLevelBvh::require_reach(size_t nodes, size_t blocks) const {
   const size_t words = std::max(node_word(nodes), block_word(blocks));
   if (words < LUCARIUM_BVH_LEAF) return;
   throw_error(ErrorClass::device,
@@ -102,13 +103,13 @@ void BvhForest::require_reach(size_t nodes, size_t blocks) const {
               triangle_count(), words, LUCARIUM_BVH_LEAF);
 }
 
-void BvhForest::release() {
+void TwoLevelBvh::release() {
   if (can_refit()) return;
   nodes_ = {};
   blocks_ = {};
 }
 
-void BvhForest::restore(std::vector<uint32_t> nodes, std::vector<uint32_t> blocks) {
+void TwoLevelBvh::restore(std::vector<uint32_t> nodes, std::vector<uint32_t> blocks) {
   keep_ = true;
   if (released()) nodes_ = std::move(nodes), blocks_ = std::move(blocks);
   std::vector<uint32_t> joined = nodes_;
@@ -123,14 +124,14 @@ void BvhForest::restore(std::vector<uint32_t> nodes, std::vector<uint32_t> block
   nodes_ = std::move(joined);
 }
 
-size_t BvhForest::host_bytes() const {
+size_t TwoLevelBvh::host_bytes() const {
   size_t words = nodes_.size() + blocks_.size() + top_.node_words().size() + top_.block_words().size();
   for (const Tree& tree : trees_) words += tree.tree.node_words().size() + tree.tree.block_words().size();
   return sizeof(uint32_t) * words;
 }
 
 /// Brings the words of these parts and of the top up to date.
-void BvhForest::write(std::span<const size_t> parts) {
+void TwoLevelBvh::write(std::span<const size_t> parts) {
   changed_nodes_.clear();
   changed_blocks_.clear();
   if (!has_top() && !keep_)
@@ -147,7 +148,7 @@ void BvhForest::write(std::span<const size_t> parts) {
   changed_nodes_.emplace_back(0, LUCARIUM_BVH_HEADER_WORDS);
 }
 
-void BvhForest::build_top() {
+void TwoLevelBvh::build_top() {
   std::vector<Box> boxes;
   std::vector<BoundedTriangle> items;
   for (uint32_t part = 0; part < trees_.size(); ++part) {
@@ -158,7 +159,7 @@ void BvhForest::build_top() {
   top_.fit_items(boxes);
 }
 
-void BvhForest::copy_top() {
+void TwoLevelBvh::copy_top() {
   const size_t words = LUCARIUM_BVH_NODE_WORDS(width_), count = top_.node_count();
   std::copy_n(top_.node_words().begin() + LUCARIUM_BVH_HEADER_WORDS, count * words,
               nodes_.begin() + LUCARIUM_BVH_HEADER_WORDS);
@@ -171,7 +172,7 @@ void BvhForest::copy_top() {
   changed_nodes_.emplace_back(LUCARIUM_BVH_HEADER_WORDS, LUCARIUM_BVH_HEADER_WORDS + count * words);
 }
 
-void BvhForest::copy_tree(const Tree& tree) {
+void TwoLevelBvh::copy_tree(const Tree& tree) {
   const size_t words = LUCARIUM_BVH_NODE_WORDS(width_), count = tree.tree.node_count();
   const size_t first = LUCARIUM_BVH_HEADER_WORDS + tree.first_node * words;
   std::copy_n(tree.tree.node_words().begin() + LUCARIUM_BVH_HEADER_WORDS, count * words,
@@ -188,7 +189,7 @@ void BvhForest::copy_tree(const Tree& tree) {
 }
 
 /// The words of the only tree, without a copy.
-void BvhForest::take_tree() {
+void TwoLevelBvh::take_tree() {
   std::tie(nodes_, blocks_) = trees_[0].tree.take_words();
   for_each_reference(0, node_count_, [&](uint32_t reference) {
     return reference & LUCARIUM_BVH_LEAF ? block_reference(reference & ~LUCARIUM_BVH_LEAF) : node_reference(reference);
@@ -197,25 +198,25 @@ void BvhForest::take_tree() {
   changed_blocks_.emplace_back(0, blocks_.size());
 }
 
-uint32_t BvhForest::stack_size() const {
+uint32_t TwoLevelBvh::stack_size() const {
   uint32_t deepest = 0;
   for (const Tree& tree : trees_) deepest = std::max(deepest, tree.tree.stack_size());
   return deepest + (has_top() ? top_.stack_size() : 0);
 }
 
-uint32_t BvhForest::triangle_count() const {
+uint32_t TwoLevelBvh::triangle_count() const {
   uint32_t count = 0;
   for (const Tree& tree : trees_) count += tree.triangles - tree.tree.dead_count();
   return count;
 }
 
-uint32_t BvhForest::ignored_count() const {
+uint32_t TwoLevelBvh::ignored_count() const {
   size_t count = 0;
   for (const Tree& tree : trees_) count += tree.ignored.size() + tree.tree.dead_count();
   return static_cast<uint32_t>(count);
 }
 
-double BvhForest::sah_cost() const {
+double TwoLevelBvh::sah_cost() const {
   if (!has_top()) return trees_.empty() ? 0 : trees_[0].tree.sah_cost();
   const double area = static_cast<double>(top_.bounds().half_area());
   if (area <= 0) return top_.sah_cost();

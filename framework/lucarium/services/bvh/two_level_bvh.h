@@ -15,17 +15,17 @@ struct TriangleRange {
 
 /// Hierarchies of parts of a scene that move independently, joined by a small one over their boxes into a single wide
 /// hierarchy in one memory layout. A part that moves is refitted, or rebuilt when its quality drops; all others
-/// stay: a part's motion costs what that part and the top cost. A single part has no top and is as if there were no
-/// forest; its words are held once until it is refitted, and can be given up meanwhile. Otherwise they are held twice,
-/// as parts and joined.
-class BvhForest {
+/// stay: a part's motion costs what that part and the top cost. A single part has no top and is
+/// a plain hierarchy; its words are held once until it is refitted, and can be given up meanwhile. Otherwise they are
+/// held twice, as parts and joined.
+class TwoLevelBvh {
  public:
   /// A part is rebuilt when its SAH cost has grown by this factor since it was built.
   static constexpr double rebuild_ratio = 1.5;
 
   using Part = std::vector<TriangleRange>;
 
-  BvhForest(int width, int leaf_size, unsigned threads) : width_(width), leaf_size_(leaf_size), threads_(threads) {}
+  TwoLevelBvh(int width, int leaf_size, unsigned threads) : width_(width), leaf_size_(leaf_size), threads_(threads) {}
 
   /// Builds everything: one hierarchy for each part. Empty parts are allowed, also none.
   void build(std::span<const Vertex> vertices, std::span<const Triangle> triangles, std::vector<Part> parts);
@@ -38,7 +38,7 @@ class BvhForest {
 
   /// Whether the parts' own words are there; if not, restore() brings them back.
   bool can_refit() const { return trees_.empty() || trees_[0].tree.has_words() || has_top(); }
-  /// Gives up the words of a forest that cannot be refitted, to be called when they have been copied elsewhere.
+  /// Gives up the words of a hierarchy that cannot be refitted, to be called when they have been copied elsewhere.
   void release();
   /// From the words that release() gave up (node_word_count() and block_word_count() of them), or without them from
   /// those here.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/bvh/parts.h"
+#include "lucarium/services/bvh/moving_parts.h"
 
 #include <algorithm>
 
@@ -37,7 +37,7 @@ void WorldGeometry::read_instances(const SceneBuffers& buffers, const SceneChang
   });
 }
 
-BvhParts::BvhParts(const Scene& scene) : part_of_(scene.instances.size(), resting) {
+MovingParts::MovingParts(const Scene& scene) : part_of_(scene.instances.size(), resting) {
   const std::vector<bool> moving = animated_nodes(scene);
   for (size_t i = 0; i < scene.instances.size(); ++i) {
     const SceneInstance& instance = scene.instances[i];
@@ -46,12 +46,12 @@ BvhParts::BvhParts(const Scene& scene) : part_of_(scene.instances.size(), restin
   }
 }
 
-std::vector<BvhForest::Part> BvhParts::ranges(const SceneBuffers& buffers) const {
-  std::vector<BvhForest::Part> parts(count_);
+std::vector<TwoLevelBvh::Part> MovingParts::ranges(const SceneBuffers& buffers) const {
+  std::vector<TwoLevelBvh::Part> parts(count_);
   if (part_of_.empty()) return parts;
   const std::vector<Instance> instances = buffers.scene_instances.download(0, part_of_.size());
   for (size_t i = 0; i < part_of_.size(); ++i) {
-    BvhForest::Part& part = parts[part_of_[i]];
+    TwoLevelBvh::Part& part = parts[part_of_[i]];
     const TriangleRange range{instances[i].world_triangle, instances[i].triangle_count};
     if (!part.empty() && part.back().first + part.back().count == range.first)
       part.back().count += range.count;
@@ -61,7 +61,7 @@ std::vector<BvhForest::Part> BvhParts::ranges(const SceneBuffers& buffers) const
   return parts;
 }
 
-std::vector<size_t> BvhParts::touched(const SceneChange& change) const {
+std::vector<size_t> MovingParts::touched(const SceneChange& change) const {
   std::vector<size_t> parts;
   for_each_touched(change, [&](size_t instance) { parts.push_back(part_of_[instance]); });
   std::sort(parts.begin(), parts.end());
@@ -69,7 +69,7 @@ std::vector<size_t> BvhParts::touched(const SceneChange& change) const {
   return parts;
 }
 
-void BvhParts::separate(const SceneChange& change) {
+void MovingParts::separate(const SceneChange& change) {
   for_each_touched(change, [&](size_t instance) {
     if (part_of_[instance] == resting) part_of_[instance] = count_++;
   });
