@@ -29,7 +29,8 @@
 // Where the paper stands in the source (files below this folder; bundles/, layered_raster/, surface_atlas/ and
 // interior_surfaces/ are services of the framework):
 //
-//   equation 1 (Eq. 1), rendering equation   solved for both sides of all texels at once
+//   equation 1 (Eq. 1), rendering equation   f_r: lucarium/bsdf.clh: eval_bsdf();
+//                                            the integral: exchange/exchange_pairs.cl: receive()
 //   equation 2 (Eq. 2), sum over directions  senders/accumulate_batch.cl; ratio: side_mean() (base/exchange_layout.clh)
 //   equation 3 (Eq. 3), transfer             exchange/exchange_pairs.cl: receive() (L_x cosθ);
 //                                            senders/make_senders.cl: make_senders() (f_r);

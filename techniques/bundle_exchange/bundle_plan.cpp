@@ -108,9 +108,7 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
   if (parameters.interleave == Interleave::fixed)
     result.push_back("light of several bounces is lost (interleave=fixed, for comparison only)");
   if (parameters.interleave == Interleave::running && settings.max_bounces < 0)
-    result.push_back(
-        "light of many bounces converges slowly: 19 % is missing after 2048 directions at albedo 0.8 "
-        "(interleave=running, for comparison only)");
+    result.push_back("light of many bounces converges slowly (interleave=running, for comparison only)");
   const bool history = SideSpecular::uses_history(parameters) && has_specular_lobes(scene) &&
                        parameters.glossy_bounces == GlossyBounces::multiple;
   if (history) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processor seconds measured with PoCL on a core of 2.6 GHz, in rooms of 1 500 and 60 000 triangles and builtin:atrium
-// (313 820), where they were between half of what stands here and as much.
+// The seconds that the work takes on one core, on the safe side of what was measured with PoCL
+// (docs/measurements/bundle_exchange.md, "Model of the time").
 #include "bundle_exchange/cost.h"
 
 #include <algorithm>

@@ -77,9 +77,9 @@ std::vector<std::string> limitations(const MicroParameters& parameters, const Sc
       parameters.photon_direct)
     list.push_back("node_shading=dynamic has no effect: photons stand for light samples (photon_direct=on)");
   if (parameters.shows_virtual_lights())
-    list.push_back("final_gather=off: visible surfaces reflect indirect light by their diffuse lobes only");
-  if (!parameters.final_gather && !parameters.shows_virtual_lights())
-    list.push_back("final_gather=off has no effect without multibounce=instant_radiosity");
+    list.push_back("gather_visible=off: visible surfaces reflect indirect light by their diffuse lobes only");
+  if (!parameters.gather_visible && !parameters.shows_virtual_lights())
+    list.push_back("gather_visible=off has no effect without multibounce=instant_radiosity");
   if (parameters.adaptive > 0 && parameters.largest_edge() < parameters.micro_size * 3 / 2)
     list.push_back(fmt::format("adaptive: enlarged micro-buffers have edges of {} micro-pixels, not {}",
                                parameters.largest_edge(), parameters.micro_size * 3 / 2));

@@ -32,7 +32,7 @@
 //   section 2.1, spheres, cones of normals   tree/refit_nodes.cl: merge_spheres(), merge_cones()
 //   section 2.1, skip-pointers               gather/micro_gather.clh: draw_tree() (MICRO_LANES 1; else a stack);
 //                                            light/list_node_gathers.cl: behind_subtree()
-//   section 2.1, deforming geometry          tree/update_leaves.cl: mr_leaf_update(); tree/refit_nodes.cl: mr_refit()
+//   section 2.1, deforming geometry          tree/update_leaves.cl: update_leaves(); tree/refit_nodes.cl: refit_nodes()
 //   section 2.2, point hierarchy cut         gather/micro_cut.clh: cut_lanes(), advance_cut()
 //   section 2.2, selection criterion         gather/micro_solid_angle.clh: lanes_sphere_is_big():
 //                                            Ω_i > Ω(Φ⁻¹(ω_i)), solid angle of node against micro-pixel
@@ -46,22 +46,22 @@
 //                                            table_square() (warp=table)
 //   section 2.3, ρ, sum scaled by ρ          gather/micro_warp.clh: sample_weights(); the sum:
 //                                            gather/micro_gather.clh: micro_light()
-//   section 2.4, bilateral upsampling        pixels/upsample_gathers.cl: mr_upsample()
+//   section 2.4, bilateral upsampling        pixels/upsample_gathers.cl: upsample_gathers()
 //   section 3.1, node of 128 bits            shared/micro_types.h; tree/micro_node.clh: pack_node()
-//   section 3.2, one thread per gather       gather/micro_gather.cl: mr_gather()
-//   section 3.2, 3D Morton order             pixels/list_gathers.cl: mr_list_keys();
+//   section 3.2, one thread per gather       gather/micro_gather.cl: gather_light()
+//   section 3.2, 3D Morton order             pixels/list_gathers.cl: make_gather_keys();
 //                                            pixels/gather_keys.clh: morton_of()
 //   section 4, one bounce                    light/light_points.cl: light_point();
-//                                            light/pull_radiance.cl: mr_pull()
+//                                            light/pull_radiance.cl: pull_radiance()
 //   section 4, instant radiosity             light_paths/virtual_light.clh: virtual_light_at()
-//   section 4, radiosity, Jacobi, push-pull  light/list_node_gathers.cl: mr_cut_gathers();
-//                                            light/push_irradiance.cl: mr_push(); light/pull_radiance.cl: mr_pull();
-//                                            the iteration: light/leaf_light.cpp
+//   section 4, radiosity, Jacobi, push-pull  light/list_node_gathers.cl: list_cut_gathers();
+//                                            light/push_irradiance.cl: push_irradiance(); light/pull_radiance.cl:
+//                                            pull_radiance(); the iteration: light/leaf_light.cpp
 //   section 4, photon mapping                light_at_points/photon_density.clh: photon_density_at_points()
 //
 // Not in the paper: the conservative cut (gather/micro_solid_angle.clh), splats tested at samples and hole filling
 // (gather/micro_splat.clh, gather/micro_gather.clh: is_hole()), discs bounded by their triangles' edges
-// (gather/micro_splat.clh: clip_disc()), hidden points (points/point_exposure.h), sheets (tree/tree_order.cpp:
+// (gather/micro_splat.clh: clip_disc()), hidden points (points/point_visibility.h), sheets (tree/tree_order.cpp:
 // find_sheet()), the error-driven cut (gather/micro_gather.clh: tolerate_error()), analytic GGX maps
 // (gather/micro_warp.clh: lanes_ggx_from_disk()) and rough transmission (pixels/add_indirect_light.cl:
 // transmitted_light()).
@@ -206,7 +206,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   uint32_t batches() const { return pixels_ ? pixels_->batches() : 1; }
   uint32_t frame_index() const { return static_cast<uint32_t>(samples()); }
 
-  /// Whether the points have the light of this frame. With final_gather=off they need none.
+  /// Whether the points have the light of this frame. With gather_visible=off they need none.
   bool points_lit() const { return !leaf_light_ || virtual_lights_ || leaf_light_->lit(frame_index(), seed()); }
 
   /// Light of the frame at the points, worth batch_gathers gathers at most: some may be missing. False when cancelled.
@@ -295,7 +295,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   std::unique_ptr<EyeLight> eye_light_;
   std::unique_ptr<LeafLight> leaf_light_;
   std::unique_ptr<PixelGather> pixels_;
-  std::unique_ptr<PathLight> virtual_lights_;  ///< with final_gather=off
+  std::unique_ptr<PathLight> virtual_lights_;  ///< with gather_visible=off
 };
 
 std::unique_ptr<Technique> create_micro_rendering() { return std::make_unique<MicroRendering>(); }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // As small as a pass can be: what is left is the cost of launching it.
-__kernel void tiny(__global uint* target, __global const uint* source, const uint factor, const uint count) {
+__kernel void tiny(__global uint* target, __global const uint* source, uint factor, uint count) {
   const uint i = get_global_id(0);
   if (i < count) target[i] = target[i] * factor + source[i];
 }
 
 // A pass of one group that keeps one core busy.
-__kernel void narrow(__global uint* target, const uint rounds) {
+__kernel void narrow(__global uint* target, uint rounds) {
   const uint i = get_global_id(0);
   uint value = target[i];
   for (uint round = 0; round < rounds; ++round) value = value * 1664525u + (value >> 3) + round;

@@ -76,10 +76,10 @@ TEST_CASE("RGB9E5 rounds to the nearest mantissa, keeps what it can hold, and cl
   std::vector<float4> out = round_trip("round_trip_colors", in);
   size_t off = 0, moved = 0;
   for (size_t i = 0; i < in.size(); ++i) {
-    const float most = std::max({in[i].x, in[i].y, in[i].z});
+    const float largest = std::max({in[i].x, in[i].y, in[i].z});
     // The largest component has a mantissa of 256 to 511.
-    float step = std::exp2(std::max(std::floor(std::log2(most)), -16.f) - 8);
-    if (std::rint(most / step) > 511) step *= 2;
+    float step = std::exp2(std::max(std::floor(std::log2(largest)), -16.f) - 8);
+    if (std::rint(largest / step) > 511) step *= 2;
     for (int c = 0; c < 3; ++c) off += std::abs((&in[i].x)[c] - (&out[i].x)[c]) > 0.5f * step;
     out[i].w = 0;
   }

@@ -72,7 +72,7 @@ bool render_frames(const RenderArguments& arguments, const Messages& messages, R
                   session.last().phase.empty() ? "" : fmt::format(", in the stage '{}'", session.last().phase));
     const bool not_begun = session.last().progress == 0 && !session.last().phase.empty() && !session.last().converged;
     if (not_begun && !end.interrupted && !first_unfinished)
-      log_warning("the budget ended in the stage '{}', before {} had begun its work proper: light is missing",
+      log_warning("the budget ended in the stage '{}', before {} began to render: light is missing",
                   session.last().phase, technique);
     if (end.interrupted || first_unfinished || not_begun) film.metadata["partial"] = "yes";
     // One exposure for all frames: the first picture decides, else they would flicker.

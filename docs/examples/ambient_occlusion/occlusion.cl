@@ -11,7 +11,7 @@
 
 // rays: of length `reach` [m]; inactive where the pixel sees no surface.
 __kernel void generate_occlusion_rays(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
-                                      const uint count, const uint sample_index, const uint seed, const float reach,
+                                      uint count, uint sample_index, uint seed, float reach,
                                       __global Ray* restrict rays) {
   const uint i = (uint)get_global_id(0);
   if (i >= count) return;
@@ -33,7 +33,7 @@ __kernel void generate_occlusion_rays(LUCARIUM_SCENE_PARAMETERS __global const G
 }
 
 // open: sums per pixel; xyz rays that met nothing, w all rays. A pixel without a surface is open.
-__kernel void add_open_rays(const uint count, __global const uint* restrict occluded, __global float4* restrict open) {
+__kernel void add_open_rays(uint count, __global const uint* restrict occluded, __global float4* restrict open) {
   const uint i = (uint)get_global_id(0);
   if (i < count) open[i] = add_sample(open[i], (float3)(occluded[i] ? 0.0f : 1.0f));
 }

@@ -30,7 +30,7 @@ void add_light(const Scene* scene, uint i, float3 light, float3 direction, float
 }
 
 // Adds a sample to the sums of the layers, when all of it is there.
-__kernel void add_layers(__global const GBufferPoint* restrict points, const uint count,
+__kernel void add_layers(__global const GBufferPoint* restrict points, uint count,
                          __global const float4* restrict reflected, __global float4* restrict emission,
                          __global float4* restrict indirect) {
   const uint i = (uint)get_global_id(0);

@@ -73,10 +73,11 @@ Outcome check_shining_box(CheckContext& context) {
   technique->parameters().set_all(context.options.parameters);
   const PathSet set = technique->path_set(scene, settings);
   // The sum of albedo^n over the scatterings n that the layers of the path set hold.
-  const int most = set.max_bounces < 0 ? -1 : set.max_bounces + 1;
+  const int max_scatterings = set.max_bounces < 0 ? -1 : set.max_bounces + 1;
   const double all = 1 / (1 - static_cast<double>(albedo));
-  const double later = all - 1 - albedo - (most < 0 ? 0 : std::pow(albedo, most + 1) * all);
-  const double expected = (set.emission ? 1 : 0) + (set.direct ? albedo : 0) + (set.indirect && most != 1 ? later : 0);
+  const double later = all - 1 - albedo - (max_scatterings < 0 ? 0 : std::pow(albedo, max_scatterings + 1) * all);
+  const double expected =
+      (set.emission ? 1 : 0) + (set.direct ? albedo : 0) + (set.indirect && max_scatterings != 1 ? later : 0);
   return compare_middle(context, scene, expected);
 }
 

@@ -63,7 +63,7 @@ LUCARIUM_STRUCT_END(LayeredFragment, 8)
 #define LAYERED_KEY_DEPTH(key) (((key) >> LAYERED_KEY_BUCKET) - ((key) / LAYERED_KEY_TOWARDS & 1u))
 
 #define LAYERED_SUBPIXEL 256    // positions per pixel and axis
-#define LAYERED_MAX_FILM 4096u  // pixels per axis
+#define LAYERED_MAX_EDGE 4096u  // pixels per axis
 #define LAYERED_GUARD 16384.0f  // pixels: beyond, triangles are clipped
 #define LAYERED_TILE_ROWS 16u   // pixel rows per tile
 #define LAYERED_MAX_LAYERS 64u

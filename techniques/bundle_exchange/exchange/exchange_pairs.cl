@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The exchange itself: a row of rays along omega, with their fragments in the order in which omega meets them.
-// Consecutive fragments see each other: the side of the nearer one that faces omega, and the side of the farther one
-// that faces -omega. Each receives what the other sends, and counts it by how open its own part of the texel is. Ends
-// of rays see the environment. A side that does not reflect (the back of a single-sided surface) sends nothing, but
-// what sees it has seen black: that counts.
+// Consecutive fragments, nearest neighbours along the ray, see each other: the side of the nearer one that faces omega,
+// and the side of the farther one that faces -omega. Each receives what the other sends, and counts it by how
+// accessible its own part of the texel is. Ends of rays see the environment. A side that does not reflect (the back of
+// a single-sided surface) sends nothing, but what sees it has seen black: that counts.
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/texels/side_parts.clh"
 

@@ -57,7 +57,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const ListedPoint point = listed_point(&list, position, texel.triangle, normal, front);
   const SeenFragment seen = seen_fragment(&list, &point, true);
   const uint sender = seen_side(&scene, atlas_info, atlas_triangles, atlas_table, &list, &point, seen);
-  // Weight the ray by the cosine and by how open this part of the texel is.
+  // Weight the ray by the cosine and by how accessible this part of the texel is.
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
   const uint part = side_part(triangle.pitch, texel.triangle, atlas_uv(triangle, texel.b1, texel.b2));
   const float cosine = dot(normal, views[0].row_w.xyz),

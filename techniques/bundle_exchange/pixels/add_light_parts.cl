@@ -39,17 +39,17 @@ __kernel void add_side_state(AtlasInfo atlas_info, __global const AtlasTriangle*
   const uint i = get_global_id(0);
   if (i >= count) return;
   const GBufferPoint point = points[i];
-  float3 open = (float3)(0.0f), scaled = open, remembered = open;
+  float3 accessible = (float3)(0.0f), scaled = accessible, remembered = accessible;
   uint side = LUCARIUM_NONE;
   if (point.state == LUCARIUM_GBUFFER_SURFACE)
     side = atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v),
                       point.normal.w == 0.0f);
   if (side != LUCARIUM_NONE) {
-    open = (float3)(shares[side]);
+    accessible = (float3)(shares[side]);
     scaled = balances[side].xyz;
     remembered = histories[side].xyz;
   }
-  accessibility[i] = mix_sample(accessibility[i], open, atlas_weight);
+  accessibility[i] = mix_sample(accessibility[i], accessible, atlas_weight);
   balance[i] = mix_sample(balance[i], scaled, atlas_weight);
   direction_history[i] = mix_sample(direction_history[i], remembered, atlas_weight);
 }

@@ -13,6 +13,7 @@ __kernel void make_display(uint sides, float share, __global const float* restri
                            __global float4* restrict shown_direct, __global float4* restrict radiance) {
   const uint side = get_global_id(0);
   if (side >= sides) return;
+  // Sum the means of all bounces, those that are finished included.
   const float4 before = one_by_one ? finished[side] : (float4)(0.0f);
   float3 total = before.xyz;
   float weight = before.w;
@@ -21,13 +22,15 @@ __kernel void make_display(uint sides, float share, __global const float* restri
     total += share * side_mean(sums);
     weight = fmax(weight, sums.w);
   }
-  const float open = weight > 0.0f ? accessibility[side] : 0.0f;
-  shown[side] = open * (float4)(total, 1.0f);
+  // Weight interpolation by accessibility.
+  const float accessible = weight > 0.0f ? accessibility[side] : 0.0f;
+  shown[side] = accessible * (float4)(total, 1.0f);
 #ifdef BUNDLE_EXCHANGED
   const float4 emitted = display[side];
   shown_direct[side] = (emitted.w > 0.0f ? accessibility[side] : 0.0f) * (float4)(side_mean(emitted), 1.0f);
 #endif
 #ifdef BUNDLE_CHAINS
+  // Reflect what the texel side holds: light of its own, then bounce after bounce.
   float3 held = direct_mean(side, light_samples, display);
 #ifdef BUNDLE_SELF_FED
   held += total;

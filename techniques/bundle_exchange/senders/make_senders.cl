@@ -6,6 +6,8 @@
 // known: f_r of a receiver, which the paper applies at every transfer, is applied once, when the receiver sends. With
 // the means read from S, light of all path lengths so far travels at once (section 5.5, interleaved light transfer).
 //
+// Emitters send what they emit in the channel of emission (section 5.1, area lights as surfaces).
+//
 // albedo: xyz diffuse albedo c, w area [m^2]. senders, display: S and D, channel-major, S without the channel of
 // emission. scale[0]: of what a self-fed channel has received. feedback_share: of all that has been received. Clears
 // the sums of the exchange records. diffuse (BUNDLE_CHAINS): what is sent, BUNDLE_REFLECTED channels per texel side,

@@ -8,10 +8,10 @@
 
 #define SURELY_HIDDEN 6u  // rays to backs that prove it although no point of the texel side is hidden
 
-// Of 0 to SIDE_MAX_LEVEL, at random one of the two about `open` [1], so that the mean is right.
-uint dithered_level(float open, uint side, uint part) {
+// Of 0 to SIDE_MAX_LEVEL, at random one of the two about `accessible` [1], so that the mean is right.
+uint dithered_level(float accessible, uint side, uint part) {
   const float random = uint_to_unit(hash_uint3(side, part, 0x6f70656eu));
-  return min((uint)(open * (float)SIDE_MAX_LEVEL + random), SIDE_MAX_LEVEL);
+  return min((uint)(accessible * (float)SIDE_MAX_LEVEL + random), SIDE_MAX_LEVEL);
 }
 
 // counts: see probe_pairs.cl. interior, hidden: TexelInterior. share: share of the texel side's area that its rays
@@ -37,17 +37,17 @@ __kernel void finish_accessibility(uint sides, AtlasInfo atlas_info,
   const bool closed = near + backs == rays;
   const float mean = closed ? 1.0f : 1.0f - (float)near / (float)(rays - backs), counted = interior[side].y;
   const bool partly = interior[side].x < 1.0f;  // some of it is hidden
-  // Find how open each part is: of its rays that meet no backs, the share that goes far; the texel side's mean without
-  // any.
+  // Find how accessible each part is: of its rays that meet no backs, the share that goes far; the texel side's mean
+  // without any.
   float total = 0.0f;
   for (uint word = 0u; word < SIDE_PART_WORDS; ++word) {
     uint levels = 0u;
     for (uint part = 16u * word; part < 16u * (word + 1u); ++part) {
       const uint all = PROBE_RAYS(own[part]) - PROBE_BACKS(own[part]);
       const uint lost = PROBE_BACKS(own[part]);
-      float open = closed || all == 0u ? mean : 1.0f - (float)PROBE_NEAR(own[part]) / (float)all;
-      if (all == 0u && lost > 0u && (partly || lost >= SURELY_HIDDEN)) open = 0.0f;
-      const uint level = dithered_level(open, side, part);
+      float accessible = closed || all == 0u ? mean : 1.0f - (float)PROBE_NEAR(own[part]) / (float)all;
+      if (all == 0u && lost > 0u && (partly || lost >= SURELY_HIDDEN)) accessible = 0.0f;
+      const uint level = dithered_level(accessible, side, part);
       levels |= level << 2u * (part & 15u);
       total += (float)level * ((float)all + counted * (float)lost);
     }

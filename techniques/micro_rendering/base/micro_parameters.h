@@ -42,7 +42,7 @@ struct MicroParameters {
   DepthBits depth_bits = DepthBits::thirty_two;
   int vpls = 256;
   float vpl_clamp = 100;
-  bool final_gather = true;
+  bool gather_visible = true;
   int photons = 1000000;
   int photon_k = 50;
   bool photon_direct = false;
@@ -58,7 +58,7 @@ struct MicroParameters {
   bool keeps_levels() const { return cut_error > 0 || adaptive > 0; }
 
   /// Whether virtual lights light the visible points themselves.
-  bool shows_virtual_lights() const { return !final_gather && multibounce == MultiBounce::instant_radiosity; }
+  bool shows_virtual_lights() const { return !gather_visible && multibounce == MultiBounce::instant_radiosity; }
 
   template <class V>
   void describe(V& v) {
@@ -115,7 +115,7 @@ struct MicroParameters {
              "light paths of instant radiosity, each with one virtual light per bounce");
     v.number("vpl_clamp", vpl_clamp, 0.01f, 1e6f, "1/R²",
              "maximum geometry term of a virtual light; R is the scene's radius");
-    v.flag("final_gather", final_gather,
+    v.flag("gather_visible", gather_visible,
            "gather at visible points; off: virtual lights light their diffuse lobes (multibounce=instant_radiosity)");
     v.number("photons", photons, 1000, 1 << 24, "paths", "light paths of the photon map");
     v.number("photon_k", photon_k, 4, 256, "photons", "photons per density estimate");

@@ -83,7 +83,7 @@ void GatherPass::record(ScheduleRecorder& recorder, const std::string& name, con
                         const PointForest& forest, const BufferRef& gathers, const BufferRef& gather_count,
                         uint32_t max_count, const Variable<MicroSettings>& settings, const GatherResults& results,
                         const DynamicShading& shading) const {
-  PassBuilder pass = recorder.pass(name, program_, "mr_gather");
+  PassBuilder pass = recorder.pass(name, program_, "gather_light");
   if (sky_) {
     scene.bind(pass);
     pass.arg("sky", results.sky);

@@ -13,8 +13,8 @@
 #endif
 
 // The micro-buffer of the inspected result: radiance and distance [m]; -1: empty.
-void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const MicroBuffer* buffer,
-                       const MicroNodeLight* light, float unit, __global float4* micro_buffer) {
+void store_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const MicroBuffer* buffer,
+                        const MicroNodeLight* light, float unit, __global float4* micro_buffer) {
   for (uint y = 0; y < warp->edge; ++y) {
     for (uint x = 0; x < warp->edge; ++x) {
       const uint i = (y + 1u) * buffer->rows + x + 1u;
@@ -33,25 +33,25 @@ void keep_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const Mic
 // the post-traversal list and sums up, for one gather. Results at the indices of the gathers, see MicroStatistics
 // (micro_types.h); every gather overwrites those of its lobes. micro_buffer: of the result settings.inspect, rows of
 // MICRO_SIZE pixels; of the larger lobe.
-__kernel void mr_gather(__global const MicroTree* restrict trees, const uint tree_count,
-                        __global const uint4* restrict nodes, __global const half* restrict radiance,
-                        __global const uint4* restrict clips, __global const float* restrict radiance_unit,
-                        __global const MicroGather* restrict gathers, __global const uint* restrict gather_count,
-                        const MicroSettings settings, __global float4* restrict irradiance,
-                        __global float4* restrict specular, __global MicroStatistics* restrict statistics,
-                        __global float4* restrict micro_buffer,
+__kernel void gather_light(__global const MicroTree* restrict trees, uint tree_count,
+                           __global const uint4* restrict nodes, __global const half* restrict radiance,
+                           __global const uint4* restrict clips, __global const float* restrict radiance_unit,
+                           __global const MicroGather* restrict gathers, __global const uint* restrict gather_count,
+                           const MicroSettings settings, __global float4* restrict irradiance,
+                           __global float4* restrict specular, __global MicroStatistics* restrict statistics,
+                           __global float4* restrict micro_buffer,
 #if MICRO_LEVELS
-                        __global const float4* restrict levels,
+                           __global const float4* restrict levels,
 #endif
 #if MICRO_GATHER_ENV
-                        LUCARIUM_SCENE_PARAMETERS __global float4* restrict sky,
+                           LUCARIUM_SCENE_PARAMETERS __global float4* restrict sky,
 #endif
 #if MICRO_DYNAMIC
-                        __global const MicroNodeChoice* restrict choices,
-                        __global const MicroLeafLight* restrict leaf_lights,
-                        __global const MicroLeafLobe* restrict leaf_lobes,
+                           __global const MicroNodeChoice* restrict choices,
+                           __global const MicroLeafLight* restrict leaf_lights,
+                           __global const MicroLeafLobe* restrict leaf_lobes,
 #endif
-                        const uint slice_base) {
+                           uint slice_base) {
   const uint i = settings.first + slice_base + get_global_id(0);
   if (i >= gather_count[0]) return;
   const float unit = radiance_unit[0];
@@ -105,15 +105,15 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
     tolerate_error(&forest, settings, (lobe == MICRO_LOBE_DIFFUSE ? level.x : level.y) / unit, flat, &warp);
 #endif
     draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
-    float3 grazing;
-    const float4 light = micro_light(&warp, &point, &buffer, &node_light, &grazing, &counts);
+    float3 schlick_sum;
+    const float4 light = micro_light(&warp, &point, &buffer, &node_light, &schlick_sum, &counts);
     // Store without the factors that vary from pixel to pixel: irradiance without the albedo, and the specular lobe in
     // the two parts that f0 and f90 weight.
     if (lobe == MICRO_LOBE_DIFFUSE) {
       irradiance[point.result] = (float4)(M_PI_F * unit * light.xyz, light.w);
     } else {
       specular[2u * point.result] = (float4)(unit * light.xyz, 0.0f);
-      specular[2u * point.result + 1u] = (float4)(unit * grazing, 0.0f);
+      specular[2u * point.result + 1u] = (float4)(unit * schlick_sum, 0.0f);
     }
 #if MICRO_GATHER_ENV
     float3 grazing_sky;
@@ -126,7 +126,7 @@ __kernel void mr_gather(__global const MicroTree* restrict trees, const uint tre
     }
 #endif
     if ((point.result == settings.inspect || point.result == settings.inspect_too) && edges[lobe] >= edges[1u - lobe])
-      keep_micro_buffer(&warp, &point, &buffer, &node_light, unit, micro_buffer);
+      store_micro_buffer(&warp, &point, &buffer, &node_light, unit, micro_buffer);
   }
   statistics[point.result] = counts;
 }

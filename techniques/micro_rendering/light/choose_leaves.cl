@@ -5,8 +5,8 @@
 #include "micro_rendering/tree/micro_surface.clh"
 
 // Lobes of the leaves.
-__kernel void mr_leaf_lobes(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, const uint count,
-                            __global MicroLeafLobe* restrict leaf_lobes) {
+__kernel void store_leaf_lobes(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves, uint count,
+                               __global MicroLeafLobe* restrict leaf_lobes) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -20,9 +20,9 @@ __kernel void mr_leaf_lobes(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* 
 }
 
 // Work-item i: leaf i of one tree chooses itself.
-__kernel void mr_choose_leaves(__global const MicroLeafLight* restrict leaf_lights,
-                               __global const MicroTree* restrict trees, const uint tree, const uint count,
-                               __global MicroNodeChoice* restrict choices) {
+__kernel void choose_leaves(__global const MicroLeafLight* restrict leaf_lights,
+                            __global const MicroTree* restrict trees, uint tree, uint count,
+                            __global MicroNodeChoice* restrict choices) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   MicroNodeChoice choice;
@@ -31,10 +31,9 @@ __kernel void mr_choose_leaves(__global const MicroLeafLight* restrict leaf_ligh
   choices[trees[tree].first_node + count + i] = choice;
 }
 
-// Inner nodes of levels [top, bottom), as mr_pull, whose weights are in extremes.
-__kernel void mr_pull_choices(__global const MicroTree* restrict trees, const uint tree, const uint top,
-                              const uint bottom, const uint seed, __global const float4* restrict extremes,
-                              __global MicroNodeChoice* restrict choices) {
+// Inner nodes of levels [top, bottom), as pull_radiance, whose weights are in extremes.
+__kernel void pull_choices(__global const MicroTree* restrict trees, uint tree, uint top, uint bottom, uint seed,
+                           __global const float4* restrict extremes, __global MicroNodeChoice* restrict choices) {
   const uint w = get_global_id(0);
   if (w >= (1u << top)) return;
   const uint base = trees[tree].first_node;

@@ -73,7 +73,7 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
   const BufferRef brightness = recorder.transient<float>("brightness of leaves", leaves, kRemedy);
   const BufferRef brightest = recorder.transient<float>("brightest leaf", 1);
   const BufferRef extremes = recorder.transient<float4>("extremes of nodes", size_t{2} * leaves, kRemedy);
-  recorder.pass("brightness of leaves", program_, "mr_leaf_brightness")
+  recorder.pass("brightness of leaves", program_, "find_leaf_brightness")
       .global(leaves)
       .arg("irradiance", irradiance)
       .arg("leaf_albedo", forest_.leaf_albedo)
@@ -83,7 +83,7 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
                             leaves);
   for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
     const ForestTree& tree = forest_.trees()[t];
-    recorder.pass("store radiance", program_, "mr_store_radiance")
+    recorder.pass("store radiance", program_, "store_radiance")
         .global(tree.leaves())
         .arg("irradiance", irradiance)
         .arg("leaf_albedo", forest_.leaf_albedo)
@@ -96,7 +96,7 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
         .arg("extremes", extremes)
         .arg("radiance_unit", forest_.radiance_unit);
     PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
-      recorder.pass("pull", program_, "mr_pull")
+      recorder.pass("pull", program_, "pull_radiance")
           .global(size_t{1} << top)
           .local(1)
           .arg("trees", forest_.tree_records)
@@ -115,7 +115,7 @@ void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extreme
   choice_seed_ = recorder.variable("seed", 0u);
   for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
     const ForestTree& tree = forest_.trees()[t];
-    recorder.pass("choose leaves", program_, "mr_choose_leaves")
+    recorder.pass("choose leaves", program_, "choose_leaves")
         .global(tree.leaves())
         .arg("leaf_lights", shading_.leaf_lights)
         .arg("trees", forest_.tree_records)
@@ -123,7 +123,7 @@ void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extreme
         .arg("count", tree.leaves())
         .arg("choices", shading_.choices);
     PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
-      recorder.pass("pull choices", program_, "mr_pull_choices")
+      recorder.pass("pull choices", program_, "pull_choices")
           .global(size_t{1} << top)
           .local(1)
           .arg("trees", forest_.tree_records)
@@ -141,7 +141,7 @@ void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extreme
 void LeafLight::record_lobes() {
   const uint32_t leaves = forest_.leaf_count();
   ScheduleRecorder recorder = scheduler_.record("lobes of leaves", owner_);
-  PassBuilder pass = recorder.pass("lobes of leaves", program_, "mr_leaf_lobes");
+  PassBuilder pass = recorder.pass("lobes of leaves", program_, "store_leaf_lobes");
   scene_.bind(pass);
   pass.global(leaves).arg("leaves", forest_.leaves).arg("count", leaves).arg("leaf_lobes", shading_.leaf_lobes);
   lobes_schedule_ = recorder.compile();

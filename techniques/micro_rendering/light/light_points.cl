@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points that get light samples, virtual lights and photons: leaves, or visible points of a G-buffer (MICRO_PIXELS, for
-// final_gather=off), which get the light of their diffuse lobes.
+// gather_visible=off), which get the light of their diffuse lobes.
 #ifndef MICRO_PIXELS
 #define MICRO_PIXELS 0
 #endif

@@ -28,8 +28,8 @@ uint levels_that_fit(const global uint* totals, uint max_nodes) {
 
 // Work-item i: adds how many nodes the cut has below node 2^level + i of one tree, for 0 … MICRO_CUT_LEVELS levels
 // more.
-__kernel void mr_cut_totals(__global const MicroTree* restrict trees, const uint tree, const uint level,
-                            const float cone, __global const uint4* restrict nodes, __global uint* restrict totals) {
+__kernel void sum_cut_sizes(__global const MicroTree* restrict trees, uint tree, uint level, float cone,
+                            __global const uint4* restrict nodes, __global uint* restrict totals) {
   const uint root = (1u << level) + get_global_id(0);
   if (root >= (2u << level)) return;
   __global const MicroTree* t = trees + tree;
@@ -48,10 +48,9 @@ __kernel void mr_cut_totals(__global const MicroTree* restrict trees, const uint
 }
 
 // Work-item i: cut_results[first_root + i] becomes the number of nodes of the cut below node 2^level + i.
-__kernel void mr_cut_counts(__global const MicroTree* restrict trees, const uint tree, const uint level,
-                            const float cone, const uint first_root, const uint max_nodes,
-                            __global const uint* restrict totals, __global const uint4* restrict nodes,
-                            __global uint* restrict cut_results) {
+__kernel void count_cut_nodes(__global const MicroTree* restrict trees, uint tree, uint level, float cone,
+                              uint first_root, uint max_nodes, __global const uint* restrict totals,
+                              __global const uint4* restrict nodes, __global uint* restrict cut_results) {
   const uint root = (1u << level) + get_global_id(0);
   if (root >= (2u << level)) return;
   __global const MicroTree* t = trees + tree;
@@ -95,13 +94,13 @@ MicroGather node_gather(const Scene* scene, const global MicroLeaf* leaves, cons
 }
 
 // Work-item i: the gathers of the cut below node 2^level + i, from cut_results[first_root + i] on.
-__kernel void mr_cut_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves,
-                             __global const MicroTree* restrict trees, const uint tree, const uint level,
-                             const float cone, const uint first_root, const uint max_nodes,
-                             __global const uint* restrict totals, __global const uint* restrict cut_results,
-                             const uint micro_size, __global const uint4* restrict nodes,
-                             __global const TriangleEdges* restrict triangle_edges,
-                             __global MicroGather* restrict gathers, __global uint* restrict leaf_results) {
+__kernel void list_cut_gathers(LUCARIUM_SCENE_PARAMETERS __global const MicroLeaf* restrict leaves,
+                               __global const MicroTree* restrict trees, uint tree, uint level, float cone,
+                               uint first_root, uint max_nodes, __global const uint* restrict totals,
+                               __global const uint* restrict cut_results, uint micro_size,
+                               __global const uint4* restrict nodes,
+                               __global const TriangleEdges* restrict triangle_edges,
+                               __global MicroGather* restrict gathers, __global uint* restrict leaf_results) {
   const uint root = (1u << level) + get_global_id(0);
   if (root >= (2u << level)) return;
   LUCARIUM_SCENE_BIND(scene);

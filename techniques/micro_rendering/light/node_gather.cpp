@@ -75,15 +75,15 @@ void NodeGather::record_list() {
   };
   const auto trees = static_cast<uint32_t>(forest_.trees().size());
   recorder.fill_zero("sizes of cuts", totals_);
-  for (uint32_t t = 0; t < trees; ++t) pass_of("sizes of cuts", "mr_cut_totals", t);
+  for (uint32_t t = 0; t < trees; ++t) pass_of("sizes of cuts", "sum_cut_sizes", t);
   for (uint32_t t = 0; t < trees; ++t)
-    pass_of("nodes of the cut", "mr_cut_counts", t)
+    pass_of("nodes of the cut", "count_cut_nodes", t)
         .arg("first_root", first_root_[t])
         .arg("max_nodes", max_nodes)
         .arg("cut_results", cut_results_);
   primitives_.record_exclusive_scan(recorder, "first results of cuts", cut_results_, cut_results_, node_count_, roots_);
   for (uint32_t t = 0; t < trees; ++t) {
-    PassBuilder pass = pass_of("gathers at nodes", "mr_cut_gathers", t);
+    PassBuilder pass = pass_of("gathers at nodes", "list_cut_gathers", t);
     scene_.bind(pass);
     pass.arg("leaves", forest_.leaves)
         .arg("first_root", first_root_[t])
@@ -122,7 +122,7 @@ bool NodeGather::gather(uint32_t first, uint32_t seed) {
 
 void NodeGather::add_push(ScheduleRecorder& recorder, const BufferRef& direct, const BufferRef& irradiance) const {
   const uint32_t leaves = forest_.leaf_count();
-  recorder.pass("push", program_, "mr_push")
+  recorder.pass("push", program_, "push_irradiance")
       .global(leaves)
       .arg("count", leaves)
       .arg("leaf_results", leaf_results_)

@@ -4,8 +4,9 @@
 #include "micro_rendering/tree/micro_node.clh"
 
 // Radiance of leaf i without its own emission, (albedo / pi) E [cd/m²]. For the brightest channel's maximum.
-__kernel void mr_leaf_brightness(__global const float4* restrict irradiance, __global const half* restrict leaf_albedo,
-                                 const uint count, __global float* restrict brightness) {
+__kernel void find_leaf_brightness(__global const float4* restrict irradiance,
+                                   __global const half* restrict leaf_albedo, uint count,
+                                   __global float* restrict brightness) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   brightness[i] = max_component(vload_half4(i, leaf_albedo).xyz * irradiance[i].xyz) * M_1_PI_F;
@@ -18,11 +19,11 @@ float radiance_unit_of(float brightest) {
 }
 
 // Work-item i: leaf i of one tree. extremes, per node: x lowest, y highest brightest channel [units], z weight (area).
-__kernel void mr_store_radiance(__global const float4* restrict irradiance, __global const half* restrict leaf_albedo,
-                                __global const float* restrict brightest, __global const MicroTree* restrict trees,
-                                const uint tree, __global const uint4* restrict nodes, const uint count,
-                                __global half* restrict radiance, __global float4* restrict extremes,
-                                __global float* restrict radiance_unit) {
+__kernel void store_radiance(__global const float4* restrict irradiance, __global const half* restrict leaf_albedo,
+                             __global const float* restrict brightest, __global const MicroTree* restrict trees,
+                             uint tree, __global const uint4* restrict nodes, uint count,
+                             __global half* restrict radiance, __global float4* restrict extremes,
+                             __global float* restrict radiance_unit) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   const float unit = radiance_unit_of(brightest[0]);
@@ -34,10 +35,10 @@ __kernel void mr_store_radiance(__global const float4* restrict irradiance, __gl
   extremes[node] = (float4)(highest, highest, fmax(radius * radius, FLT_MIN), 0.0f);
 }
 
-// The pull step of push-pull (Ritschel et al. 2009, section 4). Inner nodes of levels [top, bottom), as mr_refit: means
-// by area, and the range of what lies below.
-__kernel void mr_pull(__global const MicroTree* restrict trees, const uint tree, const uint top, const uint bottom,
-                      __global half* restrict radiance, __global float4* restrict extremes) {
+// The pull step of push-pull (Ritschel et al. 2009, section 4). Inner nodes of levels [top, bottom), as refit_nodes:
+// means by area, and the range of what lies below.
+__kernel void pull_radiance(__global const MicroTree* restrict trees, uint tree, uint top, uint bottom,
+                            __global half* restrict radiance, __global float4* restrict extremes) {
   const uint w = get_global_id(0);
   if (w >= (1u << top)) return;
   const uint base = trees[tree].first_node;

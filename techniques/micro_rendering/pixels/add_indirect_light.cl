@@ -14,34 +14,35 @@
 #endif
 
 // What a point reflects of a gather's results: irradiance, and S and S_w of the specular lobe.
-float3 reflected_light(const Bsdf* bsdf, float3 irradiance, float3 all, float3 grazing) {
+float3 reflected_light(const Bsdf* bsdf, float3 irradiance, float3 all, float3 schlick_sum) {
   float3 light = (float3)(0.0f);
   if (luminance(bsdf->diffuse) > 0.0f) light += bsdf->diffuse * irradiance * M_1_PI_F;
-  if (has_glossy_lobe(bsdf)) light += bsdf->f0 * (all - grazing) + bsdf->f90 * grazing;
+  if (has_glossy_lobe(bsdf)) light += bsdf->f0 * (all - schlick_sum) + bsdf->f90 * schlick_sum;
   return light;
 }
 
 // What it transmits, from the same of its far side.
-float3 transmitted_light(const Bsdf* bsdf, float3 all, float3 grazing) {
+float3 transmitted_light(const Bsdf* bsdf, float3 all, float3 schlick_sum) {
   return bsdf->transmission *
-         ((1.0f - bsdf->dielectric_f0) * all - (bsdf->dielectric_f90 - bsdf->dielectric_f0) * grazing);
+         ((1.0f - bsdf->dielectric_f0) * all - (bsdf->dielectric_f90 - bsdf->dielectric_f0) * schlick_sum);
 }
 
 // Adds the light that the pixels of a sub-image reflect: xyz sum, w samples; sky_light: of the environment. inspected:
 // sums of what the inspection layers show, x mean level of the cut, y leaves that were ray-cast, z nodes visited, w 1
 // where interpolation failed. Pixels that did not gather show the gather of `lattice` that they lie beside.
-__kernel void mr_add_indirect(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
-                              const SubImage sub, const SubImage lattice, __global const float4* restrict irradiance,
-                              __global const float4* restrict specular,
-                              __global const MicroStatistics* restrict statistics, __global const uint* restrict failed,
-                              const uint pixels, const uint sides, __global float4* restrict indirect,
+__kernel void add_indirect_light(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
+                                 const SubImage sub, const SubImage lattice, __global const float4* restrict irradiance,
+                                 __global const float4* restrict specular,
+                                 __global const MicroStatistics* restrict statistics,
+                                 __global const uint* restrict failed, uint pixels, uint sides,
+                                 __global float4* restrict indirect,
 #if MICRO_LEVELS
-                              __global float4* restrict levels,
+                                 __global float4* restrict levels,
 #endif
 #if MICRO_GATHER_ENV
-                              __global const float4* restrict sky, __global float4* restrict sky_light,
+                                 __global const float4* restrict sky, __global float4* restrict sky_light,
 #endif
-                              __global float4* restrict inspected) {
+                                 __global float4* restrict inspected) {
   const uint i = get_global_id(0);
   if (i >= sub.width * sub.height) return;
   LUCARIUM_SCENE_BIND(scene);

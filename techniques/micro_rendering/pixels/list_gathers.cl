@@ -27,10 +27,10 @@ uint2 micro_buffer_sizes(const Scene* scene, const Bsdf* bsdf, uint size) {
 // Enumerates the gathers so that neighbours of the list compute alike cuts (Ritschel et al. 2009, section 3.2).
 // keys: Morton order of the points, or of the pixels; values: indices of results, which are pixels, and behind `pixels`
 // of them the far sides of surfaces that transmit: entry i + capacity is that of entry i, where sides is 2.
-__kernel void mr_list_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const SubImage sub,
-                           const uint morton, const uint capacity, const uint pixels, const uint sides,
-                           __global MicroStatistics* restrict statistics, __global uint* restrict keys,
-                           __global uint* restrict values) {
+__kernel void make_gather_keys(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
+                               const SubImage sub, uint morton, uint capacity, uint pixels, uint sides,
+                               __global MicroStatistics* restrict statistics, __global uint* restrict keys,
+                               __global uint* restrict values) {
   const uint i = get_global_id(0);
   if (i >= capacity) return;
   // Begin with no gather anywhere; work-items beyond the sub-image only fill up the list.
@@ -65,12 +65,11 @@ bool needs_more(float4 level, float adaptive) {
 #endif
 
 // Writes the gathers of the sorted pixels; gather_count[0] becomes their number.
-__kernel void mr_list_fill(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
-                           __global const uint* restrict keys, __global const uint* restrict values, const uint count,
-                           const uint pixels, const uint micro_size,
-                           __global const TriangleEdges* restrict triangle_edges,
+__kernel void list_gathers(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points,
+                           __global const uint* restrict keys, __global const uint* restrict values, uint count,
+                           uint pixels, uint micro_size, __global const TriangleEdges* restrict triangle_edges,
 #if MICRO_LEVELS
-                           __global const float4* restrict levels, const float adaptive, const uint larger,
+                           __global const float4* restrict levels, float adaptive, uint larger,
 #endif
                            __global MicroGather* restrict gathers, __global uint* restrict gather_count) {
   const uint i = get_global_id(0);

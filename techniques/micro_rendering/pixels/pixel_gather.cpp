@@ -94,7 +94,7 @@ void PixelGather::record_gather() {
   settings_ = recorder.variable("settings", MicroSettings{});
   const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", size_t{sides_} * capacity_, kRemedy);
   const BufferRef values = recorder.transient<uint32_t>("sorted pixels", size_t{sides_} * capacity_, kRemedy);
-  PassBuilder keying = recorder.pass("keys of pixels", program_, "mr_list_keys");
+  PassBuilder keying = recorder.pass("keys of pixels", program_, "make_gather_keys");
   scene_.bind(keying);
   keying.global(capacity_)
       .arg("points", points_)
@@ -116,7 +116,7 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
                                const BufferRef& count, uint32_t capacity, bool failed) {
   const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity, kRemedy);
   primitives_.record_sort_pairs(recorder, "sort pixels", keys, values, capacity, 31);
-  PassBuilder fill = recorder.pass("list gathers", program_, "mr_list_fill");
+  PassBuilder fill = recorder.pass("list gathers", program_, "list_gathers");
   scene_.bind(fill);
   fill.global(capacity)
       .arg("points", points_)
@@ -141,7 +141,7 @@ void PixelGather::record_upsample(ScheduleRecorder& recorder) {
   footprint_ = recorder.variable("footprint", float2(0, 0));
   const BufferRef keys = recorder.transient<uint32_t>("keys of failed pixels", size_t{sides_} * pixels, kRemedy);
   const BufferRef values = recorder.transient<uint32_t>("sorted failed pixels", size_t{sides_} * pixels, kRemedy);
-  PassBuilder pass = recorder.pass("upsample", program_, "mr_upsample");
+  PassBuilder pass = recorder.pass("upsample", program_, "upsample_gathers");
   scene_.bind(pass);
   pass.global(pixels)
       .arg("points", points_)
@@ -165,7 +165,7 @@ void PixelGather::record_add() {
   ScheduleRecorder recorder = scheduler_.record("add indirect light", owner_);
   add_sub_ = recorder.variable("sub_image", SubImage{});
   lattice_ = recorder.variable("lattice", SubImage{});
-  PassBuilder pass = recorder.pass("add indirect light", program_, "mr_add_indirect");
+  PassBuilder pass = recorder.pass("add indirect light", program_, "add_indirect_light");
   scene_.bind(pass);
   pass.global(added_)
       .arg("points", points_)
@@ -183,7 +183,7 @@ void PixelGather::record_add() {
   if (parameters_.keeps_levels()) pass.arg("levels", results_.levels);
   const uint32_t runs = (added_ + kRun - 1) / kRun;
   const BufferRef sums = recorder.transient<MicroStatistics>("sums of statistics", runs);
-  recorder.pass("sum statistics", program_, "mr_sum_statistics")
+  recorder.pass("sum statistics", program_, "sum_statistics")
       .global(runs)
       .local(1)
       .arg("points", points_)
@@ -197,7 +197,7 @@ void PixelGather::record_add() {
   add_schedule_ = recorder.compile();
 
   ScheduleRecorder keeper = scheduler_.record("keep micro-buffer", owner_);
-  keeper.pass("keep micro-buffer", program_, "mr_keep_micro_buffer")
+  keeper.pass("keep micro-buffer", program_, "keep_micro_buffer")
       .global(kMicroPixels)
       .arg("micro_buffer", results_.micro_buffer)
       .arg("count", static_cast<uint32_t>(kMicroPixels))

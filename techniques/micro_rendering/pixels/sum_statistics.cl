@@ -5,9 +5,9 @@
 #include "micro_rendering/shared/micro_types.h"
 
 // Sums over runs of `run` pixels of a sub-image.
-__kernel void mr_sum_statistics(__global const GBufferPoint* restrict points, const SubImage sub, const uint run,
-                                __global const MicroStatistics* restrict statistics, const uint pixels,
-                                const uint sides, __global MicroStatistics* restrict sums) {
+__kernel void sum_statistics(__global const GBufferPoint* restrict points, const SubImage sub, uint run,
+                             __global const MicroStatistics* restrict statistics, uint pixels, uint sides,
+                             __global MicroStatistics* restrict sums) {
   const uint first = get_global_id(0) * run, end = min(first + run, sub.width * sub.height);
   MicroStatistics sum = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
   for (uint i = first; i < end; ++i) {

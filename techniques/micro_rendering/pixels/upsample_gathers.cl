@@ -19,18 +19,18 @@ float3 mirrored_view(const global GBufferPoint* point) {
 // Bilateral upsampling (Ritschel et al. 2009, section 2.4).
 // Results of all pixels between gathers, from the four around: irradiance by bilateral weights, the specular lobe only
 // from pixels whose lobe is as wide and points the same way. Where the weights sum to less than `min_weight` the pixel
-// gets a key (as mr_list_keys) and gathers itself. With `min_weight` 0 none does: where nothing agrees it takes what
-// there is, which else would be black, and lobes need not point the same way. Footprint of a pixel: footprint.x ·
+// gets a key (as make_gather_keys) and gathers itself. With `min_weight` 0 none does: where nothing agrees it takes
+// what there is, which else would be black, and lobes need not point the same way. Footprint of a pixel: footprint.x ·
 // distance + footprint.y [m].
-__kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, const uint height,
-                          const SubImage sub, const float min_weight, const float2 footprint, const uint morton,
-                          __global float4* restrict irradiance, __global float4* restrict specular,
-                          __global MicroStatistics* restrict statistics, const uint sides, __global uint* restrict keys,
-                          __global uint* restrict values,
+__kernel void upsample_gathers(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint* restrict points, uint height,
+                               const SubImage sub, float min_weight, float2 footprint, uint morton,
+                               __global float4* restrict irradiance, __global float4* restrict specular,
+                               __global MicroStatistics* restrict statistics, uint sides, __global uint* restrict keys,
+                               __global uint* restrict values,
 #if MICRO_GATHER_ENV
-                          __global float4* restrict sky,
+                               __global float4* restrict sky,
 #endif
-                          __global uint* restrict failed) {
+                               __global uint* restrict failed) {
   const uint pixel = get_global_id(0), width = sub.image_width, pixels = width * height;
   if (pixel >= pixels) return;
   const uint x = pixel % width, y = pixel / width;
@@ -58,7 +58,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   const float same_way = min_weight > 0.0f ? 1.0f - 0.5f * sqr(0.25f * bsdf.alpha) : -2.0f;
   const float min_agreement = min_weight > 0.0f ? 0.0f : 1e-6f;
 
-  float4 diffuse = (float4)(0.0f), all = (float4)(0.0f), grazing = (float4)(0.0f);
+  float4 diffuse = (float4)(0.0f), all = (float4)(0.0f), schlick_sum = (float4)(0.0f);
 #if MICRO_GATHER_ENV
   float4 sky_diffuse = (float4)(0.0f), sky_all = (float4)(0.0f), sky_grazing = (float4)(0.0f);
 #endif
@@ -85,7 +85,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
     if (!glossy || !has_glossy_lobe(&lobe) || fabs(lobe.alpha - bsdf.alpha) > 0.1f * bsdf.alpha) continue;
     if (dot(mirrored, mirrored_view(points + other)) < same_way) continue;
     all += weight * (float4)(specular[2u * other].xyz, 1.0f);
-    grazing += weight * (float4)(specular[2u * other + 1u].xyz, 0.0f);
+    schlick_sum += weight * (float4)(specular[2u * other + 1u].xyz, 0.0f);
 #if MICRO_GATHER_ENV
     sky_all += weight * sky[3u * other + 1u];
     sky_grazing += weight * sky[3u * other + 2u];
@@ -95,7 +95,7 @@ __kernel void mr_upsample(LUCARIUM_SCENE_PARAMETERS __global const GBufferPoint*
   const bool needs_diffuse = luminance(bsdf.diffuse) > 0.0f;
   irradiance[pixel] = diffuse.w > 0.0f ? (float4)(diffuse.xyz / diffuse.w, 0.0f) : (float4)(0.0f);
   specular[2u * pixel] = all.w > 0.0f ? (float4)(all.xyz / all.w, 0.0f) : (float4)(0.0f);
-  specular[2u * pixel + 1u] = all.w > 0.0f ? (float4)(grazing.xyz / all.w, 0.0f) : (float4)(0.0f);
+  specular[2u * pixel + 1u] = all.w > 0.0f ? (float4)(schlick_sum.xyz / all.w, 0.0f) : (float4)(0.0f);
 #if MICRO_GATHER_ENV
   sky[3u * pixel] = diffuse.w > 0.0f ? sky_diffuse / diffuse.w : (float4)(0.0f);
   sky[3u * pixel + 1u] = all.w > 0.0f ? sky_all / all.w : (float4)(0.0f);

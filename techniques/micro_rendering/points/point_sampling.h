@@ -23,7 +23,7 @@ struct SampledPoint {
   glm::vec2 weights{0};  ///< barycentric, of v1 and v2
   uint32_t source = 0;
   float area = 0;      ///< of the triangle
-  bool solid = false;  ///< nothing but the inside of a solid sees its back (point_exposure.h)
+  bool solid = false;  ///< nothing but the inside of a solid sees its back (point_visibility.h)
 };
 
 struct SampledSurface {

@@ -139,7 +139,7 @@ uint uneven;      // 1: some node was not flat enough for a coarse cut (MICRO_ER
 LUCARIUM_STRUCT_END(MicroStatistics, 32)
 
 // The gather kernel, micro_gather.cl, is bound by gather_pass.cpp by these names:
-//   __kernel void mr_gather(__global const MicroTree* trees, uint tree_count, __global const uint4* nodes,
+//   __kernel void gather_light(__global const MicroTree* trees, uint tree_count, __global const uint4* nodes,
 //                           __global const half* radiance, __global const uint4* clips,
 //                           __global const float* radiance_unit,
 //                           __global const MicroGather* gathers, __global const uint* gather_count,

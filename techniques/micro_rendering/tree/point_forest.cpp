@@ -11,8 +11,8 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/program.h"
-#include "micro_rendering/points/point_exposure.h"
 #include "micro_rendering/points/point_sampling.h"
+#include "micro_rendering/points/point_visibility.h"
 #include "micro_rendering/points/triangle_edges.h"
 #include "micro_rendering/tree/tree_order.h"
 
@@ -26,7 +26,7 @@ constexpr uint32_t kQualityLevel = 8;   // whose radii decide when a refitted tr
 constexpr double kLoosest = 1.5;        // times the sum when built
 constexpr double kMaxGrowth = 4;        // of a tree's area, beyond which it gets new points
 constexpr double kContact = 0.01;       // of a disc's radius: fronts that are nearer to each other touch
-constexpr double kMaxPilots = 1 << 14;  // points that estimate how much of a tree is exposed
+constexpr double kMaxPilots = 1 << 14;  // points that estimate how much of a tree is visible
 constexpr double kBent = 30;  // degrees that the normals of a pair of leaves are off their mean, for fine details
 constexpr uint32_t kPlacingSeed = 1;  // every run of a scene has the same points
 const char* const kRemedy = "lower points_log2";
@@ -91,7 +91,7 @@ PointForest::PointForest(Device& device, KernelScheduler& scheduler, const Scene
       owner_(owner),
       program_(forest_program(device)) {
   placed_materials_ = placing();
-  tell(0, "surfaces");
+  report(0, "surfaces");
   std::vector<TreeSource> sources = find_tree_sources(scene, buffers, options.moving, options.threads);
   std::erase_if(sources, [this](const TreeSource& source) {
     if (source.sides.empty() && source.instance != none) uncovered_.push_back(source.instance);
@@ -126,7 +126,7 @@ std::vector<PointForest::Placing> PointForest::placing() const {
   return list;
 }
 
-void PointForest::tell(double fraction, const char* stage) const {
+void PointForest::report(double fraction, const char* stage) const {
   if (options_.progress) options_.progress(fraction, stage);
 }
 
@@ -147,20 +147,20 @@ void PointForest::place(std::vector<TreeSource> sources) {
   Stopwatch watch;
   const ScenePoints points(scene_, buffers_);
   // Of what rests nothing may depend on where things move.
-  std::unique_ptr<PointExposure> exposure;
+  std::unique_ptr<PointVisibility> visibility;
   if (options_.skip_hidden && sources.front().kind == TreeKind::resting) {
     const double disc =
         static_cast<double>(options_.disc_scale) * std::sqrt(areas.front() / (3.14159265358979 * expected));
-    exposure = std::make_unique<PointExposure>(device_, scheduler_, points, buffers_, *options_.intersector, sources,
-                                               static_cast<float>(kContact * disc), owner_);
+    visibility = std::make_unique<PointVisibility>(device_, scheduler_, points, buffers_, *options_.intersector,
+                                                   sources, static_cast<float>(kContact * disc), owner_);
   }
-  const ExposedSampler sampler(points, exposure.get(), !options_.all_cullable, kPlacingSeed, options_.threads);
-  std::vector<double> exposed;
+  const VisibleSampler sampler(points, visibility.get(), !options_.all_cullable, kPlacingSeed, options_.threads);
+  std::vector<double> visible;
   double all = 0;
   for (size_t t = 0; t < sources.size(); ++t) {
-    exposed.push_back(sampler.exposed_share(sources[t], static_cast<uint32_t>(std::min(expected, kMaxPilots))));
+    visible.push_back(sampler.visible_share(sources[t], static_cast<uint32_t>(std::min(expected, kMaxPilots))));
     all += areas[t];
-    areas[t] *= exposed[t];
+    areas[t] *= visible[t];
   }
   const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
   hidden_ = all > 0 ? 1 - total / all : 0;
@@ -176,8 +176,8 @@ void PointForest::place(std::vector<TreeSource> sources) {
     tree.record.first_node = static_cast<uint32_t>(2 * all_leaves.size());
 
     watch.restart();
-    SampledSurface sampled = sampler.sample(sources[t], exposed[t], tree.leaves(), [&](double fraction) {
-      tell(std::min(1.0, (static_cast<double>(all_leaves.size()) + fraction * tree.leaves()) / expected), "points");
+    SampledSurface sampled = sampler.sample(sources[t], visible[t], tree.leaves(), [&](double fraction) {
+      report(std::min(1.0, (static_cast<double>(all_leaves.size()) + fraction * tree.leaves()) / expected), "points");
     });
     sampling_seconds_ += watch.seconds();
     watch.restart();
@@ -185,7 +185,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
     const std::vector<uint32_t> order = tree_order(sampled.points, options_.threads);
     tree.placed_area = sampled.area;
     tree.world_area = areas[t];
-    tree.covered = sources[t].plain_area > 0 ? exposed[t] * sources[t].covered_area / sources[t].plain_area : 1;
+    tree.covered = sources[t].plain_area > 0 ? visible[t] * sources[t].covered_area / sources[t].plain_area : 1;
     const bool posed = options_.posed && tree.kind == TreeKind::deforming;
     tree.built_radius_sum = ordered_radius_sum(sampled.points, order, tree.record.depth,
                                                (posed ? areas[t] : sampled.area) / tree.leaves(), options_.disc_scale);
@@ -195,7 +195,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
     trees_.push_back(tree);
     sources[t].sides = {};
   }
-  exposure.reset();
+  visibility.reset();
   leaf_count_ = static_cast<uint32_t>(all_leaves.size());
   leaves = TypedBuffer<MicroLeaf>(device_, owner_, "leaves", all_leaves, kRemedy);
   leaf_albedo = TypedBuffer<uint2>(device_, owner_, "albedo of leaves", leaf_count_, kRemedy);
@@ -248,7 +248,7 @@ void PointForest::set_transform(ForestTree& tree) const {
 
 void PointForest::derive_albedo() {
   ScheduleRecorder recorder = scheduler_.record("albedo of leaves", owner_);
-  PassBuilder pass = recorder.pass("albedo of leaves", program_, "mr_leaf_albedo");
+  PassBuilder pass = recorder.pass("albedo of leaves", program_, "store_leaf_albedo");
   buffers_.bind(pass);
   pass.global(leaf_count_).arg("leaves", leaves).arg("count", leaf_count_).arg("leaf_albedo", leaf_albedo);
   Schedule schedule = recorder.compile();
@@ -273,7 +273,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
         options_.disc_scale * static_cast<float>(std::sqrt(tree.placed_area / (3.14159265358979 * tree.leaves())));
     rules.all_cullable = options_.all_cullable;
     rules.min_area = 1 / (options_.disc_scale * options_.disc_scale);
-    PassBuilder leaf_pass = recorder.pass("update leaves", program_, "mr_leaf_update");
+    PassBuilder leaf_pass = recorder.pass("update leaves", program_, "update_leaves");
     buffers_.bind(leaf_pass);
     leaf_pass.global(tree.leaves())
         .arg("mesh_vertices", buffers_.scene_mesh_vertices)
@@ -285,7 +285,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
         .arg("nodes", nodes)
         .arg("clips", clips);
     for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
-      recorder.pass("refit", program_, "mr_refit")
+      recorder.pass("refit", program_, "refit_nodes")
           .global(size_t{1} << top)
           .local(1)
           .arg("trees", tree_records)
@@ -384,7 +384,7 @@ PointForest::Size PointForest::estimate(const Scene& scene, const ForestOptions&
   const size_t held = leaves * per_leaf + trees * sizeof(MicroTree),
                triangle_edges = scene.triangle_count() * sizeof(TriangleEdges);
   const size_t measuring =
-      options.skip_hidden ? PointExposure::estimate_bytes(scene, leaves) : 0;  // before there are leaves
+      options.skip_hidden ? PointVisibility::estimate_bytes(scene, leaves) : 0;  // before there are leaves
   return {leaves, std::max(held, measuring) + triangle_edges};
 }
 

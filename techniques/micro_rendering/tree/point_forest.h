@@ -18,7 +18,7 @@ struct ForestOptions {
   int points_log2 = 18;
   float disc_scale = 1.6f;    ///< radius of a leaf's disc over that of the disc of its area
   bool all_cullable = false;  ///< surfaces are transparent from behind instead of black
-  bool skip_hidden = false;   ///< no points where nothing sees them (point_exposure.h); needs `intersector`
+  bool skip_hidden = false;   ///< no points where nothing sees them (point_visibility.h); needs `intersector`
   const Intersector* intersector = nullptr;
   std::vector<int> moving;  ///< instances that have trees of their own though no animation moves them
   bool posed = false;       ///< leaves of deforming trees are ordered as they stand now, not as at rest
@@ -103,7 +103,7 @@ class PointForest {
     bool operator==(const Placing&) const = default;
   };
   std::vector<Placing> placing() const;
-  void tell(double fraction, const char* stage) const;
+  void report(double fraction, const char* stage) const;
   void place(std::vector<TreeSource> sources);
   void derive_albedo();
   void derive(const std::vector<size_t>& trees);

@@ -55,8 +55,8 @@ uint4 merge_nodes(uint4 left, uint4 right, bool leaves) {
 
 // Inner nodes of levels [top, bottom) of one tree; level `bottom` is done. Work-item w owns what lies below node w of
 // level `top`.
-__kernel void mr_refit(__global const MicroTree* restrict trees, const uint tree, const uint top, const uint bottom,
-                       __global uint4* restrict nodes) {
+__kernel void refit_nodes(__global const MicroTree* restrict trees, uint tree, uint top, uint bottom,
+                          __global uint4* restrict nodes) {
   const uint w = get_global_id(0);
   if (w >= (1u << top)) return;
   __global uint4* heap = nodes + trees[tree].first_node;

@@ -70,15 +70,15 @@ uint4 pack_lines(const LeafLines* lines, float r, float min_area) {
 
 // Leaf nodes of one tree, from barycentric weights (Ritschel et al. 2009, section 2.1), and the lines that bound their
 // discs.
-__kernel void mr_leaf_update(__global const Vertex* restrict scene_vertices,
-                             __global const Vertex* restrict mesh_vertices,
-                             __global const Triangle* restrict scene_triangles,
-                             __global const Instance* restrict scene_instances,
-                             __global const Material* restrict scene_materials,
-                             __global const MicroLeaf* restrict leaves, __global const MicroTree* restrict trees,
-                             const MicroLeafRules rules, const uint count,
-                             __global const TriangleEdges* restrict triangle_edges, __global uint4* restrict nodes,
-                             __global uint4* restrict clips) {
+__kernel void update_leaves(__global const Vertex* restrict scene_vertices,
+                            __global const Vertex* restrict mesh_vertices,
+                            __global const Triangle* restrict scene_triangles,
+                            __global const Instance* restrict scene_instances,
+                            __global const Material* restrict scene_materials,
+                            __global const MicroLeaf* restrict leaves, __global const MicroTree* restrict trees,
+                            const MicroLeafRules rules, uint count,
+                            __global const TriangleEdges* restrict triangle_edges, __global uint4* restrict nodes,
+                            __global uint4* restrict clips) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   __global const MicroTree* tree = trees + rules.tree;

@@ -40,15 +40,15 @@ void write_pictures(KernelScheduler& scheduler, const LayeredRaster& raster, con
   scheduler.finish();
 
   std::vector<float> layers(pixels), nearness = depth.download();
-  uint32_t most = 1;
-  for (size_t i = 0; i < pixels; ++i) most = std::max(most, starts[i + 1] - starts[i]);
+  uint32_t largest = 1;
+  for (size_t i = 0; i < pixels; ++i) largest = std::max(largest, starts[i + 1] - starts[i]);
   for (size_t i = 0; i < pixels; ++i) {
-    layers[i] = static_cast<float>(starts[i + 1] - starts[i]) / static_cast<float>(most);
+    layers[i] = static_cast<float>(starts[i + 1] - starts[i]) / static_cast<float>(largest);
     nearness[i] = std::isinf(nearness[i]) ? 0.f : 1 - (nearness[i] - view.depth_min) * view.depth_scale;
   }
   write_gray(prefix + "_layers.png", view, layers);
   write_gray(prefix + "_depth.png", view, nearness);
-  fmt::print("{} fragments, at most {} in a pixel\n", starts.back(), most);
+  fmt::print("{} fragments, at most {} in a pixel\n", starts.back(), largest);
 }
 
 }  // namespace lucarium

@@ -97,13 +97,13 @@ struct PointRig {
 };
 
 struct Spread {
-  double mean = 0, variance = 0, most = 0;
+  double mean = 0, variance = 0, largest = 0;
 };
 Spread spread(const std::vector<double>& values) {
   Spread result;
   for (const double v : values) {
     result.mean += v / static_cast<double>(values.size());
-    result.most = std::max(result.most, v);
+    result.largest = std::max(result.largest, v);
   }
   for (const double v : values)
     result.variance += (v - result.mean) * (v - result.mean) / static_cast<double>(values.size());
@@ -124,9 +124,9 @@ TEST_CASE("a lamp that nearly touches a point: no sample of it brings more than 
   const std::vector<double> one = rig.samples(16, 1), other = rig.samples(16, 2);
   for (const std::vector<double>* samples : {&one, &other}) {
     const Spread found = spread(*samples);
-    MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.most);
+    MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.largest);
     CHECK(found.mean == test::relative(expected, 0.01));
-    CHECK(found.most <= 1.5 * pi * 1.0001);
+    CHECK(found.largest <= 1.5 * pi * 1.0001);
     CHECK(found.variance < 1);
     // Points and samples are apart: means over 16 samples of a point, and over 1024 points of a sample.
     std::vector<double> of_points(1024), of_samples(16);
@@ -155,9 +155,9 @@ TEST_CASE("a small portal a centimetre away, a lamp elsewhere: samples of both a
   PointRig rig(std::move(scene), middle(0), 1024);
   for (const uint32_t seed : {1u, 2u}) {
     const Spread found = spread(rig.samples(16, seed));
-    MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.most);
+    MESSAGE(found.mean, " of ", expected, ", variance ", found.variance, ", at most ", found.largest);
     CHECK(found.mean == test::relative(expected, 0.02));
-    CHECK(found.most <= 2 * pi * lamp * 1.0001);
+    CHECK(found.largest <= 2 * pi * lamp * 1.0001);
     CHECK(found.variance < expected * expected);
   }
 }

@@ -118,18 +118,18 @@ TEST_CASE_FIXTURE(Fixture, "reduce") {
     for (float& value : floats) value = random.uniform(-1, 1) * std::exp(random.uniform(-10, 10));
     const TypedBuffer<uint32_t> in = buffer(values), sum = buffer(std::vector<uint32_t>{1});
     const TypedBuffer<float> in_float = buffer(floats), least = buffer(std::vector<float>{1}),
-                             most = buffer(std::vector<float>{1}), float_total = buffer(std::vector<float>{1});
+                             largest = buffer(std::vector<float>{1}), float_total = buffer(std::vector<float>{1});
     run([&](ScheduleRecorder& recorder) {
       using enum Primitives::Reduction;
       primitives.record_reduce(recorder, "sum", sum_uint, in, sum, count);
       primitives.record_reduce(recorder, "min", min_float, in_float, least, count);
-      primitives.record_reduce(recorder, "max", max_float, in_float, most, count);
+      primitives.record_reduce(recorder, "max", max_float, in_float, largest, count);
       primitives.record_reduce(recorder, "float sum", sum_float, in_float, float_total, count);
     });
     CHECK(sum.download()[0] == std::accumulate(values.begin(), values.end(), 0u));
     const float infinity = INFINITY;
     CHECK(least.download()[0] == (count ? *std::min_element(floats.begin(), floats.end()) : infinity));
-    CHECK(most.download()[0] == (count ? *std::max_element(floats.begin(), floats.end()) : -infinity));
+    CHECK(largest.download()[0] == (count ? *std::max_element(floats.begin(), floats.end()) : -infinity));
     // Compensation keeps the error near one rounding per chunk, however many elements cancel.
     const double exact = std::accumulate(floats.begin(), floats.end(), 0.0);
     double magnitude = 0;
@@ -143,18 +143,18 @@ TEST_CASE_FIXTURE(Fixture, "reduce") {
 TEST_CASE_FIXTURE(Fixture, "sums, minima and maxima of values that are not finite") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const TypedBuffer<float> in = buffer(std::vector<float>{3, nan, -2, INFINITY}), least = buffer(std::vector<float>{0}),
-                           most = buffer(std::vector<float>{0}), sum = buffer(std::vector<float>{0}),
+                           largest = buffer(std::vector<float>{0}), sum = buffer(std::vector<float>{0}),
                            infinite = buffer(std::vector<float>{0}),
                            in_infinite = buffer(std::vector<float>{1, INFINITY});
   run([&](ScheduleRecorder& recorder) {
     using enum Primitives::Reduction;
     primitives.record_reduce(recorder, "min", min_float, in, least, 4);
-    primitives.record_reduce(recorder, "max", max_float, in, most, 4);
+    primitives.record_reduce(recorder, "max", max_float, in, largest, 4);
     primitives.record_reduce(recorder, "sum", sum_float, in, sum, 4);
     primitives.record_reduce(recorder, "infinite", sum_float, in_infinite, infinite, 2);
   });
   CHECK(least.download()[0] == -2);
-  CHECK(most.download()[0] == INFINITY);
+  CHECK(largest.download()[0] == INFINITY);
   CHECK(std::isnan(sum.download()[0]));
   CHECK(infinite.download()[0] == INFINITY);
 }

@@ -62,7 +62,7 @@ TEST_CASE("virtual lights that are shown directly bring the light of the referen
     return indirect_light(
         load_scene("builtin:room"), "micro_rendering", 24, 2, 4,
         with(small,
-             {{"multibounce", "instant_radiosity"}, {"vpls", vpls}, {"vpl_clamp", "1000"}, {"final_gather", "off"}}));
+             {{"multibounce", "instant_radiosity"}, {"vpls", vpls}, {"vpl_clamp", "1000"}, {"gather_visible", "off"}}));
   };
   const std::vector<float> many = direct("512");
   CHECK(mean(many) == test::relative(mean(expected), 0.03));

@@ -32,7 +32,7 @@ struct Rate {
   double samples_per_iteration = 0;  ///< per pixel
   double own_seconds = INFINITY;     ///< of iterating until the technique ends by itself, by its own account
   std::string planned;               ///< what was lowered for the budget
-  bool leads = false;                ///< its work proper, of which it knows the amount, has not begun
+  bool leads = false;                ///< it has not begun to render, of which it knows the amount
 };
 
 Rate measure_rate(const std::filesystem::path& program, Job job, const TechniqueVariant& variant, uint64_t iterations,

@@ -10,7 +10,7 @@ namespace {
 constexpr double kMargin = 3;  // pixels: jitter, rounding, and a border that no triangle reaches
 
 double bundle_pixel(const Bounds& bounds, double pixel) {
-  return std::max(pixel, 2.0 * bounds.radius() / (LAYERED_MAX_FILM - kMargin));
+  return std::max(pixel, 2.0 * bounds.radius() / (LAYERED_MAX_EDGE - kMargin));
 }
 
 struct Interval {
@@ -38,7 +38,7 @@ float4 row(const glm::dvec3& axis, double offset) {
 
 uint32_t bundle_side(const Bounds& bounds, double pixel) {
   return std::min(static_cast<uint32_t>(std::ceil(2.0 * bounds.radius() / bundle_pixel(bounds, pixel) + kMargin)),
-                  LAYERED_MAX_FILM);
+                  LAYERED_MAX_EDGE);
 }
 
 BundleView make_bundle_view(const Bounds& bounds, const BundleDirection& direction, double pixel, uint32_t seed) {

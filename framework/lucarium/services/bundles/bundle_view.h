@@ -12,7 +12,7 @@ struct BundleView {
   double pixel_area = 0;  ///< A_p [m²]
 };
 
-/// `pixel`: wanted edge of a pixel [m]; made larger where the image would exceed LAYERED_MAX_FILM. The image is turned
+/// `pixel`: wanted edge of a pixel [m]; made larger where the image would exceed LAYERED_MAX_EDGE. The image is turned
 /// about the direction and its pixel grid shifted as the direction says; `seed` decides BLEND. Computed in double
 /// precision (orthographic_view() is not): rows are rounded once, so that pixels of all directions have the same area.
 BundleView make_bundle_view(const Bounds& bounds, const BundleDirection& direction, double pixel, uint32_t seed);

@@ -58,7 +58,7 @@ class WideBvh::Collapse {
         node.count > parallel_grain, [&] { left_cost = plan(left); }, [&] { right_cost = plan(right); });
     const int left_max = static_cast<int>(std::min<uint32_t>(binary_.nodes[left].count, max_width));
     const int right_max = static_cast<int>(std::min<uint32_t>(binary_.nodes[right].count, max_width));
-    const int most = std::min(width_, static_cast<int>(std::min<uint32_t>(node.count, max_width)));
+    const int max_count = std::min(width_, static_cast<int>(std::min<uint32_t>(node.count, max_width)));
     const auto distribute = [&](int roots, uint8_t& best_left) {
       float best = INFINITY;
       for (int k = std::max(1, roots - right_max); k <= std::min(roots - 1, left_max); ++k) {
@@ -67,12 +67,12 @@ class WideBvh::Collapse {
       }
       return best;
     };
-    const float inner = area + distribute(most, choice[0]);
+    const float inner = area + distribute(max_count, choice[0]);
     const float leaf = node.count <= static_cast<uint32_t>(out_.leaf_size_) ? area : INFINITY;
     choice[1] = leaf <= inner;
     cost[1] = std::min(leaf, inner);
     visits_[index] = area > 0 ? cost[1] / area : 1;
-    for (int j = 2; j <= most; ++j) {
+    for (int j = 2; j <= max_count; ++j) {
       cost[j] = distribute(j, choice[j]);
       if (cost[j - 1] <= cost[j]) cost[j] = cost[j - 1], choice[j] = 0;
     }

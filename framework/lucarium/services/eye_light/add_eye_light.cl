@@ -3,7 +3,7 @@
 #include "lucarium/services/layer_sums/layer_sums.clh"
 #include "lucarium/shared/gbuffer.h"
 
-__kernel void add_eye_light(__global const GBufferPoint* restrict points, const uint count,
+__kernel void add_eye_light(__global const GBufferPoint* restrict points, uint count,
                             __global const float4* restrict direct_sample, __global float4* restrict emission,
                             __global float4* restrict direct) {
   const uint i = (uint)get_global_id(0);

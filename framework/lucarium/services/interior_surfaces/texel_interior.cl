@@ -21,8 +21,9 @@ __kernel void begin_interior(uint count, __global uint* restrict states, __globa
 
 // The first ray of a walk from each listed point.
 __kernel void aim_texel_walks(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                              __global const AtlasSample* restrict atlas_samples, uint samples, uint first, uint turn,
-                              __global const uint* restrict list, __global const uint* restrict active,
+                              __global const AtlasSample* restrict atlas_samples, uint samples, uint first,
+                              uint round_index, __global const uint* restrict list,
+                              __global const uint* restrict active,
                               LUCARIUM_RAY_ENDS_PARAMETER(ends) __global Ray* restrict rays,
                               __global uchar* restrict escaped) {
   const uint j = get_global_id(0);
@@ -31,32 +32,33 @@ __kernel void aim_texel_walks(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const uint point = first * samples + list[j];
   const AtlasSample sample = atlas_samples[point];
   const Surface surface = atlas_surface(&scene, atlas_info, point / samples, sample.triangle, sample.b1, sample.b2);
-  const float4 u = random_float4(INTERIOR_SEED, point, turn);
+  const float4 u = random_float4(INTERIOR_SEED, point, round_index);
   const Ray ray = walk_ray(&surface, surface.n_g, u.xy, as_uint(u.z));
   rays[j] = ray;
   LUCARIUM_STORE_RAY_ENDS(ends, j, ray_ends(&surface, ray.direction.xyz));
   escaped[j] = 0;
 }
 
-__kernel void judge_texel_walks(uint turn, __global const uint* restrict list, __global const uint* restrict active,
-                                __global const uchar* restrict escaped, __global uint* restrict states) {
+__kernel void judge_texel_walks(uint round_index, __global const uint* restrict list,
+                                __global const uint* restrict active, __global const uchar* restrict escaped,
+                                __global uint* restrict states) {
   const uint j = get_global_id(0);
   if (j >= active[0]) return;
   if (escaped[j])
     states[list[j]] |= STATE_OPEN;
-  else if (turn < INTERIOR_COMMON)
+  else if (round_index < INTERIOR_COMMON)
     states[list[j]] += 1u;
 }
 
-// Which points take part in the round after `turn`: those from which no walk has escaped, and in the first rounds their
-// neighbours too: they measure the share of walks that are caught although their point is not interior.
-__kernel void choose_texel_walks(uint sides, uint samples, uint turn, __global const uint* restrict states,
+// Which points take part in the round after `round_index`: those from which no walk has escaped, and in the first
+// rounds their neighbours too: they measure the share of walks that are caught although their point is not interior.
+__kernel void choose_texel_walks(uint sides, uint samples, uint round_index, __global const uint* restrict states,
                                  __global uint* restrict wanted) {
   const uint side = get_global_id(0);
   if (side >= sides) return;
   uint doubtful = 0u;
   for (uint k = 0u; k < samples; ++k) doubtful += !(states[side * samples + k] & STATE_OPEN);
-  const bool joined = doubtful > 0u && turn + 1u < INTERIOR_COMMON;
+  const bool joined = doubtful > 0u && round_index + 1u < INTERIOR_COMMON;
   for (uint k = 0u; k < samples; ++k) wanted[side * samples + k] = joined || !(states[side * samples + k] & STATE_OPEN);
 }
 

@@ -43,10 +43,10 @@ bool leave_out_of_block(std::span<float> block, uint32_t lanes_to_test) {
 LayeredRaster::State::State(KernelScheduler& scheduler_, const SceneBuffers& scene_,
                             const LayeredRasterOptions& options_, const std::string& owner_)
     : scheduler(scheduler_), scene(scene_), options(options_), owner(owner_), primitives(scheduler_.device()) {
-  if (options.max_width == 0 || options.max_height == 0 || options.max_width > LAYERED_MAX_FILM ||
-      options.max_height > LAYERED_MAX_FILM)
+  if (options.max_width == 0 || options.max_height == 0 || options.max_width > LAYERED_MAX_EDGE ||
+      options.max_height > LAYERED_MAX_EDGE)
     throw_error(ErrorClass::usage, "layered raster: {} x {} pixels, each side must be 1 to {}", options.max_width,
-                options.max_height, LAYERED_MAX_FILM);
+                options.max_height, LAYERED_MAX_EDGE);
   follow();
 }
 

@@ -14,7 +14,7 @@
 namespace lucarium {
 
 struct LayeredRasterOptions {
-  uint32_t max_width = 1024, max_height = 1024;  ///< pixels; views may be smaller; at most LAYERED_MAX_FILM
+  uint32_t max_width = 1024, max_height = 1024;  ///< pixels; views may be smaller; at most LAYERED_MAX_EDGE
   bool perspective = false;                      ///< what views are; all of one raster are of a kind
   bool conservative = false;  ///< every pixel that a triangle touches, not only those whose centre it covers
   bool portable = false;      ///< without compiler built-ins; the same results

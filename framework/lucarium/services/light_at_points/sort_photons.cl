@@ -5,8 +5,8 @@
 #include "lucarium/shared/light_path.h"
 
 // keys: bucket of photon i, mask + 1 for one that is none.
-__kernel void photon_keys(__global const VirtualLight* restrict photons, const uint count, const float cell,
-                          const uint mask, __global uint* restrict keys, __global uint* restrict values) {
+__kernel void photon_keys(__global const VirtualLight* restrict photons, uint count, float cell, uint mask,
+                          __global uint* restrict keys, __global uint* restrict values) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   values[i] = i;
@@ -15,7 +15,7 @@ __kernel void photon_keys(__global const VirtualLight* restrict photons, const u
 }
 
 // starts[b]: first of the sorted photons whose bucket is b or higher, for b <= mask + 1.
-__kernel void photon_bucket_starts(__global const uint* restrict keys, const uint count, const uint mask,
+__kernel void photon_bucket_starts(__global const uint* restrict keys, uint count, uint mask,
                                    __global uint* restrict starts) {
   const uint i = get_global_id(0);
   if (i > count) return;

@@ -80,9 +80,9 @@ __kernel void reduce_min_float(__global const float* in, __global float* out, ui
 
 __kernel void reduce_max_float(__global const float* in, __global float* out, uint count, uint chunk_size) {
   const uint chunk = get_global_id(0), first = chunk * chunk_size, end = min(first + chunk_size, count);
-  float most = -INFINITY;
-  for (uint i = first; i < end; ++i) most = fmax(most, in[i]);
-  out[chunk] = most;
+  float largest = -INFINITY;
+  for (uint i = first; i < end; ++i) largest = fmax(largest, in[i]);
+  out[chunk] = largest;
 }
 
 // Neumaier's compensated sum ("Rundungsfehleranalyse einiger Verfahren zur Summation endlicher Summen", 1974).

@@ -99,8 +99,8 @@ class TexcoordCheck {
     uint32_t worst = first_;
     for (uint32_t t = first_; t < last_; ++t) {
       if (mesh_.left_out[t]) continue;
-      const auto [least, most] = stretch(t);
-      if (least >= scale / max_off && most <= scale * max_off) continue;
+      const auto [smallest, largest] = stretch(t);
+      if (smallest >= scale / max_off && largest <= scale * max_off) continue;
       off += mesh_.area[t];
       if (mesh_.area[t] > mesh_.area[worst]) worst = t;
     }

@@ -24,7 +24,7 @@ TEST_CASE("bounds lie within the bundle's image and depth range, whatever the di
   for (const double pixel : {0.3, 0.05, 1e-5}) {  // the last: coarser, so that 4096 pixels suffice
     CAPTURE(pixel);
     const uint32_t side = bundle_side(bounds, pixel);
-    CHECK(side <= LAYERED_MAX_FILM);
+    CHECK(side <= LAYERED_MAX_EDGE);
     for (uint64_t i = 0; i < 200; ++i) {
       const BundleDirection direction = sequence.at(i);
       const BundleView bundle = make_bundle_view(bounds, direction, pixel, 77);

@@ -153,9 +153,9 @@ TEST_CASE("more fragments in a pixel than a row has layers") {
   const Soup soup = mixed_triangles(6000, 24, 20, 3);
   LayeredScene scene(scene_of(soup), {.max_width = 24, .max_height = 20});
   const HostLayers layers = scene.store(pixel_view(24, 20));
-  size_t most = 0;
+  size_t largest = 0;
   for (uint32_t y = 0; y < 20; ++y)
-    for (uint32_t x = 0; x < 24; ++x) most = std::max(most, layers.at(x, y).size());
-  CHECK(most > 2 * LAYERED_MAX_LAYERS);
+    for (uint32_t x = 0; x < 24; ++x) largest = std::max(largest, layers.at(x, y).size());
+  CHECK(largest > 2 * LAYERED_MAX_LAYERS);
   check_against_oracle(soup, layers);
 }

@@ -45,15 +45,15 @@ void check_against_rays(const ImagePlane& plane, const Soup& soup, const HostLay
       }
       for (uint32_t t = 0; t < soup.triangles.size(); ++t) {
         int seen = 0;
-        double depth = 0, least = 1e30, most = -1e30;
+        double depth = 0, smallest = 1e30, largest = -1e30;
         for (int k = 0; k < 5; ++k) {
           const double dx = k == 1 ? 0.02 : k == 2 ? -0.02 : 0, dy = k == 3 ? 0.02 : k == 4 ? -0.02 : 0;
           const auto hit = see(plane, soup, soup.triangles[t], x + 0.5 + dx, y + 0.5 + dy);
           if (!hit || *hit < near_depth) continue;
           ++seen;
           if (k == 0) depth = *hit;
-          least = std::min(least, *hit);
-          most = std::max(most, *hit);
+          smallest = std::min(smallest, *hit);
+          largest = std::max(largest, *hit);
         }
         if (seen != 0 && seen != 5) {
           ++unclear;
@@ -62,7 +62,7 @@ void check_against_rays(const ImagePlane& plane, const Soup& soup, const HostLay
         compared += seen == 5;
         wrong += (seen == 5) != found[t].has_value();
         if (seen == 5 && found[t])
-          wrong_depth += std::abs(*found[t] - depth) > tolerance * std::abs(depth) + (most - least);
+          wrong_depth += std::abs(*found[t] - depth) > tolerance * std::abs(depth) + (largest - smallest);
       }
     }
   CHECK(wrong == 0);

@@ -3,28 +3,29 @@
 // radiance 1 by lobes that chains do not follow, where `glowing`.
 #define SCATTERINGS 8u
 
-typedef struct Gains {
+typedef struct Contributions {
   global float4* gain;  // [target][min(scatterings, SCATTERINGS - 1)]
   uint glowing;
-} Gains;
-#define CHAIN_CONSUMER Gains
+} Contributions;
+#define CHAIN_CONSUMER Contributions
 #include "lucarium/services/specular_chains/advance.clh"
 
-void chain_light(Gains* gains, uint target, uint scatterings, float3 light) {
-  gains->gain[target * SCATTERINGS + min(scatterings, SCATTERINGS - 1u)].xyz += light;
+void chain_light(Contributions* found, uint target, uint scatterings, float3 light) {
+  found->gain[target * SCATTERINGS + min(scatterings, SCATTERINGS - 1u)].xyz += light;
 }
-bool chain_surface(Gains* gains, const Scene* scene, const SpecularChain* chain, const Surface* surface, Hit hit) {
-  if (gains->glowing) chain_light(gains, chain->target, chain->vertices, chain->throughput.xyz);
+bool chain_surface(Contributions* found, const Scene* scene, const SpecularChain* chain, const Surface* surface,
+                   Hit hit) {
+  if (found->glowing) chain_light(found, chain->target, chain->vertices, chain->throughput.xyz);
   return true;
 }
 
 __kernel void advance_test_chains(LUCARIUM_CHAIN_PARAMETERS uint glowing, __global float4* restrict gain) {
-  Gains gains = {gain, glowing};
-  LUCARIUM_ADVANCE_CHAINS(&gains);
+  Contributions found = {gain, glowing};
+  LUCARIUM_ADVANCE_CHAINS(&found);
 }
 __kernel void add_test_light(LUCARIUM_CHAIN_LIGHT_PARAMETERS uint glowing, __global float4* restrict gain) {
-  Gains gains = {gain, glowing};
-  LUCARIUM_ADD_CHAIN_LIGHT(&gains);
+  Contributions found = {gain, glowing};
+  LUCARIUM_ADD_CHAIN_LIGHT(&found);
 }
 
 // Every chain starts at `origin` along `direction`, as if it had one vertex there.

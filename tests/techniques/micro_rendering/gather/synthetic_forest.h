@@ -277,11 +277,11 @@ inline const Program& gather_program(const Defines& defines = {}) {
   return micro_program("micro_rendering/gather/micro_gather.cl", defines);
 }
 
-/// A recorded pass of `kernel` of `program`, which has mr_gather's parameters.
+/// A recorded pass of `kernel` of `program`, which has gather_light's parameters.
 class GatherRun {
  public:
   GatherRun(const SyntheticForest& forest, const SyntheticForest::Buffers& buffers,
-            const std::vector<GatherPoint>& points, const Program& program, const std::string& kernel = "mr_gather")
+            const std::vector<GatherPoint>& points, const Program& program, const std::string& kernel = "gather_light")
       : scheduler_(test_device()),
         unit_(test_buffer(std::vector<float>{1})),
         gathers_(pack_gathers(points)),
@@ -325,7 +325,7 @@ class GatherRun {
 
 inline GatherResult gather(const SyntheticForest& forest, const SyntheticForest::Buffers& buffers,
                            const std::vector<GatherPoint>& points, const MicroSettings& settings,
-                           const Program& program, const std::string& kernel = "mr_gather") {
+                           const Program& program, const std::string& kernel = "gather_light") {
   GatherRun run(forest, buffers, points, program, kernel);
   run.run(settings);
   return run.result();

@@ -4,9 +4,8 @@
 
 // Directions of B x B midpoints, with p_omega and the weights of sample_weights in `values`; back: what the inverse
 // makes of the directions. view: xyz, w alpha; eta: of the refracted lobe.
-__kernel void warp_square(const uint lobe, const uint edge, const float4 view, const float eta,
-                          __global float4* restrict directions, __global float4* restrict values,
-                          __global float2* restrict back) {
+__kernel void warp_square(uint lobe, uint edge, float4 view, float eta, __global float4* restrict directions,
+                          __global float4* restrict values, __global float2* restrict back) {
   const uint i = get_global_id(0);
   if (i >= edge * edge) return;
   MicroWarp warp;

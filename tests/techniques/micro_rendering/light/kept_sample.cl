@@ -2,7 +2,7 @@
 // Light samples of given luminances, of which every work-item keeps one.
 #include "micro_rendering/tree/micro_dynamic.clh"
 
-__kernel void keep_samples(__global const float* restrict luminances, const uint samples, const uint count,
+__kernel void keep_samples(__global const float* restrict luminances, uint samples, uint count,
                            __global MicroLeafLight* restrict lights) {
   const uint i = get_global_id(0);
   if (i >= count) return;

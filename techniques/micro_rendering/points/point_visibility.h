@@ -27,12 +27,12 @@ MicroLeaf leaf_of(const SampledPoint& point);
 /// Where no walk from a point's back escapes, only the inside of a solid sees that back, and it is transparent.
 /// Otherwise a gather that looks through a gap between front discs would hit a black back, instead of an empty pixel
 /// that is filled as a hole.
-class PointExposure {
+class PointVisibility {
  public:
   /// `intersector`: of the whole scene; `sources`: all trees; `contact`: see InteriorRule.
-  PointExposure(Device& device, KernelScheduler& scheduler, const ScenePoints& scene_points,
-                const SceneBuffers& buffers, const Intersector& intersector, const std::vector<TreeSource>& sources,
-                float contact, const std::string& owner);
+  PointVisibility(Device& device, KernelScheduler& scheduler, const ScenePoints& scene_points,
+                  const SceneBuffers& buffers, const Intersector& intersector, const std::vector<TreeSource>& sources,
+                  float contact, const std::string& owner);
 
   using Progress = PointInterior::Progress;
   /// Whether something sees the front of each point. Throws Error{interrupted}.
@@ -48,23 +48,23 @@ class PointExposure {
 };
 
 /// Samples the surfaces of trees where something sees their fronts.
-class ExposedSampler {
+class VisibleSampler {
  public:
-  /// `exposure`: null where everything counts as seen; `backs`: whether backs are asked for.
-  ExposedSampler(const ScenePoints& scene_points, PointExposure* exposure, bool backs, uint32_t seed, int threads)
-      : scene_points_(scene_points), exposure_(exposure), backs_(backs), seed_(seed), threads_(threads) {}
+  /// `visibility`: null where everything counts as seen; `backs`: whether backs are asked for.
+  VisibleSampler(const ScenePoints& scene_points, PointVisibility* visibility, bool backs, uint32_t seed, int threads)
+      : scene_points_(scene_points), visibility_(visibility), backs_(backs), seed_(seed), threads_(threads) {}
 
   /// Share of a tree's surface whose front something sees, from `points` points; 1 for what moves.
-  double exposed_share(const TreeSource& source, uint32_t points) const;
-  /// sample_surface() there. `share`: exposed_share(); where it was too large hidden points make up the number.
+  double visible_share(const TreeSource& source, uint32_t points) const;
+  /// sample_surface() there. `share`: visible_share(); where it was too large hidden points make up the number.
   /// SampledSurface::area is the visible area; points know whether they are solid.
   SampledSurface sample(const TreeSource& source, double share, uint32_t count,
-                        const PointExposure::Progress& progress) const;
+                        const PointVisibility::Progress& progress) const;
 
  private:
-  bool measures(const TreeSource& source) const { return exposure_ && source.kind == TreeKind::resting; }
+  bool measures(const TreeSource& source) const { return visibility_ && source.kind == TreeKind::resting; }
   const ScenePoints& scene_points_;
-  PointExposure* exposure_;
+  PointVisibility* visibility_;
   bool backs_;
   uint32_t seed_;
   int threads_;

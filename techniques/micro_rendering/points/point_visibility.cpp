@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "micro_rendering/points/point_exposure.h"
+#include "micro_rendering/points/point_visibility.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,38 +71,38 @@ MicroLeaf leaf_of(const SampledPoint& point) {
           quantize_weight(point.weights.x) | quantize_weight(point.weights.y) << 16, point.area};
 }
 
-PointExposure::PointExposure(Device& device, KernelScheduler& scheduler, const ScenePoints& scene_points,
-                             const SceneBuffers& buffers, const Intersector& intersector,
-                             const std::vector<TreeSource>& sources, float contact, const std::string& owner)
+PointVisibility::PointVisibility(Device& device, KernelScheduler& scheduler, const ScenePoints& scene_points,
+                                 const SceneBuffers& buffers, const Intersector& intersector,
+                                 const std::vector<TreeSource>& sources, float contact, const std::string& owner)
     : resting_(make_resting(device, scene_points, buffers, sources)),
       scene_points_(scene_points),
       interior_(device, scheduler, buffers, resting_ ? *resting_ : intersector, {kSteps, contact}, owner, kRemedy) {}
 
-std::vector<bool> PointExposure::fronts(const std::vector<SampledPoint>& points, const Progress& progress) const {
+std::vector<bool> PointVisibility::fronts(const std::vector<SampledPoint>& points, const Progress& progress) const {
   return interior_.are_open(interior_points(points), {}, PointInterior::Side::own, kFrontWalks, progress);
 }
 
-std::vector<bool> PointExposure::backs(const std::vector<SampledPoint>& points, const Progress& progress) const {
+std::vector<bool> PointVisibility::backs(const std::vector<SampledPoint>& points, const Progress& progress) const {
   std::vector<uint8_t> known;
   for (const SampledPoint& p : points)
     known.push_back(is_two_sided(scene_points_.material(p.source & MICRO_LEAF_TRIANGLE)) ? 1 : 0);
   return interior_.are_open(interior_points(points), known, PointInterior::Side::behind, kBackWalks, progress);
 }
 
-size_t PointExposure::estimate_bytes(const Scene& scene, size_t points) {
-  const auto most = static_cast<size_t>(static_cast<double>(points) / kMinShare);
-  return PointInterior::estimate_bytes(most) + (scene.animations.empty() ? 0 : Bvh::estimate_bytes(scene));
+size_t PointVisibility::estimate_bytes(const Scene& scene, size_t points) {
+  const auto max_points = static_cast<size_t>(static_cast<double>(points) / kMinShare);
+  return PointInterior::estimate_bytes(max_points) + (scene.animations.empty() ? 0 : Bvh::estimate_bytes(scene));
 }
 
-double ExposedSampler::exposed_share(const TreeSource& source, uint32_t points) const {
+double VisibleSampler::visible_share(const TreeSource& source, uint32_t points) const {
   if (!measures(source)) return 1;
-  const std::vector<bool> seen = exposure_->fronts(
+  const std::vector<bool> seen = visibility_->fronts(
       sample_surface(source.sides, points, seed_, threads_, point_is_there, &scene_points_).points, {});
   return std::max(share_of(seen), kMinShare);
 }
 
-SampledSurface ExposedSampler::sample(const TreeSource& source, double share, uint32_t count,
-                                      const PointExposure::Progress& progress) const {
+SampledSurface VisibleSampler::sample(const TreeSource& source, double share, uint32_t count,
+                                      const PointVisibility::Progress& progress) const {
   const auto part = [&](double first, double last) {
     return [=, &progress](double fraction) {
       if (progress) progress(first + (last - first) * fraction);
@@ -113,11 +113,11 @@ SampledSurface ExposedSampler::sample(const TreeSource& source, double share, ui
   SampledSurface sampled = sample_surface(source.sides, drawn, seed_, threads_, point_is_there, &scene_points_,
                                           [&](uint32_t points) { placed(static_cast<double>(points) / drawn); });
   if (!measures(source)) return sampled;
-  const std::vector<bool> seen = exposure_->fronts(sampled.points, part(0.6, 0.75));
+  const std::vector<bool> seen = visibility_->fronts(sampled.points, part(0.6, 0.75));
   sampled.points = choose(sampled.points, seen, count);
   sampled.area *= std::max(share_of(seen), static_cast<double>(count) / drawn);
   if (!backs_) return sampled;
-  const std::vector<bool> backs = exposure_->backs(sampled.points, part(0.75, 1));
+  const std::vector<bool> backs = visibility_->backs(sampled.points, part(0.75, 1));
   for (size_t i = 0; i < sampled.points.size(); ++i) sampled.points[i].solid = !backs[i];
   return sampled;
 }
