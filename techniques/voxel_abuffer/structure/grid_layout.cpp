@@ -26,7 +26,7 @@ GridSize choose_grid_size(uint32_t pixels, uint32_t voxels) {
   if (voxels > pixels)
     throw_error(ErrorClass::usage, "voxel_abuffer: grid_size={} exceeds abuffer_size={}; voxels have whole pixels",
                 voxels, pixels);
-  const uint32_t edge = std::min((pixels + voxels - 1) / voxels, LAYERED_MAX_FILM / voxels);
+  const uint32_t edge = std::min((pixels + voxels - 1) / voxels, LAYERED_MAX_EDGE / voxels);
   return {edge * voxels, voxels};
 }
 

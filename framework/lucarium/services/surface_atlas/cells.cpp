@@ -12,7 +12,7 @@ namespace lucarium {
 void ChartPlacer::cut_into_cells() {
   std::vector<ClippedCell> cells;
   std::vector<uint32_t> first(size_t{width_} * height_ + 1, 0);
-  std::vector<TexelPiece> unsorted;
+  std::vector<ChartPiece> unsorted;
   for (uint32_t i = 0; i < chart_.size(); ++i) {
     cells.clear();
     clip_to_cells(chart_[i].uv, cells);
@@ -24,7 +24,7 @@ void ChartPlacer::cut_into_cells() {
   }
   std::partial_sum(first.begin(), first.end(), first.begin());
   pieces_.resize(unsorted.size());
-  for (const TexelPiece& piece : unsorted) pieces_[first[piece.cell]++] = piece;
+  for (const ChartPiece& piece : unsorted) pieces_[first[piece.cell]++] = piece;
 }
 
 void ChartPlacer::index_cells() {
@@ -119,8 +119,8 @@ void ChartPlacer::eject(std::vector<uint32_t>& ejected) {
     }
   }
   chart_.resize(kept);
-  std::erase_if(pieces_, [&](const TexelPiece& piece) { return is_ejected[piece.local]; });
-  for (TexelPiece& piece : pieces_) piece.local = new_local[piece.local];
+  std::erase_if(pieces_, [&](const ChartPiece& piece) { return is_ejected[piece.local]; });
+  for (ChartPiece& piece : pieces_) piece.local = new_local[piece.local];
   index_cells();
 }
 

@@ -14,7 +14,7 @@ struct ChartTriangle {
 };
 
 /// The part of triangle number `local` of a chart that lies in a cell.
-struct TexelPiece {
+struct ChartPiece {
   uint32_t cell;  ///< y · width + x
   uint32_t local;
   float fraction;  ///< of the triangle's area
@@ -108,7 +108,7 @@ class ChartPlacer {
   std::vector<ChartTriangle> chart_;
   glm::dvec2 size_{0};  ///< of its rectangle [m]
   uint32_t width_ = 0, height_ = 0;
-  std::vector<TexelPiece> pieces_;     ///< by cell, then by triangle
+  std::vector<ChartPiece> pieces_;     ///< by cell, then by triangle
   std::vector<uint32_t> covered_;      ///< cells that have pieces, ascending
   std::vector<uint32_t> first_piece_;  ///< of each covered cell, and the end
   std::vector<uint32_t> index_;        ///< per cell: its place in covered_ or LUCARIUM_NONE

@@ -23,7 +23,7 @@ CellBox joint(const CellBox& a, const CellBox& b) {
 }
 
 /// Whether two lists of pieces, both ascending by triangle, share a triangle; with_area: one that has area in both.
-bool share_triangle(const TexelPiece* a, const TexelPiece* a_end, const TexelPiece* b, const TexelPiece* b_end,
+bool share_triangle(const ChartPiece* a, const ChartPiece* a_end, const ChartPiece* b, const ChartPiece* b_end,
                     bool with_area) {
   while (a != a_end && b != b_end) {
     if (a->local == b->local && (!with_area || (a->fraction > 0 && b->fraction > 0))) return true;
@@ -58,7 +58,7 @@ uint32_t ChartPlacer::neighbor_cell(uint32_t c, int dx, int dy) const {
 }
 
 bool ChartPlacer::cells_share_triangle(uint32_t a, uint32_t b, bool with_area) const {
-  const TexelPiece* p = pieces_.data();
+  const ChartPiece* p = pieces_.data();
   return share_triangle(p + first_piece_[a], p + first_piece_[a + 1], p + first_piece_[b], p + first_piece_[b + 1],
                         with_area);
 }
@@ -157,7 +157,7 @@ void ChartPlacer::number_texels(AtlasPart& part) {
   // Pieces by texel; a triangle's pieces in the same texel become one.
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return texel_of_[a] < texel_of_[b]; });
-  std::vector<TexelPiece> gathered;
+  std::vector<ChartPiece> gathered;
   for (uint32_t i = 0, next = 0; i < count; i = next) {
     gathered.clear();
     for (next = i; next < count && texel_of_[order[next]] == texel_of_[order[i]]; ++next) {
@@ -166,7 +166,7 @@ void ChartPlacer::number_texels(AtlasPart& part) {
     }
     PartTexel texel{chart_[gathered[0].local].triangle, 1.f / 3, 1.f / 3, 0, uint32_t(part.pieces.size()), 0};
     double largest = -1;
-    for (const TexelPiece& piece : gathered) {
+    for (const ChartPiece& piece : gathered) {
       const double area = double(piece.fraction) * mesh_.area[chart_[piece.local].triangle];
       texel.area += area;
       if (area > largest) {
@@ -176,7 +176,7 @@ void ChartPlacer::number_texels(AtlasPart& part) {
     }
     if (next - i > 1) {
       std::stable_sort(gathered.begin(), gathered.end(),
-                       [](const TexelPiece& a, const TexelPiece& b) { return a.local < b.local; });
+                       [](const ChartPiece& a, const ChartPiece& b) { return a.local < b.local; });
     }
     for (size_t p = 0, end = 0; p < gathered.size(); p = end) {
       float fraction = 0;
