@@ -29,6 +29,33 @@ void store_micro_buffer(const MicroWarp* warp, const MicroPoint* point, const Mi
   }
 }
 
+// The light of one lobe, without the factors that vary from pixel to pixel: irradiance without the albedo, and the
+// specular lobe in the two parts that f0 and f90 weight.
+void store_light(uint lobe, uint result, float unit, float4 light, float3 schlick_sum, __global float4* irradiance,
+                 __global float4* specular) {
+  if (lobe == MICRO_LOBE_DIFFUSE) {
+    irradiance[result] = (float4)(M_PI_F * unit * light.xyz, light.w);
+  } else {
+    specular[2u * result] = (float4)(unit * light.xyz, 0.0f);
+    specular[2u * result + 1u] = (float4)(unit * schlick_sum, 0.0f);
+  }
+}
+
+#if MICRO_GATHER_ENV
+// The same of the environment that empty micro-pixels see.
+void store_sky(const Scene* scene, const MicroWarp* warp, const MicroPoint* point, const MicroBuffer* buffer, uint lobe,
+               __global float4* sky) {
+  float3 schlick_sky;
+  const float3 plain_sky = micro_sky(scene, warp, point, buffer, &schlick_sky);
+  if (lobe == MICRO_LOBE_DIFFUSE) {
+    sky[3u * point->result] = (float4)(M_PI_F * plain_sky, 0.0f);
+  } else {
+    sky[3u * point->result + 1u] = (float4)(plain_sky, 0.0f);
+    sky[3u * point->result + 2u] = (float4)(schlick_sky, 0.0f);
+  }
+}
+#endif
+
 // The micro-rendering of Ritschel et al. 2009, section 3.2: one work-item builds the warp, cuts the hierarchy, casts
 // the post-traversal list and sums up, for one gather. Results at the indices of the gathers, see MicroStatistics
 // (micro_types.h); every gather overwrites those of its lobes. micro_buffer: of the result settings.inspect, rows of
@@ -77,9 +104,7 @@ __kernel void gather_light(__global const MicroTree* restrict trees, uint tree_c
   const uint lobes = gathers[i].lobes;
   const float eta = gathers[i].eta;
   const uint edges[2] = {min(lobes & 255u, (uint)MICRO_SIZE), min((lobes >> 8) & 255u, (uint)MICRO_SIZE)};
-  MicroStatistics counts;
-  counts.visits = counts.splats = counts.listed = counts.disc_tests = counts.holes = counts.flushes = counts.levels =
-      counts.uneven = 0u;
+  MicroStatistics counts = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
   // Loosen the cut where that of the frame before had nothing to resolve.
 #if MICRO_LEVELS
   const float4 level = levels[point.result];
@@ -107,23 +132,9 @@ __kernel void gather_light(__global const MicroTree* restrict trees, uint tree_c
     draw_lobe(&point, &warp, &forest, settings, &buffer, &counts);
     float3 schlick_sum;
     const float4 light = micro_light(&warp, &point, &buffer, &node_light, &schlick_sum, &counts);
-    // Store without the factors that vary from pixel to pixel: irradiance without the albedo, and the specular lobe in
-    // the two parts that f0 and f90 weight.
-    if (lobe == MICRO_LOBE_DIFFUSE) {
-      irradiance[point.result] = (float4)(M_PI_F * unit * light.xyz, light.w);
-    } else {
-      specular[2u * point.result] = (float4)(unit * light.xyz, 0.0f);
-      specular[2u * point.result + 1u] = (float4)(unit * schlick_sum, 0.0f);
-    }
+    store_light(lobe, point.result, unit, light, schlick_sum, irradiance, specular);
 #if MICRO_GATHER_ENV
-    float3 grazing_sky;
-    const float3 plain_sky = micro_sky(&scene, &warp, &point, &buffer, &grazing_sky);
-    if (lobe == MICRO_LOBE_DIFFUSE) {
-      sky[3u * point.result] = (float4)(M_PI_F * plain_sky, 0.0f);
-    } else {
-      sky[3u * point.result + 1u] = (float4)(plain_sky, 0.0f);
-      sky[3u * point.result + 2u] = (float4)(grazing_sky, 0.0f);
-    }
+    store_sky(&scene, &warp, &point, &buffer, lobe, sky);
 #endif
     if ((point.result == settings.inspect || point.result == settings.inspect_too) && edges[lobe] >= edges[1u - lobe])
       store_micro_buffer(&warp, &point, &buffer, &node_light, unit, micro_buffer);

@@ -16,6 +16,32 @@ float3 mirrored_view(const global GBufferPoint* point) {
   return 2.0f * dot(n, v) * n - v;
 }
 
+// Weighted sums over the gathers about a pixel; w: weights. The specular lobe in two parts, as gather_light has it.
+typedef struct UpsampledSums {
+  float4 diffuse, all, schlick_sum;
+#if MICRO_GATHER_ENV
+  float4 sky_diffuse, sky_all, sky_schlick;
+#endif
+} UpsampledSums;
+
+// Normalizes by the weights, and stores what one pixel gets.
+void store_upsampled(const UpsampledSums* sums, uint pixel, __global float4* irradiance, __global float4* specular
+#if MICRO_GATHER_ENV
+                     ,
+                     __global float4* sky
+#endif
+) {
+  const float4 diffuse = sums->diffuse, all = sums->all;
+  irradiance[pixel] = diffuse.w > 0.0f ? (float4)(diffuse.xyz / diffuse.w, 0.0f) : (float4)(0.0f);
+  specular[2u * pixel] = all.w > 0.0f ? (float4)(all.xyz / all.w, 0.0f) : (float4)(0.0f);
+  specular[2u * pixel + 1u] = all.w > 0.0f ? (float4)(sums->schlick_sum.xyz / all.w, 0.0f) : (float4)(0.0f);
+#if MICRO_GATHER_ENV
+  sky[3u * pixel] = diffuse.w > 0.0f ? sums->sky_diffuse / diffuse.w : (float4)(0.0f);
+  sky[3u * pixel + 1u] = all.w > 0.0f ? sums->sky_all / all.w : (float4)(0.0f);
+  sky[3u * pixel + 2u] = all.w > 0.0f ? sums->sky_schlick / all.w : (float4)(0.0f);
+#endif
+}
+
 // Bilateral upsampling (Ritschel et al. 2009, section 2.4).
 // Results of all pixels between gathers, from the four around: irradiance by bilateral weights, the specular lobe only
 // from pixels whose lobe is as wide and points the same way. Where the weights sum to less than `min_weight` the pixel
@@ -58,9 +84,10 @@ __kernel void upsample_gathers(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
   const float same_way = min_weight > 0.0f ? 1.0f - 0.5f * sqr(0.25f * bsdf.alpha) : -2.0f;
   const float min_agreement = min_weight > 0.0f ? 0.0f : 1e-6f;
 
-  float4 diffuse = (float4)(0.0f), all = (float4)(0.0f), schlick_sum = (float4)(0.0f);
+  UpsampledSums sums;
+  sums.diffuse = sums.all = sums.schlick_sum = (float4)(0.0f);
 #if MICRO_GATHER_ENV
-  float4 sky_diffuse = (float4)(0.0f), sky_all = (float4)(0.0f), sky_grazing = (float4)(0.0f);
+  sums.sky_diffuse = sums.sky_all = sums.sky_schlick = (float4)(0.0f);
 #endif
   // Add the four gathers, by bilinear weights times the agreement of normals and planes.
   const float fx = (float)((int)x - x0) / (float)stride, fy = (float)((int)y - y0) / (float)stride;
@@ -76,34 +103,30 @@ __kernel void upsample_gathers(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
     const Bsdf lobe = make_bsdf(&scene, &there, 0u);
     // A pixel that has no such lobe has not gathered for it.
     if (luminance(lobe.diffuse) > 0.0f) {
-      diffuse += weight * (float4)(irradiance[other].xyz, 1.0f);
+      sums.diffuse += weight * (float4)(irradiance[other].xyz, 1.0f);
 #if MICRO_GATHER_ENV
-      sky_diffuse += weight * sky[3u * other];
+      sums.sky_diffuse += weight * sky[3u * other];
 #endif
     }
     // Take the specular lobe only from one as wide that points the same way.
     if (!glossy || !has_glossy_lobe(&lobe) || fabs(lobe.alpha - bsdf.alpha) > 0.1f * bsdf.alpha) continue;
     if (dot(mirrored, mirrored_view(points + other)) < same_way) continue;
-    all += weight * (float4)(specular[2u * other].xyz, 1.0f);
-    schlick_sum += weight * (float4)(specular[2u * other + 1u].xyz, 0.0f);
+    sums.all += weight * (float4)(specular[2u * other].xyz, 1.0f);
+    sums.schlick_sum += weight * (float4)(specular[2u * other + 1u].xyz, 0.0f);
 #if MICRO_GATHER_ENV
-    sky_all += weight * sky[3u * other + 1u];
-    sky_grazing += weight * sky[3u * other + 2u];
+    sums.sky_all += weight * sky[3u * other + 1u];
+    sums.sky_schlick += weight * sky[3u * other + 2u];
 #endif
   }
-  // Normalize by the weights.
-  const bool needs_diffuse = luminance(bsdf.diffuse) > 0.0f;
-  irradiance[pixel] = diffuse.w > 0.0f ? (float4)(diffuse.xyz / diffuse.w, 0.0f) : (float4)(0.0f);
-  specular[2u * pixel] = all.w > 0.0f ? (float4)(all.xyz / all.w, 0.0f) : (float4)(0.0f);
-  specular[2u * pixel + 1u] = all.w > 0.0f ? (float4)(schlick_sum.xyz / all.w, 0.0f) : (float4)(0.0f);
 #if MICRO_GATHER_ENV
-  sky[3u * pixel] = diffuse.w > 0.0f ? sky_diffuse / diffuse.w : (float4)(0.0f);
-  sky[3u * pixel + 1u] = all.w > 0.0f ? sky_all / all.w : (float4)(0.0f);
-  sky[3u * pixel + 2u] = all.w > 0.0f ? sky_grazing / all.w : (float4)(0.0f);
+  store_upsampled(&sums, pixel, irradiance, specular, sky);
+#else
+  store_upsampled(&sums, pixel, irradiance, specular);
 #endif
   // What shines through is as sharp as what is mirrored, and is not interpolated.
   const bool through = sides == 2u && has_rough_transmission(&bsdf);
-  if (!through && !(needs_diffuse && diffuse.w < min_weight) && !(glossy && all.w < min_weight)) return;
+  const bool needs_diffuse = luminance(bsdf.diffuse) > 0.0f;
+  if (!through && !(needs_diffuse && sums.diffuse.w < min_weight) && !(glossy && sums.all.w < min_weight)) return;
   // Let the pixel gather itself in an additional pass, as the paper does where weights are nearly zero.
   failed[pixel] = 1u;
   keys[pixel] = morton ? morton_of(scene.scene_info, point->position.xyz) : pixel;

@@ -68,6 +68,28 @@ uint4 pack_lines(const LeafLines* lines, float r, float min_area) {
   return (uint4)(words[0], words[1], words[2], words[3]);
 }
 
+// Bounds a leaf's disc by the edges of its triangle. node: as packed, which is the disc that is drawn.
+uint4 bound_disc(__global const Vertex* scene_vertices, __global const Vertex* mesh_vertices,
+                 __global const Instance* instance, __global const MicroTree* tree, MicroNode node, bool back,
+                 const TriangleEdges edges, const MicroLeafRules rules) {
+  const float inverse_step = 1.0f / tree->origin_step.w;
+  const Basis basis = make_basis(node.normal);
+  LeafLines lines;
+  lines.count = 0u;
+  for (uint k = 0; k < MICRO_CLIPS && edges.ends[2 * k] != LUCARIUM_NONE; ++k) {
+    float3 ends[2];
+    for (uint e = 0; e < 2u; ++e) {
+      const uint vertex = edges.ends[2 * k + e];
+      const float3 p =
+          rules.object_space ? mesh_position(mesh_vertices, instance, vertex) : scene_vertices[vertex].position.xyz;
+      ends[e] = (p - tree->origin_step.xyz) * inverse_step;
+    }
+    add_line(node.center, back ? -node.normal : node.normal, &basis, node.radius, ends[0], ends[1], k < edges.own,
+             &lines);
+  }
+  return lines.count > 0u ? pack_lines(&lines, node.radius, rules.min_area) : (uint4)(0u);
+}
+
 // Leaf nodes of one tree, from barycentric weights (Ritschel et al. 2009, section 2.1), and the lines that bound their
 // discs.
 __kernel void update_leaves(__global const Vertex* restrict scene_vertices,
@@ -116,22 +138,6 @@ __kernel void update_leaves(__global const Vertex* restrict scene_vertices,
   const uint4 packed = pack_node(node);
   nodes[tree->first_node + (1u << tree->depth) + i] = packed;
 
-  // Bound it by the edges of its triangle, measured from the packed disc, which is the one that is drawn.
-  node = unpack_node(packed);
-  const TriangleEdges edges = triangle_edges[leaf_triangle(leaf)];
-  const Basis basis = make_basis(node.normal);
-  LeafLines lines;
-  lines.count = 0u;
-  for (uint k = 0; k < MICRO_CLIPS && edges.ends[2 * k] != LUCARIUM_NONE; ++k) {
-    float3 ends[2];
-    for (uint e = 0; e < 2u; ++e) {
-      const uint vertex = edges.ends[2 * k + e];
-      const float3 p =
-          rules.object_space ? mesh_position(mesh_vertices, instance, vertex) : scene_vertices[vertex].position.xyz;
-      ends[e] = (p - tree->origin_step.xyz) * inverse_step;
-    }
-    add_line(node.center, back ? -node.normal : node.normal, &basis, node.radius, ends[0], ends[1], k < edges.own,
-             &lines);
-  }
-  clips[index] = lines.count > 0u ? pack_lines(&lines, node.radius, rules.min_area) : (uint4)(0u);
+  clips[index] = bound_disc(scene_vertices, mesh_vertices, instance, tree, unpack_node(packed), back,
+                            triangle_edges[leaf_triangle(leaf)], rules);
 }

@@ -86,7 +86,7 @@ TEST_CASE("a floor under a parallel disc gets R^2 / (R^2 + h^2)") {
     forest.add(points, 2 * pi);
     for (const char* fill : {"1", "0"}) {
       const double light = mean_over_frames(forest, {{dvec3(0), dvec3(0, 0, 1)}}, 16, {{"MICRO_HOLE_FILL", fill}});
-      MESSAGE("height " << height << " fill " << fill << " ratio " << light * (1 + height * height));
+      MESSAGE("height " << height << " fill " << std::string(fill) << " ratio " << light * (1 + height * height));
       CHECK(std::abs(light * (1 + height * height) - 1) < 0.02);
     }
   }
