@@ -60,12 +60,12 @@ __kernel void abuffer_choose_axes(__global const int2* abuffer_facing, uint coun
   const uint i = get_global_id(0);
   if (i >= count || !(abuffer_voxels[i] & ABUFFER_PARITY)) return;
   uint axis = 3u;
-  int most = 0;
+  int largest = 0;
   for (uint k = 0u; k < 3u; ++k) {
     const int2 facing = abuffer_facing[3u * i + k];
     const int size = average ? (int)abs(facing.y) : facing.x;
-    if (size > most) {
-      most = size;
+    if (size > largest) {
+      largest = size;
       axis = k;
     }
   }
