@@ -23,31 +23,38 @@ double seconds_left_of(const char* option, double seconds, double spent, const s
   return std::max(no_time, seconds - spent);
 }
 
-RenderBudget make_budget(const BudgetArguments& arguments, const RenderSession& session,
-                         std::chrono::steady_clock::time_point start) {
-  RenderBudget budget{0, arguments.iterations, arguments.samples};
+/// A budget of the session, and the option that its time is of.
+struct SessionBudget : RenderBudget {
+  const char* time_option = "--time";
+};
+
+SessionBudget make_budget(const BudgetArguments& arguments, const RenderSession& session,
+                          std::chrono::steady_clock::time_point start) {
+  SessionBudget budget{{0, arguments.iterations, arguments.samples}};
   const RenderSession::Clocks& clocks = session.clocks();
   if (arguments.seconds > 0) budget.seconds = seconds_left_of("--time", arguments.seconds, counted_seconds(clocks));
   if (arguments.wall_seconds > 0) {
     const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double left = seconds_left_of("--wall-time", arguments.wall_seconds, spent,
                                         fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
-    budget.seconds = budget.seconds > 0 ? std::min(budget.seconds, left) : left;
+    if (budget.seconds <= 0 || left < budget.seconds) {
+      budget.seconds = left;
+      budget.time_option = "--wall-time";
+    }
   }
-  const bool none = budget.seconds <= 0 && budget.iterations == 0 && budget.samples == 0 && arguments.relmse <= 0;
+  const bool none = arguments.work_iterations == 0 && budget.seconds <= 0 && budget.iterations == 0 &&
+                    budget.samples == 0 && arguments.relmse <= 0;
   if (none) budget.samples = default_samples;
   return budget;
 }
 
-std::string ended_by(const BudgetArguments& arguments, const RenderBudget& budget, const RenderSession& session,
-                     bool accurate) {
+std::string ended_by(const SessionBudget& budget, const RenderSession& session, bool accurate) {
   const IterationResult& last = session.last();
   if (last.converged) return last.phase.empty() ? "the technique" : last.phase;
   if (accurate) return "--relmse";
   if (budget.samples > 0 && last.samples >= budget.samples) return "--spp";
   if (budget.iterations > 0 && session.iterations() >= budget.iterations) return "--iterations";
-  if (arguments.wall_seconds > 0 && arguments.seconds > 0) return "--wall-time or --time";
-  return arguments.wall_seconds > 0 ? "--wall-time" : "--time";
+  return budget.time_option;
 }
 
 constexpr double start_seconds = 1;   // of the program: devices, the scene's file, kernels from the cache
@@ -105,7 +112,7 @@ void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const s
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
                                const std::function<std::optional<double>(RenderSession&)>& relmse,
                                std::chrono::steady_clock::time_point start) {
-  const RenderBudget budget = make_budget(arguments, session, start);
+  const SessionBudget budget = make_budget(arguments, session, start);
   Progress progress("rendering", quiet ? Progress::Style::quiet : Progress::Style::automatic);
   TimeLeft left;
   left.update(0, 0);
@@ -114,6 +121,8 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
     return session.last().samples == 0 && !session.last().visible && !session.last().converged;
   };
   std::optional<FirstPicture> first;
+  uint64_t work_iterations = 0;
+  std::string phase_told;
   const auto on_progress = [&](const IterationResult& now) {
     if (!first && !nothing_yet())
       first = {counted_seconds(session.clocks()),
@@ -133,7 +142,10 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
     progress.update(fraction, fmt::format("{}{} samples per pixel, {:.2f} Msamples/s", phase, now.samples, rate));
     const std::optional<double> error = relmse(session);
     accurate = error && arguments.relmse > 0 && *error <= arguments.relmse;
-    return !accurate;
+    if (now.phase != phase_told) log_info("stage '{}' at {:.2f} s of iterating", now.phase, seconds);
+    phase_told = now.phase;
+    if (now.progress != 0) ++work_iterations;
+    return !accurate && (arguments.work_iterations == 0 || work_iterations < arguments.work_iterations);
   };
   RenderEnd end;
   end.interrupted = session.run(budget, on_progress);
@@ -142,8 +154,10 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
     end.interrupted = session.run({}, [&](const IterationResult& now) { return on_progress(now) && nothing_yet(); });
   }
   if (first && !end.interrupted) tell_first_picture(arguments, *first);
-  end.by = end.interrupted ? "Ctrl-C" : ended_by(arguments, budget, session, accurate);
+  end.by = end.interrupted ? "Ctrl-C" : ended_by(budget, session, accurate);
   if (!session.last().converged) end.seconds_left = left.estimate();
+  log_info("ended by {} after {} iterations, {} samples per pixel, {:.2f} s of iterating", end.by, session.iterations(),
+           session.last().samples, session.clocks().iterate);
   return end;
 }
 

@@ -13,9 +13,10 @@ namespace lucarium::app {
 /// What a picture may take; 0: no limit. Whichever ends first counts; none: 64 samples per pixel.
 struct BudgetArguments {
   uint64_t samples = 0, iterations = 0;
-  double seconds = 0;       ///< counted_seconds()
-  double wall_seconds = 0;  ///< of the clock on the wall, from the start of the program or from the picture before
-  double relmse = 0;        ///< of the image against a reference
+  double seconds = 0;            ///< counted_seconds()
+  double wall_seconds = 0;       ///< of the clock on the wall, from the start of the program or from the picture before
+  double relmse = 0;             ///< of the image against a reference
+  uint64_t work_iterations = 0;  ///< as RenderWork
 };
 
 /// The time for which parameters are planned; 0: they are not.

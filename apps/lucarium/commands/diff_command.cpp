@@ -144,9 +144,14 @@ void print_reference(const ordered_json& reference) {
   }
 }
 
-void print_formulas(const HdrFlipExposures& exposures) {
-  print_result("\nx: image under test, r: reference, mean: over pixels and channels.\n");
+void print_formulas() {
+  print_result("x: image under test, r: reference, mean: over pixels and channels.\n");
   for (const Metric& metric : metric_table()) print_result("{:<15} {}\n", metric.name, metric.formula);
+}
+
+void print_formulas(const HdrFlipExposures& exposures) {
+  print_result("\n");
+  print_formulas();
   print_result("Exposures of HDR_FLIP: {} from {:.4f} to {:.4f} stops.\n", exposures.count, exposures.start,
                exposures.stop);
 }
@@ -203,6 +208,10 @@ int diff(const DiffArguments& arguments, const Messages& messages) {
     check_image_name(arguments.map);
     check_output(arguments.map, arguments.overwrite);
   }
+  if (arguments.test.empty()) {  // --formulas alone
+    print_formulas();
+    return 0;
+  }
   const Film test = read_image(arguments.test), reference = read_image(arguments.reference);
   if (arguments.statistical) return test_statistically(arguments, test, reference, messages.json);
   if (test.width() != reference.width() || test.height() != reference.height()) {
@@ -230,8 +239,8 @@ int diff(const DiffArguments& arguments, const Messages& messages) {
 void add_diff_command(Command program, Action& action) {
   auto arguments = std::make_shared<DiffArguments>();
   Command command = program.add_subcommand("diff", "metrics of a test image against a reference image");
-  command.option("test", arguments->test).required();
-  command.option("reference", arguments->reference).required();
+  command.option("test", arguments->test);
+  command.option("reference", arguments->reference);
   command.option("--output", arguments->map).value_name("MAP.exr|.png").default_text("none");
   command.option("--map-of", arguments->map_kind).check(one_of(option_words("--map-of"))).capture_default_str();
   command.flag("--overwrite", arguments->overwrite);
@@ -239,6 +248,7 @@ void add_diff_command(Command program, Action& action) {
   command.flag("--statistical", arguments->statistical);
   command.flag("--formulas", arguments->formulas);
   command.option("--exposure", arguments->exposure).check(finite_number()).capture_default_str();
+  command.required_without("--formulas", {"test", "reference"});
   command.needs({"--map-of", "--overwrite"}, {"--output"});
   command.excludes({"--statistical"}, {"--output", "--max-relmse", "--exposure", "--formulas"});
   command.excludes({"--formulas"}, {"--json"});

@@ -118,6 +118,8 @@ bool has_profile_file(const RenderArguments& arguments) {
 void check_outputs(const RenderArguments& arguments, const Messages& messages) {
   if (arguments.files.empty() && !messages.json)
     throw_error(ErrorClass::usage, "no output file given; add --output FILE.exr or FILE.png");
+  if (arguments.overwrite && arguments.files.empty() && !has_profile_file(arguments))
+    throw_error(ErrorClass::usage, "--overwrite does nothing without --output or --profile=FILE");
   if (arguments.half && !any_of_kind(arguments.files, ".exr"))
     throw_error(ErrorClass::usage, "--half does nothing without an --output FILE.exr");
   if (arguments.overrides.overrides.exposure && !any_of_kind(arguments.files, ".png") && !messages.json)
@@ -184,11 +186,12 @@ int render(const Job& job, const RenderWork& work) {
   arguments.take(job);
   arguments.technique.specs = {{work.technique, work.parameters}};
   if (!work.output.empty()) arguments.files = {work.output};
-  arguments.overwrite = true;
+  arguments.overwrite = !work.output.empty();
   arguments.budget.seconds = work.seconds;
   arguments.budget.iterations = work.iterations;
   arguments.budget.samples = work.samples;
   arguments.budget.relmse = work.relmse;
+  arguments.budget.work_iterations = work.work_iterations;
   arguments.reference = work.reference;
   arguments.curve = work.curve;
   Messages messages;
@@ -224,7 +227,6 @@ void add_render_command(Command program, Action& action) {
   command.option("--fps", arguments->frames_per_second).check(positive_number()).capture_default_str();
   arguments->technique.add_to(command, "path_tracing");
   arguments->device.add_to(command);
-  command.needs({"--overwrite"}, {"--output", "--profile"});
   command.needs({"--fps"}, {"--frames"});
   command.needs({"--relmse", "--curve"}, {"--reference"});
   command.needs({"--curve"}, {"--json"});

@@ -116,8 +116,11 @@ int reproduce_wanted(ReproduceArguments arguments, const Messages& messages) {
   if (!messages.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   if (arguments.dry_run) {
     std::vector<std::pair<std::string, std::string>> plans;
-    for (const Experiment& experiment : experiments)
+    for (const Experiment& experiment : experiments) {
+      throw_if_interrupted(experiment.id().c_str());
+      if (options.progress) options.progress(fmt::format("{}: {}", experiment.id(), experiment.title));
       plans.emplace_back(experiment.id(), describe_plan(experiment.comparison, registry, options));
+    }
     print_plans(plans, messages.json);
     return 0;
   }
@@ -170,9 +173,10 @@ void add_reproduce_command(Command program, Action& action) {
   command.flag("--dry-run", arguments->dry_run);
   command.flag("--full", arguments->full);
   add_technique_path(command, arguments->folders);
-  arguments->device.add_to(command);
+  arguments->device.add_to(command, true);
   command.excludes({"--list"}, {"experiment", "--output", "--overwrite", "--resume", "--dry-run", "--full"});
   command.excludes({"--list"}, device_option_names());
+  command.excludes({"--dry-run"}, {"--resume", "--overwrite"});
   command.excludes({"--resume"}, {"--overwrite"});
   command.examples({"lucarium reproduce --list", "lucarium reproduce hermes2010/resolution -o results"},
                    "docs/reproducing.md");

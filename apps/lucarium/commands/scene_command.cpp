@@ -56,6 +56,7 @@ void add_scene_command(Command program, Action& action) {
   arguments->overrides.add_exposure_to(command);
   arguments->overrides.add_to(command);
   arguments->atlas.add_to(command);
+  command.needs({"--exposure"}, {"--export"});  // whose sidecar states it
   command.needs({"--overwrite"}, {"--export", "--atlas", "--atlas-view"});
   command.examples({"lucarium scene builtin:atrium",
                     "lucarium scene builtin:cornell --material lamp:emissive_factor=40 --export bright.glb"},

@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "grammar/help_format.h"
+#include "grammar/mistakes.h"
 #include "grammar/option_texts.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
@@ -20,62 +21,6 @@
 
 namespace lucarium::app {
 namespace {
-
-/// The subcommand that was named, else the program itself.
-const CLI::App& chosen_command(const CLI::App& program) {
-  const auto commands = program.get_subcommands();
-  return commands.empty() ? program : *commands.front();
-}
-
-/// Complaint about a first word that names no command, which --help behind it would hide; else empty.
-std::string unknown_command(const CLI::App& program, const std::vector<std::string>& arguments) {
-  const auto is_word = [](const std::string& argument) { return !argument.starts_with("-"); };
-  const auto word = std::find_if(arguments.begin(), arguments.end(), is_word);
-  if (&chosen_command(program) != &program || word == arguments.end()) return "";
-  std::vector<std::string> commands;
-  const auto is_shown = [](const CLI::App* sub) { return !sub->get_group().empty(); };
-  for (const CLI::App* sub : program.get_subcommands(is_shown)) commands.push_back(sub->get_name());
-  return fmt::format("unknown command '{}'{}", *word, suggest_name(*word, commands));
-}
-
-/// Complaint about an option of a command that stands before the command's name; else empty.
-std::string misplaced_option(const CLI::App& program, const std::vector<std::string>& arguments) {
-  const CLI::App& chosen = chosen_command(program);
-  for (const std::string& argument : arguments) {
-    const std::string name = argument.substr(0, argument.find('='));
-    if (!name.starts_with("-")) break;
-    if (program.get_option_no_throw(name)) continue;
-    const auto has_it = [&](const CLI::App* sub) {
-      return (&chosen == &program ? !sub->get_group().empty() : sub == &chosen) && sub->get_option_no_throw(name);
-    };
-    const auto owners = program.get_subcommands(has_it);
-    if (owners.empty()) break;
-    return fmt::format("{0} stands before the command's name; options of {1} stand behind it: lucarium {1} … {0}", name,
-                       owners.front()->get_name());
-  }
-  return "";
-}
-
-/// What is wrong with the arguments: a command or option that does not exist, with the nearest that does, before
-/// anything that CLI11 finds missing.
-std::string describe_mistake(const CLI::App& program, const CLI::ParseError& mistake,
-                             const std::vector<std::string>& arguments) {
-  const CLI::App& command = chosen_command(program);
-  std::vector<std::string> options;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
-  }
-  if (const std::string misplaced = misplaced_option(program, arguments); !misplaced.empty()) return misplaced;
-  if (const std::string unknown = unknown_command(program, arguments); !unknown.empty()) return unknown;
-  for (const std::string& argument : arguments) {
-    const std::string name = argument.substr(0, argument.find('='));
-    if (name.starts_with("--") && name != "--" && std::find(options.begin(), options.end(), name) == options.end()) {
-      return fmt::format("unknown option {}{}", name, suggest_name(name, options));
-    }
-  }
-  return fmt::format("{} (see lucarium{} --help)", mistake.what(),
-                     &command == &program ? "" : " " + command.get_name());
-}
 
 CLI::Option* describe(CLI::Option* option, const OptionText& entry) {
   if (*entry.group) option->group(entry.group);
@@ -167,9 +112,29 @@ Check existing_folder() {
       ""));
 }
 
-Check in_range(int low, int high) { return make_check(CLI::Range(low, high)); }
-Check in_range(unsigned low, unsigned high) { return make_check(CLI::Range(low, high)); }
-Check one_of(std::vector<std::string> words) { return make_check(CLI::IsMember(std::move(words))); }
+Check in_range(int low, int high) {
+  return make_check(CLI::Validator(
+      [low, high](std::string& text) {
+        int value = 0;
+        const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+        const bool good = failure == std::errc() && end == text.data() + text.size() && value >= low && value <= high;
+        if (!good) return fmt::format("'{}' is not a whole number from {} to {}", text, low, high);
+        text = std::to_string(value);  // CLI11 takes leading zeros for an octal number
+        return std::string();
+      },
+      ""));
+}
+
+Check one_of(std::vector<std::string> words) {
+  return make_check(CLI::Validator(
+      [words = std::move(words)](std::string& text) {
+        if (std::find(words.begin(), words.end(), text) != words.end()) return std::string();
+        const std::string near = nearest_name(text, words);
+        return fmt::format("'{}' is none of {}{}", text, fmt::join(words, ", "),
+                           near.empty() ? "" : fmt::format("; did you mean '{}'?", near));
+      },
+      ""));
+}
 
 void Messages::apply() const { set_log_level(quiet ? LogLevel::error : verbose ? LogLevel::info : LogLevel::warning); }
 
@@ -256,6 +221,16 @@ void Command::excludes(const std::vector<std::string>& names, const std::vector<
   });
 }
 
+void Command::required_without(const std::string& option, const std::vector<std::string>& words) {
+  rules_->push_back([app = app_, option, words] {
+    const auto given = [app](const std::string& word) { return is_given(*app, word); };
+    if (is_given(*app, option) && std::none_of(words.begin(), words.end(), given)) return;
+    for (const std::string& word : words) {
+      if (!given(word)) throw Error(ErrorClass::usage, missing_option(*app, *app->get_option(word)));
+    }
+  });
+}
+
 void Command::hide() { app_->group(""); }
 
 void Command::callback(const std::function<void()>& chosen) {
@@ -299,6 +274,8 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   } catch (const CLI::ParseError& mistake) {
     throw Error(ErrorClass::usage, describe_mistake(*app_, mistake, arguments));
   }
+  if (const std::string missing = missing_value(*app_, arguments); !missing.empty())
+    throw Error(ErrorClass::usage, missing);
   if (messages_->quiet && messages_->verbose) throw Error(ErrorClass::usage, "give --quiet or --verbose, not both");
   return std::nullopt;
 }

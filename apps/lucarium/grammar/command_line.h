@@ -25,8 +25,7 @@ Check not_negative_number();            ///< finite and not below 0
 Check finite_number();                  ///< neither infinite nor NaN
 Check whole_number(uint64_t smallest);  ///< decimal digits alone, up to 2⁶⁴ − 1
 Check existing_folder();
-Check in_range(int low, int high);
-Check in_range(unsigned low, unsigned high);
+Check in_range(int low, int high);  ///< a whole number
 Check one_of(std::vector<std::string> words);
 
 /// How the program talks: what every command takes.
@@ -70,6 +69,8 @@ class Command {
   void needs(const std::vector<std::string>& names, const std::vector<std::string>& others);
   /// None of `names` may be given beside one of `others`: a mistake then.
   void excludes(const std::vector<std::string>& names, const std::vector<std::string>& others);
+  /// `words`, which stand by their place, must be given without `option`: a mistake then.
+  void required_without(const std::string& option, const std::vector<std::string>& words);
   bool given(const std::string& name) const;           ///< on the line that was parsed
   void hide();                                         ///< from --help
   void callback(const std::function<void()>& chosen);  ///< called when the command was chosen and all is well

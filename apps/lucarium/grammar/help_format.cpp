@@ -101,8 +101,7 @@ class HelpFormat : public CLI::FormatterBase {
     const Options all = app->get_options({});
     const size_t width = left_width(all);
     std::string text = app->get_description() + "\n" + usage(*app, name) + rows(words(*app), width);
-    if (app->get_require_subcommand_min() > 0) text += commands(*app);
-    text += "\n";
+    if (app->get_require_subcommand_min() > 0) text += commands(*app) + "\n";
     for (const std::string group : option_groups()) {
       Options members;
       for (const CLI::Option* option : all)

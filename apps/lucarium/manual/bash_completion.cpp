@@ -20,11 +20,24 @@ _lucarium_ask() {
 }
 
 _lucarium() {
-  # The words as they were typed, up to the cursor: COMP_WORDS parts them at : and =.
-  local line=${COMP_LINE:0:COMP_POINT} words cur command= option= place=0 i
-  read -ra words <<<"$line"
-  [[ $line == *[[:space:]] ]] && words+=('')
-  cur=${words[-1]}
+  # The words without their quotes, up to the cursor: COMP_WORDS parts them at : and =.
+  local line=${COMP_LINE:0:COMP_POINT} words=() cur= command= option= prefix= place=0 i char quote= begun=
+  for ((i = 0; i < ${#line}; ++i)); do
+    char=${line:i:1}
+    if [[ -n $quote && $char == "$quote" ]]; then
+      quote=
+    elif [[ -z $quote && $char == [\'\"] ]]; then
+      quote=$char begun=1
+    elif [[ $char == \\ && $quote != \' ]]; then
+      cur+=${line:++i:1} begun=1
+    elif [[ -z $quote && $char == [[:space:]] ]]; then
+      [[ -n $begun ]] && words+=("$cur")
+      cur= begun=
+    else
+      cur+=$char begun=1
+    fi
+  done
+  words+=("$cur")
   COMPREPLY=()
 
   local plain= valued= word
@@ -50,6 +63,10 @@ constexpr const char* scan = R"bash(
     if [[ $cur == --*=* ]]; then
       option=${cur%%=*}
       cur=${cur#*=}
+    elif [[ $cur == -[!-]?* && " $valued " == *" ${cur:0:2} "* ]]; then
+      option=${cur:0:2}
+      prefix=$option
+      cur=${cur:2}
     fi
   fi
 
@@ -63,8 +80,8 @@ constexpr const char* tail = R"bash(    esac
 
   case $kind in
     words) mapfile -t COMPREPLY < <(compgen -W "$values" -- "$cur") ;;
-    file) compopt -o default 2>/dev/null ;;
-    folder) compopt -o dirnames 2>/dev/null ;;
+    file) [[ -n $prefix ]] && mapfile -t COMPREPLY < <(compgen -f -- "$cur") || compopt -o default 2>/dev/null ;;
+    folder) [[ -n $prefix ]] && mapfile -t COMPREPLY < <(compgen -d -- "$cur") || compopt -o dirnames 2>/dev/null ;;
     free) ;;
     *) _lucarium_ask "$kind" ;;
   esac
@@ -74,6 +91,12 @@ constexpr const char* tail = R"bash(    esac
     ((${#COMPREPLY[@]})) || compopt -o default 2>/dev/null
   fi
   [[ ${#COMPREPLY[@]} -gt 0 && ${COMPREPLY[0]} == *[:=] ]] && compopt -o nospace 2>/dev/null
+  # Within open quotes the shell replaces what stands behind them.
+  [[ -n $quote ]] && return 0
+  if [[ -n $prefix ]]; then
+    COMPREPLY=("${COMPREPLY[@]/#/$prefix}")
+    cur=$prefix$cur
+  fi
   # Of a word that is parted at : or =, the last part is replaced.
   local breaks=${COMP_WORDBREAKS//[!:=]/}
   [[ -n $breaks ]] && COMPREPLY=("${COMPREPLY[@]#"${cur%"${cur##*[$breaks]}"}"}")

@@ -14,7 +14,7 @@ constexpr const char* head = R"zsh(#compdef lucarium
 _lucarium_ask() {
   local line name
   local -a names texts open open_texts
-  for line in ${(f)"$($program complete $1 -- "${(@)words[1,CURRENT-1]}" "$PREFIX" 2>/dev/null)"}; do
+  for line in ${(f)"$($program complete $1 -- "${(@Q)words[1,CURRENT-1]}" "$PREFIX" 2>/dev/null)"}; do
     name=${line%%$'\t'*}
     if [[ $name == *[:=] ]]; then
       open+=("$name")

@@ -49,11 +49,12 @@ void add_technique_path(Command command, std::vector<std::filesystem::path>& fol
       .default_text("LUCARIUM_TECHNIQUE_PATH");
 }
 
-void DeviceArguments::add_to(Command command) {
+void DeviceArguments::add_to(Command command, bool caches_references) {
   command.option("--device", options.selector).default_text("first GPU, else first");
   command.option("--threads", options.threads).check(in_range(0, max_threads)).capture_default_str();
   command.option("--cache-dir", options.cache_dir).default_text("~/.cache/lucarium");
   command.flag("--no-cache", no_cache);
+  if (!caches_references) command.excludes({"--no-cache"}, {"--cache-dir"});
   command.option("--memory-limit", memory_limit).default_text("the device's");
   command.option("--allocation-limit", allocation_limit).default_text("the device's");
 }
@@ -103,7 +104,7 @@ void SceneArguments::add_to(Command command) {
   command.option("--material", overrides.materials).repeatable().default_text("the scene's");
   command.flag("--no-sidecar", no_sidecar);
   command.option("--texture-size", import.max_texture_size)
-      .check(in_range(1u, largest_texture_size))
+      .check(in_range(1, largest_texture_size))
       .capture_default_str();
   command.option("--at", overrides.at_seconds).check(finite_number()).default_text("0");
   command.option("--animation", overrides.animation).default_text("the first");

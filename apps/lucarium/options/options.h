@@ -21,7 +21,8 @@ struct DeviceArguments {
   DeviceOptions options;
   bool no_cache = false;
   std::string memory_limit, allocation_limit;
-  void add_to(Command command);
+  /// `caches_references`: --cache-dir holds references too, which --no-cache does not concern.
+  void add_to(Command command, bool caches_references = false);
   void take(const DeviceOptions& given);  ///< instead of options
   /// With the texts parsed; throws Error{usage}.
   DeviceOptions resolved() const;

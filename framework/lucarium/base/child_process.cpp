@@ -51,7 +51,7 @@ struct Pipe {
   int read_end = -1, write_end = -1;
   Pipe() {
     int ends[2];
-    if (::pipe2(ends, O_CLOEXEC) != 0) throw_error(ErrorClass::internal, "pipe: {}", std::strerror(errno));
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw_error(ErrorClass::input, "cannot make a pipe: {}", std::strerror(errno));
     read_end = ends[0];
     write_end = ends[1];
   }
@@ -110,7 +110,7 @@ class MemoryFile {
   [[noreturn]] void fail() const {
     const int reason = errno;
     if (file_ >= 0) ::close(file_);
-    throw_error(ErrorClass::internal, "cannot make a file in memory: {}", std::strerror(reason));
+    throw_error(ErrorClass::input, "cannot make a file in memory: {}", std::strerror(reason));
   }
   int file_;
 };
@@ -126,7 +126,7 @@ pid_t spawn(std::vector<std::string> arguments, const MemoryFile& in, const Pipe
   const int failure = posix_spawnp(&child, arguments[0].c_str(), &actions, nullptr, pointers_to(arguments).data(),
                                    pointers_to(variables).data());
   posix_spawn_file_actions_destroy(&actions);
-  if (failure) throw_error(ErrorClass::internal, "cannot start {}: {}", arguments[0], std::strerror(failure));
+  if (failure) throw_error(ErrorClass::input, "cannot start {}: {}", arguments[0], std::strerror(failure));
   return child;
 }
 
@@ -214,6 +214,19 @@ void end_with_parent() {
   ::prctl(PR_SET_PDEATHSIG, SIGTERM);
   // It may have ended before the request; then another process has adopted this one.
   if (std::to_string(::getppid()) != parent) ::raise(SIGTERM);
+}
+
+ErrorClass class_of_end(const ChildResult& result) {
+  const int code = result.exit_code;
+  const bool stated = code >= static_cast<int>(ErrorClass::usage) && code <= static_cast<int>(ErrorClass::interrupted);
+  return stated ? static_cast<ErrorClass>(code) : ErrorClass::technique;
+}
+
+std::string reason_of_end(const ChildResult& result) {
+  for (const std::string& line : result.last_words) {
+    if (line.starts_with(error_prefix)) return line.substr(error_prefix.size());
+  }
+  return describe_end(result) + (result.last_words.empty() ? "" : ": " + result.last_words.back());
 }
 
 std::string describe_end(const ChildResult& result) {

@@ -17,6 +17,11 @@ template <class... Args>
 void log_warning(fmt::format_string<Args...> format, Args&&... args) {
   log_message(LogLevel::warning, fmt::format(format, std::forward<Args>(args)...));
 }
+/// What is being done, for -v.
+template <class... Args>
+void log_info(fmt::format_string<Args...> format, Args&&... args) {
+  if (log_level() >= LogLevel::info) log_message(LogLevel::info, fmt::format(format, std::forward<Args>(args)...));
+}
 template <class... Args>
 void log_debug(fmt::format_string<Args...> format, Args&&... args) {
   if (log_level() >= LogLevel::debug) log_message(LogLevel::debug, fmt::format(format, std::forward<Args>(args)...));

@@ -4,11 +4,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <numeric>
 #include <utility>
 
 namespace lucarium {
 namespace {
+
+/// Letters of both cases count as alike.
+bool alike(char a, char b) {
+  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
 
 /// Damerau-Levenshtein distance: an insertion, deletion, substitution or swap of neighbours costs 1.
 size_t edit_distance(std::string_view a, std::string_view b) {
@@ -18,8 +24,9 @@ size_t edit_distance(std::string_view a, std::string_view b) {
     before = std::exchange(previous, row);
     row[0] = i;
     for (size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({previous[j - 1] + (a[i - 1] != b[j - 1]), previous[j] + 1, row[j - 1] + 1});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
+      row[j] = std::min({previous[j - 1] + !alike(a[i - 1], b[j - 1]), previous[j] + 1, row[j - 1] + 1});
+      if (i > 1 && j > 1 && alike(a[i - 1], b[j - 2]) && alike(a[i - 2], b[j - 1]))
+        row[j] = std::min(row[j], before[j - 2] + 1);
     }
   }
   return row.back();

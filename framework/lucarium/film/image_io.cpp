@@ -220,6 +220,7 @@ Film read_image(const fs::path& file) {
       film.metadata[name.substr(attribute_prefix.size())] = attribute.get_string();
     }
   }
+  log_info("read {}: {}×{} pixels, {} layers", file.string(), film.width(), film.height(), film.layers().size());
   return film;
 }
 

@@ -24,6 +24,7 @@ struct RenderWork {
   bool curve = false;               ///< measure it while rendering, too
   std::filesystem::path output;     ///< .exr, replaced if it is there; empty: none
   uint64_t samples = 0;             ///< per pixel; 0: no limit
+  uint64_t work_iterations = 0;  ///< those before the technique knows how much work there is not counted; 0: no limit
 };
 
 /// A reference image, rendered or extended: what `lucarium reference` makes.

@@ -64,6 +64,7 @@ void visit_render(Visitor& visit, Work& work) {
   visit("seconds", work.seconds);
   visit("iterations", work.iterations);
   visit("samples", work.samples);
+  visit("work_iterations", work.work_iterations);
   visit("relmse", work.relmse);
   visit("reference", work.reference);
   visit("curve", work.curve);

@@ -44,6 +44,10 @@ bool parse_value(std::string_view text, T& value) {
   return failure == std::errc() && end == text.data() + text.size();
 }
 
+const char* values_of(bool) { return "on or off"; }
+const char* values_of(int) { return "a whole number"; }
+const char* values_of(double) { return "a number"; }
+
 /// Throws a usage error for numbers that no path set can have (NaN fails every comparison).
 void check_ranges(const PathSet& set) {
   if (set.max_bounces < -1 || set.max_bounces > PathSet::kMaxBounces)
@@ -76,15 +80,17 @@ PathSet PathSet::parse(const std::string& text) {
     const size_t equals = item.find('=');
     const std::string key = item.substr(0, equals), value = equals == std::string::npos ? "" : item.substr(equals + 1);
     bool known = false, valid = false;
+    const char* expected = "";
     std::vector<std::string> keys;
     visit_fields(set, [&](const char* name, auto& field) {
       keys.emplace_back(name);
       if (key != name) return;
       known = true;
       valid = parse_value(value, field);
+      expected = values_of(field);
     });
     if (!known) throw_error(ErrorClass::usage, "path set: no key is called '{}'{}", key, suggest_name(key, keys));
-    if (!valid) throw_error(ErrorClass::usage, "path set: '{}' is not a value of {}", value, key);
+    if (!valid) throw_error(ErrorClass::usage, "path set: '{}' is not a value of {}: {}", value, key, expected);
     begin = end + 1;
   }
   check_ranges(set);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <new>
 
+#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
@@ -251,6 +252,14 @@ struct RenderSession::State {
     if (bytes > memory.total_bytes() - memory.used_bytes())
       memory.require_total("scene, BVH and technique", "all buffers", bytes,
                            describe_remedy(*technique, scene, settings));
+    log_info("technique {} {} {}: {}×{} pixels, {} bounces, seed {}", type.info().name, type.info().version,
+             technique->parameters().to_string(), settings.width, settings.height,
+             settings.max_bounces < 0 ? "all" : std::to_string(settings.max_bounces), settings.seed);
+    if (seconds > 0)
+      log_info("plan for {:.3g} s: a whole picture in about {:.2g} s, {}", seconds, plan.expected_seconds,
+               plan.changes.empty() ? "nothing lowered" : plan.changes_text());
+    log_info("memory: {} needed, {} of {} in use", format_bytes(bytes), format_bytes(memory.used_bytes()),
+             format_bytes(memory.total_bytes()));
     on_preparing(-1, "upload");
     timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
     const TechniqueContext context{device,   scheduler,   scene, *buffers, [this]() -> Bvh& { return built_bvh(); },
@@ -259,6 +268,8 @@ struct RenderSession::State {
     timed(clocks.prepare, [&] { technique->prepare(context); });
     timed(clocks.warm_up, [&] { technique->warm_up(); });
     scheduler.reset_profile();
+    log_info("prepared: upload {:.2f} s, hierarchy {:.2f} s, kernels {:.2f} s, technique {:.2f} s, warm-up {:.2f} s",
+             clocks.upload, clocks.bvh, clocks.compile, clocks.prepare, clocks.warm_up);
   }
 };
 

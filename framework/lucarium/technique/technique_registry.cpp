@@ -8,6 +8,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/list_folder.h"
+#include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/technique/library_file.h"
 #include "lucarium/technique/plugin.h"
@@ -160,6 +161,7 @@ void TechniqueRegistry::load(const fs::path& file) {
     throw_error(ErrorClass::technique, "is named '{}'; a name consists of a-z, 0-9 and _", type.info_.name);
   }
   library.keep();
+  log_info("technique {} of {}", type.info_.name, file.string());
   const bool taken = std::any_of(types_.begin(), types_.end(),
                                  [&](const TechniqueType& known) { return known.info_.name == type.info_.name; });
   if (!taken) types_.push_back(std::move(type));

@@ -39,7 +39,7 @@ Job example_render() {
   job.seed = ~uint64_t{0};
   job.device = {"cpu", 2, size_t{3} << 30, size_t{1} << 29, "/some/cache", false};
   job.technique_folders = {"/a folder", "--not-an-option"};
-  job.work = RenderWork{"bundle_exchange", {{"b", "1,2=3"}, {"a", ""}}, 2.5, 64, 1e-3, "r.exr", true, "o.exr", 32};
+  job.work = RenderWork{"bundle_exchange", {{"b", "1,2=3"}, {"a", ""}}, 2.5, 64, 1e-3, "r.exr", true, "o.exr", 32, 2};
   return job;
 }
 
@@ -90,6 +90,7 @@ TEST_CASE("a job that is written and read is the same job") {
   const auto& work = std::get<RenderWork>(job.work);
   CHECK(work.parameters == std::get<RenderWork>(example_render().work).parameters);
   CHECK(work.relmse == 1e-3);
+  CHECK(work.work_iterations == 2);
 }
 
 TEST_CASE("the example has no member of its default, so that reading it back says of each that it is read") {

@@ -94,7 +94,7 @@ TEST_CASE("material tweaks in text") {
   CHECK(edit.pattern == "a:b");
   REQUIRE(edit.values.size() == 2);
   CHECK(edit.values[0] == std::pair<std::string, std::string>("base_color", "0.1,0.2,0.3"));
-  CHECK_THROWS_WITH_AS(parse_material("a:rouhgness=1"), doctest::Contains("allowed are base_color"), Error);
+  CHECK_THROWS_WITH_AS(parse_material("a:rouhgness=1"), doctest::Contains("did you mean 'roughness'?"), Error);
   CHECK_THROWS_WITH_AS(parse_material("a:roughness=2"), doctest::Contains("a number from 0 to 1"), Error);
   CHECK_THROWS_AS(parse_material("roughness=1"), Error);
   CHECK_THROWS_AS(parse_material("a:"), Error);

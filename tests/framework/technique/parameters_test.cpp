@@ -114,7 +114,7 @@ TEST_CASE("a path set survives its text, and differences are named") {
   REQUIRE(lines.size() == 3);
   CHECK(lines[0] == "max_bounces: 3 against -1");
   CHECK(message_of([] { PathSet::parse("max_bounce=1"); }).find("did you mean 'max_bounces'?") != std::string::npos);
-  CHECK(message_of([] { PathSet::parse("direct=maybe"); }) == "path set: 'maybe' is not a value of direct");
+  CHECK(message_of([] { PathSet::parse("direct=maybe"); }) == "path set: 'maybe' is not a value of direct: on or off");
 }
 
 namespace {

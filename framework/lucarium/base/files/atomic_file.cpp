@@ -9,8 +9,10 @@
 #include <cstring>
 #include <fstream>
 
+#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/log.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -60,7 +62,9 @@ void write_file_atomically(const fs::path& target, const std::function<void(cons
   try {
     write(temporary);
     flush_to_disk(temporary);
+    const uintmax_t bytes = fs::file_size(temporary);
     fs::rename(temporary, target);
+    if (bytes > 0) log_info("wrote {} ({})", target.string(), format_bytes(bytes));  // an empty one is a probe
   } catch (const fs::filesystem_error& error) {
     const std::string space = space_left(target);
     std::error_code ignored;

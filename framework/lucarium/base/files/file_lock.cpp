@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,13 +12,20 @@
 #include <thread>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/interrupt.h"
 
 namespace lucarium {
 namespace {
 
 constexpr std::chrono::milliseconds between_attempts{50};
+
+/// Whether an open file is still the one of that name: its holder may have removed it before this process got it.
+bool is_file_of_name(int file, const std::filesystem::path& name) {
+  struct stat opened {
+  }, named{};
+  return ::fstat(file, &opened) == 0 && ::stat(name.c_str(), &named) == 0 && opened.st_ino == named.st_ino &&
+         opened.st_dev == named.st_dev;
+}
 
 }  // namespace
 
@@ -56,18 +64,21 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
   if (failure)
     throw_error(ErrorClass::input, "cannot write into {}: {}; choose another folder", folder.string(),
                 failure.message());
-  if (try_lock(folder / ".lock")) return;
+  lock_ = folder / ".lock";
+  while (try_lock(lock_)) {
+    if (is_file_of_name(file_, lock_)) return;
+    ::close(file_);
+  }
+  ::close(file_);
   throw_error(ErrorClass::usage, "{} is in use by another comparison; wait for it or choose another --output",
               folder.string());
 }
 
 FolderLock::~FolderLock() {
   namespace fs = std::filesystem;
-  if (made_.empty()) return;
-  std::error_code failure, ignored;
-  if (list_folder(made_, failure).size() != 1 || failure) return;  // more than the lock
-  fs::remove(made_ / ".lock", ignored);
-  fs::remove(made_, ignored);
+  std::error_code ignored;
+  fs::remove(lock_, ignored);
+  if (!made_.empty()) fs::remove(made_, ignored);  // unless something is in it
 }
 
 }  // namespace lucarium

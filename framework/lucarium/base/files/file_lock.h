@@ -5,7 +5,8 @@
 
 namespace lucarium {
 
-/// Keeps other processes out while it lives. Released when the process ends, however it ends; the (empty) file stays.
+/// Keeps other processes out while it lives. Released when the process ends, however it ends; the (empty) file stays,
+/// but for a FolderLock's.
 class FileLock {
  public:
   /// Waits until it is free; `on_wait` is called once before. Throws Error{input} when the file cannot be made.
@@ -21,8 +22,8 @@ class FileLock {
   int file_ = -1;
 };
 
-/// Holds a result folder for one run: two at once would overwrite each other's results. A folder that it made and that
-/// is still empty at the end is removed: a command that was mistaken leaves nothing behind.
+/// Holds a result folder for one run: two at once would overwrite each other's results. Its file is removed at the end,
+/// and a folder that it made and that is still empty: a command that was mistaken leaves nothing behind.
 class FolderLock : private FileLock {
  public:
   /// Throws Error{usage} when another process holds the folder, Error{input} when it is not writable.
@@ -30,6 +31,7 @@ class FolderLock : private FileLock {
   ~FolderLock();
 
  private:
+  std::filesystem::path lock_;  ///< the file
   std::filesystem::path made_;  ///< the folder, if it was not there before
 };
 

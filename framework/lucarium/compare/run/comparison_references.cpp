@@ -77,7 +77,8 @@ ChildResult ComparisonRunner::run_reference(size_t scene, size_t index, const fs
   job.work = ReferenceWork{result_.scenes[scene].references[index].path_set, spec_.reference.samples,
                            spec_.reference.relmse, cached};
   return run_job({options_.program.string()}, job, [&](std::string_view line) {
-    if (!interrupt_requested()) say("  " + std::string(line));  // its advice how to go on is not that of a comparison
+    // Its error is reported when it has ended, and its advice how to go on is not that of a comparison.
+    if (!interrupt_requested() && !line.starts_with(error_prefix)) say("  " + std::string(line));
   });
 }
 
@@ -125,8 +126,7 @@ bool ComparisonRunner::render_reference(size_t scene, size_t index) {
     return false;
   }
   if (child.exit_code != 0) {
-    throw_error(ErrorClass::technique, "rendering the reference ended with {}: {}", describe_end(child),
-                child.last_words.empty() ? "no message" : child.last_words.back());
+    throw_error(class_of_end(child), "the reference was not rendered: {}", reason_of_end(child));
   }
   const json summary = json::parse(child.out);
   result_.device = summary.at("device");

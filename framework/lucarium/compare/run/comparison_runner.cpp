@@ -109,7 +109,14 @@ ComparisonResult ComparisonRunner::run() {
     return result_;
   }
   load_finished_pieces();
-  result_.interrupted = !run_missing_pieces();
+  try {
+    result_.interrupted = !run_missing_pieces();
+  } catch (const Error&) {  // of this machine, not of a piece
+    if (result_.pieces.empty()) throw;
+    say(fmt::format("{} finished pieces are kept; continue with --resume", result_.pieces.size()));
+    write_page();
+    throw;
+  }
   save();
   write_page();
   return result_;

@@ -23,6 +23,8 @@ using nlohmann::json;
 
 namespace {
 
+constexpr uint64_t max_first_iterations = 64;
+
 /// Measured on the first iterations.
 struct Rate {
   std::string failure;
@@ -32,21 +34,21 @@ struct Rate {
   double samples_per_iteration = 0;  ///< per pixel
   double own_seconds = INFINITY;     ///< of iterating until the technique ends by itself, by its own account
   std::string planned;               ///< what was lowered for the budget
-  bool leads = false;                ///< it has not begun to render, of which it knows the amount
 };
 
-Rate measure_rate(const std::filesystem::path& program, Job job, const TechniqueVariant& variant, uint64_t iterations,
-                  double seconds) {
+/// On one iteration, or on as many as lead to the work whose amount the technique knows.
+Rate measure_rate(const std::filesystem::path& program, Job job, const TechniqueVariant& variant, double seconds) {
   RenderWork work;
   work.technique = variant.technique;
   work.parameters = variant.parameters;
-  work.iterations = iterations;
+  work.iterations = max_first_iterations;
+  work.work_iterations = 1;
   work.seconds = seconds;
   job.work = work;
   const ChildResult child = run_job({program.string()}, job);
   Rate rate;
   if (child.exit_code != 0) {
-    rate.failure = child.last_words.empty() ? describe_end(child) : child.last_words.back();
+    rate.failure = reason_of_end(child);
     return rate;
   }
   const json summary = frame_of(child);
@@ -61,18 +63,6 @@ Rate measure_rate(const std::filesystem::path& program, Job job, const Technique
   const json& left = summary.at("seconds_left");
   if (summary.at("converged")) rate.own_seconds = iterate_seconds;
   if (left.is_number()) rate.own_seconds = iterate_seconds + left.get<double>();
-  rate.leads = summary.at("progress") == 0 && !summary.at("converged");
-  return rate;
-}
-
-/// On one iteration, or on as many as lead to the work whose amount the technique knows.
-Rate measure_variant(const std::filesystem::path& program, const Job& job, const TechniqueVariant& variant,
-                     double seconds) {
-  Rate rate;
-  for (const uint64_t iterations : {1, 16, 64}) {
-    rate = measure_rate(program, job, variant, iterations, seconds);
-    if (!rate.leads) break;
-  }
   return rate;
 }
 
@@ -118,7 +108,10 @@ class DryRun {
       : spec_(spec), registry_(registry), options_(options) {}
 
   std::string describe() {
-    for (const ComparisonScene& scene : spec_.scenes) add_scene(scene);
+    for (const ComparisonScene& scene : spec_.scenes) {
+      say(scene.label(), "planning");
+      add_scene(scene);
+    }
     std::vector<std::string> budgets;
     for (const ComparisonBudget& budget : spec_.budgets) budgets.push_back(budget.label());
     text_ +=
@@ -128,6 +121,11 @@ class DryRun {
   }
 
  private:
+  /// What takes its time, before it does.
+  void say(const std::string& scene, const std::string& what) const {
+    if (options_.progress) options_.progress(fmt::format("{}: {}", scene, what));
+  }
+
   void add_scene(const ComparisonScene& scene) {
     const ScenePlan plan = plan_scene(spec_, scene, registry_);
     const SceneResult& entry = plan.result;
@@ -165,7 +163,8 @@ class DryRun {
     Job job = scene_job(spec_, scene, plan, options_, 1);
     job.max_bounces = PathSet::parse(set).max_bounces;
     const TechniqueVariant path_tracing{"path_tracing", reference_parameters(PathSet::parse(set)), ""};
-    const Rate rate = missing > 0 ? measure_rate(options_.program, job, path_tracing, 1, 0) : Rate();
+    if (missing > 0) say(scene.label(), fmt::format("first iteration of reference {}", index + 1));
+    const Rate rate = missing > 0 ? measure_rate(options_.program, job, path_tracing, 0) : Rate();
     const double seconds = rate.iteration_seconds * static_cast<double>(missing) / reference_batch;
     seconds_ += seconds;
     open_ended_ |= missing > 0 && spec_.reference.relmse > 0;
@@ -180,8 +179,9 @@ class DryRun {
       text_ += fmt::format("does not run: {}\n", variant.refused);
       return;
     }
-    const Rate rate = measure_variant(options_.program, scene_job(spec_, scene, plan, options_, 1),
-                                      spec_.variants[index], longest_seconds());
+    say(scene.label(), fmt::format("first iterations of {}", spec_.variants[index].label()));
+    const Rate rate = measure_rate(options_.program, scene_job(spec_, scene, plan, options_, 1), spec_.variants[index],
+                                   longest_seconds());
     if (!rate.failure.empty()) {
       text_ += fmt::format("fails: {}\n", rate.failure);
       return;

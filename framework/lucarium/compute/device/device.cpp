@@ -152,12 +152,12 @@ const FoundDevice& select(const std::vector<FoundDevice>& devices, const std::st
   }
   std::string known;
   for (const FoundDevice& device : devices) {
-    known += fmt::format("{}{}: {} ({})", known.empty() ? "" : ", ", device.info.index, device.info.name,
-                         device.info.platform);
+    known += fmt::format("{}'{}: {}'", known.empty() ? "" : ", ", device.info.index, device.info.name);
   }
-  throw_error(ErrorClass::device,
-              "no OpenCL device matches '{}'; there are {}; choose by index, part of a name, or cpu|gpu|accelerator",
-              selector, known);
+  throw_error(
+      ErrorClass::device,
+      "no OpenCL device matches '{}'; give an index, part of a name, cpu, gpu or accelerator: this machine has {}",
+      selector, known);
 }
 
 size_t limit_of(size_t option, const char* variable) {
@@ -224,6 +224,8 @@ std::shared_ptr<Device> Device::open(const DeviceOptions& options) {
         create_queue(*device, CL_QUEUE_PROFILING_ENABLE | CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE, code);
     check_opencl(code, "clCreateCommandQueue", "the out-of-order queue", *device);
   }
+  log_info("device {}: {} ({}, driver {}), {} of memory", chosen.info.index, chosen.info.name, chosen.info.platform,
+           chosen.info.driver_version, format_bytes(device->memory_->total_bytes()));
   return device;
 }
 

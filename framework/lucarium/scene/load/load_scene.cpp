@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/base/text_values.h"
 #include "lucarium/scene/builtin/scenes.h"
@@ -44,8 +45,9 @@ template <class T>
                                const std::string& text) {
   std::vector<std::string> names;
   for (const T& element : elements) names.push_back(element.name);
-  throw_error(ErrorClass::usage, "{}: there is no {} '{}' among its {}{}", scene.source, what, text, elements.size(),
-              elements.empty() ? "" : suggest_name(text, names));
+  if (elements.empty())
+    throw_error(ErrorClass::usage, "{}: there is no {} '{}': it has none", scene.source, what, text);
+  throw_error(ErrorClass::usage, "{}: there is no {} '{}'{}", scene.source, what, text, suggest_name(text, names));
 }
 
 void apply_lights(Scene& scene, const std::vector<std::string>& texts) {
@@ -153,6 +155,8 @@ Scene load_scene(const std::string& source, const SceneOverrides& overrides, con
     animation = find_by_name_or_index(scene.animations, *all.animation);
     if (animation == none) fail_to_find(scene, "animation", scene.animations, *all.animation);
   }
+  if (all.at_seconds.value_or(0) != 0 && scene.animations.empty())
+    scene.warnings.push_back("the scene has no animation: it is the same at all times");
   evaluate(scene, all.at_seconds.value_or(0.0), animation);
   validate_evaluated(scene);
   choose_camera(scene, all.camera);
@@ -162,6 +166,9 @@ Scene load_scene(const std::string& source, const SceneOverrides& overrides, con
         "with --material NAME:double_sided=true",
         list_names(names)));
   }
+  log_info("scene {}: {} triangles in {} instances, {} punctual lights{}, {} cameras, {} materials, {} images", source,
+           scene.triangle_count(), scene.instances.size(), scene.lights.size(), scene.environment ? " and a sky" : "",
+           scene.cameras.size(), scene.materials.size(), scene.images.size());
   return scene;
 }
 

@@ -111,8 +111,7 @@ void set_value(SceneMaterial& material, const std::string& key, const std::strin
     if (known.set(material, value)) return;
     throw_error(ErrorClass::usage, "material value {}={}: expected {}", key, value, known.expected);
   }
-  throw_error(ErrorClass::usage, "material key '{}' does not exist; allowed are {}", key,
-              fmt::join(material_keys(), ", "));
+  throw_error(ErrorClass::usage, "material key '{}' does not exist{}", key, suggest_name(american, material_keys()));
 }
 
 }  // namespace

@@ -92,6 +92,7 @@ TEST_CASE("a user's own files in the folder of the results were deleted") {
   for (const char* option : {"", "--overwrite", "--resume"}) {
     check_refused(comparison(folder, option), 2, "references exists, but no comparison wrote it");
   }
+  CHECK_FALSE(fs::exists(results / ".lock"));  // which a refused command left behind
   // A comparison file that a person wrote is no result either, whatever its name.
   fs::rename(results / "references", folder.path() / "kept");
   const std::string by_hand = "// my study\n{\"schema\": \"lucarium-comparison-1\"}\n";
@@ -309,6 +310,10 @@ TEST_CASE("a plan is printed and nothing is written; gates set the exit code; a 
   CHECK(plan.exit_code == 0);
   CHECK(contains(plan.out, "4 runs"));
   CHECK(contains(plan.out, "of device memory"));
+  CHECK(contains(plan.err, "builtin:cornell: planning\n"));
+  CHECK(contains(plan.err, "builtin:cornell: first iterations of constant red=0.25"));
+  const ProgramResult machine = run_lucarium(comparison(folder, "--dry-run --json"));
+  CHECK(json::parse(machine.out)["schema"] == "lucarium-plan-1");
   CHECK_FALSE(fs::exists(results));
   CHECK(run_lucarium(comparison(folder, "--quiet --gate 'rmse<0.1'")).exit_code == 0);
   const ProgramResult missed = run_lucarium(comparison(folder, "--resume --quiet --gate 'rmse<0.01'"));

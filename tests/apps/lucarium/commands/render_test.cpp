@@ -57,6 +57,12 @@ TEST_CASE("the reason why a rendering ended is printed: the technique's own word
   CHECK(half["seconds_left"].get<double>() > 0);
 }
 
+TEST_CASE("of two budgets of time the result named both") {
+  const std::string render = "render builtin:cornell " + constant_technique("sleep=20") + "--json -q ";
+  CHECK(only_frame(run_lucarium(render + "--time 0.3 --wall-time 600"))["ended_by"] == "--time");
+  CHECK(only_frame(run_lucarium(render + "--time 600 --wall-time 1.5"))["ended_by"] == "--wall-time");
+}
+
 TEST_CASE("a time that is over before the first iteration gives a picture and a line that says so") {
   const TemporaryFolder folder;
   const ProgramResult late = run_lucarium("render builtin:cornell " + constant_technique("red=1") +

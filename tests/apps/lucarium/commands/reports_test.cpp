@@ -152,6 +152,12 @@ TEST_CASE("diff gives the metrics of two images per layer, and fails above a lim
   check_refused("diff " + a + " " + wide, 3, "different size");
 }
 
+TEST_CASE("diff --formulas alone asked for two images") {
+  const ProgramResult formulas = run_lucarium("diff --formulas");
+  CHECK(formulas.exit_code == 0);
+  CHECK(contains(formulas.out, "relMSE          mean((x-r)^2"));
+}
+
 TEST_CASE("diff writes maps of the error, as values and as colours") {
   const TemporaryFolder folder;
   const std::string a = write_grey(folder, "a.exr", 16, 0.5f), b = write_grey(folder, "b.exr", 16, 0.6f);

@@ -77,6 +77,16 @@ TEST_CASE("papers and experiments are listed") {
   CHECK(contains(result.out, "author2026/errors  Errors of constants (Table 3)"));
 }
 
+TEST_CASE("a plan said nothing while it was made, and runs to be replaced or continued are none of its") {
+  const PaperFolder paper(known_experiment());
+  const ProgramResult plan = run_lucarium(paper.arguments("author2026 --dry-run"));
+  CHECK(plan.exit_code == 0);
+  CHECK(contains(plan.err, "author2026/errors: Errors of constants\n"));
+  CHECK(contains(plan.err, "builtin:cornell: first iterations of "));
+  CHECK(run_lucarium(paper.arguments("author2026 --dry-run -q")).err.empty());
+  CHECK(json::parse(run_lucarium(paper.arguments("author2026 --dry-run --json")).out)["plans"].size() == 1);
+}
+
 TEST_CASE("every experiment that comes with the program can be read") {
   const ProgramResult result = run_lucarium("reproduce --list");
   CHECK_MESSAGE(result.exit_code == 0, result.err);

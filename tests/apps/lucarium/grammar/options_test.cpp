@@ -113,9 +113,15 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("render --help fits a page: 60 lines, eight groups") {
+TEST_CASE("every help fits a page of 60 lines") {
+  for (const std::string& name : command_names()) {
+    CAPTURE(name);
+    CHECK(lines_of(run_lucarium(name + " --help").out).size() <= 60);
+  }
+}
+
+TEST_CASE("render --help has eight groups") {
   const std::string help = run_lucarium("render --help").out;
-  CHECK(lines_of(help).size() <= 60);
   std::vector<std::string> groups;
   for (const std::string& line : lines_of(help)) {
     if (std::regex_match(line, std::regex("[A-Z][a-z]+")) && line != "Examples") groups.push_back(line);
@@ -161,6 +167,23 @@ TEST_CASE("-q leaves standard output as it is, as -v does, and standard error em
     CHECK(without_times(quiet.out) == without_times(plain.out));
   }
   check_refused("-q devices -v", 2, "give --quiet or --verbose, not both");
+}
+
+TEST_CASE("-v promised to say what is being done, and said nothing where kernels were compiled before") {
+  const TemporaryFolder folder;
+  const std::string image = (folder.path() / "a.exr").string(), copy = (folder.path() / "b.glb").string();
+  const std::string render = "render builtin:cornell " + constant_technique("red=2") + "--iterations 2 --overwrite -o ";
+  REQUIRE(run_lucarium(render + image).exit_code == 0);  // kernels are in the cache now
+  const ProgramResult told = run_lucarium(render + image + " -v"), silent = run_lucarium(render + image + " -q");
+  CHECK(silent.err.empty());
+  for (const char* part :
+       {"\nscene builtin:cornell: 42 triangles", "\ndevice 0: ", "of memory\n", "\ntechnique constant", "red=2",
+        "16×8 pixels", "\nmemory: ", "\nprepared: upload ", "\nended by --iterations after 2 iterations", "\nwrote "})
+    CHECK_MESSAGE(contains("\n" + told.err, part), part << told.err);
+  CHECK(contains(run_lucarium(render + image + " --time 5 -v").err, "\nplan for 5 s: "));
+  CHECK(contains(run_lucarium("-v diff " + image + " " + image).err, "read " + image + ": 16×8 pixels"));
+  CHECK(contains(run_lucarium("scene builtin:cornell -v --export " + copy).err, "wrote " + copy));
+  CHECK(contains(run_lucarium("techniques -v").err, "technique path_tracing of "));
 }
 
 TEST_CASE("-p takes a list everywhere, and belongs to the default technique where none is named") {

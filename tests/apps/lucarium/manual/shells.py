@@ -170,6 +170,13 @@ def check_shell(shell, declared):
     offers(shell, 'lucarium check path_tracing -p estimator=m', 'estimator=mis', only=True)
     offers(shell, 'lucarium scene builtin:at', 'builtin:atrium', only=True)
     offers(shell, 'lucarium scene builtin:debris:', 'builtin:debris:pieces=')
+    # Words by their place, and no more than there are.
+    for line in 'lucarium completion bash ', 'lucarium diff -o map.png a.exr b.exr ', 'lucarium scene builtin:atrium bui':
+        words = [word for word in shell.candidates(line) if not word.startswith('-')]  # zsh goes on with options
+        check(f'no word behind {line!r}', not words, f'offers {words}')
+    offers(shell, 'lucarium render "builtin:at', 'builtin:atrium', only=True)
+    offers(shell, "lucarium render -t 'path_tracing:esti", 'path_tracing:estimator=', only=True)
+    offers(shell, 'lucarium --quiet compare builtin:cornell builtin:at', 'builtin:atrium', only=True)
     # What a Tab makes of the line: the rest of the word, and a space where nothing can follow it.
     for line, wanted in (('lucarium rend', 'lucarium render'),
                          ('lucarium render --iter', 'lucarium render --iterations'),
@@ -177,6 +184,11 @@ def check_shell(shell, declared):
                          ('lucarium render -t path_tracing:esti', 'lucarium render -t path_tracing:estimator='),
                          ('lucarium render -t path_tracing -p estimator=m',
                           'lucarium render -t path_tracing -p estimator=mis'),
+                         ('lucarium render -tpath_trac', 'lucarium render -tpath_tracing'),
+                         ('lucarium render -tpath_tracing:esti', 'lucarium render -tpath_tracing:estimator='),
+                         ('lucarium check path_tracing -pestimator=m',
+                          'lucarium check path_tracing -pestimator=mis'),
+                         ('lucarium render "a scene.glb" -t path_trac', 'lucarium render "a scene.glb" -t path_tracing'),
                          ('lucarium render hal', 'lucarium render hall.glb'),
                          ('lucarium render hall.glb -o box', 'lucarium render hall.glb -o box.exr'),
                          ('lucarium render hall.glb --output box', 'lucarium render hall.glb --output box.exr'),
@@ -186,6 +198,14 @@ def check_shell(shell, declared):
         # zsh puts = behind an option, which a space takes away again.
         check(f'Tab behind {line!r}', line_then.rstrip(' ') in (wanted, wanted + '='), f'gives {line_then!r}')
         check('and no space within a word', not line_then.endswith(('= ', ': ')), f'gives {line_then!r}')
+
+
+def check_quotes(shell):
+    """A Tab within open quotes; bash and zsh close them behind a word that is whole."""
+    for line, wanted in (('lucarium render "builtin:at', 'lucarium render "builtin:atrium'),
+                         ("lucarium render -t 'path_tracing:esti", "lucarium render -t 'path_tracing:estimator=")):
+        line_then = shell.line_after_tab(line)
+        check(f'Tab behind {line!r}', line_then.rstrip(' "\'') == wanted, f'gives {line_then!r}')
 
 
 def main():
@@ -208,7 +228,10 @@ def main():
         check('syntax', syntax.returncode == 0 and not syntax.stderr, syntax.stderr)
         declared = json.loads(subprocess.run([program, 'commands', '--json'], capture_output=True, text=True,
                                              check=True).stdout)
-        check_shell(shell_class(script, folder, environment), declared)
+        shell = shell_class(script, folder, environment)
+        check_shell(shell, declared)
+        if shell_class is not Fish:  # which is asked for words, not for lines
+            check_quotes(shell)
     sys.exit(1 if check.failed else 0)
 
 

@@ -16,7 +16,14 @@ TEST_CASE("memory that is missing names the parameters that need it") {
 TEST_CASE("device: exit code 4") {
   const TemporaryFolder folder;
   const std::string render = "render builtin:cornell -o " + (folder.path() / "a.exr").string() + " ";
-  check_refused(render + constant_technique() + "--device quantum", 4, "quantum");
+  check_refused(
+      render + constant_technique() + "--device quantum", 4,
+      "no OpenCL device matches 'quantum'; give an index, part of a name, cpu, gpu or accelerator: this machine "
+      "has '0: ");
+  check_refused("compare builtin:cornell " + constant_technique() + "--iterations 1 --device quantum -o " +
+                    (folder.path() / "results").string(),
+                4, "error: the reference was not rendered: no OpenCL device matches 'quantum'");
+  std::filesystem::remove_all(folder.path() / "results");
   check_refused(render + constant_technique() + "--memory-limit 1K", 4, "KiB");
   check_refused(render + constant_technique("extra_megabytes=100000000"), 4, "TiB");
   const ProgramResult none = run_program("OCL_ICD_VENDORS=/nonexistent " + lucarium_program() + " devices");

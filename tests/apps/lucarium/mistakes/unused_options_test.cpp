@@ -93,6 +93,13 @@ TEST_CASE("options of the messages before the command's name were not seen by th
 
 TEST_CASE("options that had nothing to replace, and plans with options of results, are mistakes") {
   check_refused("render builtin:cornell --json --overwrite", 2, "--overwrite does nothing without --output or");
+  check_refused("render builtin:cornell --json --profile --overwrite", 2, "without --output or --profile=FILE");
+  check_refused("scene builtin:cornell --exposure 1", 2, "--exposure does nothing without --export");
+  for (const char* option : {"--overwrite", "--resume"})
+    check_refused(std::string("reproduce hermes2010 --dry-run ") + option, 2, "give --dry-run or --");
+  for (const char* command : {"render builtin:cornell --json", "reference builtin:cornell -o a.exr",
+                              "check path_tracing", "scene builtin:cornell --atlas a.png"})
+    check_refused(std::string(command) + " --no-cache --cache-dir .", 2, "give --no-cache or --cache-dir, not both");
   check_refused("diff a.exr b.exr --overwrite", 2, "--overwrite does nothing without --output");
   check_refused("scene builtin:cornell --overwrite", 2, "--overwrite does nothing without --export or --atlas or");
   check_refused("man render --overwrite", 2, "--overwrite does nothing without --output");

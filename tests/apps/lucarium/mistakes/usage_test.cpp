@@ -13,7 +13,7 @@ TEST_CASE("usage: exit code 2, and the nearest valid name") {
   const std::string out = " -o " + (folder.path() / "a.exr").string() + " ";
   check_refused("rendr builtin:cornell", 2, "did you mean 'render'?");
   check_refused("render builtin:cornell --sppp 3" + out, 2, "unknown option --sppp; did you mean '--spp'?");
-  check_refused("render", 2, "scene is required");
+  check_refused("render", 2, "render needs SCENE: a .gltf or .glb file");
   check_refused("render builtin:cornell", 2, "--output");
   check_refused("render builtin:cornell --spp 0" + out, 2, "--spp: '0' is not a whole number from 1");
   check_refused("render builtin:cornell --spp many" + out, 2, "--spp: 'many' is not a whole number from 1");
@@ -40,7 +40,7 @@ TEST_CASE("usage: exit code 2, and the nearest valid name") {
   check_refused("render builtin:cornell " + constant_technique() + "--camera nonsense" + out, 2, "nonsense");
   check_refused("render builtin:cornell " + constant_technique() + "--light bulb:1" + out, 2, "point:X,Y,Z");
   check_refused("render builtin:cornell " + constant_technique() + "--material '*:shiny=1'" + out, 2, "shiny");
-  check_refused("diff only-one.exr", 2, "reference is required");
+  check_refused("diff only-one.exr", 2, "diff needs REFERENCE: reference image");
   // A name that is mistyped, whatever it names.
   check_refused("scene builtin:cornel", 2, "did you mean 'cornell'?");
   check_refused("render builtin:cornell -t path_traicng" + out, 2, "did you mean 'path_tracing'?");
@@ -78,9 +78,9 @@ TEST_CASE("values that were taken silently are mistakes") {
   }
   check_refused(render + "--memory-limit 0" + out, 2, "--memory-limit: '0' leaves no memory at all");
   check_refused(render + "--allocation-limit 0G" + out, 2, "--allocation-limit: '0G' leaves no memory at all");
-  for (const char* command : {"render builtin:cornell", "compare builtin:cornell", "reference builtin:cornell",
+  for (const char* command : {"render builtin:cornell", "compare builtin:cornell", "reference builtin:cornell -o x.exr",
                               "techniques", "check path_tracing", "reproduce"}) {
-    check_refused(std::string(command) + " --technique-path /nosuch -o x", 2, "there is no folder '/nosuch'");
+    check_refused(std::string(command) + " --technique-path /nosuch", 2, "there is no folder '/nosuch'");
   }
   CHECK(count_files(folder.path()) == 0);
 }
@@ -90,4 +90,41 @@ TEST_CASE("leading zeros are not octal") {
       only_frame(run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 010 --seed 007 --json"));
   CHECK(summary["iterations"] == 10);
   CHECK(summary["seed"] == 7);
+}
+
+TEST_CASE("the parser's own wordings reached the user") {
+  const std::string render = "render builtin:cornell ";
+  check_refused("--quiet", 2, "no command is given; `lucarium --help` lists them");
+  check_refused("reference builtin:cornell", 2, "reference needs --output FILE.exr: where to write the result");
+  check_refused("diff", 2, "diff needs TEST: image under test (see lucarium diff --help)");
+  check_refused("diff a.exr b.exr c.exr", 2, "'c.exr' is a word too many: diff takes TEST REFERENCE");
+  check_refused(render + "one two", 2, "'one' is a word too many: render takes SCENE");
+  check_refused("devices all", 2, "'all' is a word too many: devices takes none");
+  check_refused(render + "-o a.png --profile p.json", 2,
+                "'p.json' stands behind --profile; its value is written --profile=p.json");
+  check_refused("render --profile p.json builtin:cornell -o a.png", 2, "is written --profile=p.json");
+  check_refused(render + "--spp", 2, "--spp needs a value: N");
+  check_refused(render + "--frames --at 1", 2, "--frames needs a value: FIRST:LAST");
+  check_refused(render + "-o --json", 2, "--output needs a value: FILE.exr|.png");
+  check_refused(render + "--overwrite=maybe", 2, "--overwrite takes no value");
+  check_refused(render + "-Z", 2, "unknown option -Z (see lucarium render --help)");
+  check_refused(render + "--max-bounces 9999", 2, "--max-bounces: '9999' is not a whole number from -1 to 4095");
+  check_refused(render + "--threads 1.5", 2, "--threads: '1.5' is not a whole number from 0 to 4096");
+  check_refused("completion bsh", 2, "SHELL: 'bsh' is none of bash, zsh, fish; did you mean 'bash'?");
+  check_refused("diff a b -o m.png --map-of sgned", 2,
+                "--map-of: 'sgned' is none of signed, ldr_flip, hdr_flip; did you mean 'signed'?");
+}
+
+TEST_CASE("names that are nearly right are suggested, whatever they name") {
+  const std::string render = "render builtin:cornell -o a.exr ", common = " --iterations 1 -o results";
+  check_refused(render + "--material lamp:rouhness=1", 2, "'rouhness' does not exist; did you mean 'roughness'?");
+  check_refused(render + "--material lam:roughness=1", 2, "did you mean 'lamp'?");
+  check_refused(render + "--camera fron", 2, "there is no camera 'fron'; did you mean 'front'?");
+  check_refused(render + "--animation walk", 2, "there is no animation 'walk': it has none");
+  check_refused("reference builtin:cornell -o a.exr --path-set dirct=off", 2, "did you mean 'direct'?");
+  check_refused("reference builtin:cornell -o a.exr --path-set direct=of", 2, "is not a value of direct: on or off");
+  check_refused("compare builtin:cornell -t path_tracing --gate 'relms<1'" + common, 2, "did you mean 'relMSE'?");
+  check_refused("techniques path_tracng", 2, "did you mean 'path_tracing'?");
+  check_refused("reproduce hermes201 -o results", 2, "did you mean 'hermes2010'?");
+  check_refused("reproduce hermes2010/resoluton -o results", 2, "did you mean 'resolution'?");
 }
