@@ -6,7 +6,7 @@
 namespace lucarium {
 
 /// Keeps other processes out while it lives. Released when the process ends, however it ends; the (empty) file stays,
-/// but for a FolderLock's.
+/// except that of a FolderLock.
 class FileLock {
  public:
   /// Waits until it is free; `on_wait` is called once before. Throws Error{input} when the file cannot be made.

@@ -171,7 +171,8 @@ def check_shell(shell, declared):
     offers(shell, 'lucarium scene builtin:at', 'builtin:atrium', only=True)
     offers(shell, 'lucarium scene builtin:debris:', 'builtin:debris:pieces=')
     # Words by their place, and no more than there are.
-    for line in 'lucarium completion bash ', 'lucarium diff -o map.png a.exr b.exr ', 'lucarium scene builtin:atrium bui':
+    for line in ('lucarium completion bash ', 'lucarium diff -o map.png a.exr b.exr ',
+                 'lucarium scene builtin:atrium bui'):
         words = [word for word in shell.candidates(line) if not word.startswith('-')]  # zsh goes on with options
         check(f'no word behind {line!r}', not words, f'offers {words}')
     offers(shell, 'lucarium render "builtin:at', 'builtin:atrium', only=True)
@@ -188,7 +189,7 @@ def check_shell(shell, declared):
                          ('lucarium render -tpath_tracing:esti', 'lucarium render -tpath_tracing:estimator='),
                          ('lucarium check path_tracing -pestimator=m',
                           'lucarium check path_tracing -pestimator=mis'),
-                         ('lucarium render "a scene.glb" -t path_trac', 'lucarium render "a scene.glb" -t path_tracing'),
+                         ('lucarium render "a b.glb" -t path_trac', 'lucarium render "a b.glb" -t path_tracing'),
                          ('lucarium render hal', 'lucarium render hall.glb'),
                          ('lucarium render hall.glb -o box', 'lucarium render hall.glb -o box.exr'),
                          ('lucarium render hall.glb --output box', 'lucarium render hall.glb --output box.exr'),
