@@ -91,13 +91,16 @@ const CommandDeclaration& ProgramDeclaration::command(std::string_view name) con
     if (candidate.name == name) return candidate;
     names.push_back(candidate.name);
   }
+  for (const CommandDeclaration& candidate : hidden) {
+    if (candidate.name == name) return candidate;
+  }
   throw_error(ErrorClass::usage, "unknown command '{}'{}", name, suggest_name(name, names));
 }
 
 ProgramDeclaration read_declarations(const CLI::App& app) {
-  ProgramDeclaration result{read_command(app), {}};
-  const auto is_shown = [](const CLI::App* command) { return !command->get_group().empty(); };
-  for (const CLI::App* command : app.get_subcommands(is_shown)) result.commands.push_back(read_command(*command));
+  ProgramDeclaration result{read_command(app), {}, {}};
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+    (command->get_group().empty() ? result.hidden : result.commands).push_back(read_command(*command));
   return result;
 }
 

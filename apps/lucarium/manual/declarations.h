@@ -42,6 +42,7 @@ struct CommandDeclaration {
 struct ProgramDeclaration {
   CommandDeclaration program;                                      ///< what holds without a command
   std::vector<CommandDeclaration> commands;                        ///< those that --help shows
+  std::vector<CommandDeclaration> hidden;                          ///< those that the program itself calls
   const CommandDeclaration& command(std::string_view name) const;  ///< throws Error{usage}
 };
 

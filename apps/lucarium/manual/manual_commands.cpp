@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium help, man, completion, commands: what the command line declares, for a person, a shell, a page.
+#include <algorithm>
 #include <filesystem>
 
 #include "build_app.h"
@@ -68,12 +69,15 @@ std::vector<fs::path> write_pages(const ManArguments& arguments, const Pages& pa
 int man(const ManArguments& arguments, bool json) {
   const ProgramDeclaration program = declarations();
   Pages pages;
-  if (arguments.command.empty()) pages.emplace_back(program.program.name, man_page(program));
-  for (const CommandDeclaration& command : program.commands) {
-    if (arguments.command.empty() ? !arguments.folder.empty() : command.name == arguments.command)
-      pages.emplace_back(man_page_name(command), man_page(program, command));
+  const auto add = [&](const CommandDeclaration& command) {
+    pages.emplace_back(man_page_name(command), man_page(program, command));
+  };
+  if (!arguments.command.empty()) {
+    add(program.command(arguments.command));
+  } else {
+    pages.emplace_back(program.program.name, man_page(program));
+    if (!arguments.folder.empty()) std::for_each(program.commands.begin(), program.commands.end(), add);
   }
-  if (pages.empty()) program.command(arguments.command);  // throws
   std::vector<fs::path> files;
   if (!arguments.folder.empty()) files = write_pages(arguments, pages);
   ordered_json written = {{"schema", "lucarium-man-1"}, {"pages", ordered_json::array()}};

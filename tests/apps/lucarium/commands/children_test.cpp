@@ -40,7 +40,7 @@ TEST_CASE("a comparison whose pieces cannot be started any more aborted as by a 
   const TemporaryFolder folder;
   const fs::path program = copy_of_program(folder), results = folder.path() / "results";
   const std::string command = program.string() + " compare builtin:cornell " + constant_technique("red=0.25,sleep=30") +
-                              "--iterations 5 --seeds 40 --reference " + make_reference(folder).string() + " -o " +
+                              "--iterations 5 --seeds 12 --reference " + make_reference(folder).string() + " -o " +
                               results.string();
   ProgramResult ended;
   std::thread comparison([&] { ended = run_program(command); });
@@ -54,5 +54,5 @@ TEST_CASE("a comparison whose pieces cannot be started any more aborted as by a 
   const ProgramResult resumed = run_lucarium(command.substr(program.string().size()) + " --resume --json");
   CHECK(resumed.exit_code == 0);
   CHECK(contains(resumed.err, "pieces are finished already"));
-  CHECK(nlohmann::json::parse(resumed.out)["pieces"].size() == 40);
+  CHECK(nlohmann::json::parse(resumed.out)["pieces"].size() == 12);
 }

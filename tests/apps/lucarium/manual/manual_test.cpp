@@ -100,6 +100,13 @@ TEST_CASE("help COMMAND is COMMAND --help, and names the nearest command") {
   check_refused("completion tcsh", 2, "tcsh");
 }
 
+TEST_CASE("a command that --help does not list had a help as text, none as JSON or page") {
+  CHECK(contains(run_lucarium("help job").out, "Usage: lucarium job FILE"));
+  CHECK(json::parse(run_lucarium("help job --json").out)["commands"][0]["name"] == "job");
+  CHECK(contains(run_lucarium("man job").out, "lucarium job"));
+  CHECK_FALSE(contains(run_lucarium("commands").out, "job"));
+}
+
 TEST_CASE("a manual page for the program and for every command, with all options") {
   const TemporaryFolder folder;
   REQUIRE(run_lucarium("man --output " + folder.path().string()).exit_code == 0);

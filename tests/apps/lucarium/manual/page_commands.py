@@ -22,6 +22,10 @@ SMALL = {
 DROPPED = {'render': ('--time', '--wall-time', '--spp', '--frames', '--fps'),
            'compare': ('--time', '--spp', '--relmse'), 'reference': ('--relmse', '--spp')}
 
+OPTION = re.compile(r'(?<=\s)(--[a-z][a-z0-9-]*|-[a-zA-Z](?=\s|$))')
+assert OPTION.findall('lucarium scene a.glb --atlas-texcoord1 -q --size=8x8 -V') == [
+    '--atlas-texcoord1', '-q', '--size', '-V']
+
 NOT_RUN = (
     (r'[|>]', "a shell's work; cli/completion_* and cli/manual/manual_test do it"),
     (r'…|\[-|\bNAME\b|\bDIR\b|SCENE', 'shows a form'),
@@ -78,7 +82,7 @@ class Tester:
         help_text = self.help_of(command)
         if help_text is None:
             return f'there is no command {command}'
-        for option in re.findall(r'(?<=\s)(--[a-z-]+|-[a-z](?=\s))', text):
+        for option in OPTION.findall(text):
             if not re.search(rf'(^|[\s,]){re.escape(option)}([\s,=\[]|$)', help_text, re.M):
                 return f'{command} has no option {option}'
         return ''
