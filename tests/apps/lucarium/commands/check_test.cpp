@@ -43,7 +43,7 @@ TEST_CASE("JSON says the same for programs") {
 }
 
 TEST_CASE("mistakes") {
-  check_refused("check", 2, "technique is required");
+  check_refused("check", 2, "check needs NAME");
   check_refused("check no_such_technique", 2, "no technique is called");
   check_refused(faulty("") + "--only nonsense", 2, "no check has a name that begins with nonsense");
   check_refused(faulty("") + "-p fualt=none", 2, "did you mean 'fault'?");

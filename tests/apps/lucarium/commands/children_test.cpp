@@ -14,7 +14,11 @@ namespace {
 fs::path copy_of_program(const TemporaryFolder& folder) {
   const fs::path copy = folder.path() / "bin" / "lucarium";
   fs::create_directories(copy.parent_path());
-  fs::copy_file(environment("LUCARIUM_TEST_PROGRAM"), copy);
+  const fs::path program = environment("LUCARIUM_TEST_PROGRAM");
+  fs::copy_file(program, copy);
+  const fs::path library = fs::path("lib") / "lucarium" / "lucarium_program.so";  // what the executable loads
+  fs::create_directories((folder.path() / library).parent_path());
+  fs::copy_file(program.parent_path().parent_path() / library, folder.path() / library);
   return copy;
 }
 

@@ -311,7 +311,8 @@ TEST_CASE("a plan is printed and nothing is written; gates set the exit code; a 
   CHECK(contains(plan.out, "4 runs"));
   CHECK(contains(plan.out, "of device memory"));
   CHECK(contains(plan.err, "builtin:cornell: planning\n"));
-  CHECK(contains(plan.err, "builtin:cornell: first iterations of constant red=0.25"));
+  CAPTURE(plan.err);
+  CHECK(contains(plan.err, "builtin:cornell: first iterations of constant:red=0.25"));
   const ProgramResult machine = run_lucarium(comparison(folder, "--dry-run --json"));
   CHECK(json::parse(machine.out)["schema"] == "lucarium-plan-1");
   CHECK_FALSE(fs::exists(results));

@@ -54,7 +54,7 @@ TEST_CASE("--overwrite writes the template's files again and leaves all others")
 TEST_CASE("bad names, names that are taken and folders that exist are refused, and nothing is written") {
   const TemporaryFolder folder;
   const std::string there = " --output " + (folder.path() / "fresh").string();
-  check_refused("new-technique", 2, "name is required");
+  check_refused("new-technique", 2, "new-technique needs NAME");
   check_refused("new-technique LightSoup" + there, 2, "a-z, 0-9 and _");
   check_refused("new-technique 2fast" + there, 2, "a letter first");
   check_refused("new-technique ../escape" + there, 2, "no name for a technique");

@@ -82,7 +82,8 @@ TEST_CASE("a plan said nothing while it was made, and runs to be replaced or con
   const ProgramResult plan = run_lucarium(paper.arguments("author2026 --dry-run"));
   CHECK(plan.exit_code == 0);
   CHECK(contains(plan.err, "author2026/errors: Errors of constants\n"));
-  CHECK(contains(plan.err, "builtin:cornell: first iterations of "));
+  CAPTURE(plan.err);
+  CHECK(contains(plan.err, "builtin:furnace: first iterations of "));
   CHECK(run_lucarium(paper.arguments("author2026 --dry-run -q")).err.empty());
   CHECK(json::parse(run_lucarium(paper.arguments("author2026 --dry-run --json")).out)["plans"].size() == 1);
 }

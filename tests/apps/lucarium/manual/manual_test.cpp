@@ -30,8 +30,6 @@ std::vector<json> declared(const json& command) {
   return all;
 }
 
-size_t count_lines(const std::string& text) { return static_cast<size_t>(std::count(text.begin(), text.end(), '\n')); }
-
 bool is_installed(const std::string& program) { return run_program("command -v " + program).exit_code == 0; }
 
 }  // namespace
