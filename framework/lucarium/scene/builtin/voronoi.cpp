@@ -167,13 +167,14 @@ std::vector<ConvexCell> voronoi_cells(std::span<const glm::dvec3> points, std::s
     const glm::dvec3& p = points[i];
     ConvexCell cell = cube(half_edge);
     const auto clip_by_ring = [&](int ring) {
+      const double reach = 2 * farthest_corner(cell, p);  // bisectors to points farther away pass all corners
       grid.visit_ring(p, ring, [&](uint32_t k) {
-        if (k == i) return;
-        const glm::dvec3 n = glm::normalize(points[k] - p);
+        const double distance = glm::distance(points[k], p);
+        if (k == i || distance >= reach) return;
+        const glm::dvec3 n = (points[k] - p) / distance;
         clip(cell, {n, glm::dot(n, 0.5 * (points[k] + p))}, false);
       });
     };
-    // What lies beyond the ring is too far away once its bisector passes all corners.
     const auto done = [&](int ring) { return ring * grid.box_edge() >= 2 * farthest_corner(cell, p); };
     int ring = 0;
     for (; ring < std::min(3, grid.side()); ++ring) clip_by_ring(ring);
