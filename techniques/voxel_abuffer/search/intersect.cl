@@ -2,7 +2,7 @@
 // Closest and any hit of a buffer of rays. A work-item owns ABUFFER_CHUNK consecutive rays; the number of rays is read
 // from a device counter. Compiled with ABUFFER_WITH_EXACT where there are triangles for exact search, and
 // ABUFFER_WITH_PARITY (ABUFFER_STEPS: 0 for 2D-DDA, else 3 or 1; ABUFFER_UNREFINED) where there are those for parity.
-#include "voxel_abuffer/search/exact_columns.clh"
+#include "voxel_abuffer/search/exact_flights.clh"
 #ifndef ABUFFER_STEPS
 #define ABUFFER_STEPS 0
 #endif
@@ -68,75 +68,69 @@
   ABUFFER_SET_PARITY(context);                  \
   ABUFFER_SET_SCENE(context)
 
-// Walks through the grid. Hits may lie behind the voxel in which they are found: the nearest one is final only when the
-// ray has come as far.
-static bool abuffer_trace_exact(const AbufferContext* context, AbufferRay* r, Hit* best, const bool any) {
-  uint last = LUCARIUM_NO_HIT;
-  for (;;) {
-    const uint index = abuffer_voxel(context->grid.bricks, as_uint4(r->voxel));
-    const ulong bits = context->bricks[index >> 6];
-    int4 axes;
-    const float leaves = abuffer_exit(context, r, bits == 0ul, &axes);
-    if (bits >> (index & 63u) & 1ul) {
-      if (abuffer_search_voxel(context, r, context->voxels[index], leaves, &last, best, any)) return true;
-    }
-    if (best->distance <= leaves || leaves >= r->end) return false;
-    if (!abuffer_step(context, r, bits == 0ul, axes, leaves)) return false;
+#ifdef ABUFFER_WITH_PARITY
+// What the triangles for parity say of the rays first … end; those for exact search are a set of their own, and the
+// nearer hit counts.
+static void abuffer_trace_parity_chunk(const AbufferContext* context, __global const Ray* rays,
+                                       __global const RayEnds* ends, __global Hit* hits, __global uint* occluded,
+                                       uint first, uint end, const bool any) {
+  for (uint i = first; i < end; ++i) {
+    const Ray ray = rays[i];
+    Hit best = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
+    AbufferParityRay r;
+    const bool hit = abuffer_begin_parity(context, ray, ends[i], &r) && abuffer_trace_parity(context, &r, &best, any);
+    const bool within = hit && (any || best.distance <= ray.direction.w);
+    if (any)
+      occluded[i] = within;
+    else if (within)
+      hits[i] = best;
+    else
+      hits[i] = (Hit){INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
   }
 }
-
-// Whether an any-hit ray is stopped; of others the nearest hit. Triangles for parity and those for exact search are two
-// sets, and the nearer of their hits counts.
-static bool abuffer_trace(const AbufferContext* context, const Ray ray, const RayEnds ends, Hit* best, const bool any) {
-#ifdef ABUFFER_WITH_PARITY
-  AbufferParityRay p;
-  if (abuffer_begin_parity(context, ray, ends, &p)) {
-    Hit hit = *best;
-    if (abuffer_trace_parity(context, &p, &hit, any)) {
-      if (any) return true;
-      if (hit.distance <= best->distance) *best = hit;
-    }
-  }
-#endif
-#ifdef ABUFFER_WITH_EXACT
-  AbufferRay r;
-  if (abuffer_begin(context, ray, &r)) return abuffer_trace_exact(context, &r, best, any);
-#endif
-  return false;
-}
-
-#ifdef ABUFFER_WITH_PARITY
-#define ABUFFER_ENDS(i) ends[i]
+#define ABUFFER_TRACE_PARITY(hits, occluded, any) \
+  abuffer_trace_parity_chunk(&context, rays, ends, hits, occluded, first, end, any);
 #else
-#define ABUFFER_ENDS(i) none
+#define ABUFFER_TRACE_PARITY(hits, occluded, any)
+#endif
+
+#ifdef ABUFFER_WITH_EXACT
+#define ABUFFER_TRACE_EXACT(hits, occluded, any)                   \
+  {                                                                \
+    const AbufferQueue queue = {rays, hits, occluded, first, end}; \
+    abuffer_trace_flights(&context, queue, any);                   \
+  }
+#else
+#define ABUFFER_TRACE_EXACT(hits, occluded, any)
+#endif
+
+// A scene without triangles compiles neither: all rays miss.
+#if !defined(ABUFFER_WITH_EXACT) && !defined(ABUFFER_WITH_PARITY)
+#define ABUFFER_TRACE(hits, occluded, any)                         \
+  for (uint i = first; i < end; ++i) {                             \
+    const Hit miss = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};      \
+    const AbufferQueue queue = {rays, hits, occluded, first, end}; \
+    abuffer_land(&queue, i, miss, any);                            \
+  }
+#else
+#define ABUFFER_TRACE(hits, occluded, any) \
+  ABUFFER_TRACE_PARITY(hits, occluded, any) ABUFFER_TRACE_EXACT(hits, occluded, any)
 #endif
 
 __kernel void abuffer_closest(ABUFFER_SCENE_PARAMETERS __global const Ray* rays, __global Hit* hits,
                               __global const uint* counter, uint counter_index, uint capacity, uint slice_base,
                               ABUFFER_PARAMETERS) {
   ABUFFER_CONTEXT(context);
-  const RayEnds none = {LUCARIUM_NONE, LUCARIUM_NONE};
-  const uint count = min(counter[counter_index], capacity);
   const uint first = ((uint)get_global_id(0) + slice_base) * ABUFFER_CHUNK;
-  for (uint i = first; i < min(first + ABUFFER_CHUNK, count); ++i) {
-    const Ray ray = rays[i];
-    const Hit miss = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
-    Hit best = {fmin(ray.direction.w, MAXFLOAT), LUCARIUM_NO_HIT, 0.0f, 0.0f};
-    abuffer_trace(&context, ray, ABUFFER_ENDS(i), &best, false);
-    hits[i] = best.triangle == LUCARIUM_NO_HIT ? miss : best;
-  }
+  const uint end = min(first + ABUFFER_CHUNK, min(counter[counter_index], capacity));
+  ABUFFER_TRACE(hits, 0, false)
 }
 
 __kernel void abuffer_any(ABUFFER_SCENE_PARAMETERS __global const Ray* rays, __global uint* occluded,
                           __global const uint* counter, uint counter_index, uint capacity, uint slice_base,
                           ABUFFER_PARAMETERS) {
   ABUFFER_CONTEXT(context);
-  const RayEnds none = {LUCARIUM_NONE, LUCARIUM_NONE};
-  const uint count = min(counter[counter_index], capacity);
   const uint first = ((uint)get_global_id(0) + slice_base) * ABUFFER_CHUNK;
-  for (uint i = first; i < min(first + ABUFFER_CHUNK, count); ++i) {
-    const Ray ray = rays[i];
-    Hit best = {fmin(ray.direction.w, MAXFLOAT), LUCARIUM_NO_HIT, 0.0f, 0.0f};
-    occluded[i] = abuffer_trace(&context, ray, ABUFFER_ENDS(i), &best, true);
-  }
+  const uint end = min(first + ABUFFER_CHUNK, min(counter[counter_index], capacity));
+  ABUFFER_TRACE(0, occluded, true)
 }
