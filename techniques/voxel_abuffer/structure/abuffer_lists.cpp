@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_abuffer/structure/abuffer_lists.h"
 
+const lucarium::EmbeddedSources& voxel_abuffer_kernels();
+
 namespace lucarium::abuffer {
 
 namespace {
 
 constexpr const char* owner = "voxel_abuffer";
 constexpr const char* remedy = "lower abuffer_size";
+
+uint32_t axis_rows(const AbufferGrid& grid, int k) {
+  return k == 0 ? grid.voxels.z : k == 1 ? grid.voxels.x : grid.voxels.y;
+}
 
 size_t start_count(const AbufferGrid& grid) { return size_t{3} * grid.bricks.w; }
 
@@ -21,7 +27,10 @@ AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffe
                .conservative = kind == Kind::exact,
                .classes = true,
                .keep_alpha = true},
-              owner) {}
+              owner),
+      primitives_(scheduler.device()),
+      pack_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
+      cells_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_cells"})) {}
 
 size_t AbufferLists::estimate_bytes(const AbufferGrid& grid, size_t fragments) {
   return sizeof(uint32_t) * (start_count(grid) + 2 * (fragments + ABUFFER_PADDING));
@@ -42,45 +51,97 @@ void AbufferLists::reserve(const AbufferGrid& grid, size_t fragments) {
 }
 
 void AbufferLists::record(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
-                          uint32_t first_view, const LayeredStoreOptions& store, const Program& pack) const {
-  const bool exact = kind_ == Kind::exact;
-  const uint32_t first = exact ? 0 : ABUFFER_COUNT_EXACT + 1;
+                          uint32_t first_view, const LayeredStoreOptions& store) {
   for (uint32_t k = 0; k < 3; ++k) {
-    const std::string name = std::string(exact ? "exact_" : "parity_") + "xyz"[k];
-    const LayeredRaster::ViewRef view{sources.views, recorder.variable(name + ".view", first_view + k),
+    const Axis axis{std::string(kind_ == Kind::exact ? "exact_" : "parity_") + "xyz"[k], k};
+    const LayeredRaster::ViewRef view{sources.views, recorder.variable(axis.name + ".view", first_view + k),
                                       sources.classes};
-    const LayeredRaster::Stored stored = raster_.record_stored(recorder, name, view, store);
-    recorder.pass(name + ".add_base", pack, "abuffer_add_base")
-        .global(1)
-        .local(1)
-        .arg("pixel_start", stored.pixel_start)
-        .arg("pixels", axis_pixels(grid, static_cast<int>(k)))
-        .arg("axis", k)
-        .arg("first", first)
-        .arg("abuffer_counts", sources.counts);
-    PassBuilder pass = recorder.pass(name + ".pack", pack, exact ? "abuffer_pack_exact" : "abuffer_pack_parity");
-    const uint32_t rows = k == 0 ? grid.voxels.z : k == 1 ? grid.voxels.x : grid.voxels.y;
-    pass.global(rows)
-        .local(1)
-        .arg("abuffer_grid", sources.grid)
-        .arg("pixel_start", stored.pixel_start)
-        .arg("fragments", stored.fragments)
-        .arg("abuffer_counts", sources.counts)
-        .arg("axis", k)
-        .arg("first", first)
-        .arg("capacity", static_cast<uint32_t>(capacity_))
-        .arg("abuffer_start", start_)
-        .arg("abuffer_depths", depths_)
-        .arg("abuffer_fragments", fragments_);
-    if (!exact) {
-      pass.arg("abuffer_facing", sources.facing);
-      continue;
-    }
-    pass.arg("abuffer_planes", sources.planes)
-        .arg("abuffer_voxels", sources.voxels)
-        .arg("cell_capacity", sources.cell_capacity)
-        .arg("abuffer_cells", sources.cells);
+    if (kind_ == Kind::exact && store.variant == LayeredVariant::tiles)
+      record_touched(recorder, grid, sources, axis, view);
+    else
+      record_packed(recorder, grid, sources, axis, view, store);
+    if (kind_ == Kind::exact) record_cells(recorder, grid, sources, axis);
   }
+}
+
+/// Where the lists of an axis begin. `total[index]`: the number of its fragments.
+void AbufferLists::record_base(ScheduleRecorder& recorder, const Sources& sources, const Axis& axis,
+                               const BufferRef& total, uint32_t index) const {
+  recorder.pass(axis.name + ".add_base", pack_, "abuffer_add_base")
+      .global(1)
+      .local(1)
+      .arg("pixel_start", total)
+      .arg("pixels", index)
+      .arg("axis", axis.index)
+      .arg("first", first_count())
+      .arg("abuffer_counts", sources.counts);
+}
+
+void AbufferLists::bind_lists(PassBuilder& pass, const Sources& sources, const Axis& axis) const {
+  pass.arg("abuffer_grid", sources.grid)
+      .arg("abuffer_counts", sources.counts)
+      .arg("axis", axis.index)
+      .arg("first", first_count())
+      .arg("capacity", static_cast<uint32_t>(capacity_))
+      .arg("abuffer_start", start_)
+      .arg("abuffer_depths", depths_)
+      .arg("abuffer_fragments", fragments_);
+}
+
+void AbufferLists::record_touched(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
+                                  const Axis& axis, const LayeredRaster::ViewRef& view) {
+  if (!touched_ || touched_generation_ != raster_.generation()) {
+    touched_ =
+        make_program(*device_, voxel_abuffer_kernels(), {"voxel_abuffer/structure/fill_touched"}, raster_.defines());
+    touched_generation_ = raster_.generation();
+  }
+  const BufferRef columns = recorder.transient<uint32_t>(axis.name + ".columns", grid.bricks.w, remedy);
+  const BufferRef total = recorder.transient<uint32_t>(axis.name + ".fragment_count", 1);
+  recorder.fill_zero(axis.name + ".clear", columns);
+  raster_.record_tiles(recorder, axis.name + ".count", view, touched_, "abuffer_count_touched", [&](PassBuilder& pass) {
+    pass.arg("abuffer_grid", sources.grid).arg("axis", axis.index).arg("abuffer_columns", columns);
+  });
+  primitives_.record_exclusive_scan(recorder, axis.name + ".scan", columns, columns, total, grid.bricks.w);
+  record_base(recorder, sources, axis, total, 0);
+  raster_.record_tiles(recorder, axis.name + ".fill", view, touched_, "abuffer_fill_touched", [&](PassBuilder& pass) {
+    bind_lists(pass, sources, axis);
+    pass.arg("abuffer_columns", columns).arg("abuffer_planes", sources.planes);
+  });
+}
+
+void AbufferLists::record_packed(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
+                                 const Axis& axis, const LayeredRaster::ViewRef& view,
+                                 const LayeredStoreOptions& store) const {
+  const bool exact = kind_ == Kind::exact;
+  const LayeredRaster::Stored stored = raster_.record_stored(recorder, axis.name, view, store);
+  record_base(recorder, sources, axis, stored.pixel_start, axis_pixels(grid, static_cast<int>(axis.index)));
+  PassBuilder pass = recorder.pass(axis.name + ".pack", pack_, exact ? "abuffer_pack_exact" : "abuffer_pack_parity");
+  pass.global(axis_rows(grid, static_cast<int>(axis.index)))
+      .local(1)
+      .arg("pixel_start", stored.pixel_start)
+      .arg("fragments", stored.fragments);
+  bind_lists(pass, sources, axis);
+  if (exact)
+    pass.arg("abuffer_planes", sources.planes);
+  else
+    pass.arg("abuffer_facing", sources.facing);
+}
+
+void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
+                                const Axis& axis) const {
+  recorder.pass(axis.name + ".mark_cells", cells_, "abuffer_mark_cells_of_row")
+      .global(axis_rows(grid, static_cast<int>(axis.index)))
+      .local(1)
+      .arg("abuffer_grid", sources.grid)
+      .arg("abuffer_start", start_)
+      .arg("abuffer_depths", depths_)
+      .arg("abuffer_counts", sources.counts)
+      .arg("axis", axis.index)
+      .arg("first", first_count())
+      .arg("capacity", static_cast<uint32_t>(capacity_))
+      .arg("abuffer_voxels", sources.voxels)
+      .arg("cell_capacity", sources.cell_capacity)
+      .arg("abuffer_cells", sources.cells);
 }
 
 }  // namespace lucarium::abuffer

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "lucarium/services/layered_raster/layered_raster.h"
+#include "lucarium/services/primitives/primitives.h"
 #include "voxel_abuffer/structure/grid_layout.h"
 
 namespace lucarium::abuffer {
@@ -27,22 +28,40 @@ class AbufferLists {
   size_t bytes() const { return start_.bytes() + depths_.bytes() + fragments_.bytes(); }
   static size_t estimate_bytes(const AbufferGrid& grid, size_t fragments);
 
-  /// Records the three views, and the packing of each. `views`: three LayeredView from `first_view` on.
+  /// Records the three views, and their lists. Exact lists are filled straight from the raster's tiles, others packed
+  /// from a stored A-buffer; both give the same. `views`: three LayeredView from `first_view` on.
   struct Sources {
     BufferRef grid, views, classes, planes, counts, voxels, cells, facing;
     uint32_t cell_capacity = 0;  ///< blocks
   };
   void record(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, uint32_t first_view,
-              const LayeredStoreOptions& store, const Program& pack) const;
+              const LayeredStoreOptions& store);
 
   const TypedBuffer<uint32_t>& start() const { return start_; }
   const TypedBuffer<uint32_t>& depths() const { return depths_; }
   const TypedBuffer<uint32_t>& fragments() const { return fragments_; }
 
  private:
+  struct Axis {
+    std::string name;
+    uint32_t index;
+  };
+  uint32_t first_count() const { return kind_ == Kind::exact ? 0 : ABUFFER_COUNT_EXACT + 1; }
+  void record_base(ScheduleRecorder& recorder, const Sources& sources, const Axis& axis, const BufferRef& total,
+                   uint32_t index) const;
+  void bind_lists(PassBuilder& pass, const Sources& sources, const Axis& axis) const;
+  void record_touched(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, const Axis& axis,
+                      const LayeredRaster::ViewRef& view);
+  void record_packed(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, const Axis& axis,
+                     const LayeredRaster::ViewRef& view, const LayeredStoreOptions& store) const;
+  void record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
+                    const Axis& axis) const;
   Kind kind_;
   Device* device_;
   LayeredRaster raster_;
+  Primitives primitives_;
+  Program pack_, cells_, touched_;
+  uint64_t touched_generation_ = 0;
   TypedBuffer<uint32_t> start_, depths_, fragments_;
   size_t capacity_ = 0;
   uint64_t generation_ = 0;

@@ -34,7 +34,7 @@ struct VoxelAbuffer::State {
   TriangleClasses loaded_classes;  ///< of the scene's meshes
   TriangleClasses classes;         ///< less the components that the last build moved
   Primitives primitives;
-  Program prepare_program, pack_program, voxel_program, search_program;
+  Program prepare_program, voxel_program, search_program;
   std::map<std::string, std::string> search_defines;
   bool search_alpha = false;
   std::optional<AbufferLists> exact, parity;

@@ -42,7 +42,6 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
       primitives(on.device()),
       prepare_program(
           make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/prepare_triangles"})),
-      pack_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
       voxel_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_voxels"})),
       grid_buffer(on.device(), owner, "grid", 1),
       views(on.device(), owner, "views", 6),
@@ -162,7 +161,7 @@ void VoxelAbuffer::State::record_build() {
   const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes,       counts,
                                       voxels,      cells, facing,           cell_capacity};
   const LayeredStoreOptions store{.variant = options.list};
-  if (exact) exact->record(recorder, grid, sources, views_of_exact, store, pack_program);
+  if (exact) exact->record(recorder, grid, sources, views_of_exact, store);
   recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
       .global(voxel_count)
       .arg("abuffer_voxels", voxels)
@@ -172,7 +171,7 @@ void VoxelAbuffer::State::record_build() {
       .arg("abuffer_cells", cells);
   if (parity) {
     recorder.fill_zero("clear_facing", facing);
-    parity->record(recorder, grid, sources, views_of_parity, store, pack_program);
+    parity->record(recorder, grid, sources, views_of_parity, store);
     record_axes(recorder);
   }
   build_schedule = recorder.compile();
