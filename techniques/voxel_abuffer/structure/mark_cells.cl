@@ -16,12 +16,13 @@ static ulong abuffer_cell_section(uint x, uint y) {
 }
 
 // Marks the cells of one depth interval, in the slices across `axis` only: abuffer_turn_cells() makes the others.
+// per_step: cells per step of depth; adding a half makes the float quotient's integer part exact.
 static void abuffer_mark_cells(const AbufferGrid* grid, __global const uint* voxels, __global ulong* cells, uint axis,
-                               uint voxel_x, uint voxel_y, ulong section, uint interval) {
-  const uint edge = grid->voxels.w, steps = 2u * edge;  // a cell's of ABUFFER_DEPTH_STEPS
+                               uint voxel_x, uint voxel_y, ulong section, uint interval, float per_step) {
   const uint last_slab = 8u * abuffer_component(grid->voxels, axis) - 1u;
-  const uint first = min((interval & 0xffffu) / steps, last_slab);
-  const uint last = min(((uint)ABUFFER_DEPTH_LAST - (interval >> 16)) / steps, last_slab);
+  const uint near = interval & 0xffffu, far = (uint)ABUFFER_DEPTH_LAST - (interval >> 16);
+  const uint first = min((uint)(((float)near + 0.5f) * per_step), last_slab);
+  const uint last = min((uint)(((float)far + 0.5f) * per_step), last_slab);
   for (uint slab = first; slab <= last; ++slab) {
     const uint word = voxels[abuffer_voxel(grid->bricks, abuffer_voxel_of(axis, voxel_x, voxel_y, slab >> 3))];
     if (!(word & ABUFFER_EXACT(axis))) continue;  // near it only
@@ -37,6 +38,7 @@ __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid
                                         uint cell_capacity, __global ulong* abuffer_cells) {
   const AbufferGrid grid = abuffer_grid[0];
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis));
+  const float per_step = 8.0f / ((float)edge * ABUFFER_DEPTH_STEPS);
   const uint row = get_global_id(0);
   if (row >= abuffer_component(grid.voxels, abuffer_axis_y(axis))) return;
   if (abuffer_counts[first + axis + 1u] > capacity || abuffer_counts[ABUFFER_COUNT_CELLS] > cell_capacity) return;
@@ -46,6 +48,7 @@ __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid
       for (uint x = 0u; x < edge; ++x, ++start) {
         const ulong section = abuffer_cell_section(abuffer_cells_of_pixel(x, edge), abuffer_cells_of_pixel(y, edge));
         for (uint i = start[0]; i < start[1]; ++i)
-          abuffer_mark_cells(&grid, abuffer_voxels, abuffer_cells, axis, voxel, row, section, abuffer_depths[i]);
+          abuffer_mark_cells(&grid, abuffer_voxels, abuffer_cells, axis, voxel, row, section, abuffer_depths[i],
+                             per_step);
       }
 }
