@@ -95,16 +95,8 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
         .arg("radiance", forest_.radiance)
         .arg("extremes", extremes)
         .arg("radiance_unit", forest_.radiance_unit);
-    PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
-      recorder.pass("pull", program_, "pull_radiance")
-          .global(size_t{1} << top)
-          .local(1)
-          .arg("trees", forest_.tree_records)
-          .arg("tree", t)
-          .arg("top", top)
-          .arg("bottom", bottom)
-          .arg("radiance", forest_.radiance)
-          .arg("extremes", extremes);
+    forest_.add_level_passes(recorder, "pull", program_, "pull_radiance", t, [&](PassBuilder& pass) {
+      pass.arg("radiance", forest_.radiance).arg("extremes", extremes);
     });
   }
   if (choose) add_choices(recorder, extremes);
@@ -122,17 +114,8 @@ void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extreme
         .arg("tree", t)
         .arg("count", tree.leaves())
         .arg("choices", shading_.choices);
-    PointForest::for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
-      recorder.pass("pull choices", program_, "pull_choices")
-          .global(size_t{1} << top)
-          .local(1)
-          .arg("trees", forest_.tree_records)
-          .arg("tree", t)
-          .arg("top", top)
-          .arg("bottom", bottom)
-          .arg("seed", choice_seed_)
-          .arg("extremes", extremes)
-          .arg("choices", shading_.choices);
+    forest_.add_level_passes(recorder, "pull choices", program_, "pull_choices", t, [&](PassBuilder& pass) {
+      pass.arg("seed", choice_seed_).arg("extremes", extremes).arg("choices", shading_.choices);
     });
   }
 }

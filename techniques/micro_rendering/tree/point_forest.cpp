@@ -284,16 +284,8 @@ void PointForest::derive(const std::vector<size_t>& which) {
         .arg("triangle_edges", triangle_edges)
         .arg("nodes", nodes)
         .arg("clips", clips);
-    for_level_ranges(tree.record.depth, [&](uint32_t top, uint32_t bottom) {
-      recorder.pass("refit", program_, "refit_nodes")
-          .global(size_t{1} << top)
-          .local(1)
-          .arg("trees", tree_records)
-          .arg("tree", number)
-          .arg("top", top)
-          .arg("bottom", bottom)
-          .arg("nodes", nodes);
-    });
+    add_level_passes(recorder, "refit", program_, "refit_nodes", number,
+                     [&](PassBuilder& pass) { pass.arg("nodes", nodes); });
   }
   Schedule schedule = recorder.compile();
   const double before = update_seconds();

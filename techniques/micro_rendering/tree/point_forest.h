@@ -94,6 +94,18 @@ class PointForest {
       bottom = top;
     }
   }
+  /// Adds one pass per such range of tree number `number`: 2^top work-items of `kernel`, which has the parameters
+  /// `trees`, `tree`, `top` and `bottom`, and the arguments that bind(PassBuilder&) gives.
+  template <class Bind>
+  void add_level_passes(ScheduleRecorder& recorder, const std::string& name, const Program& program,
+                        const std::string& kernel, uint32_t number, Bind bind) const {
+    for_level_ranges(trees_[number].record.depth, [&](uint32_t top, uint32_t bottom) {
+      PassBuilder pass = recorder.pass(name, program, kernel);
+      pass.global(size_t{1} << top).local(1);
+      pass.arg("trees", tree_records).arg("tree", number).arg("top", top).arg("bottom", bottom);
+      bind(pass);
+    });
+  }
 
  private:
   /// The parts of a material that decide where points are.
