@@ -80,10 +80,10 @@ std::shared_ptr<const EnvironmentGuide> make_guide(const Parameters& parameters,
 
 size_t estimate_bytes(const BundlePlan& plan, const Parameters& parameters, const Scene& scene,
                       const RenderSettings& settings) {
-  const size_t sides = plan.atlas.texel_count * 5 / 4;
-  return SurfaceAtlas::estimate_bytes(scene, plan.atlas) + SideMeans::estimate_bytes(sides, plan.channels, parameters) +
-         SideLight::estimate_bytes(sides) + TexelInterior::estimate_bytes(sides, SIDE_POINTS) +
-         SideAccessibility::estimate_bytes(sides) +
+  const size_t sides = SurfaceAtlas::estimate_sides(scene, plan.atlas);
+  return SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) +
+         SideMeans::estimate_bytes(sides, plan.channels, parameters) + SideLight::estimate_bytes(sides) +
+         TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides) +
          (plan.reflects ? SideSpecular::estimate_bytes(sides, plan.channels, parameters) : 0) +
          CameraLight::estimate_bytes(settings.width, settings.height, plan.camera.gather, plan.camera.by_bundles,
                                      plan.preview) +

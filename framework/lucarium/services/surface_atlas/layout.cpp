@@ -17,7 +17,9 @@ namespace lucarium {
 namespace {
 
 constexpr int attempts = 4;               // at texel edges, until the wanted count is met
+constexpr int most_attempts = 12;         // while there are too many, so that estimate.h can say how many there will be
 constexpr double count_tolerance = 1.08;  // within which a count counts as met
+constexpr double too_many = 9. / 8;
 constexpr double free_slivers =
     1. / 8;                   // of the wanted count: texels of slivers that other texels need not make up for
 constexpr size_t parts = 64;  // independent of the number of threads, and so is the result
@@ -104,20 +106,20 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   if (!(settings.edge > 0)) settings.edge = 1;  // nothing has an area
   std::vector<AtlasPart> best;
   double best_edge = 0, best_off = INFINITY;
-  bool of_slivers = false;  // they make up half of the area, at the first edge: all attempts have one measure
-  double share = 0.3;       // of the progress; most layouts need one attempt
-  for (int attempt = 0; attempt < attempts; ++attempt, share *= 0.5) {
+  double share = 0.3;  // of the progress; most layouts need one attempt
+  for (int attempt = 1; attempt <= most_attempts; ++attempt, share *= 0.5) {
     const ChartSets sets = join_small_charts(mesh, grown, settings.edge);
     std::vector<AtlasPart> placed = place_charts(
         mesh, sets, settings, threads, [&](double done) { watch.at(0.9 - share * (2 - done), "placing charts"); });
     absorb_fragments(mesh, settings, placed);
     const SideCount count = side_count(placed, settings.edge);
-    if (attempt == 0) of_slivers = count.sliver_area >= 0.5 * area;
+    const bool of_slivers = count.sliver_area >= 0.5 * area;
     const double wanted = double(options.texel_count);
     const double ratio = options.texel_edge > 0 ? 1 : charged_count(count, wanted, of_slivers) / wanted;
     const double off = std::fabs(std::log(std::max(ratio, 1e-9)));
     const bool better = off < best_off;
-    const bool worth_another = ratio > 0 && off > std::log(count_tolerance) && off < 0.9 * best_off;
+    const bool met = off <= std::log(count_tolerance) || (attempt >= attempts && ratio <= too_many);
+    const bool worth_another = ratio > 0 && !met && off < 0.9 * best_off;
     if (better) best = std::move(placed), best_edge = settings.edge, best_off = off;
     if (!worth_another) break;
     settings.edge *= std::sqrt(ratio);

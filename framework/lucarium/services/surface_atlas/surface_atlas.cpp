@@ -11,29 +11,13 @@
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/device/emission.h"
 #include "lucarium/services/bvh/moving_parts.h"
+#include "lucarium/services/surface_atlas/estimate.h"
 #include "lucarium/services/surface_atlas/geometry.h"
 
 namespace lucarium {
 namespace {
 
 constexpr double kMissedArea = 0.01;  // of triangles without texels, above which an atlas is built again [s²]
-
-/// Area of all reflecting sides [m²].
-double scene_side_area(const Scene& scene) {
-  double sum = 0;
-  for (const SceneInstance& instance : scene.instances) {
-    const Mesh& mesh = instance.shape(scene);
-    const glm::mat3 linear(instance.world_from_object);
-    double area = 0;
-    for (const glm::uvec3& t : mesh.triangles) {
-      const glm::vec3 a = mesh.positions[t.x];
-      const glm::vec3 e1 = linear * (mesh.positions[t.y] - a), e2 = linear * (mesh.positions[t.z] - a);
-      area += 0.5 * static_cast<double>(glm::length(glm::cross(e1, e2)));
-    }
-    sum += area * (is_two_sided(scene.materials[static_cast<size_t>(instance.material)]) ? 2 : 1);
-  }
-  return sum;
-}
 
 void measure_texels(const AtlasLayout& layout, SurfaceAtlasReport& report) {
   report.sides = layout.info.texel_count;
@@ -109,11 +93,13 @@ struct SurfaceAtlas::State {
 // Before the work, from the estimate: the host would need as much while it lays the atlas out.
 void SurfaceAtlas::State::refuse_if_too_large(const Scene& scene) const {
   const MemoryAccount& account = device.memory();
-  const size_t least = estimate_bytes(scene, options) / 5 * 4;  // the estimate is good to a fifth
+  const double wanted = std::min(wanted_sides(reflecting_area(scene), options), 1e14);
+  const size_t bytes = estimate_bytes(scene, options, static_cast<size_t>(wanted));
+  const size_t least = bytes / 5 * 4;  // the estimate is good to a fifth
   if (least <= account.total_bytes() - std::min(account.used_bytes(), account.total_bytes())) return;
   throw_error(ErrorClass::device, "surface atlas: about {} are needed, but {} of {} are in use; {}",
-              format_bytes(estimate_bytes(scene, options)), format_bytes(account.used_bytes()),
-              format_bytes(account.total_bytes()), options.remedy);
+              format_bytes(bytes), format_bytes(account.used_bytes()), format_bytes(account.total_bytes()),
+              options.remedy);
 }
 
 void SurfaceAtlas::State::build(const Scene& scene) {
@@ -254,15 +240,16 @@ std::vector<float4> SurfaceAtlas::side_colors() const {
 
 double SurfaceAtlas::estimate_edge(const Scene& scene, const AtlasLayoutOptions& options) {
   if (options.texel_edge > 0) return options.texel_edge;
-  return std::sqrt(scene_side_area(scene) / static_cast<double>(std::max<uint64_t>(1, options.texel_count)));
+  const double area = reflecting_area(scene);
+  return std::sqrt(area / wanted_sides(area, options));
 }
 
-size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {
+size_t SurfaceAtlas::estimate_sides(const Scene& scene, const AtlasLayoutOptions& options) {
+  return static_cast<size_t>(std::min(most_sides(scene, options), 1e14));
+}
+
+size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options, size_t sides) {
   // Cells are about twice the texels with their rings; pieces one and a half times the texels and two per triangle.
-  const double wanted = options.texel_edge > 0 ? scene_side_area(scene) / (options.texel_edge * options.texel_edge)
-                                               : static_cast<double>(options.texel_count);
-  // Texels of slivers may come on top, up to an eighth.
-  const size_t sides = static_cast<size_t>(std::min(wanted * 9 / 8, 1e14));
   const size_t triangles = static_cast<size_t>(scene.triangle_count());
   const size_t per_side = sizeof(AtlasTexel) + sizeof(SurfacePoint) + sizeof(AtlasMaterial) + sizeof(uint2) +
                           options.samples * sizeof(AtlasSample);

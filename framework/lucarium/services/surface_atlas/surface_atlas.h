@@ -81,8 +81,14 @@ class SurfaceAtlas {
 
   /// Expected edge s of texels [m].
   static double estimate_edge(const Scene& scene, const AtlasLayoutOptions& options);
-  /// Expected device memory for a scene [bytes]; the constructor states the exact one.
-  static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options);
+  /// Most texel sides that an atlas of the scene has: surfaces that touch nothing have a texel each, whatever was
+  /// wanted.
+  static size_t estimate_sides(const Scene& scene, const AtlasLayoutOptions& options);
+  /// Device memory for as many texel sides [bytes], by default the most; the constructor states the exact one.
+  static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options, size_t sides);
+  static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {
+    return estimate_bytes(scene, options, estimate_sides(scene, options));
+  }
 
  private:
   struct State;

@@ -217,14 +217,17 @@ TEST_CASE("the packed picture has every texel") {
   for (const char* name : {"atlas", "Albedo", "Emission", "P", "N", "Area"}) CHECK(drawn.find(name));
 }
 
-TEST_CASE("memory: refused with numbers, estimated about right") {
+TEST_CASE("memory: refused with numbers, estimated at little more than it is") {
   Scene scene = make_builtin_scene("cornell");
   AtlasContext context(scene, 100000);
   const double estimate = double(SurfaceAtlas::estimate_bytes(scene, context.options));
-  CHECK(double(context.atlas->report().bytes) == test::relative(estimate, 0.2));
+  CHECK(double(context.atlas->report().bytes) <= estimate);
+  CHECK(double(context.atlas->report().bytes) > 0.7 * estimate);
   SurfaceAtlasOptions by_edge;
   by_edge.texel_edge = context.atlas->report().texel_edge;
-  CHECK(double(SurfaceAtlas::estimate_bytes(scene, by_edge)) == test::relative(estimate, 0.05));
+  const double again = double(SurfaceAtlas::estimate_bytes(scene, by_edge));
+  CHECK(double(context.atlas->report().bytes) <= again);
+  CHECK(double(context.atlas->report().bytes) > 0.7 * again);
   CHECK(context.atlas->report().sides == context.atlas->info().texel_count);
   CHECK(context.atlas->report().area_p50 == test::relative(1, 0.05));
   DeviceOptions little;

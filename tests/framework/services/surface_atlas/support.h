@@ -48,6 +48,26 @@ inline double side_area(const AtlasGeometry& g) {
   return sum;
 }
 
+/// Triangles with vertices of their own.
+inline AtlasGeometry soup(const std::vector<glm::vec3>& corners, bool two_sided = false) {
+  AtlasGeometry g;
+  g.positions = corners;
+  for (uint32_t i = 0; i + 2 < corners.size(); i += 3) {
+    g.triangles.emplace_back(i, i + 1, i + 2);
+    g.instance.push_back(0);
+    const glm::vec3 n = glm::cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]);
+    g.normals.insert(g.normals.end(), 3, glm::length(n) > 0 ? glm::normalize(n) : glm::vec3(0, 1, 0));
+  }
+  g.two_sided = {two_sided};
+  return g;
+}
+
+/// A rectangle of the plane y = 0 that faces up.
+inline void add_floor(std::vector<glm::vec3>& corners, float x0, float z0, float x1, float z1) {
+  const glm::vec3 a(x0, 0, z0), b(x0, 0, z1), c(x1, 0, z1), d(x1, 0, z0);
+  corners.insert(corners.end(), {a, b, c, a, c, d});
+}
+
 /// A uniform point of a triangle; now and then on an edge or a corner.
 struct RandomPoint {
   float b1, b2;

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// How large an atlas gets: internal to the surface atlas.
+#pragma once
+#include "lucarium/scene/scene.h"
+#include "lucarium/services/surface_atlas/layout.h"
+
+namespace lucarium {
+
+/// Area of all reflecting sides [m²].
+double reflecting_area(const Scene& scene);
+
+/// Texel sides that reflecting sides of `area` [m²] are meant to have.
+double wanted_sides(double area, const AtlasLayoutOptions& options);
+
+/// Most texel sides that an atlas of a geometry has (normals and texture coordinates do not matter). Surfaces that
+/// touch nothing have a texel each at any edge, and long ones of them as many as lie along them.
+double most_sides(const AtlasGeometry& geometry, const AtlasLayoutOptions& options);
+double most_sides(const Scene& scene, const AtlasLayoutOptions& options);
+
+}  // namespace lucarium
