@@ -11,12 +11,19 @@
 #include "lucarium/shared/dialect.h"
 
 // How to find the texel of a point of one world triangle: uv interpolated between the corners, clamped to their box,
-// then texel = atlas_table[base + (uint)v * pitch + (uint)u].
+// then texel = atlas_table[base + (uint)v * LUCARIUM_ATLAS_PITCH(triangle) + (uint)u].
 LUCARIUM_STRUCT_BEGIN(AtlasTriangle)
 float u0, v0, u1, v1, u2, v2;  // of the corners [cells], relative to the integer minimum of the triangle
 uint base;                     // cell of that minimum
-uint pitch;                    // cells per row of its chart; 0: a chart of one texel (uv are constant)
+uint pitch_key;                // LUCARIUM_ATLAS_PITCH and, above it, LUCARIUM_ATLAS_KEY
 LUCARIUM_STRUCT_END(AtlasTriangle, 32)
+
+// Cells per row of its chart; 0: a chart of one texel (uv are constant).
+#define LUCARIUM_ATLAS_PITCH_BITS 26u
+#define LUCARIUM_ATLAS_PITCH(triangle) ((triangle).pitch_key & ((1u << LUCARIUM_ATLAS_PITCH_BITS) - 1u))
+// What tells near triangles apart: their number modulo 64, which leaves out triangles that rays cannot hit, so that
+// they change nothing.
+#define LUCARIUM_ATLAS_KEY(triangle) ((triangle).pitch_key >> LUCARIUM_ATLAS_PITCH_BITS)
 
 // One side. The sample position lies on the texel's largest piece of a triangle.
 LUCARIUM_STRUCT_BEGIN(AtlasTexel)

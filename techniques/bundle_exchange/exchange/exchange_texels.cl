@@ -17,7 +17,7 @@ AtlasTexel jitter_texel(const global AtlasTriangle* atlas_triangles, const globa
   const AtlasTriangle t = atlas_triangles[texel.triangle];
   const float2 e1 = (float2)(t.u1 - t.u0, t.v1 - t.v0), e2 = (float2)(t.u2 - t.u0, t.v2 - t.v0);
   const float area = e1.x * e2.y - e1.y * e2.x;
-  if (t.pitch == 0u || area == 0.0f) return texel;
+  if (LUCARIUM_ATLAS_PITCH(t) == 0u || area == 0.0f) return texel;
   const float2 d = floor(atlas_uv(t, texel.b1, texel.b2)) + u - (float2)(t.u0, t.v0);
   const float b1 = (d.x * e2.y - d.y * e2.x) / area, b2 = (e1.x * d.y - e1.y * d.x) / area;
   if (!(b1 >= 0.0f && b2 >= 0.0f && b1 + b2 <= 1.0f)) return texel;
@@ -59,7 +59,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const uint sender = seen_side(&scene, atlas_info, atlas_triangles, atlas_table, &list, &point, seen);
   // Weight the ray by the cosine and by how accessible this part of the texel is.
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
-  const uint part = side_part(triangle.pitch, texel.triangle, atlas_uv(triangle, texel.b1, texel.b2));
+  const uint part = side_part(triangle, atlas_uv(triangle, texel.b1, texel.b2));
   const float cosine = dot(normal, views[0].row_w.xyz),
               w = weight * fabs(cosine) * part_accessibility(accessibility, side, part);
   global float4* to = records + (size_t)side * BUNDLE_RECORD;

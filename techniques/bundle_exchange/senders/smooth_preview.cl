@@ -56,7 +56,8 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
   // Find the texel side's own cell, from which neighbours are counted.
   const AtlasTexel texel = atlas_texels[side];
   const AtlasTriangle triangle = atlas_triangles[texel.triangle];
-  const uint home = atlas_cell(triangle, atlas_uv(triangle, texel.b1, texel.b2));
+  const uint home = atlas_cell(triangle, atlas_uv(triangle, texel.b1, texel.b2)),
+             pitch = LUCARIUM_ATLAS_PITCH(triangle);
   const float own_variance = variance[side];
   const bool known = own_variance >= 0.0f;
   // Add the neighbours that the surface joins to the texel side, on the same side, as far as noise explains the
@@ -70,8 +71,8 @@ __kernel void smooth_preview(AtlasInfo atlas_info, __global const AtlasTriangle*
     const int du = k % 3 - 1, dv = k / 3 - 1;
     uint other = side;
     if (du != 0 || dv != 0) {
-      if (triangle.pitch == 0u) continue;
-      const uint cell = walk_cells(atlas_info, atlas_links, home, triangle.pitch, du, dv, stride);
+      if (pitch == 0u) continue;
+      const uint cell = walk_cells(atlas_info, atlas_links, home, pitch, du, dv, stride);
       if (cell == LUCARIUM_NONE) continue;
       other = atlas_side(atlas_info, atlas_table[cell], front);
       if (other == LUCARIUM_NONE) continue;

@@ -61,7 +61,7 @@ __kernel void finish_accessibility(uint sides, AtlasInfo atlas_info,
     if (hidden[side] >> k & 1u) continue;
     const AtlasSample sample = atlas_samples[(size_t)side * SIDE_POINTS + k];
     const AtlasTriangle triangle = atlas_triangles[sample.triangle];
-    const uint part = side_part(triangle.pitch, sample.triangle, atlas_uv(triangle, sample.b1, sample.b2));
+    const uint part = side_part(triangle, atlas_uv(triangle, sample.b1, sample.b2));
     of_points |= part_level(accessibility, side, part) << 4u * k;
   }
   points[side] = of_points;

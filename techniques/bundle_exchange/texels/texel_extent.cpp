@@ -46,7 +46,7 @@ void visit_corners(const AtlasTriangle& t, const glm::vec3 (&p)[3], const std::v
                    const Visit& visit) {
   const glm::dvec2 uv[3] = {{t.u0, t.v0}, {t.u1, t.v1}, {t.u2, t.v2}};
   const auto texel = [&](int u, int v) {
-    return table[t.base + static_cast<uint32_t>(v) * t.pitch + static_cast<uint32_t>(u)];
+    return table[t.base + static_cast<uint32_t>(v) * LUCARIUM_ATLAS_PITCH(t) + static_cast<uint32_t>(u)];
   };
   const glm::dvec2 low = glm::min(uv[0], glm::min(uv[1], uv[2])), high = glm::max(uv[0], glm::max(uv[1], uv[2]));
   const glm::ivec2 first(low), last(high);

@@ -47,6 +47,8 @@ void AtlasMesh::leave_out() {
     if (left_out[t]) area[t] = 0;  // not what rounding gives it
   }
   if (hit == 0 && count > 0) left_out[0] = 0;
+  uint32_t next = 0;
+  for (const uint8_t out : left_out) number.push_back(out ? next : next++);
 }
 
 void AtlasMesh::weld() {

@@ -27,6 +27,7 @@ struct AtlasMesh {
   /// Rays cannot hit it: it has neither area nor neighbours nor a chart. Where all are such, the first one stays, so
   /// that there is a texel.
   std::vector<uint8_t> left_out;
+  std::vector<uint32_t> number;  ///< among those that are not left out
 
   size_t triangle_count() const { return area.size(); }
   glm::dvec3 position(uint32_t triangle, int corner) const {

@@ -9,6 +9,7 @@ namespace lucarium {
 namespace {
 
 constexpr double max_cells = 2e9;  // of one chart; cells have 32-bit numbers
+constexpr uint32_t max_width = (1u << LUCARIUM_ATLAS_PITCH_BITS) - 1;
 
 }  // namespace
 
@@ -45,7 +46,7 @@ void ChartPlacer::place_one_texel(const std::vector<uint32_t>& triangles, AtlasP
 
 // chart_ on its grid, without what had to leave.
 void ChartPlacer::place_grid(AtlasPart& part) {
-  if (double(width_) * double(height_) > max_cells) {
+  if (double(width_) * double(height_) > max_cells || width_ > max_width) {
     throw_error(ErrorClass::usage, "surface atlas: a chart of {}x{} texels is too large; ask for fewer texels", width_,
                 height_);
   }

@@ -37,7 +37,7 @@ class Sampler {
     for (uint32_t t = 0; t < layout_.triangles.size(); ++t) {
       const AtlasTriangle& record = layout_.triangles[t];
       const glm::dvec2 uv[3] = {{record.u0, record.v0}, {record.u1, record.v1}, {record.u2, record.v2}};
-      if (record.pitch == 0) {
+      if (LUCARIUM_ATLAS_PITCH(record) == 0) {
         add(t, uv, {0, 0, 1.f, 1.f / 3, 1.f / 3}, layout_.table[record.base]);
         continue;
       }
@@ -45,7 +45,8 @@ class Sampler {
       clip_to_cells(uv, cells);
       for (const ClippedCell& cell : cells)
         if (cell.fraction > 0)
-          add(t, uv, cell, layout_.table[record.base + uint32_t(cell.y) * record.pitch + uint32_t(cell.x)]);
+          add(t, uv, cell,
+              layout_.table[record.base + uint32_t(cell.y) * LUCARIUM_ATLAS_PITCH(record) + uint32_t(cell.x)]);
     }
     const uint32_t both = layout_.info.double_sided_count;
     const auto first = layout_.samples.begin();
@@ -60,7 +61,7 @@ class Sampler {
     const uint64_t place = uint64_t(uint32_t(cell.y)) << 32 | uint32_t(cell.x);
     for (uint32_t k = 0; k < count_; ++k) {
       const uint64_t own = splitmix(uint64_t{texel} * count_ + k);
-      if (unit(splitmix(own ^ splitmix(place ^ splitmix(triangle)))) * area_[texel] >= area) continue;
+      if (unit(splitmix(own ^ splitmix(place ^ splitmix(mesh_.number[triangle])))) * area_[texel] >= area) continue;
       const uint64_t shift = splitmix(~uint64_t{texel});
       const glm::dvec2 u(fraction(unit(shift) + 0.7548776662466927 * k),
                          fraction(unit(splitmix(shift)) + 0.5698402909980532 * k));

@@ -118,7 +118,7 @@ void SeamLinker::offer_cells(const AtlasChart& chart, uint32_t triangle, int edg
 // The texel of a triangle's chart at barycentrics that may lie outside the triangle, or LUCARIUM_NONE.
 uint32_t SeamLinker::texel_at(uint32_t triangle, const dvec2& barycentrics) const {
   const AtlasTriangle& record = layout_.triangles[triangle];
-  if (record.pitch == 0) return layout_.table[record.base];
+  if (LUCARIUM_ATLAS_PITCH(record) == 0) return layout_.table[record.base];
   const AtlasChart& chart = layout_.charts[chart_of_[triangle]];
   const dvec2* uv = placed_[triangle]->uv;
   const dvec2 at = glm::floor(uv[0] + barycentrics.x * (uv[1] - uv[0]) + barycentrics.y * (uv[2] - uv[0]));

@@ -9,7 +9,6 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
-#include "lucarium/scene/device/emission.h"
 #include "lucarium/services/bvh/moving_parts.h"
 #include "lucarium/services/surface_atlas/estimate.h"
 #include "lucarium/services/surface_atlas/geometry.h"

@@ -14,7 +14,8 @@ namespace {
 constexpr double sliver_area = 1. / 64;  // of a texel [s²]
 
 /// uv relative to the triangle's integer minimum, which goes into the base.
-AtlasTriangle make_record(const ChartTriangle& triangle, const PlacedChart& chart, uint32_t first_cell) {
+AtlasTriangle make_record(const ChartTriangle& triangle, const PlacedChart& chart, uint32_t first_cell,
+                          uint32_t number) {
   const glm::dvec2 minimum = glm::floor(glm::min(triangle.uv[0], glm::min(triangle.uv[1], triangle.uv[2])));
   AtlasTriangle record{};
   float* const corner = &record.u0;
@@ -22,17 +23,21 @@ AtlasTriangle make_record(const ChartTriangle& triangle, const PlacedChart& char
     corner[2 * i] = static_cast<float>(triangle.uv[i].x - minimum.x);
     corner[2 * i + 1] = static_cast<float>(triangle.uv[i].y - minimum.y);
   }
-  const bool one_texel = chart.width == 1;
-  record.pitch = one_texel ? 0 : chart.width;
-  record.base = first_cell + static_cast<uint32_t>(minimum.y) * record.pitch + static_cast<uint32_t>(minimum.x);
+  const uint32_t pitch = chart.width == 1 ? 0 : chart.width;
+  record.pitch_key = pitch | number << LUCARIUM_ATLAS_PITCH_BITS;
+  record.base = first_cell + static_cast<uint32_t>(minimum.y) * pitch + static_cast<uint32_t>(minimum.x);
   return record;
 }
 
 /// Where the texels of all charts go.
 class Joiner {
  public:
-  Joiner(AtlasLayout& layout, std::span<const AtlasPart> parts)
-      : layout_(layout), parts_(parts), first_cells_(parts.size()), next_single_(2 * layout.info.double_sided_count) {}
+  Joiner(const AtlasMesh& mesh, AtlasLayout& layout, std::span<const AtlasPart> parts)
+      : mesh_(mesh),
+        layout_(layout),
+        parts_(parts),
+        first_cells_(parts.size()),
+        next_single_(2 * layout.info.double_sided_count) {}
 
   void run() {
     for (uint32_t p = 0; p < parts_.size(); ++p) {
@@ -56,8 +61,10 @@ class Joiner {
       layout_.table.push_back(empty ? LUCARIUM_NONE : part.cells[i] - chart.first_texel + next);
       layout_.links.push_back(part.links[i]);
     }
-    for (uint32_t i = chart.first_triangle; i < chart.first_triangle + chart.triangle_count; ++i)
-      layout_.triangles[part.triangles[i].triangle] = make_record(part.triangles[i], chart, first_cell);
+    for (uint32_t i = chart.first_triangle; i < chart.first_triangle + chart.triangle_count; ++i) {
+      const uint32_t t = part.triangles[i].triangle;
+      layout_.triangles[t] = make_record(part.triangles[i], chart, first_cell, mesh_.number[t]);
+    }
     for (uint32_t i = chart.first_texel; i < chart.first_texel + chart.texel_count; ++i)
       add_texel(part, part.texels[i], next++, chart.two_sided);
   }
@@ -82,8 +89,9 @@ class Joiner {
   /// Constant uv in a cell of another chart.
   void point_at_absorber(const AtlasPart& part, const PlacedChart& chart) {
     for (uint32_t i = chart.first_triangle; i < chart.first_triangle + chart.triangle_count; ++i) {
-      AtlasTriangle& record = layout_.triangles[part.triangles[i].triangle];
-      record = make_record(part.triangles[i], chart, 0);
+      const uint32_t t = part.triangles[i].triangle;
+      AtlasTriangle& record = layout_.triangles[t];
+      record = make_record(part.triangles[i], chart, 0, mesh_.number[t]);
       record.base = global_cell(chart.absorbed_by, chart.absorbing_cell);
     }
   }
@@ -100,6 +108,7 @@ class Joiner {
     return first_cells_[part] + cell - static_cast<uint32_t>(before);
   }
 
+  const AtlasMesh& mesh_;
   AtlasLayout& layout_;
   std::span<const AtlasPart> parts_;
   std::vector<uint32_t> first_cells_;
@@ -154,7 +163,7 @@ AtlasLayout join_parts(const AtlasMesh& mesh, std::span<const AtlasPart> parts, 
   layout.ranges.resize(layout.info.texel_count);
   layout.pieces.reserve(pieces);
   layout.charts.reserve(charts);
-  Joiner(layout, parts).run();
+  Joiner(mesh, layout, parts).run();
   return layout;
 }
 

@@ -47,7 +47,7 @@ inline TexelPolygons polygons_by_texel(const AtlasGeometry& g, const AtlasLayout
     const glm::dvec2 a(r.u0, r.v0), e1 = glm::dvec2(r.u1, r.v1) - a, e2 = glm::dvec2(r.u2, r.v2) - a;
     const std::vector<glm::dvec2> whole = {{0, 0}, {1, 0}, {0, 1}};
     const double twice = e1.x * e2.y - e1.y * e2.x;
-    if (r.pitch == 0) {
+    if (LUCARIUM_ATLAS_PITCH(r) == 0) {
       add(layout.table[r.base], t, whole);
       continue;
     }
@@ -64,7 +64,7 @@ inline TexelPolygons polygons_by_texel(const AtlasGeometry& g, const AtlasLayout
         std::vector<glm::dvec2> cell = clip_half(clip_half(row, 0, x - margin, 1), 0, x + 1 + margin, -1);
         if (cell.empty()) continue;
         for (glm::dvec2& p : cell) p = barycentrics(p);
-        const uint32_t texel = layout.table[r.base + uint32_t(y) * r.pitch + uint32_t(x)];
+        const uint32_t texel = layout.table[r.base + uint32_t(y) * LUCARIUM_ATLAS_PITCH(r) + uint32_t(x)];
         if (texel != LUCARIUM_NONE) add(texel, t, cell);
       }
     }

@@ -59,7 +59,10 @@ std::vector<Accessibility> finish(const std::vector<Side>& sides) {
   std::vector<AtlasSample> samples;
   std::vector<uint32_t> counts, hidden;
   std::vector<float2> interior;
-  for (uint32_t k = 0; k < SIDE_PARTS; ++k) triangles.push_back(AtlasTriangle{});  // charts of one texel
+  for (uint32_t k = 0; k < SIDE_PARTS; ++k) {  // charts of one texel
+    triangles.push_back(AtlasTriangle{});
+    triangles.back().pitch_key = k << LUCARIUM_ATLAS_PITCH_BITS;
+  }
   for (const Side& side : sides) {
     for (uint32_t k = 0; k < SIDE_POINTS; ++k) samples.push_back({k, 0.f, 0.f});
     for (uint32_t k = 0; k < SIDE_PARTS; ++k) counts.push_back(k < side.parts.size() ? side.parts[k] : 0);
