@@ -20,9 +20,9 @@ TechniqueInfo technique_info() {
   info.capabilities.view_independent = true;
   info.capabilities.bias = 0.02;  // radiance is constant over a texel; geometric cosines of indirect light
   info.layers = {"emission", "direct", "indirect"};
-  for (const char* part : {"sampled_direct", "exchanged_direct", "diffuse_exchange", "specular_chains", "bundle_gather",
-                           "accessibility", "balance", "direction_history"})
-    info.layers.emplace_back(part);                                     // with debug_layers
+  info.optional_layers = {{"debug_layers=on",
+                           {"sampled_direct", "exchanged_direct", "diffuse_exchange", "specular_chains",
+                            "bundle_gather", "accessibility", "balance", "direction_history"}}};
   info.check_parameters = {{"texels", "16384"}, {"directions", "96"}};  // with fewer texels, refraction is off by 5 %
   return info;
 }

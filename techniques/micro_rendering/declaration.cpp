@@ -26,8 +26,9 @@ TechniqueInfo technique_info() {
   info.capabilities.bias = 0.02;
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
-  info.layers = {"emission",    "direct",      "indirect",          "cut_level",
-                 "list_length", "node_visits", "upsampling_failed", "micro_buffer"};
+  info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits"};
+  info.optional_layers = {{"gather_step above 1", {"upsampling_failed"}},
+                          {"inspect_x and inspect_y", {"micro_buffer"}}};
   info.check_parameters = {{"points_log2", "12"}, {"micro_size", "8"}, {"jacobi_level", "6"}, {"light_samples", "2"}};
   return info;
 }

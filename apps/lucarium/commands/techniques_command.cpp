@@ -51,6 +51,8 @@ void print_text(const TechniqueType& type) {
                can.view_independent ? "view-independent data" : "view-dependent",
                can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", bias_text(can),
                fmt::join(info.layers, ", "));
+  for (const OptionalLayers& optional : info.optional_layers)
+    print_result("  with {}: {}\n", optional.parameters, fmt::join(optional.names, ", "));
   for (const bool advanced : {false, true}) {
     const std::vector<ParameterInfo> listed = parameters(type, advanced);
     if (!listed.empty()) print_result("  {}\n", advanced ? "advanced parameters" : "parameters");
@@ -70,6 +72,7 @@ ordered_json to_json(const TechniqueType& type) {
                        {"citation", info.citation},
                        {"file", type.file().string()},
                        {"layers", info.layers},
+                       {"optional_layers", ordered_json::array()},
                        {"capabilities",
                         {{"lights", names_of(can.lights)},
                          {"materials", names_of(can.materials)},
@@ -81,6 +84,8 @@ ordered_json to_json(const TechniqueType& type) {
                          {"bias", can.bias},
                          {"pixel_sampling", can.pixel_sampling}}},
                        {"parameters", ordered_json::array()}};
+  for (const OptionalLayers& optional : info.optional_layers)
+    json["optional_layers"].push_back({{"parameters", optional.parameters}, {"layers", optional.names}});
   const std::unique_ptr<Technique> technique = type.create();
   for (const ParameterTable::Entry& entry : technique->parameters().entries()) {
     const ParameterInfo& p = entry.info;
@@ -105,12 +110,15 @@ std::string markdown(const TechniqueType& type) {
   const Capabilities& can = info.capabilities;
   std::string page = fmt::format("\n## {}\n\n{}.\n\n", info.name, info.summary);
   if (!info.citation.empty()) page += fmt::format("{}.\n\n", info.citation);
-  page += fmt::format(
-      "- lights: {}\n- materials: {}\n- scene changes: {}\n- bounces: {}\n- {}; {}; {}\n- layers: {}\n\n",
-      fmt::join(names_of(can.lights), ", "), fmt::join(names_of(can.materials), ", "),
-      fmt::join(names_of(can.changes), ", "), bounces_text(can), can.progressive ? "progressive" : "one-shot",
-      can.view_independent ? "data do not depend on the view" : "data depend on the view", bias_text(can),
-      fmt::join(info.layers, ", "));
+  page += fmt::format("- lights: {}\n- materials: {}\n- scene changes: {}\n- bounces: {}\n- {}; {}; {}\n- layers: {}\n",
+                      fmt::join(names_of(can.lights), ", "), fmt::join(names_of(can.materials), ", "),
+                      fmt::join(names_of(can.changes), ", "), bounces_text(can),
+                      can.progressive ? "progressive" : "one-shot",
+                      can.view_independent ? "data do not depend on the view" : "data depend on the view",
+                      bias_text(can), fmt::join(info.layers, ", "));
+  for (const OptionalLayers& optional : info.optional_layers)
+    page += fmt::format("- layers with {}: {}\n", optional.parameters, fmt::join(optional.names, ", "));
+  page += '\n';
   for (const bool advanced : {false, true}) {
     const std::vector<ParameterInfo> listed = parameters(type, advanced);
     if (listed.empty()) continue;

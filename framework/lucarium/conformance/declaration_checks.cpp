@@ -82,6 +82,10 @@ Outcome check_declaration(CheckContext& context) {
   require(!info.version.empty(), "no version");
   require(!info.summary.empty(), "no summary");
   require(!info.layers.empty(), "no layers");
+  for (const OptionalLayers& optional : info.optional_layers)
+    for (const std::string& layer : optional.names)
+      require(std::find(info.layers.begin(), info.layers.end(), layer) == info.layers.end(),
+              fmt::format("layer {} is declared as always there and with {}", layer, optional.parameters));
   require(!can.pixel_sampling.empty(), "no pixel sampling");
   require(can.max_bounces >= -1, "max_bounces below -1");
   require(can.bias >= 0 && can.bias < 1, fmt::format("bias {} is not in 0 … 1", can.bias));
@@ -137,6 +141,11 @@ Outcome check_layers(CheckContext& context) {
     if (std::find(declared.begin(), declared.end(), layer.name) == declared.end()) {
       mistakes.push_back(fmt::format("layer {} is not declared", layer.name));
     }
+  }
+  for (const std::string& layer : declared) {
+    const bool computed = (layer != "emission" || set.emission) && (layer != "direct" || set.direct) &&
+                          (layer != "indirect" || set.indirect);
+    if (computed && !film.find(layer)) mistakes.push_back(fmt::format("declared layer {} is not in the film", layer));
   }
   if (!mistakes.empty()) return verdict_of(false, fmt::format("{}", fmt::join(mistakes, "; ")));
   return verdict_of(true, fmt::format("{} of {} declared layers in the film", film.layers().size(), declared.size()));

@@ -7,6 +7,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/conformance/checks.h"
+#include "lucarium/conformance/oclgrind_options.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/job/run_job.h"
 
@@ -131,9 +132,9 @@ Outcome check_oclgrind(CheckContext& context) {
   if (detail::plugin_header().sanitizers[0])
     return {Verdict::skipped, "not possible with the sanitizers of this build"};
   const TemporaryFolder folder;
-  // Unoptimized, kernels hold no compiler intrinsics that the interpreter does not know; the scalar traversal is short.
+  // The scalar traversal is short.
   const std::vector<std::string> interpreted = {
-      "/usr/bin/env", "LUCARIUM_BVH=scalar",           oclgrind.string(), "--build-options", "-cl-opt-disable",
+      "/usr/bin/env", "LUCARIUM_BVH=scalar",           oclgrind.string(), "--build-options", LUCARIUM_OCLGRIND_OPTIONS,
       "--data-races", context.options.program.string()};
   Job job = small_picture(context, folder.path() / "a.exr", 4, 2);
   job.device.use_cache = false;

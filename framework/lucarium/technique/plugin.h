@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 7u
+#define LUCARIUM_ABI_VERSION 8u
 
 namespace lucarium {
 

@@ -47,11 +47,18 @@ struct TechniqueContext {
   std::function<void(double fraction, const std::string& stage)> progress;
 };
 
+/// Layers that only some values of parameters bring.
+struct OptionalLayers {
+  std::string parameters;  ///< in words of the command line, such as "debug=on"
+  std::vector<std::string> names;
+};
+
 struct TechniqueInfo {
   std::string name, version, summary;
   std::string citation;  ///< of the paper, or empty
   Capabilities capabilities;
-  std::vector<std::string> layers;  ///< additive ones and further ones it writes
+  std::vector<std::string> layers;  ///< additive ones and further ones that it writes by default
+  std::vector<OptionalLayers> optional_layers = {};
   /// Parameters (name, value) with which `lucarium check` takes at most 4 processor minutes; empty: the defaults do.
   std::vector<std::pair<std::string, std::string>> check_parameters;
 };

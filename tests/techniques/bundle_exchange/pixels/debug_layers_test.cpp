@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bundle_exchange/declaration.h"
 #include "glossy_box.h"
 #include "technique_rig.h"
 #include "tolerance.h"
@@ -93,6 +94,11 @@ TEST_CASE("parts of the light sum to direct and indirect light, and change nothi
       CHECK(plain.find(part) == nullptr);
       CHECK(!film.find(part)->additive);
     }
+    const TechniqueInfo info = technique_info();
+    const std::vector<std::string>& optional = info.optional_layers.front().names;
+    CHECK(plain.layers().size() == info.layers.size());
+    CHECK(film.layers().size() == info.layers.size() + optional.size());
+    for (const std::string& layer : optional) CHECK_MESSAGE(film.find(layer), layer);
     CHECK(largest(film, "direction_history") == 0);  // all chains
     for (const std::string& part : setting.parts) CHECK_MESSAGE(largest(film, part.c_str()) > 0, part);
     CHECK(worst_of_sums(film) < 1e-5);
