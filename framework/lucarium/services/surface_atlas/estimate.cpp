@@ -118,14 +118,14 @@ double wanted_sides(double area, const AtlasLayoutOptions& options) {
   return static_cast<double>(std::max<uint64_t>(1, options.texel_count));
 }
 
-double most_sides(const AtlasGeometry& geometry, const AtlasLayoutOptions& options) {
+double max_sides(const AtlasGeometry& geometry, const AtlasLayoutOptions& options) {
   const std::vector<Surface> surfaces = find_surfaces(geometry);
   double area = 0;
   for (const Surface& surface : surfaces) area += surface.sides * surface.area;
   return sides_of(surfaces, area, options);
 }
 
-double most_sides(const Scene& scene, const AtlasLayoutOptions& options) {
+double max_sides(const Scene& scene, const AtlasLayoutOptions& options) {
   AtlasGeometry geometry;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Mesh& mesh = scene.instances[i].shape(scene);
@@ -137,7 +137,7 @@ double most_sides(const Scene& scene, const AtlasLayoutOptions& options) {
   }
   geometry.normals.resize(geometry.positions.size());  // of which no texel depends
   geometry.two_sided = two_sided_instances(scene);
-  return most_sides(geometry, options);
+  return max_sides(geometry, options);
 }
 
 }  // namespace lucarium

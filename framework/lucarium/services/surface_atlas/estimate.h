@@ -14,7 +14,7 @@ double wanted_sides(double area, const AtlasLayoutOptions& options);
 
 /// Most texel sides that an atlas of a geometry has (normals and texture coordinates do not matter). Surfaces that
 /// touch nothing have a texel each at any edge, and long ones of them as many as lie along them.
-double most_sides(const AtlasGeometry& geometry, const AtlasLayoutOptions& options);
-double most_sides(const Scene& scene, const AtlasLayoutOptions& options);
+double max_sides(const AtlasGeometry& geometry, const AtlasLayoutOptions& options);
+double max_sides(const Scene& scene, const AtlasLayoutOptions& options);
 
 }  // namespace lucarium

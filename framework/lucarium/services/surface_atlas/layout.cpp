@@ -17,7 +17,7 @@ namespace lucarium {
 namespace {
 
 constexpr int attempts = 4;               // at texel edges, until the wanted count is met
-constexpr int most_attempts = 12;         // while there are too many, so that estimate.h can say how many there will be
+constexpr int max_attempts = 12;          // while there are too many, so that estimate.h can say how many there will be
 constexpr double count_tolerance = 1.08;  // within which a count counts as met
 constexpr double too_many = 9. / 8;
 constexpr double free_slivers =
@@ -107,7 +107,7 @@ AtlasLayout make_atlas_layout(const AtlasGeometry& geometry, const AtlasLayoutOp
   std::vector<AtlasPart> best;
   double best_edge = 0, best_off = INFINITY;
   double share = 0.3;  // of the progress; most layouts need one attempt
-  for (int attempt = 1; attempt <= most_attempts; ++attempt, share *= 0.5) {
+  for (int attempt = 1; attempt <= max_attempts; ++attempt, share *= 0.5) {
     const ChartSets sets = join_small_charts(mesh, grown, settings.edge);
     std::vector<AtlasPart> placed = place_charts(
         mesh, sets, settings, threads, [&](double done) { watch.at(0.9 - share * (2 - done), "placing charts"); });

@@ -244,7 +244,7 @@ double SurfaceAtlas::estimate_edge(const Scene& scene, const AtlasLayoutOptions&
 }
 
 size_t SurfaceAtlas::estimate_sides(const Scene& scene, const AtlasLayoutOptions& options) {
-  return static_cast<size_t>(std::min(most_sides(scene, options), 1e14));
+  return static_cast<size_t>(std::min(max_sides(scene, options), 1e14));
 }
 
 size_t SurfaceAtlas::estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options, size_t sides) {
