@@ -21,7 +21,7 @@ LUCARIUM_STRUCT_END(AtlasTriangle, 32)
 // Cells per row of its chart; 0: a chart of one texel (uv are constant).
 #define LUCARIUM_ATLAS_PITCH_BITS 26u
 #define LUCARIUM_ATLAS_PITCH(triangle) ((triangle).pitch_key & ((1u << LUCARIUM_ATLAS_PITCH_BITS) - 1u))
-// What tells near triangles apart: their number modulo 64, which leaves out triangles that rays cannot hit, so that
+// By which near triangles differ: their number modulo 64, which leaves out triangles that rays cannot hit, so that
 // they change nothing.
 #define LUCARIUM_ATLAS_KEY(triangle) ((triangle).pitch_key >> LUCARIUM_ATLAS_PITCH_BITS)
 
