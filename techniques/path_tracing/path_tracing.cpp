@@ -59,8 +59,12 @@ struct PathTracingParameters {
   void describe(V& v) {
     v.choice(
         "estimator", options.estimator,
-        {{"mis", PathEstimator::mis}, {"nee", PathEstimator::nee_only}, {"bsdf", PathEstimator::bsdf_only}},
-        "how light of surfaces and the environment is found: light samples (nee), BSDF samples (bsdf), or both (mis)");
+        {{"mis", PathEstimator::mis},
+         {"balance", PathEstimator::mis_balance},
+         {"nee", PathEstimator::nee_only},
+         {"bsdf", PathEstimator::bsdf_only}},
+        "how light of surfaces and the environment is found: light samples (nee), BSDF samples (bsdf), or both by the "
+        "power heuristic (mis) or the balance heuristic (balance)");
     v.choice("sampler", options.sampler, {{"sobol", PathSampler::sobol}, {"random", PathSampler::random}},
              "Owen-scrambled Sobol points, or independent random numbers");
     v.choice("light_choice", options.light_choice, {{"power", LightChoice::power}, {"uniform", LightChoice::uniform}},

@@ -6,12 +6,14 @@
 
 #include "kernel_fixture.h"
 #include "lucarium/shared/hash.h"
+#include "lucarium/shared/radical_inverse.h"
 #include "lucarium/shared/sobol_points.h"
 #include "lucarium/shared/triangle_map.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 
-TEST_CASE("host and device compute the same hashes, Sobol points and triangle weights") {
+TEST_CASE("host and device compute the same hashes, Sobol and Halton points, and triangle weights") {
   std::vector<uint> words = {0u, 1u, 2u, 3u, 15u, 16u, 0xffffu, 0x10000u, 0x7fffffffu, 0x80000000u, 0xffffffffu};
   for (uint i = 0; i < 4096; ++i) words.push_back(i);
   for (uint i = 0; i < 4096; ++i) words.push_back(i * 2654435761u);
@@ -32,7 +34,7 @@ TEST_CASE("host and device compute the same hashes, Sobol points and triangle we
                                owen_scramble_reversed(sobol_reversed(a), {b, a, i, 3u}),
                                reverse_bits4(sobol_reversed(a))};
     const float2 w = sample_triangle({uint_to_unit(a), uint_to_unit(b)});
-    const float4 expected_weights(w.x, w.y, uint_to_unit(a), uint_to_unit(b));
+    const float4 expected_weights(w.x, w.y, uint_to_unit(a), radical_inverse(a, 3u));
     different += std::memcmp(expected, &got[4 * size_t{i}], sizeof expected) != 0;
     different += std::memcmp(&expected_weights, &got_weights[i], sizeof expected_weights) != 0;
   }
@@ -42,4 +44,6 @@ TEST_CASE("host and device compute the same hashes, Sobol points and triangle we
   CHECK(reverse_bits4(sobol_reversed(2)).x == 0x40000000u);
   CHECK(reverse_bits4(sobol_reversed(2)).y == 0xc0000000u);
   CHECK(hash_uint(0u) == 129708002u);
+  CHECK(radical_inverse(6u, 2u) == 0.375f);
+  CHECK(radical_inverse(5u, 3u) == test::relative(7.0 / 9, 1e-7));
 }

@@ -17,14 +17,14 @@ namespace lucarium::test {
 
 using Uints = std::vector<uint32_t>;
 
-/// tests/framework/compute/schedule_kernels.cl.
+/// tests/framework/compute/schedule/schedule_kernels.cl.
 inline const Program& schedule_program() {
   static const Program program = [] {
     SourceLibrary library;
     library.add(test_compute_kernels());
     ProgramSpec spec;
     spec.name = "schedule_kernels";
-    spec.files = {"test_compute/schedule_kernels.cl"};
+    spec.files = {"test_compute/schedule/schedule_kernels.cl"};
     return Program(*test_device(), library, spec);
   }();
   return program;

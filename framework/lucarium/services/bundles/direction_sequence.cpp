@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lucarium/shared/hash.h"
+#include "lucarium/shared/radical_inverse.h"
 #include "lucarium/shared/sobol_points.h"
 
 namespace lucarium {
@@ -19,12 +20,6 @@ constexpr uint32_t kFirstRun = 32, kRun = 128;  // directions that come in rando
 
 double unit(uint32_t x) { return x * 0x1p-32; }
 double fraction(double x) { return x - std::floor(x); }
-
-double radical_inverse(uint64_t index, uint32_t base) {
-  double result = 0, scale = 1.0 / base;
-  for (; index; index /= base, scale /= base) result += static_cast<double>(index % base) * scale;
-  return result;
-}
 
 /// Directions are lines, so that half of the sphere is all there is: what is stratified over it is twice as dense.
 glm::vec3 uniform_direction(double u, double v) {
@@ -79,11 +74,10 @@ glm::dvec2 DirectionSequence::point(uint64_t index) const {
     case DirectionOrder::iid: return {unit(hash_uint3(seed_, low, 7)), unit(hash_uint3(seed_, low, 8))};
     case DirectionOrder::blocks: make_block(index / options_.block); return cached_[index % options_.block];
     case DirectionOrder::halton:
-      return {fraction(radical_inverse(index + 1, 2) + shift.x), fraction(radical_inverse(index + 1, 3) + shift.y)};
+      return {fraction(radical_inverse(low + 1, 2) + shift.x), fraction(radical_inverse(low + 1, 3) + shift.y)};
     default: {
-      const uint64_t i = order_[index % options_.total];
-      return {fraction((static_cast<double>(i) + 0.5) / options_.total + shift.x),
-              fraction(radical_inverse(i, 2) + shift.y)};
+      const uint32_t i = order_[index % options_.total];
+      return {fraction((i + 0.5) / options_.total + shift.x), fraction(radical_inverse(i, 2) + shift.y)};
     }
   }
 }

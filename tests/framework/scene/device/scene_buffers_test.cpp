@@ -273,7 +273,7 @@ TEST_CASE("scene buffers are bound by the names of a kernel's parameters") {
   const SceneBuffers buffers(*test::test_device(), scene);
   SourceLibrary library;
   library.add(test_scene_kernels());
-  const Program program(*test::test_device(), library, {"test/probe", {"test_scene/scene_probe.cl"}, {}});
+  const Program program(*test::test_device(), library, {"test/probe", {"test_scene/device/scene_probe.cl"}, {}});
   KernelScheduler scheduler(test::test_device());
   ScheduleRecorder recorder = scheduler.record("probe", "test");
   TypedBuffer<uint> result(*test::test_device(), "test", "result", 4);

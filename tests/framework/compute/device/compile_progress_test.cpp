@@ -58,7 +58,7 @@ TEST_CASE("launches are counted once each, out of those announced since somebody
 TEST_CASE("a warm-up reports which kernel of how many is compiled, a second one nothing") {
   SourceLibrary library;
   library.add(test_compute_kernels());
-  const Program program(*test_device(), library, {"progress", {"test_compute/schedule_kernels.cl"}, {}});
+  const Program program(*test_device(), library, {"progress", {"test_compute/schedule/schedule_kernels.cl"}, {}});
   KernelScheduler scheduler(test_device());
   Schedule schedule;
   const Lines first = heard_during([&] {

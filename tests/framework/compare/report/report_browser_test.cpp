@@ -17,7 +17,7 @@ namespace {
 /// What was found, line by line, and whether there is a browser.
 test::ProgramResult look_at(const std::filesystem::path& folder) {
   const std::filesystem::path here =
-      std::filesystem::path(std::getenv("LUCARIUM_TEST_SOURCE")) / "tests/framework/compare";
+      std::filesystem::path(std::getenv("LUCARIUM_TEST_SOURCE")) / "tests/framework/compare/report";
   std::string page = read_file(folder / "report.html");
   page.insert(page.rfind("</body>"), "<script>" + read_file(here / "report_selftest.js") + "</script>");
   write_file_atomically(folder / "selftest.html", page);
