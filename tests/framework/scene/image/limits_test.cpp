@@ -139,6 +139,17 @@ TEST_CASE("textures that each are small enough took all memory together") {
   CHECK(load(good, options).images.size() == 3);
 }
 
+TEST_CASE("textures of gigabytes were loaded without a word about the time and memory that they take") {
+  const GltfBuilder builder = with_images({png_of(64, 64, 3, 1), png_of(64, 32, 3, 2), png_of(64, 64, 3, 3)});
+  ImportOptions options;
+  options.max_texture_bytes = 4 * 40 * 1024;  // 40 KiB are needed, a quarter
+  CHECK(load(builder, options).warnings.empty());
+  --options.max_texture_bytes;
+  const std::vector<std::string> warnings = load(builder, options).warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("its textures take 40.0 KiB together; --texture-size 32 takes less") != std::string::npos);
+}
+
 TEST_CASE("one image under several names was decoded and kept once for each") {
   const std::string same = png_of(16, 16, 3, 7);
   const Scene scene = load(with_images({same, png_of(16, 16, 3, 8), same, same}));

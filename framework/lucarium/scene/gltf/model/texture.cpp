@@ -20,6 +20,8 @@ Wrap wrap_mode(int mode) {
   return mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirror : Wrap::repeat;
 }
 
+constexpr uint64_t warned_share = 4;  // textures draw a warning above this part of the maximum
+
 glm::vec2 vec2_or(const tinygltf::Value& object, const char* key, glm::vec2 fallback) {
   if (!object.Has(key)) return fallback;
   const tinygltf::Value& v = object.Get(key);
@@ -139,6 +141,8 @@ int TextureImporter::image(int index) {
   return next;
 }
 
+uint32_t TextureImporter::smaller_size() const { return std::max(1u, std::bit_floor(largest_side_ - 1)); }
+
 void TextureImporter::count(ImageSize size) {
   bytes_ += 4 * size.pixels();
   largest_side_ = std::max({largest_side_, size.width, size.height});
@@ -146,7 +150,7 @@ void TextureImporter::count(ImageSize size) {
   context_.fail("its textures need more than {} together, which is {}; scale them down with --texture-size {}",
                 format_bytes(limit_),
                 limit_ == context_.options.max_texture_bytes ? "the maximum" : "half of the memory that is free",
-                std::max(1u, std::bit_floor(largest_side_ - 1)));
+                smaller_size());
 }
 
 void TextureImporter::decode(int scene_texture) {
@@ -165,6 +169,10 @@ void TextureImporter::decode(int scene_texture) {
 }
 
 void TextureImporter::decode_all() {
+  if (bytes_ > context_.options.max_texture_bytes / warned_share) {
+    context_.warn("its textures take {} together; --texture-size {} takes less memory and time", format_bytes(bytes_),
+                  smaller_size());
+  }
   for (size_t texture = 0; texture < scene_.textures.size(); ++texture) decode(static_cast<int>(texture));
 }
 

@@ -27,7 +27,7 @@ class TextureImporter {
 
   /// Fills in the pixels of the image of a texture, for who needs them before all are decoded.
   void decode(int scene_texture);
-  /// Fills in the pixels of all images that were asked for.
+  /// Fills in the pixels of all images that were asked for. Warns where they take more than a quarter of the maximum.
   void decode_all();
   /// Adds an image of that size to the sum. Throws Error{input}, which names --texture-size, where it is too large.
   void count(ImageSize size);
@@ -46,6 +46,7 @@ class TextureImporter {
   TextureUse make_use(int texture, int uv_set, const tinygltf::Value* transform, bool srgb, const std::string& where);
   int texture(int gltf_texture, bool srgb);
   int readable_source(int gltf_texture);
+  uint32_t smaller_size() const;  ///< for --texture-size, so that the largest image is scaled down
 
   const Document& document_;
   Scene& scene_;
