@@ -14,5 +14,6 @@ kernel void call_shared_functions(const global uint* words, const uint count, gl
   results[4 * i + 1] = hash_uint4((uint4)(a, b, i, 7u));
   results[4 * i + 2] = owen_scramble_reversed(sobol_reversed(a), (uint4)(b, a, i, 3u));
   results[4 * i + 3] = reverse_bits4(sobol_reversed(a));
-  weights[i] = (float4)(sample_triangle((float2)(uint_to_unit(a), uint_to_unit(b))), uint_to_unit(a), radical_inverse(a, 3u));
+  weights[i] =
+      (float4)(sample_triangle((float2)(uint_to_unit(a), uint_to_unit(b))), uint_to_unit(a), radical_inverse(a, 3u));
 }

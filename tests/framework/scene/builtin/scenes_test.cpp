@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "lucarium/scene/builtin/scenes.h"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
 #include "lucarium/base/error.h"
-#include "lucarium/scene/builtin/scenes.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "scene_support.h"
 #include "tolerance.h"

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What export_gltf writes is what load_scene reads: everything that changes an image comes back.
+#include "lucarium/scene/gltf/export.h"
+
 #include <doctest/doctest.h>
 
 #include "gltf_builder.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/scene/exposure.h"
-#include "lucarium/scene/gltf/export.h"
 #include "lucarium/scene/load/frame_camera.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "scene_support.h"
