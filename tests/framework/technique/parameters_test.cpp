@@ -156,11 +156,12 @@ TEST_CASE("a preset sets all parameters, and what is set after it wins") {
 TEST_CASE("what basic() does not name is advanced; the preset is basic, and without basic() everything is") {
   Grouped grouped;
   std::string basic;
-  for (const ParameterTable::Entry& entry : make_parameter_table(grouped).entries())
+  for (const ParameterTable table = make_parameter_table(grouped); const ParameterTable::Entry& entry : table.entries())
     if (!entry.info.advanced) basic += entry.info.name + " ";
   CHECK(basic == "preset bounces mode ");
   Example example;
-  for (const ParameterTable::Entry& entry : make_parameter_table(example).entries()) CHECK_FALSE(entry.info.advanced);
+  for (const ParameterTable table = make_parameter_table(example); const ParameterTable::Entry& entry : table.entries())
+    CHECK_FALSE(entry.info.advanced);
   grouped.named = {"bounce"};
   CHECK_THROWS_AS(make_parameter_table(grouped), Error);
 }

@@ -75,7 +75,11 @@ TEST_CASE("--texture-size did not lower the memory in which an image is decoded"
   CHECK(decoded.image.width == 64);
   CHECK(decoded.image.height == 32);
   CHECK(decoded.image.rgba[4 * 64 * 31] == 100);
+#ifdef __SANITIZE_ADDRESS__
+  MESSAGE("the sanitizer keeps freed memory: " << grown << " KiB, not judged");
+#else
   CHECK(grown < 80 * 1024);
+#endif
 }
 
 TEST_CASE("an image is halved row by row as it is halved whole, odd sizes too") {

@@ -2,6 +2,8 @@
 // Classes of triangles and the masks of views: what is drawn, closed forms per class, and MASK and BLEND kept.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+
 #include "scene.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -125,8 +127,10 @@ TEST_CASE("masks share the fragments out: together they are all, none has anothe
           for (const LayeredFragment& f : all.at(x, y))
             if (classes[f.triangle & ~LAYERED_AWAY] & mask) expected.push_back(f);
           const auto found = some.at(x, y);
-          wrong += found.size() != expected.size() ||
-                   std::memcmp(found.data(), expected.data(), expected.size() * sizeof(LayeredFragment)) != 0;
+          const auto same = [](const LayeredFragment& a, const LayeredFragment& b) {
+            return std::memcmp(&a, &b, sizeof a) == 0;
+          };
+          wrong += !std::ranges::equal(found, expected, same);
         }
       CHECK(wrong == 0);
     }
