@@ -80,13 +80,13 @@ class PointGrid {
 
   /// Empties the grid and puts points [0, count) into cells of this size.
   void rebuild(const std::vector<SampledPoint>& points, uint32_t count, float cell) {
-    cell_ = cell;
-    inverse_ = 1 / cell;
+    cell_ = std::max(cell, 1e-30f);  // 0: surfaces without area
+    inverse_ = 1 / cell_;
     head_.assign(std::bit_ceil(size_t{4} * count + 64), kNone);
     for (uint32_t i = 0; i < count; ++i) insert(points, i);
   }
   void insert(const std::vector<SampledPoint>& points, uint32_t i) {
-    uint32_t& head = head_[bucket(glm::ivec3(glm::floor(points[i].position * inverse_)))];
+    uint32_t& head = head_[bucket(cell_of(points[i].position))];
     next_[i] = head;
     head = i;
   }
@@ -95,7 +95,7 @@ class PointGrid {
   /// count as farther, and those of other layers, so that both sides of a thin sheet are covered by their own. Gives up
   /// below `enough`.
   float distance(const std::vector<SampledPoint>& points, const glm::vec3& p, const glm::vec3& n, float enough) const {
-    const glm::ivec3 c(glm::floor(p * inverse_));
+    const glm::ivec3 c = cell_of(p);
     float nearest2 = cell_ * cell_;
     const float enough2 = enough * enough;
     for (const auto& o : offsets()) {
@@ -130,6 +130,10 @@ class PointGrid {
       return list;
     }();
     return all;
+  }
+  glm::ivec3 cell_of(const glm::vec3& p) const {
+    constexpr float far = 1 << 30;  // within int, neighbours too
+    return glm::ivec3(glm::clamp(glm::floor(p * inverse_), -far, far));
   }
   size_t bucket(const glm::ivec3& c) const {
     uint32_t h = static_cast<uint32_t>(c.x) * 73856093u ^ static_cast<uint32_t>(c.y) * 19349663u ^
