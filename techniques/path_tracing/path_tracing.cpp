@@ -95,7 +95,8 @@ struct PathTracingParameters {
     v.flag("directional_lights", set.directional_lights, "include directional lights");
     v.flag("emissive_triangles", set.emissive_triangles, "include emissive surfaces");
     v.flag("environment", set.environment, "include the environment");
-    v.flag("eye_delta", set.eye_delta, "include mirrors and ideal refraction seen by the eye");
+    v.number("eye_deltas", set.eye_deltas, -1, PathSet::kMaxEyeDeltas, "events",
+             "most mirrors and ideal refractions between the eye and the first other surface; -1: unlimited");
     v.flag("light_delta", set.light_delta, "include mirrors and ideal refraction behind the first counted scattering");
     v.flag("secondary_lambert_only", set.secondary_lambert_only,
            "keep only diffuse lobes behind the first non-delta vertex");
@@ -164,6 +165,13 @@ class PathTracing : public TechniqueBase<PathTracingParameters> {
   void restart() override {
     integrator_->set_frame(frame());
     integrator_->reset(full_seed());
+  }
+
+  bool follow(const SceneChange& change) override {
+    if (!built() || buffers_replaced()) return false;
+    if (!change.only_camera()) integrator_->follow_scene();
+    restart_samples();
+    return true;
   }
 
   bool step() override { return integrator_->iterate(); }

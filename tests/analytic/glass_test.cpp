@@ -83,6 +83,6 @@ TEST_CASE("glass: a faceted sphere in a furnace loses nothing") {
 
 TEST_CASE("glass: delta events on the eye's side can be left out") {
   PathIntegratorOptions options;
-  options.path_set.eye_delta = false;
+  options.path_set.eye_deltas = 0;
   CHECK(estimate(slab_scene(glass()), tilted(1), options, {16, 2, 4}).mean == 0);
 }

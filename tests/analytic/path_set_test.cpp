@@ -132,7 +132,7 @@ TEST_CASE("path set: without light-side delta events the light from mirrors to o
   // The mirror itself, seen by the eye, still shows the emitter.
   scene.cameras[0] = look_orthographic({1, 0.5f, 0}, {1.5f, 1, 0}, 0.05f);
   CHECK(mean_with(scene, set) > 0);
-  set.eye_delta = false;
+  set.eye_deltas = 0;
   CHECK(mean_with(scene, set) == 0);
 }
 

@@ -22,7 +22,7 @@ void visit_fields(Set& set, V&& visit) {
   visit("directional_lights", set.directional_lights);
   visit("emissive_triangles", set.emissive_triangles);
   visit("environment", set.environment);
-  visit("eye_delta", set.eye_delta);
+  visit("eye_deltas", set.eye_deltas);
   visit("light_delta", set.light_delta);
   visit("secondary_lambert_only", set.secondary_lambert_only);
   visit("geometric_normals", set.geometric_normals);
@@ -53,6 +53,9 @@ void check_ranges(const PathSet& set) {
   if (set.max_bounces < -1 || set.max_bounces > PathSet::kMaxBounces)
     throw_error(ErrorClass::usage, "path set: max_bounces {} is not -1 (unlimited) or 0 to {}", set.max_bounces,
                 PathSet::kMaxBounces);
+  if (set.eye_deltas < -1 || set.eye_deltas > PathSet::kMaxEyeDeltas)
+    throw_error(ErrorClass::usage, "path set: eye_deltas {} is not -1 (unlimited) or 0 to {}", set.eye_deltas,
+                PathSet::kMaxEyeDeltas);
   if (!(set.indirect_clamp >= 0 && std::isfinite(set.indirect_clamp)))
     throw_error(ErrorClass::usage, "path set: indirect_clamp {} is not a finite radiance of at least 0",
                 set.indirect_clamp);

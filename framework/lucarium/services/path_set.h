@@ -10,11 +10,12 @@ namespace lucarium {
 /// exactly this set (docs/architecture.md, conventions: counting scatterings).
 struct PathSet {
   static constexpr int kMaxBounces = 4095;               ///< largest finite max_bounces
+  static constexpr int kMaxEyeDeltas = 4095;             ///< largest finite eye_deltas
   int max_bounces = -1;                                  ///< counted scatterings minus one; -1: unlimited
   bool emission = true, direct = true, indirect = true;  ///< layers computed
   bool point_lights = true, spot_lights = true, directional_lights = true, emissive_triangles = true,
        environment = true;  ///< light sources included
-  bool eye_delta = true;    ///< delta events between the eye and the first non-delta vertex
+  int eye_deltas = -1;      ///< most delta events between the eye and the first non-delta vertex; -1: unlimited
   bool light_delta = true;  ///< delta events after the first counted scattering (light caustics, mirrors inside)
   bool secondary_lambert_only = false;  ///< BSDF at vertices after the first non-delta one keeps only its diffuse lobe
   bool geometric_normals = false;       ///< cosines use n_g instead of n_s

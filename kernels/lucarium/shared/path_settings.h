@@ -13,15 +13,15 @@
 #define LUCARIUM_PATH_SEES_TRIANGLES 32u       // some surface emits, and such light is in the path set
 #define LUCARIUM_PATH_SEES_ENVIRONMENT 64u     // the same for the environment
 #define LUCARIUM_PATH_PUNCTUAL 128u            // the same for point, spot and directional lights
-#define LUCARIUM_PATH_EYE_DELTA 256u           // delta events before the first counted scattering
-#define LUCARIUM_PATH_LIGHT_DELTA 512u         // delta events behind it
+#define LUCARIUM_PATH_LIGHT_DELTA 512u         // delta events behind the first counted scattering
 #define LUCARIUM_PATH_SECONDARY_LAMBERT 1024u  // behind the first non-delta vertex only the diffuse lobe
 #define LUCARIUM_PATH_GEOMETRIC_NORMALS 2048u
 #define LUCARIUM_PATH_RANDOM_SAMPLER 4096u  // independent random numbers instead of Sobol points
 #define LUCARIUM_PATH_OPAQUE_BLEND 8192u    // BLEND surfaces count as opaque
 
 #define LUCARIUM_PATH_LAYERS 3u
-// Delta events between the eye and the first non-delta vertex: no more than this; reaching it is counted and reported.
+// Delta events between the eye and the first non-delta vertex, where their number is unlimited: no more than this;
+// reaching it is counted and reported.
 #define LUCARIUM_PATH_EYE_DELTA_LIMIT 4096u
 // Those of them before Russian roulette.
 #define LUCARIUM_PATH_EYE_ROULETTE_START 32u
@@ -33,9 +33,10 @@ uint flags;               // LUCARIUM_PATH_*
 uint max_scatterings;     // highest layer that is wanted
 uint roulette_start;      // counted scatterings before Russian roulette; LUCARIUM_NONE: none
 uint eye_roulette_start;  // delta events on the eye's side before it
+uint eye_deltas;          // those after which such an event ends the path; LUCARIUM_PATH_EYE_DELTA_LIMIT: unlimited
 uint replicates;          // sample n belongs to replicate n mod replicates
 float indirect_clamp;     // upper bound of one sample's indirect light [cd/m²]; 0: none
-uint pad0, pad1;
+uint pad0;
 LUCARIUM_STRUCT_END(PathSettings, 32)
 
 // Path i of a batch is sample first_sample + i / pixel_count of pixel first_pixel + i mod pixel_count.

@@ -35,6 +35,7 @@ void MemoryAccount::add(const std::string& owner, const std::string& what, size_
   owners_[owner] += bytes;
   used_ += bytes;
   peak_ = std::max(peak_, used_);
+  ++allocations_;
 }
 
 void MemoryAccount::remove(const std::string& owner, size_t bytes) noexcept {
@@ -50,6 +51,11 @@ void MemoryAccount::remove(const std::string& owner, size_t bytes) noexcept {
 size_t MemoryAccount::used_bytes() const {
   const std::lock_guard lock(mutex_);
   return used_;
+}
+
+uint64_t MemoryAccount::allocations() const {
+  const std::lock_guard lock(mutex_);
+  return allocations_;
 }
 
 size_t MemoryAccount::peak_bytes() const {

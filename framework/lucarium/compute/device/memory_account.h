@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
@@ -28,6 +29,7 @@ class MemoryAccount {
 
   size_t used_bytes() const;
   size_t peak_bytes() const;
+  uint64_t allocations() const;  ///< made so far
   size_t total_bytes() const { return total_; }
   size_t single_bytes() const { return single_; }
   std::map<std::string, size_t> by_owner() const;
@@ -41,6 +43,7 @@ class MemoryAccount {
   std::string holders_locked() const;
   mutable std::mutex mutex_;
   size_t total_, single_, used_ = 0, peak_ = 0;
+  uint64_t allocations_ = 0;
   std::map<std::string, size_t> owners_;
 };
 

@@ -13,7 +13,8 @@ namespace lucarium {
 /// The complete `direct` layer (one counted scattering): light sampling and BSDF sampling joined by MIS for every light
 /// type, as the path tracer does it, at pixels (reflected radiance towards the eye) or at surface points (irradiance).
 /// Volumes absorb along its rays as along the path tracer's, at pixels; at surface points those of which the point
-/// itself is a wall, since a point does not know what it lies in.
+/// itself is a wall, since a point does not know what it lies in. Changes of the scene need no new one while the
+/// generations of SceneBuffers and of the intersector stay.
 class DirectLight {
  public:
   static constexpr uint32_t kAllLights = 31;

@@ -1,35 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vertex of every eye path: ideal reflection and refraction are followed, the first other surface is kept.
-#include "lucarium/bsdf.clh"
 #include "lucarium/lights.clh"
 #include "lucarium/medium.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/gbuffer/gbuffer_sampler.clh"
+#include "lucarium/services/gbuffer/keep_surface.clh"
 #include "lucarium/shared/camera.h"
-#include "lucarium/shared/gbuffer.h"
 #include "lucarium/shared/path_settings.h"
-
-// Cosine-averaged albedo: diffuse and specular lobe, and what is transmitted.
-float3 average_albedo(const Scene* scene, const Surface* surface, const Bsdf* bsdf) {
-  if (bsdf_is_black(bsdf)) return (float3)(0.0f);
-  const float3 specular = bsdf_average_albedo(scene, bsdf->f0, bsdf->f90, sqrt(bsdf->alpha));
-  return bsdf->diffuse + specular + bsdf->transmission * (1.0f - specular);
-}
-
-void keep_surface(const Scene* scene, const Surface* surface, const Bsdf* bsdf, Hit hit, uint medium, float p_other,
-                  GBufferPoint* point) {
-  point->position.xyz = surface->position;
-  point->normal = (float4)(surface->n_g, surface->flags & LUCARIUM_SURFACE_FRONT ? 0.0f : 1.0f);
-  point->shading = (float4)(surface->n_s, medium == LUCARIUM_NONE ? 0.0f : (float)(medium + 1u));
-  point->view = (float4)(surface->view, 0.0f);
-  point->albedo = (float4)(average_albedo(scene, surface, bsdf), 0.0f);
-  // The surface was kept with this probability, where an ideal lobe could have been followed instead.
-  point->throughput.xyz /= p_other;
-  point->u = hit.u;
-  point->v = hit.v;
-  point->triangle = hit.triangle;
-  point->state = LUCARIUM_GBUFFER_SURFACE;
-}
 
 // True when the path goes on along `next_ray`.
 bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hit hit, float3 direction,

@@ -13,7 +13,8 @@ namespace lucarium {
 /// Per-pixel first non-delta surface point (G-buffer: Saito and Takahashi 1990): delta events (mirror, ideal
 /// refraction) from the eye are followed (they are free, at most LUCARIUM_PATH_EYE_DELTA_LIMIT), their throughput is
 /// kept. One camera sample per pixel and call; sub-pixel positions follow the frame's pixel_sampling and the sample
-/// index, the same for every technique.
+/// index, the same for every technique. Changes of the scene need no new one while the generations of SceneBuffers and
+/// of the intersector stay.
 class GBuffer {
  public:
   GBuffer(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,

@@ -52,16 +52,7 @@ PathIntegrator::State::State(Device& device_, KernelScheduler& scheduler_, const
       plan(plan_batches(frame.width, frame.height, options)),
       primitives(device) {
   if (options.replicates < 1) throw Error(ErrorClass::usage, "replicates must be at least 1");
-  // The mixture holds what light samples are for.
-  PathSet sampled = options.path_set;
-  if (options.estimator == PathEstimator::bsdf_only) sampled.emissive_triangles = sampled.environment = false;
-  const bool all_kinds = sampled.point_lights && sampled.spot_lights && sampled.directional_lights &&
-                         sampled.emissive_triangles && sampled.environment;
-  if (!all_kinds || options.light_choice != LightChoice::power) {
-    const std::vector<Light> lights = scene.scene_lights.download(0, scene.info().light_count);
-    light_table = TypedBuffer<AliasEntry>(device, owner, "light table",
-                                          make_light_mixture(lights, options.light_choice, sampled));
-  }
+  make_light_table();
   settings = make_settings();
   std::map<std::string, std::string> defines = ray_end_defines(intersector);
   if (options.estimator == PathEstimator::mis_balance) defines["LUCARIUM_BALANCE_HEURISTIC"] = "";
@@ -79,6 +70,24 @@ PathIntegrator::State::State(Device& device_, KernelScheduler& scheduler_, const
   record_finish();
 }
 
+void PathIntegrator::State::make_light_table() {
+  // The mixture holds what light samples are for.
+  PathSet sampled = options.path_set;
+  if (options.estimator == PathEstimator::bsdf_only) sampled.emissive_triangles = sampled.environment = false;
+  const bool all_kinds = sampled.point_lights && sampled.spot_lights && sampled.directional_lights &&
+                         sampled.emissive_triangles && sampled.environment;
+  if (all_kinds && options.light_choice == LightChoice::power) return;
+  const std::vector<Light> lights = scene.scene_lights.download(0, scene.info().light_count);
+  // As long as the scene's own, which stays while the number of its lights changes.
+  if (!light_table)
+    light_table = TypedBuffer<AliasEntry>(device, owner, "light table", scene.scene_light_table.count());
+  light_table.upload(make_light_mixture(lights, options.light_choice, sampled));
+}
+
+bool PathIntegrator::State::samples_lights() const {
+  return settings.flags & (LUCARIUM_PATH_SAMPLE_LIGHTS | LUCARIUM_PATH_PUNCTUAL);
+}
+
 PathSettings PathIntegrator::State::make_settings() const {
   const PathSet& set = options.path_set;
   const std::vector<Light> lights = scene.scene_lights.download(0, scene.info().light_count);
@@ -94,7 +103,6 @@ PathSettings PathIntegrator::State::make_settings() const {
        LUCARIUM_PATH_PUNCTUAL);
   const bool sees_light = result.flags & (LUCARIUM_PATH_SEES_TRIANGLES | LUCARIUM_PATH_SEES_ENVIRONMENT);
   flag(sees_light && options.estimator != PathEstimator::bsdf_only, LUCARIUM_PATH_SAMPLE_LIGHTS);
-  flag(set.eye_delta, LUCARIUM_PATH_EYE_DELTA);
   flag(set.light_delta, LUCARIUM_PATH_LIGHT_DELTA);
   flag(set.secondary_lambert_only, LUCARIUM_PATH_SECONDARY_LAMBERT);
   flag(set.geometric_normals, LUCARIUM_PATH_GEOMETRIC_NORMALS);
@@ -107,6 +115,9 @@ PathSettings PathIntegrator::State::make_settings() const {
   const bool roulette = options.roulette && (set.max_bounces < 0 || set.max_bounces >= 8);
   result.roulette_start = roulette ? static_cast<uint32_t>(options.roulette_start) : LUCARIUM_NONE;
   result.eye_roulette_start = options.roulette ? LUCARIUM_PATH_EYE_ROULETTE_START : LUCARIUM_NONE;
+  result.eye_deltas = set.eye_deltas < 0
+                          ? LUCARIUM_PATH_EYE_DELTA_LIMIT
+                          : std::min<uint32_t>(static_cast<uint32_t>(set.eye_deltas), LUCARIUM_PATH_EYE_DELTA_LIMIT);
   result.replicates = options.replicates;
   result.indirect_clamp = static_cast<float>(set.indirect_clamp);
   return result;
@@ -154,6 +165,9 @@ bool PathIntegrator::State::run_batch(const PathBatch& batch) {
   generate.set(generate_frame, frame);
   bounce.set(bounce_batch, batch);
   finish.set(finish_batch, batch);
+  generate.set(generate_settings, settings);
+  bounce.set(bounce_settings, settings);
+  finish.set(finish_settings, settings);
   if (scheduler.run(generate) == RunResult::cancelled) return false;
   active = batch.pixel_count * batch.sample_count;
   while (active > 0) {
@@ -234,6 +248,16 @@ void PathIntegrator::set_frame(const Frame& frame) {
   const uint32_t seed = s.frame.seed;
   s.frame = frame;
   s.frame.seed = seed;
+  s.clear();
+}
+
+void PathIntegrator::follow_scene() {
+  State& s = *state_;
+  s.scheduler.finish();
+  s.make_light_table();
+  const bool sampled = s.samples_lights();
+  s.settings = s.make_settings();
+  if (s.samples_lights() != sampled) s.record_bounce();
   s.clear();
 }
 

@@ -63,6 +63,10 @@ class PathIntegrator {
   void reset(uint64_t seed);
   /// The same with another camera; image size and seed stay.
   void set_frame(const Frame& frame);
+  /// The same after another change of the scene, geometry, materials, lights, environment: once SceneBuffers and the
+  /// intersector have followed it, and only while their generations stay. Nothing is compiled or allocated; the frame
+  /// stays.
+  void follow_scene();
   void warm_up();
 
   uint64_t samples() const;  ///< per pixel

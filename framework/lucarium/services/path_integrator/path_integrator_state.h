@@ -46,6 +46,9 @@ struct PathIntegrator::State {
 
   /// Settings of the kernels, from the options and the contents of the scene.
   PathSettings make_settings() const;
+  /// Fills the light table of the path set, where the scene's own does not serve it.
+  void make_light_table();
+  bool samples_lights() const;  ///< whether there may be shadow rays
   void allocate();
   void record_generate();
   void record_bounce();
@@ -66,7 +69,7 @@ struct PathIntegrator::State {
   PathIntegratorOptions options;
   std::string owner;
   BatchPlan plan;
-  PathSettings settings;
+  PathSettings settings{};
 
   Program program;
   Primitives primitives;
@@ -77,6 +80,7 @@ struct PathIntegrator::State {
   Schedule generate, bounce, finish;
   Variable<Frame> generate_frame;
   Variable<PathBatch> generate_batch, bounce_batch, finish_batch;
+  Variable<PathSettings> generate_settings, bounce_settings, finish_settings;
 
   uint32_t active = 0;     ///< read back after every bounce
   uint32_t nonfinite = 0;  ///< read back after every batch

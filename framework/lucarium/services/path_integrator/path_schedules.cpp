@@ -26,10 +26,11 @@ void PathIntegrator::State::record_generate() {
   ScheduleRecorder recorder = scheduler.record("generate paths", owner);
   generate_frame = recorder.variable("frame", frame);
   generate_batch = recorder.variable("batch", PathBatch());
+  generate_settings = recorder.variable("settings", settings);
   recorder.pass("generate camera paths", program, "generate_camera_paths")
       .global(plan.paths())
       .arg("frame", generate_frame)
-      .arg("settings", settings)
+      .arg("settings", generate_settings)
       .arg("batch", generate_batch)
       .arg("rays", paths.rays)
       .arg_if_present("ends", paths.ends)
@@ -44,6 +45,7 @@ void PathIntegrator::State::record_generate() {
 void PathIntegrator::State::record_bounce() {
   ScheduleRecorder recorder = scheduler.record("bounce", owner);
   bounce_batch = recorder.variable("batch", PathBatch());
+  bounce_settings = recorder.variable("settings", settings);
   const uint32_t capacity = plan.paths();
   const BufferRef hits = recorder.transient<Hit>("hits", capacity, kLowerBatch);
   const BufferRef next_rays = recorder.transient<Ray>("next rays", capacity, kLowerBatch);
@@ -61,7 +63,7 @@ void PathIntegrator::State::record_bounce() {
   PassBuilder shade = recorder.pass("shade surface", program, "shade_surface");
   bind_scene(shade);
   shade.global_by(paths.active)
-      .arg("settings", settings)
+      .arg("settings", bounce_settings)
       .arg("batch", bounce_batch)
       .arg("rays", paths.rays)
       .arg("hits", hits)
@@ -77,7 +79,7 @@ void PathIntegrator::State::record_bounce() {
       .arg("shadow_light", shadow_light)
       .arg_if_present("next_ends", next_ends)
       .arg_if_present("shadow_ends", shadow_ends);
-  if (settings.flags & (LUCARIUM_PATH_SAMPLE_LIGHTS | LUCARIUM_PATH_PUNCTUAL)) {
+  if (samples_lights()) {
     intersector.record_any(recorder, "shadow rays", {shadow_rays, paths.active, 0, capacity, shadow_ends}, occluded);
     recorder.pass("add unoccluded light", program, "add_unoccluded_light")
         .global_by(paths.active)
@@ -109,9 +111,10 @@ void PathIntegrator::State::record_bounce() {
 void PathIntegrator::State::record_finish() {
   ScheduleRecorder recorder = scheduler.record("accumulate samples", owner);
   finish_batch = recorder.variable("batch", PathBatch());
+  finish_settings = recorder.variable("settings", settings);
   recorder.pass("accumulate layers", program, "accumulate_layers")
       .global(plan.pixels_per_batch)
-      .arg("settings", settings)
+      .arg("settings", finish_settings)
       .arg("batch", finish_batch)
       .arg("pixels", plan.pixels)
       .arg("path_state", paths.state)
@@ -122,7 +125,7 @@ void PathIntegrator::State::record_finish() {
   for (uint32_t replicate = 0; replicate < sums.replicates.size(); ++replicate)
     recorder.pass("accumulate replicate", program, "accumulate_replicate")
         .global(plan.pixels_per_batch)
-        .arg("settings", settings)
+        .arg("settings", finish_settings)
         .arg("batch", finish_batch)
         .arg("replicate", replicate)
         .arg("path_radiance", paths.radiance)

@@ -90,10 +90,10 @@ void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const 
 bool count_scattering(PathSettings settings, Walk* walk, bool delta) {
   const bool eye_side = walk->state.scatterings == 0u;
   walk->state.flags = delta ? walk->state.flags | PATH_AFTER_DELTA : walk->state.flags & ~PATH_AFTER_DELTA;
-  if (delta && !(settings.flags & (eye_side ? LUCARIUM_PATH_EYE_DELTA : LUCARIUM_PATH_LIGHT_DELTA))) return false;
+  if (delta && !eye_side && !(settings.flags & LUCARIUM_PATH_LIGHT_DELTA)) return false;
   if (delta && eye_side) {
-    if (walk->state.segment == LUCARIUM_PATH_EYE_DELTA_LIMIT) {  // every vertex so far was such an event
-      walk->state.flags |= PATH_EYE_CAPPED;
+    if (walk->state.segment == settings.eye_deltas) {  // every vertex so far was such an event
+      if (settings.eye_deltas == LUCARIUM_PATH_EYE_DELTA_LIMIT) walk->state.flags |= PATH_EYE_CAPPED;
       return false;
     }
     return true;

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxel_abuffer/declaration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "voxel_abuffer/modes/eye_trees.h"
+#include "voxel_abuffer/modes/occlusion_mode.h"
+#include "voxel_abuffer/modes/path_mode.h"
+#include "voxel_abuffer/structure_size.h"
+
+namespace lucarium::abuffer {
+
+TechniqueInfo technique_info() {
+  TechniqueInfo info;
+  info.name = "voxel_abuffer";
+  info.version = "1.0";
+  info.summary = "ray casting, Whitted's ray tracing, ambient occlusion and path tracing through voxels and A-buffers";
+  info.citation =
+      "W. Hu, Y. Huang, F. Zhang, G. Yuan and W. Li, Ray tracing via GPU rasterization, The Visual Computer 30, 2014";
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
+  info.capabilities.uses_bvh = false;  // structure=bvh makes its own
+  info.capabilities.pixel_sampling = {};
+  for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
+  info.layers = {"emission", "direct", "indirect", "ambient", "ambient_occlusion", "crossings"};
+  return info;
+}
+
+PathSet path_set(const AbufferParameters& parameters, const RenderSettings& settings) {
+  if (parameters.mode == ModeChoice::occlusion) return PathSet::no_light_transport();
+  PathSet set;
+  set.max_bounces = settings.max_bounces;
+  if (parameters.mode == ModeChoice::path) return set;
+  set.max_bounces = 0;
+  set.indirect = false;
+  set.eye_deltas = parameters.mode == ModeChoice::whitted ? parameters.depth : 0;
+  return set;
+}
+
+std::vector<std::string> limitations(const AbufferParameters& parameters, const Scene& scene,
+                                     const RenderSettings& settings) {
+  std::vector<std::string> list;
+  const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
+    return material.transmission > 0 || material.roughness < LUCARIUM_MIRROR_ROUGHNESS;
+  });
+  if (parameters.mode == ModeChoice::occlusion) return {"mode=ao computes accessibility, not light"};
+  if (parameters.mode != ModeChoice::path && settings.max_bounces != 0)
+    list.push_back(
+        fmt::format("mode={} computes direct light only", parameters.mode == ModeChoice::cast ? "cast" : "whitted"));
+  if (ideal && parameters.mode == ModeChoice::cast)
+    list.push_back("mode=cast shows no light of mirrors and clear glass");
+  if (ideal && parameters.mode == ModeChoice::whitted)
+    list.push_back(fmt::format("after {} mirrors and refractions a ray ends (depth)", parameters.depth));
+  if (ideal && !scene.lights.empty())
+    list.push_back("point, spot and directional light that reaches a surface through a mirror or glass is left out");
+  if (parameters.mode == ModeChoice::whitted && parameters.ambient > 0)
+    list.push_back("the layer ambient is constant light without shadows, no light transport (ambient)");
+  return list;
+}
+
+size_t estimate_bytes(const AbufferParameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  const size_t pixels = size_t{settings.width} * settings.height;
+  size_t bytes = 0;
+  bool ends = false;
+  if (parameters.structure == Structure::bvh) {
+    bytes += Bvh::estimate_bytes(scene);
+  } else {
+    bytes += estimate_structure_bytes(scene, structure_options(parameters));
+  }
+  const auto samples = static_cast<uint32_t>(parameters.lambda);
+  switch (parameters.mode) {
+    case ModeChoice::path: return bytes + PathMode::estimate_bytes(settings.width, settings.height, samples, ends);
+    case ModeChoice::occlusion: return bytes + OcclusionMode::estimate_bytes(settings.width, settings.height, ends);
+    default: return bytes + EyeTrees::estimate_bytes(pixels, tree_options(parameters), ends);
+  }
+}
+
+float occlusion_radius(const AbufferParameters& parameters, const Scene& scene) {
+  if (parameters.ao_radius > 0) return parameters.ao_radius;
+  const Bounds bounds = scene.bounds();
+  if (parameters.ao_radius == 0 || bounds.empty()) return INFINITY;
+  const glm::vec3 size = bounds.max - bounds.min;
+  return 0.1f * std::max({size.x, size.y, size.z});
+}
+
+VoxelAbufferOptions structure_options(const AbufferParameters& parameters) {
+  VoxelAbufferOptions options;
+  options.abuffer_size = static_cast<uint32_t>(parameters.abuffer_size);
+  options.grid_size = static_cast<uint32_t>(parameters.grid_size);
+  options.list = parameters.list;
+  options.intersect = Intersect::exact;
+  return options;
+}
+
+EyeTrees::Options tree_options(const AbufferParameters& parameters) {
+  EyeTrees::Options options;
+  options.straight = parameters.mode == ModeChoice::cast;
+  options.depth = static_cast<uint32_t>(parameters.depth);
+  options.ambient = parameters.mode == ModeChoice::whitted ? parameters.ambient : 0;
+  options.samples = static_cast<uint32_t>(parameters.lambda);
+  return options;
+}
+
+void check_parameters(const AbufferParameters& parameters) {
+  if (!parameters.progressive && parameters.passes == 0)
+    throw Error(ErrorClass::usage,
+                "voxel_abuffer: progressive=off with passes=0: a frame would never end; set passes to 1 or more");
+  if (parameters.grid_size > 0 && parameters.grid_size < 16)
+    throw_error(ErrorClass::usage, "voxel_abuffer: grid_size {} is neither 0 nor 16 to 2048", parameters.grid_size);
+  if (parameters.ao_radius < 0 && parameters.ao_radius != -1)
+    throw_error(ErrorClass::usage, "voxel_abuffer: ao_radius {} is negative and not -1", parameters.ao_radius);
+}
+
+}  // namespace lucarium::abuffer

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the technique declares of itself, for parameters, a scene and an image.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "lucarium/technique/technique.h"
+#include "voxel_abuffer/modes/eye_trees.h"
+#include "voxel_abuffer/parameters.h"
+#include "voxel_abuffer/structure/voxel_abuffer.h"
+
+namespace lucarium::abuffer {
+
+TechniqueInfo technique_info();
+
+PathSet path_set(const AbufferParameters& parameters, const RenderSettings& settings);
+
+/// What is left out, and parameters that have no effect, one line each.
+std::vector<std::string> limitations(const AbufferParameters& parameters, const Scene& scene,
+                                     const RenderSettings& settings);
+
+/// Most device bytes of the mode and of the structure.
+size_t estimate_bytes(const AbufferParameters& parameters, const Scene& scene, const RenderSettings& settings);
+
+/// ao_radius in metres, INFINITY without one.
+float occlusion_radius(const AbufferParameters& parameters, const Scene& scene);
+
+VoxelAbufferOptions structure_options(const AbufferParameters& parameters);
+EyeTrees::Options tree_options(const AbufferParameters& parameters);
+
+/// Throws Error{usage} for values that do not go together.
+void check_parameters(const AbufferParameters& parameters);
+
+}  // namespace lucarium::abuffer

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxel_abuffer/modes/eye_trees.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "lucarium/base/seed.h"
+#include "lucarium/services/ray_ends.h"
+
+const lucarium::EmbeddedSources& voxel_abuffer_kernels();
+
+namespace lucarium::abuffer {
+namespace {
+
+const char* const kOwner = "voxel_abuffer";
+const char* const kLowerSize = "lower --size";
+constexpr uint32_t kChunk = 1 << 16;  // rays that are traced at once
+enum Layer { emission, direct, ambient, crossings };
+
+uint32_t chunk_size(size_t pixels) { return static_cast<uint32_t>(std::min<size_t>(pixels, kChunk)); }
+
+}  // namespace
+
+EyeTrees::EyeTrees(const ModeContext& context, const Options& options)
+    : scheduler_(&context.scheduler),
+      options_(options),
+      pixels_(context.pixels()),
+      chunk_(chunk_size(pixels_)),
+      frame_(context.frame),
+      primitives_(context.scheduler.device()),
+      direct_light_(context.scheduler.device(), context.scheduler, context.scene, context.intersector, kOwner),
+      sums_(context.scheduler, pixels_, {"emission", "direct", "ambient", "crossings"}, options.samples) {
+  Device& device = scheduler_->device();
+  const auto make = [&]<class T>(TypedBuffer<T>& buffer, const char* name, size_t count) {
+    buffer = TypedBuffer<T>(device, kOwner, name, count, kLowerSize);
+  };
+  const size_t queued = size_t{2} * chunk_ * queues();
+  make(rays_, "rays of a chunk", chunk_);
+  make(tree_rays_, "a chunk of trees", chunk_);
+  make(points_, "points of a chunk", chunk_);
+  make(lit_, "direct light of a chunk", chunk_);
+  make(counts_, "numbers of a chunk's rays", 2);
+  make(next_count_, "number of rays that go on", 1);
+  make(queued_rays_, "queues of rays", queued);
+  make(queued_tree_rays_, "queues of trees", queued);
+  ends_ = make_ray_ends(device, context.intersector, kOwner, "ends of a chunk's rays", chunk_, kLowerSize);
+  queued_ends_ = make_ray_ends(device, context.intersector, kOwner, "ends of queued rays", queued, kLowerSize);
+  record(context);
+}
+
+uint32_t EyeTrees::place(uint32_t level) const {
+  // Camera rays need no queue. Rays that go straight on are all of one level.
+  return 2 * chunk_ * (options_.straight ? level % 2 : level - 1);
+}
+
+void EyeTrees::record(const ModeContext& context) {
+  const Program program = make_program(
+      scheduler_->device(), voxel_abuffer_kernels(),
+      {"voxel_abuffer/modes/begin_trees", "voxel_abuffer/modes/shade_tree_rays", "voxel_abuffer/modes/add_tree_light"},
+      ray_end_defines(context.intersector));
+  ScheduleRecorder camera = scheduler_->record("begin trees", kOwner);
+  camera_frame_ = camera.variable("frame", frame_);
+  camera_rules_ = camera.variable("rules", TreeRules{});
+  camera.pass("camera rays", program, "begin_camera_rays")
+      .global(chunk_)
+      .arg("frame", camera_frame_)
+      .arg("rules", camera_rules_)
+      .arg_if_present("ends", ends_)
+      .arg("rays", rays_)
+      .arg("tree_rays", tree_rays_)
+      .arg("counts", counts_);
+  camera_ = camera.compile();
+
+  ScheduleRecorder load = scheduler_->record("load rays of trees", kOwner);
+  load_rules_ = load.variable("rules", TreeRules{});
+  load.pass("load rays", program, "load_rays")
+      .global(chunk_)
+      .arg("rules", load_rules_)
+      .arg("queued_rays", queued_rays_)
+      .arg("queued_tree_rays", queued_tree_rays_)
+      .arg_if_present("queued_ends", queued_ends_)
+      .arg_if_present("ends", ends_)
+      .arg("rays", rays_)
+      .arg("tree_rays", tree_rays_)
+      .arg("counts", counts_);
+  load_ = load.compile();
+
+  const uint32_t places = 2 * chunk_;
+  ScheduleRecorder shade = scheduler_->record("grow trees", kOwner);
+  shade_rules_ = shade.variable("rules", TreeRules{});
+  const BufferRef hits = shade.transient<Hit>("hits", chunk_, kLowerSize),
+                  next_rays = shade.transient<Ray>("next rays", places, kLowerSize),
+                  next_tree_rays = shade.transient<TreeRay>("next rays of trees", places, kLowerSize),
+                  next_ends = transient_ray_ends(shade, context.intersector, "ends of next rays", places, kLowerSize),
+                  goes_on = shade.transient<uint32_t>("goes on", places, kLowerSize),
+                  survivors = shade.transient<uint32_t>("survivors", places, kLowerSize);
+  context.intersector.record_closest(shade, "closest hit", {rays_, counts_, 0, chunk_, ends_}, hits);
+  PassBuilder pass = shade.pass("shade rays of trees", program, "shade_tree_rays");
+  context.scene.bind(pass);
+  pass.global(chunk_)
+      .arg("rules", shade_rules_)
+      .arg("places", chunk_)
+      .arg("rays", rays_)
+      .arg("hits", hits)
+      .arg("tree_rays", tree_rays_)
+      .arg_if_present("next_ends", next_ends)
+      .arg("points", points_)
+      .arg("next_rays", next_rays)
+      .arg("next_tree_rays", next_tree_rays)
+      .arg("goes_on", goes_on);
+  primitives_.record_compact(shade, "compact rays", goes_on, survivors, next_count_, 0, counts_, 1, places);
+  shade.pass("queue rays", program, "queue_rays")
+      .global(places)
+      .arg("rules", shade_rules_)
+      .arg("survivors", survivors)
+      .arg("survivor_count", next_count_)
+      .arg("next_rays", next_rays)
+      .arg("next_tree_rays", next_tree_rays)
+      .arg_if_present("next_ends", next_ends)
+      .arg_if_present("queued_ends", queued_ends_)
+      .arg("queued_rays", queued_rays_)
+      .arg("queued_tree_rays", queued_tree_rays_);
+  shade.fill_zero("clear direct light", lit_);
+  shade.read_back("rays that go on", next_count_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(&next_rays_, bytes.data(), sizeof next_rays_);
+  });
+  shade_ = shade.compile();
+
+  ScheduleRecorder add = scheduler_->record("add light of trees", kOwner);
+  add_rules_ = add.variable("rules", TreeRules{});
+  add.pass("add light of trees", program, "add_tree_light")
+      .global(chunk_)
+      .arg("rules", add_rules_)
+      .arg("ambient", options_.ambient)
+      .arg("tree_rays", tree_rays_)
+      .arg("points", points_)
+      .arg("lit", lit_)
+      .arg("emission", sums_.pass(emission))
+      .arg("direct", sums_.pass(direct))
+      .arg("ambient_light", sums_.pass(ambient))
+      .arg("crossings", sums_.pass(crossings));
+  add_ = add.compile();
+}
+
+bool EyeTrees::trace(const TreeRules& rules, uint32_t chunk) {
+  shade_.set(shade_rules_, rules);
+  add_.set(add_rules_, rules);
+  traced_in_pass_ += rules.count;
+  // Light samples of different chunks and levels have numbers of their own.
+  const uint32_t seed = indexed_seed(mixed_seed(seed_, rules.level), chunk);
+  return scheduler_->run(shade_) == RunResult::done &&
+         direct_light_.accumulate_radiance(points_, lit_, rules.sample_index, seed) &&
+         scheduler_->run(add_) == RunResult::done;
+}
+
+/// Everything that has begun with a chunk of camera rays, the deepest level first.
+bool EyeTrees::grow(uint32_t sample_index) {
+  for (uint32_t chunk = 1; !levels_.empty(); ++chunk) {
+    const auto level = static_cast<uint32_t>(levels_.size());  // camera rays are level 0, and in no queue
+    Level& waiting = levels_.back();
+    TreeRules rules{};
+    rules.straight = options_.straight;
+    rules.level = level;
+    rules.last_level = options_.depth;
+    rules.sample_index = sample_index;
+    rules.first = place(level) + waiting.begin;
+    rules.count = std::min(chunk_, waiting.end - waiting.begin);
+    rules.target = options_.straight || level < options_.depth ? place(level + 1) : 0;
+    load_.set(load_rules_, rules);
+    if (scheduler_->run(load_) == RunResult::cancelled || !trace(rules, chunk)) return false;
+    waiting.begin += rules.count;
+    if (next_rays_ > 0) {
+      levels_.push_back({0, next_rays_});
+      continue;
+    }
+    while (!levels_.empty() && levels_.back().begin == levels_.back().end) levels_.pop_back();
+  }
+  return true;
+}
+
+bool EyeTrees::sample(uint32_t index) {
+  camera_.set(camera_frame_, frame_);
+  for (uint32_t pixel = 0; pixel < pixels_; pixel += chunk_) {
+    TreeRules rules{};
+    rules.straight = options_.straight;
+    rules.last_level = options_.depth;
+    rules.sample_index = index;
+    rules.first = pixel;
+    rules.count = std::min(chunk_, pixels_ - pixel);
+    rules.target = place(1);
+    camera_.set(camera_rules_, rules);
+    if (scheduler_->run(camera_) == RunResult::cancelled || !trace(rules, pixel / chunk_)) return false;
+    levels_.clear();
+    if (next_rays_ > 0) levels_.push_back({0, next_rays_});
+    if (!grow(index)) return false;
+  }
+  return true;
+}
+
+bool EyeTrees::pass() {
+  traced_in_pass_ = 0;
+  if (!sums_.begin()) return false;
+  for (uint32_t s = 0; s < options_.samples; ++s)
+    if (!sample(passes_ * options_.samples + s)) return false;
+  sums_.commit();
+  ++passes_;
+  traced_ += traced_in_pass_;
+  return true;
+}
+
+void EyeTrees::restart(const Frame& frame, uint64_t seed) {
+  frame_ = frame;
+  seed_ = kernel_seed(seed);
+  sums_.clear();
+  passes_ = 0;
+  traced_ = 0;
+}
+
+void EyeTrees::write(Film& film) {
+  add_mean(film, "emission", sums_.sum(emission).download());
+  add_mean(film, "direct", sums_.sum(direct).download());
+  if (options_.ambient > 0) add_mean(film, "ambient", sums_.sum(ambient).download());
+  FilmLayer& layer = film.layer("crossings", {"Y"});
+  layer.pixels.clear();
+  for (const float4& sum : sums_.sum(crossings).download()) layer.pixels.push_back(sum.w > 0 ? sum.x / sum.w : 0);
+}
+
+void EyeTrees::warm_up() {
+  for (Schedule* schedule : {&camera_, &load_, &shade_, &add_}) scheduler_->warm_up(*schedule);
+  direct_light_.warm_up(points_, lit_);
+  sums_.warm_up();
+}
+
+std::map<std::string, double> EyeTrees::counters() const { return {{"closest_rays", traced_}}; }
+
+size_t EyeTrees::estimate_bytes(size_t pixels, const Options& options, bool ray_ends) {
+  const size_t chunk = chunk_size(pixels), queues = options.straight ? 2 : options.depth;
+  const size_t per_ray = sizeof(Ray) + sizeof(TreeRay) + (ray_ends ? sizeof(RayEnds) : 0);
+  return PassSums::estimate_bytes(pixels, 4) + DirectLight::estimate_bytes(chunk, ray_ends) +
+         chunk * (per_ray + sizeof(GBufferPoint) + sizeof(float4) + sizeof(Hit) + 2 * per_ray * (queues + 1) +
+                  4 * sizeof(uint32_t));
+}
+
+}  // namespace lucarium::abuffer

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// voxel_abuffer: ray tracing through a coarse voxel grid and three A-buffers
+// --------------------------------------------------------------------------
+//
+// Idea. Rasterize the scene anew whenever it has moved, into three orthographic A-buffers, one along each axis, and a
+// coarse grid of the voxels that surfaces touch. A ray walks over the grid, and where a voxel is touched over the
+// columns of the A-buffer that faces the surface (Hu et al., Ray tracing via GPU rasterization, The Visual Computer 30,
+// 2014, section 3). What a rebuild costs depends on pixels and surface area, hardly on triangles, and it runs on the
+// device alone.
+//
+// How. The structure is an Intersector, as the hierarchy of the framework is; the modes are wavefront passes over any.
+//
+//   cast      C += T a L, T *= 1 − a, over all surfaces along the camera ray, in their order; a is BLEND's alpha
+//   whitted   direct light at every vertex, both ideal lobes of mirrors and glass, `depth` of them at most
+//   ao        1 − (rays that meet something within the radius) / (all rays), cosine-distributed
+//   path      path tracing by the framework's integrator
+//
+// Composition (algorithm 1): a pass traces λ samples per pixel and adds them to a sum; the image is sum / (λ η) after η
+// passes. progressive=on goes on until something changes; off, every frame begins anew and ends after `passes` passes.
+// With equal seeds both give the same bits.
+//
+// What is counted. cast and whitted compute the layers `emission` and `direct` (max_bounces 0), path all of them.
+//
+// Error. Exact search finds the hits of the hierarchy, to the bit: the only error is noise.
+//
+// Where the paper stands in the source (below this folder):
+//
+//   section 3.1, three A-buffers            structure/abuffer_lists.cpp: record()
+//   section 3.1, voxels                     structure/mark_voxels.cl: abuffer_mark_voxels()
+//   section 3.2, size of the grid           structure/grid_layout.cpp: choose_grid_size()
+//   section 3.3, ray casting, Whitted       modes/shade_tree_rays.cl: shade_tree_rays()
+//   section 3.3, ambient occlusion          modes/occlusion.cl: begin_occlusion_rays()
+//   algorithm 1, sum over passes            modes/add_pass.cl: add_pass()
+
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
+#include "voxel_abuffer/declaration.h"
+#include "voxel_abuffer/modes/occlusion_mode.h"
+#include "voxel_abuffer/modes/path_mode.h"
+
+namespace lucarium {
+namespace {
+
+using namespace abuffer;
+
+class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
+ public:
+  PathSet path_set(const Scene&, const RenderSettings& settings) const override {
+    return abuffer::path_set(parameters_, settings);
+  }
+
+  std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
+    return abuffer::limitations(parameters_, scene, settings);
+  }
+
+  size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
+    return abuffer::estimate_bytes(parameters_, scene, settings);
+  }
+
+  std::map<std::string, double> counters() const override {
+    std::map<std::string, double> all = mode_ ? mode_->counters() : std::map<std::string, double>();
+    if (!voxels_) return all;
+    const VoxelAbufferStatistics& statistics = voxels_->statistics();
+    all["builds"] = static_cast<double>(statistics.builds);
+    all["build_seconds"] = statistics.build_seconds;
+    all["fragments"] = static_cast<double>(statistics.exact_fragments + statistics.parity_fragments);
+    all["structure_bytes"] = static_cast<double>(statistics.bytes);
+    all["open_components"] = statistics.open_components;
+    return all;
+  }
+
+ protected:
+  void build() override {
+    check_parameters(parameters_);
+    mode_.reset();  // what refers to memory goes before the memory
+    voxels_.reset();
+    hierarchy_.reset();
+    if (parameters_.structure == Structure::bvh)
+      hierarchy_ = std::make_unique<Bvh>(device(), scene(), scene_buffers());
+    else
+      voxels_ = std::make_unique<VoxelAbuffer>(scheduler(), scene(), scene_buffers(), structure_options(parameters_));
+    built_for_frame_ = true;
+    make_mode();
+  }
+
+  /// Geometry, materials and lights are followed while no buffer that schedules name has been replaced.
+  bool follow(const SceneChange& change) override {
+    if (!built() || buffers_replaced()) return false;
+    if (!change.only_camera()) {
+      if (hierarchy_) hierarchy_->update(scene(), scene_buffers(), change);
+      if (voxels_) voxels_->update(scene(), change);
+      built_for_frame_ = change.geometry();
+      if (structure_generation() != structure_generation_) make_mode();
+      mode_->follow_scene();
+    }
+    restart_samples();
+    return true;
+  }
+
+  void restart() override { begin_frame(); }
+
+  bool step() override {
+    if (frame_is_complete()) {
+      if (parameters_.progressive) return false;
+      begin_frame();
+    }
+    if (!mode_->pass()) return false;
+    ++passes_;
+    return true;
+  }
+
+  IterationResult state() const override {
+    IterationResult result;
+    result.samples = passes_ * static_cast<uint64_t>(parameters_.lambda);
+    result.converged = frame_is_complete();
+    result.progress = parameters_.passes > 0 ? static_cast<double>(passes_) / parameters_.passes : -1;
+    result.phase = result.converged ? fmt::format("all {} passes are done", parameters_.passes) : "trace";
+    return result;
+  }
+
+  void write(Film& film) override { mode_->write(film); }
+  void warm_up_kernels() override { mode_->warm_up(); }
+
+ private:
+  const Intersector& intersector() const {
+    return hierarchy_ ? static_cast<const Intersector&>(*hierarchy_) : *voxels_;
+  }
+  uint64_t structure_generation() const { return hierarchy_ ? hierarchy_->generation() : voxels_->generation(); }
+  bool frame_is_complete() const {
+    return parameters_.passes > 0 && passes_ == static_cast<uint64_t>(parameters_.passes);
+  }
+
+  void make_mode() {
+    mode_.reset();
+    structure_generation_ = structure_generation();
+    const ModeContext context{scheduler(), scene_buffers(), intersector(), frame()};
+    const auto samples = static_cast<uint32_t>(parameters_.lambda);
+    switch (parameters_.mode) {
+      case ModeChoice::path: mode_ = std::make_unique<PathMode>(context, path_set(scene(), settings()), samples); break;
+      case ModeChoice::occlusion:
+        mode_ = std::make_unique<OcclusionMode>(context, samples,
+                                                [this] { return occlusion_radius(parameters_, scene()); });
+        break;
+      default: mode_ = std::make_unique<EyeTrees>(context, tree_options(parameters_));
+    }
+  }
+
+  /// Empty sums; with rebuild=frame also a new structure, which is the same again.
+  void begin_frame() {
+    if (voxels_ && parameters_.rebuild == Rebuild::frame && !built_for_frame_) {
+      voxels_->rebuild();
+      if (structure_generation() != structure_generation_) make_mode();
+    }
+    built_for_frame_ = false;
+    mode_->restart(frame(), full_seed());
+    passes_ = 0;
+  }
+
+  std::unique_ptr<Bvh> hierarchy_;        ///< structure=bvh
+  std::unique_ptr<VoxelAbuffer> voxels_;  ///< structure=abuffer
+  uint64_t structure_generation_ = 0;     ///< when the mode was made
+  std::unique_ptr<Mode> mode_;
+  uint64_t passes_ = 0;           ///< of this frame
+  bool built_for_frame_ = false;  ///< the structure was built since the last frame began
+};
+
+std::unique_ptr<Technique> create_voxel_abuffer() { return std::make_unique<VoxelAbufferTechnique>(); }
+
+}  // namespace
+}  // namespace lucarium
+
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::abuffer::technique_info, lucarium::create_voxel_abuffer)
