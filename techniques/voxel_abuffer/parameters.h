@@ -42,7 +42,7 @@ struct AbufferParameters {
              "distance beyond which nothing occludes; -1: a tenth of the scene's longest edge, 0: none");
     v.number("lambda", lambda, 1, 64, "samples/pixel", "samples per pixel and pass");
     v.number("passes", passes, 0, 1 << 20, "passes", "passes of a frame; 0: without end");
-    v.flag("progressive", progressive, "refine the image until something changes; off: begin every frame anew");
+    v.flag("progressive", progressive, "refine the image until something changes; off: begin every frame again");
     v.choice("rebuild", rebuild, {{"change", Rebuild::change}, {"frame", Rebuild::frame}},
              "build grid and A-buffers when geometry has changed, or for every frame");
     v.basic({"mode", "structure", "abuffer_size", "grid_size", "depth", "ao_radius", "lambda", "passes"});

@@ -3,7 +3,7 @@
 // voxel_abuffer: ray tracing through a coarse voxel grid and three A-buffers
 // --------------------------------------------------------------------------
 //
-// Idea. Rasterize the scene anew whenever it has moved, into three orthographic A-buffers, one along each axis, and a
+// Idea. Rasterize the scene again whenever it has moved, into three orthographic A-buffers, one along each axis, and a
 // coarse grid of the voxels that surfaces touch. A ray walks over the grid, and where a voxel is touched over the
 // columns of the A-buffer that faces the surface (Hu et al., Ray tracing via GPU rasterization, The Visual Computer 30,
 // 2014, section 3). What a rebuild costs depends on pixels and surface area, hardly on triangles, and it runs on the
@@ -17,7 +17,7 @@
 //   path      path tracing by the framework's integrator
 //
 // Composition (algorithm 1): a pass traces λ samples per pixel and adds them to a sum; the image is sum / (λ η) after η
-// passes. progressive=on goes on until something changes; off, every frame begins anew and ends after `passes` passes.
+// passes. progressive=on goes on until something changes; off, every frame begins again and ends after `passes` passes.
 // With equal seeds both give the same bits.
 //
 // What is counted. cast and whitted compute the layers `emission` and `direct` (max_bounces 0), path all of them.

@@ -136,6 +136,31 @@ TEST_CASE("path set: without light-side delta events the light from mirrors to o
   CHECK(mean_with(scene, set) == 0);
 }
 
+TEST_CASE("path set: delta events on the eye's side are followed up to their number") {
+  // Between two mirrors that face each other a ray climbs to an emitter after three reflections.
+  Scene scene;
+  SceneMaterial mirror;
+  mirror.roughness = 0;
+  const int silver = add_material(scene, mirror);
+  add_polygon(scene, {{0, -1, 1}, {0, -1, -1}, {0, 4, -1}, {0, 4, 1}}, silver);
+  add_polygon(scene, {{1, -1, -1}, {1, -1, 1}, {1, 4, 1}, {1, 4, -1}}, silver);
+  scene.materials[silver].double_sided = true;
+  add_horizontal(scene, 0.5f, 3.5f, 0, 1, 2, false, add_material(scene, emitter(2)));
+  scene.cameras.push_back(look_orthographic({0.5f, 0, 0}, {1, 0.5f, 0}, 0.02f));  // meets mirrors at y = 0.5, 1.5, 2.5
+  PathSet set;
+  for (const int events : {-1, 3, 4}) {
+    set.eye_deltas = events;
+    CHECK(mean_with(scene, set) > 0);
+  }
+  for (const int events : {0, 1, 2}) {
+    set.eye_deltas = events;
+    CHECK(mean_with(scene, set) == 0);
+  }
+  CHECK(PathSet::parse("eye_deltas=2").eye_deltas == 2);
+  CHECK_THROWS_AS(PathSet::parse("eye_deltas=-2"), Error);
+  CHECK_THROWS_AS(PathSet::parse("eye_deltas=4096"), Error);
+}
+
 TEST_CASE("path set: geometric normals change smooth surfaces and not flat ones") {
   Scene flat = make_builtin_scene("cornell");
   PathSet shading, geometric;

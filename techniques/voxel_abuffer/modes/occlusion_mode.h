@@ -13,7 +13,7 @@ namespace lucarium::abuffer {
 /// the scene once, and casts λ rays per pixel.
 class OcclusionMode : public Mode {
  public:
-  /// `radius`: beyond it nothing occludes [m], may be INFINITY; asked for anew by every restart().
+  /// `radius`: beyond it nothing occludes [m], may be INFINITY; asked for again by every restart().
   OcclusionMode(const ModeContext& context, uint32_t samples, std::function<float()> radius);
   bool pass() override;
   void restart(const Frame& frame, uint64_t seed) override;
