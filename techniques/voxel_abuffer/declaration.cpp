@@ -7,11 +7,10 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
-#include "lucarium/services/bvh/bvh.h"
 #include "voxel_abuffer/modes/eye_trees.h"
 #include "voxel_abuffer/modes/occlusion_mode.h"
 #include "voxel_abuffer/modes/path_mode.h"
-#include "voxel_abuffer/structure_size.h"
+#include "voxel_abuffer/scene_structure.h"
 
 namespace lucarium::abuffer {
 
@@ -25,6 +24,7 @@ TechniqueInfo technique_info() {
   info.capabilities.lights = all_kinds<LightKind>();
   info.capabilities.materials = all_kinds<MaterialKind>();
   info.capabilities.changes = all_kinds<ChangeKind>();
+  info.capabilities.bias = 0.02;
   info.capabilities.uses_bvh = false;  // structure=bvh makes its own
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
@@ -46,10 +46,20 @@ PathSet path_set(const AbufferParameters& parameters, const RenderSettings& sett
 std::vector<std::string> limitations(const AbufferParameters& parameters, const Scene& scene,
                                      const RenderSettings& settings) {
   std::vector<std::string> list;
+  if (parameters.structure == Structure::abuffer && parameters.intersect == Intersect::parity) {
+    const uint32_t open = classify(scene, Intersect::parity).open_components;
+    if (open > 0)
+      list.push_back(fmt::format("intersect=parity: {} open components have no inside; rays find them wrongly", open));
+  }
+  if (parameters.structure == Structure::voxel || parameters.structure == Structure::octree)
+    list.push_back("surfaces are as thick as a voxel (structure)");
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
     return material.transmission > 0 || material.roughness < LUCARIUM_MIRROR_ROUGHNESS;
   });
-  if (parameters.mode == ModeChoice::occlusion) return {"mode=ao computes accessibility, not light"};
+  if (parameters.mode == ModeChoice::occlusion) {
+    list.push_back("mode=ao computes accessibility, not light");
+    return list;
+  }
   if (parameters.mode != ModeChoice::path && settings.max_bounces != 0)
     list.push_back(
         fmt::format("mode={} computes direct light only", parameters.mode == ModeChoice::cast ? "cast" : "whitted"));
@@ -66,13 +76,8 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
 
 size_t estimate_bytes(const AbufferParameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const size_t pixels = size_t{settings.width} * settings.height;
-  size_t bytes = 0;
-  bool ends = false;
-  if (parameters.structure == Structure::bvh) {
-    bytes += Bvh::estimate_bytes(scene);
-  } else {
-    bytes += estimate_structure_bytes(scene, structure_options(parameters));
-  }
+  const size_t bytes = SceneStructure::estimate_bytes(scene, parameters);
+  const bool ends = SceneStructure::wants_ends(parameters);
   const auto samples = static_cast<uint32_t>(parameters.lambda);
   switch (parameters.mode) {
     case ModeChoice::path: return bytes + PathMode::estimate_bytes(settings.width, settings.height, samples, ends);
@@ -87,15 +92,6 @@ float occlusion_radius(const AbufferParameters& parameters, const Scene& scene) 
   if (parameters.ao_radius == 0 || bounds.empty()) return INFINITY;
   const glm::vec3 size = bounds.max - bounds.min;
   return 0.1f * std::max({size.x, size.y, size.z});
-}
-
-VoxelAbufferOptions structure_options(const AbufferParameters& parameters) {
-  VoxelAbufferOptions options;
-  options.abuffer_size = static_cast<uint32_t>(parameters.abuffer_size);
-  options.grid_size = static_cast<uint32_t>(parameters.grid_size);
-  options.list = parameters.list;
-  options.intersect = Intersect::exact;
-  return options;
 }
 
 EyeTrees::Options tree_options(const AbufferParameters& parameters) {

@@ -7,7 +7,6 @@
 #include "lucarium/technique/technique.h"
 #include "voxel_abuffer/modes/eye_trees.h"
 #include "voxel_abuffer/parameters.h"
-#include "voxel_abuffer/structure/voxel_abuffer.h"
 
 namespace lucarium::abuffer {
 
@@ -25,7 +24,6 @@ size_t estimate_bytes(const AbufferParameters& parameters, const Scene& scene, c
 /// ao_radius in metres, INFINITY without one.
 float occlusion_radius(const AbufferParameters& parameters, const Scene& scene);
 
-VoxelAbufferOptions structure_options(const AbufferParameters& parameters);
 EyeTrees::Options tree_options(const AbufferParameters& parameters);
 
 /// Throws Error{usage} for values that do not go together.

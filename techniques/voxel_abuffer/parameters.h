@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include "lucarium/services/layered_raster/layered_raster.h"
+#include "voxel_abuffer/structure/voxel_abuffer.h"
 
 namespace lucarium::abuffer {
 
-enum class Structure { abuffer, bvh };
+enum class Structure { abuffer, voxel, grid, octree, bvh };
 enum class ModeChoice { cast, whitted, occlusion, path };
+enum class Attributes { triangle, pixel };
 enum class Rebuild { change, frame };
 
 struct AbufferParameters {
   ModeChoice mode = ModeChoice::path;
   Structure structure = Structure::abuffer;
   int abuffer_size = 1280, grid_size = 0;
+  Intersect intersect = Intersect::automatic;
+  Search search = Search::columns;
+  AxisRule axis_rule = AxisRule::absolute_normal;
+  int bisect = 10;
+  float offset_h = 1;
+  Attributes attributes = Attributes::triangle;
   LayeredVariant list = LayeredVariant::tiles;
   int depth = 3;
   float ambient = 0, ao_radius = -1;
@@ -27,15 +34,7 @@ struct AbufferParameters {
               {"ao", ModeChoice::occlusion},
               {"path", ModeChoice::path}},
              "ray casting through all surfaces, Whitted's ray tracing, ambient occlusion, or path tracing");
-    v.choice("structure", structure, {{"abuffer", Structure::abuffer}, {"bvh", Structure::bvh}},
-             "what rays are traced through: grid and A-buffers, or a bounding-volume hierarchy to compare with");
-    v.number("abuffer_size", abuffer_size, 128, 4096, "pixels", "pixels along an edge of an A-buffer");
-    v.number("grid_size", grid_size, 0, 2048, "voxels",
-             "voxels along the scene's longest edge, 16 or more; 0: the square root of 3 abuffer_size");
-    v.choice(
-        "list", list,
-        {{"tiles", LayeredVariant::tiles}, {"counted", LayeredVariant::exact}, {"linked", LayeredVariant::linked_list}},
-        "how fragments are stored: inside tiles, counted before, or in linked lists; the same structure");
+    describe_structure(v);
     v.number("depth", depth, 1, 16, "events", "most ideal reflections and refractions of mode=whitted");
     v.number("ambient", ambient, 0.0f, 1e30f, "cd/m²", "constant light without shadows of mode=whitted");
     v.number("ao_radius", ao_radius, -1.0f, 1e9f, "m",
@@ -44,8 +43,51 @@ struct AbufferParameters {
     v.number("passes", passes, 0, 1 << 20, "passes", "passes of a frame; 0: without end");
     v.flag("progressive", progressive, "refine the image until something changes; off: begin every frame again");
     v.choice("rebuild", rebuild, {{"change", Rebuild::change}, {"frame", Rebuild::frame}},
-             "build grid and A-buffers when geometry has changed, or for every frame");
-    v.basic({"mode", "structure", "abuffer_size", "grid_size", "depth", "ao_radius", "lambda", "passes"});
+             "build the structure when geometry has changed, or for every frame");
+    v.presets({{"paper",
+                {{"intersect", "parity"},
+                 {"search", "3"},
+                 {"axis_rule", "average"},
+                 {"attributes", "pixel"},
+                 {"list", "linked"},
+                 {"rebuild", "frame"},
+                 {"abuffer_size", "1280"},
+                 {"grid_size", "64"}}}},
+              "values of Hu et al. 2014");
+    v.basic({"preset", "mode", "structure", "abuffer_size", "grid_size", "intersect", "search", "depth", "ao_radius",
+             "lambda", "passes"});
+  }
+
+  template <class V>
+  void describe_structure(V& v) {
+    v.choice("structure", structure,
+             {{"abuffer", Structure::abuffer},
+              {"voxel", Structure::voxel},
+              {"grid", Structure::grid},
+              {"octree", Structure::octree},
+              {"bvh", Structure::bvh}},
+             "what rays are traced through: A-buffers, or to compare with, occupied voxels, triangles in voxels, a "
+             "sparse octree, a bounding-volume hierarchy");
+    v.number("abuffer_size", abuffer_size, 128, 4096, "pixels",
+             "pixels along an edge of an A-buffer; for structure=voxel and octree their voxels along it");
+    v.number("grid_size", grid_size, 0, 2048, "voxels",
+             "voxels along the scene's longest edge, 16 or more; 0: the square root of 3 abuffer_size");
+    v.choice("intersect", intersect,
+             {{"auto", Intersect::automatic}, {"parity", Intersect::parity}, {"exact", Intersect::exact}},
+             "where surfaces are found: between inside and outside (parity), by triangles of fragments (exact), or "
+             "closed components by parity and open ones exactly (auto)");
+    v.choice("search", search, {{"2d", Search::columns}, {"3", Search::three_steps}, {"1", Search::one_step}},
+             "search for parity: all columns of a voxel, or points 3 or 1 steps apart and bisection");
+    v.choice("axis_rule", axis_rule, {{"absnormal", AxisRule::absolute_normal}, {"average", AxisRule::average_normal}},
+             "A-buffer in which a voxel is searched: by the sum of its normals' absolute values, or their average");
+    v.number("bisect", bisect, 4, 16, "steps", "bisection steps of search=3 and search=1");
+    v.number("offset_h", offset_h, 0.5f, 4.0f, "pixels", "distance off surfaces at which parity rays begin and end");
+    v.choice("attributes", attributes, {{"triangle", Attributes::triangle}, {"pixel", Attributes::pixel}},
+             "position and barycentrics of hits by parity: of the triangle's plane, or as found in the A-buffer");
+    v.choice(
+        "list", list,
+        {{"tiles", LayeredVariant::tiles}, {"counted", LayeredVariant::exact}, {"linked", LayeredVariant::linked_list}},
+        "way to the lists of fragments: inside tiles, counted before, or linked; the same lists");
   }
 };
 

@@ -22,7 +22,8 @@
 //
 // What is counted. cast and whitted compute the layers `emission` and `direct` (max_bounces 0), path all of them.
 //
-// Error. Exact search finds the hits of the hierarchy, to the bit: the only error is noise.
+// Error. Exact search finds the hits of a hierarchy, to the bit. Search by parity loses what is thinner than a pixel,
+// and the common wall of solids that touch; hits lie in the planes of their triangles.
 //
 // Where the paper stands in the source (below this folder):
 //
@@ -33,12 +34,12 @@
 //   section 3.3, ambient occlusion          modes/occlusion.cl: begin_occlusion_rays()
 //   algorithm 1, sum over passes            modes/add_pass.cl: add_pass()
 
-#include "lucarium/services/bvh/bvh.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
 #include "voxel_abuffer/declaration.h"
 #include "voxel_abuffer/modes/occlusion_mode.h"
 #include "voxel_abuffer/modes/path_mode.h"
+#include "voxel_abuffer/scene_structure.h"
 
 namespace lucarium {
 namespace {
@@ -61,13 +62,7 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
 
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> all = mode_ ? mode_->counters() : std::map<std::string, double>();
-    if (!voxels_) return all;
-    const VoxelAbufferStatistics& statistics = voxels_->statistics();
-    all["builds"] = static_cast<double>(statistics.builds);
-    all["build_seconds"] = statistics.build_seconds;
-    all["fragments"] = static_cast<double>(statistics.exact_fragments + statistics.parity_fragments);
-    all["structure_bytes"] = static_cast<double>(statistics.bytes);
-    all["open_components"] = statistics.open_components;
+    if (structure_) all.merge(structure_->counters());
     return all;
   }
 
@@ -75,12 +70,8 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
   void build() override {
     check_parameters(parameters_);
     mode_.reset();  // what refers to memory goes before the memory
-    voxels_.reset();
-    hierarchy_.reset();
-    if (parameters_.structure == Structure::bvh)
-      hierarchy_ = std::make_unique<Bvh>(device(), scene(), scene_buffers());
-    else
-      voxels_ = std::make_unique<VoxelAbuffer>(scheduler(), scene(), scene_buffers(), structure_options(parameters_));
+    structure_.reset();
+    structure_ = std::make_unique<SceneStructure>(scheduler(), scene(), scene_buffers(), parameters_);
     built_for_frame_ = true;
     make_mode();
   }
@@ -89,10 +80,9 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
   bool follow(const SceneChange& change) override {
     if (!built() || buffers_replaced()) return false;
     if (!change.only_camera()) {
-      if (hierarchy_) hierarchy_->update(scene(), scene_buffers(), change);
-      if (voxels_) voxels_->update(scene(), change);
+      structure_->update(scene(), change);
       built_for_frame_ = change.geometry();
-      if (structure_generation() != structure_generation_) make_mode();
+      if (structure_->generation() != structure_generation_) make_mode();
       mode_->follow_scene();
     }
     restart_samples();
@@ -124,18 +114,14 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
   void warm_up_kernels() override { mode_->warm_up(); }
 
  private:
-  const Intersector& intersector() const {
-    return hierarchy_ ? static_cast<const Intersector&>(*hierarchy_) : *voxels_;
-  }
-  uint64_t structure_generation() const { return hierarchy_ ? hierarchy_->generation() : voxels_->generation(); }
   bool frame_is_complete() const {
     return parameters_.passes > 0 && passes_ == static_cast<uint64_t>(parameters_.passes);
   }
 
   void make_mode() {
     mode_.reset();
-    structure_generation_ = structure_generation();
-    const ModeContext context{scheduler(), scene_buffers(), intersector(), frame()};
+    structure_generation_ = structure_->generation();
+    const ModeContext context{scheduler(), scene_buffers(), structure_->intersector(), frame()};
     const auto samples = static_cast<uint32_t>(parameters_.lambda);
     switch (parameters_.mode) {
       case ModeChoice::path: mode_ = std::make_unique<PathMode>(context, path_set(scene(), settings()), samples); break;
@@ -149,18 +135,17 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
 
   /// Empty sums; with rebuild=frame also a new structure, which is the same again.
   void begin_frame() {
-    if (voxels_ && parameters_.rebuild == Rebuild::frame && !built_for_frame_) {
-      voxels_->rebuild();
-      if (structure_generation() != structure_generation_) make_mode();
+    if (parameters_.rebuild == Rebuild::frame && !built_for_frame_) {
+      structure_->rebuild();
+      if (structure_->generation() != structure_generation_) make_mode();
     }
     built_for_frame_ = false;
     mode_->restart(frame(), full_seed());
     passes_ = 0;
   }
 
-  std::unique_ptr<Bvh> hierarchy_;        ///< structure=bvh
-  std::unique_ptr<VoxelAbuffer> voxels_;  ///< structure=abuffer
-  uint64_t structure_generation_ = 0;     ///< when the mode was made
+  std::unique_ptr<SceneStructure> structure_;
+  uint64_t structure_generation_ = 0;  ///< when the mode was made
   std::unique_ptr<Mode> mode_;
   uint64_t passes_ = 0;           ///< of this frame
   bool built_for_frame_ = false;  ///< the structure was built since the last frame began

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Limits of the path set: layers are disjoint and complete, and switched-off sources leave nothing behind.
+#include "lucarium/base/error.h"
 #include "lucarium/scene/builtin/scenes.h"
 #include "test_render.h"
 #include "tolerance.h"

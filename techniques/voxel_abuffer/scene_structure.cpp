@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxel_abuffer/scene_structure.h"
+
+#include "lucarium/services/bvh/bvh.h"
+#include "voxel_abuffer/compared/sparse_octree.h"
+#include "voxel_abuffer/compared/triangle_grid.h"
+#include "voxel_abuffer/compared/voxel_bits.h"
+#include "voxel_abuffer/structure_bytes.h"
+
+namespace lucarium::abuffer {
+namespace {
+
+uint32_t pixels_of(const AbufferParameters& parameters) { return static_cast<uint32_t>(parameters.abuffer_size); }
+uint32_t voxels_of(const AbufferParameters& parameters) { return static_cast<uint32_t>(parameters.grid_size); }
+
+std::map<std::string, double> counters_of(const VoxelAbufferStatistics& s) {
+  return {{"builds", static_cast<double>(s.builds)},
+          {"build_seconds", s.build_seconds},
+          {"structure_bytes", static_cast<double>(s.bytes)},
+          {"fragments", static_cast<double>(s.parity_fragments + s.exact_fragments)},
+          {"parity_triangles", s.parity_triangles},
+          {"exact_triangles", s.exact_triangles},
+          {"open_components", s.open_components},
+          {"moved_components", s.moved_components}};
+}
+
+std::map<std::string, double> counters_of(const ComparedStatistics& s) {
+  return {{"builds", static_cast<double>(s.builds)},
+          {"build_seconds", s.build_seconds},
+          {"structure_bytes", static_cast<double>(s.bytes)},
+          {"occupied_voxels", s.occupied_voxels}};
+}
+
+}  // namespace
+
+VoxelAbufferOptions abuffer_options(const AbufferParameters& parameters) {
+  VoxelAbufferOptions options;
+  options.abuffer_size = pixels_of(parameters);
+  options.grid_size = voxels_of(parameters);
+  options.intersect = parameters.intersect;
+  options.search = parameters.search;
+  options.axis_rule = parameters.axis_rule;
+  options.bisections = static_cast<uint32_t>(parameters.bisect);
+  options.offset = parameters.offset_h;
+  options.refine = parameters.attributes == Attributes::triangle;
+  options.list = parameters.list;
+  return options;
+}
+
+template <class T>
+T& SceneStructure::own(std::unique_ptr<T> structure) {
+  T& kept = *structure;
+  generation_ = [&kept] { return kept.generation(); };
+  intersector_ = std::move(structure);
+  return kept;
+}
+
+SceneStructure::SceneStructure(KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+                               const AbufferParameters& parameters) {
+  const auto compare = [this](auto structure) {
+    auto& kept = own(std::move(structure));
+    update_ = [&kept](const Scene&, const SceneChange& change) { kept.update(change); };
+    rebuild_ = [&kept] { kept.rebuild(); };
+    counters_ = [&kept] { return counters_of(kept.statistics()); };
+  };
+  const uint32_t pixels = pixels_of(parameters), voxels = voxels_of(parameters);
+  switch (parameters.structure) {
+    case Structure::abuffer: {
+      auto& kept = own(std::make_unique<VoxelAbuffer>(scheduler, scene, buffers, abuffer_options(parameters)));
+      update_ = [&kept](const Scene& of, const SceneChange& change) { kept.update(of, change); };
+      rebuild_ = [&kept] { kept.rebuild(); };
+      counters_ = [&kept] { return counters_of(kept.statistics()); };
+      break;
+    }
+    case Structure::voxel: compare(std::make_unique<VoxelBits>(scheduler, buffers, pixels)); break;
+    case Structure::grid: compare(std::make_unique<TriangleGrid>(scheduler, buffers, pixels, voxels)); break;
+    case Structure::octree: compare(std::make_unique<SparseOctree>(scheduler, buffers, pixels)); break;
+    case Structure::bvh: {
+      auto& kept = own(std::make_unique<Bvh>(scheduler.device(), scene, buffers));
+      update_ = [&kept, &buffers](const Scene& of, const SceneChange& change) { kept.update(of, buffers, change); };
+      rebuild_ = [&kept, &scene, &buffers] {
+        SceneChange everything;
+        everything.topology = true;
+        kept.update(scene, buffers, everything);
+      };
+      counters_ = [&kept] {
+        return std::map<std::string, double>{{"build_seconds", kept.statistics().build_seconds},
+                                             {"structure_bytes", static_cast<double>(kept.statistics().bytes)}};
+      };
+      break;
+    }
+  }
+}
+
+bool SceneStructure::wants_ends(const AbufferParameters& parameters) {
+  switch (parameters.structure) {
+    case Structure::abuffer: return parameters.intersect != Intersect::exact;
+    case Structure::voxel:
+    case Structure::octree: return true;
+    default: return false;
+  }
+}
+
+size_t SceneStructure::estimate_bytes(const Scene& scene, const AbufferParameters& parameters) {
+  const uint32_t pixels = pixels_of(parameters);
+  switch (parameters.structure) {
+    case Structure::abuffer: return estimate_abuffer_bytes(scene, abuffer_options(parameters));
+    case Structure::grid: return estimate_compared_bytes(scene, choose_grid_size(pixels, voxels_of(parameters)), true);
+    case Structure::bvh: return Bvh::estimate_bytes(scene);
+    default: return estimate_compared_bytes(scene, choose_grid_size(pixels, pixels), false);
+  }
+}
+
+}  // namespace lucarium::abuffer

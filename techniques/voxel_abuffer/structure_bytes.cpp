@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "voxel_abuffer/structure_bytes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "voxel_abuffer/structure/abuffer_lists.h"
+#include "voxel_abuffer/structure/grid_layout.h"
+#include "voxel_abuffer/structure/triangle_classes.h"
+
+namespace lucarium::abuffer {
+namespace {
+
+/// What a triangle takes up in a grid whose cells have edges of 1, in the mean over the grid's positions.
+struct Extent {
+  double covered = 0;  ///< columns whose centres it covers, over all three axes
+  double touched = 0;  ///< columns of its dominant axis that it touches
+  double cells = 0;    ///< cubes that it touches
+};
+
+Extent extent_of(const std::array<glm::dvec3, 3>& p) {
+  const glm::dvec3 area = 0.5 * glm::abs(glm::cross(p[1] - p[0], p[2] - p[0]));
+  const glm::dvec3 size = glm::max(p[0], glm::max(p[1], p[2])) - glm::min(p[0], glm::min(p[1], p[2]));
+  const int k = area.x >= area.y && area.x >= area.z ? 0 : area.y >= area.z ? 1 : 2;
+  const double covered = area.x + area.y + area.z;
+  return {covered, area[k] + size[(k + 1) % 3] + size[(k + 2) % 3] + 1, covered + size.x + size.y + size.z + 1};
+}
+
+/// Calls f(world triangle, extent) for all triangles that can be hit, in cells of `per_metre`.
+template <class F>
+void for_each_extent(const Scene& scene, double per_metre, F&& f) {
+  size_t world_triangle = 0;
+  for (const SceneInstance& instance : scene.instances) {
+    const Mesh& mesh = instance.shape(scene);
+    for (const auto& triangle : mesh.triangles) {
+      std::array<glm::dvec3, 3> corners;
+      for (int i = 0; i < 3; ++i)
+        corners[i] = per_metre * glm::dvec3(instance.world_from_object * glm::vec4(mesh.positions[triangle[i]], 1.f));
+      const Extent extent = extent_of(corners);
+      if (std::isfinite(extent.cells)) f(world_triangle, extent);
+      ++world_triangle;
+    }
+  }
+}
+
+}  // namespace
+
+size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& options) {
+  const GridSize size = choose_grid_size(options.abuffer_size, options.grid_size);
+  const size_t triangles = scene.triangle_count();
+  const AbufferGrid grid = make_grid(size, scene.bounds(), static_cast<uint32_t>(triangles));
+  const TriangleClasses classes = classify(scene, options.intersect);
+  const double per_metre = static_cast<double>(grid.corner.w);
+  double parity = 0, exact = 0;
+  for_each_extent(scene, per_metre, [&](size_t triangle, const Extent& extent) {
+    if (classes.parity[classes.component_of[triangle]])
+      parity += extent.covered;
+    else
+      exact += extent.touched;
+  });
+  const auto lists = [&](double fragments) {
+    return fragments > 0 ? AbufferLists::estimate_bytes(grid, static_cast<size_t>(1.02 * fragments) + 4096) +
+                               LayeredRaster::estimate_bytes(
+                                   triangles, {.max_width = size.pixels, .max_height = size.pixels}, true)
+                         : size_t{0};
+  };
+  const size_t per_triangle = sizeof(uint32_t) * (ABUFFER_TRIANGLE_WORDS + 3) + sizeof(AbufferPlane) + 1;
+  const size_t bricks = size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z;
+  return triangles * per_triangle + bricks * (64 * sizeof(uint32_t) + sizeof(uint64_t)) + lists(parity) + lists(exact);
+}
+
+size_t estimate_compared_bytes(const Scene& scene, const GridSize& size, bool blocks) {
+  const auto triangles = static_cast<uint32_t>(scene.triangle_count());
+  const AbufferGrid grid = make_grid(size, scene.bounds(), triangles);
+  double pairs = 0;
+  const double voxels_per_metre = static_cast<double>(grid.corner.w) / grid.voxels.w;
+  for_each_extent(scene, voxels_per_metre, [&](size_t, const Extent& extent) { pairs += extent.cells; });
+  const size_t bricks = size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z;
+  // Sorting pairs takes their keys, numbers, triangles and as much again; a block of eight triangles is 320 bytes.
+  return triangles * size_t{16} + bricks * size_t{40} + static_cast<size_t>(pairs) * (blocks ? 40 + 320 : 60);
+}
+
+}  // namespace lucarium::abuffer
