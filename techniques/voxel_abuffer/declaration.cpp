@@ -25,6 +25,7 @@ TechniqueInfo technique_info() {
   info.capabilities.materials = all_kinds<MaterialKind>();
   info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.bias = 0.02;
+  info.check_parameters = {{"abuffer_size", "256"}};
   info.capabilities.uses_bvh = false;  // structure=bvh makes its own
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
@@ -51,6 +52,8 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
     if (open > 0)
       list.push_back(fmt::format("intersect=parity: {} open components have no inside; rays find them wrongly", open));
   }
+  if (parameters.structure == Structure::abuffer && parameters.intersect != Intersect::exact)
+    list.push_back("search by parity: light leaks within a few pixels of where solids touch others (intersect)");
   if (parameters.structure == Structure::voxel || parameters.structure == Structure::octree)
     list.push_back("surfaces are as thick as a voxel (structure)");
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {

@@ -13,7 +13,7 @@ struct AbufferParameters {
   ModeChoice mode = ModeChoice::path;
   Structure structure = Structure::abuffer;
   int abuffer_size = 1280, grid_size = 0;
-  Intersect intersect = Intersect::automatic;
+  Intersect intersect = Intersect::exact;
   Search search = Search::columns;
   AxisRule axis_rule = AxisRule::absolute_normal;
   int bisect = 10;

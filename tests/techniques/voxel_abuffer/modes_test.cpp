@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// The modes of voxel_abuffer, over its structure and over a hierarchy: closed forms, references of their own path sets,
+// and composition.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "lucarium/scene/builtin/scenes.h"
+#include "lucarium/session/session.h"
+#include "made_scene.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
+const TechniqueRegistry& registry() {
+  static const TechniqueRegistry all;
+  return all;
+}
+
+/// A picture of the first camera.
+struct Picture {
+  std::string technique = "voxel_abuffer";
+  uint32_t size = 16;
+  uint64_t iterations = 1, seed = 1;
+  int max_bounces = 0, threads = 0;
+};
+Film render(const Scene& scene, const Picture& picture, Parameters parameters) {
+  RenderSettings settings;
+  settings.width = settings.height = picture.size;
+  settings.max_bounces = picture.max_bounces;
+  settings.seed = picture.seed;
+  settings.camera = scene.cameras.front();
+  const auto device = Device::open({.threads = picture.threads});
+  RenderSession session(device, scene, registry().find(picture.technique), settings, parameters);
+  for (uint64_t i = 0; i < picture.iterations; ++i) session.iterate();
+  return session.resolve();
+}
+
+double mean(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float value : values) sum += static_cast<double>(value);
+  return sum / static_cast<double>(values.size());
+}
+double layer_mean(const Scene& scene, const Picture& picture, const char* layer, const Parameters& parameters) {
+  return mean(render(scene, picture, parameters).find(layer)->pixels);
+}
+
+/// The structures that tests of modes run over; `smaller` than the default, where that does not matter.
+Parameters with_structure(const std::string& structure, Parameters more) {
+  more.emplace_back("structure", structure);
+  return more;
+}
+const std::vector<std::string> kStructures = {"bvh", "abuffer"};
+
+Parameters occlusion(const char* radius) { return {{"mode", "ao"}, {"ao_radius", radius}, {"lambda", "64"}}; }
+
+/// A floor below a sphere of radius 1 about (0, 2, 0), seen at (x, 0, 0).
+Scene sphere_above_floor(float x) {
+  Scene scene;
+  const int white = add_material(scene, lambert(0.5f));
+  add_horizontal(scene, 0, 0, 0, 12, 12, true, white);
+  add_triangles(scene, sphere_triangles({0, 2, 0}, 1, 6, false), white);
+  scene.cameras.push_back(look_orthographic({x + 3, 1, 0}, {x, 0, 0}, 2e-3f));
+  return scene;
+}
+
+SceneMaterial clear_glass() {
+  SceneMaterial material;
+  material.metallic = 0;
+  material.roughness = 0;
+  material.transmission = 1;
+  material.thickness = 1;
+  return material;
+}
+
+/// Closed slabs of alpha 1/4, one below the other, over an emitter of radiance 1; nothing else lights them.
+Scene slabs(int count) {
+  Scene scene;
+  SceneMaterial veil = lambert(0.5f);
+  veil.base_color.w = 0.25f;
+  veil.alpha_mode = AlphaMode::blend;
+  const int material = add_material(scene, veil);
+  for (int i = 0; i < count; ++i) {
+    const float y = 0.2f * static_cast<float>(i);
+    test::add_box(scene, {-1, y, -1}, {1, y + 0.1f, 1}, false, material);
+  }
+  add_horizontal(scene, 0, -1, 0, 3, 3, true, add_material(scene, emitter(1)));
+  scene.cameras.push_back(look_orthographic({0, 3, 0}, {0, 0, 0}, 0.5f));
+  return scene;
+}
+
+/// Things behind veils, masks, glass and mirrors, under all kinds of lights.
+Scene showcase() {
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 6, 6, true, add_material(scene, lambert(0.6f)));
+  SceneMaterial veil = lambert(0.8f);
+  veil.base_color.w = 0.4f;
+  veil.alpha_mode = AlphaMode::blend;
+  veil.double_sided = true;
+  add_horizontal(scene, -0.7f, 0.8f, 0, 1, 1, true, add_material(scene, veil));
+  SceneMaterial mirror;
+  mirror.roughness = 0;
+  test::add_box(scene, {0.2f, 0, -1}, {1.2f, 0.7f, -0.4f}, false, add_material(scene, mirror));
+  add_triangles(scene, sphere_triangles({0.2f, 0.35f, 0.5f}, 0.35f, 4, false), add_material(scene, clear_glass()));
+  SceneMaterial lamp = emitter(4);
+  add_horizontal(scene, 0, 2.5f, 0, 0.8f, 0.8f, false, add_material(scene, lamp));
+  add_light(scene, LightType::point, 1, {1.5f, 1.2f, 1.5f}, {0, 0, 0});
+  set_environment(scene, 0.3f);
+  scene.cameras.push_back(look_perspective({0.5f, 1.6f, 3.2f}, {0.1f, 0.3f, 0}, 0.7f));
+  return scene;
+}
+
+/// Whether two estimators have the same mean, by seeds of their own.
+void check_same_mean(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto moments = [](const std::vector<double>& values) {
+    double sum = 0, squares = 0;
+    for (const double v : values) sum += v;
+    const double mean = sum / static_cast<double>(values.size());
+    for (const double v : values) squares += (v - mean) * (v - mean);
+    const auto n = static_cast<double>(values.size());
+    return std::pair(mean, squares / (n * (n - 1)));
+  };
+  const auto [mean_a, error_a] = moments(a);
+  const auto [mean_b, error_b] = moments(b);
+  const double error = std::sqrt(error_a + error_b);
+  INFO(mean_a, " and ", mean_b, " +- ", error);
+  CHECK(mean_b > 0);
+  CHECK(error < 0.01 * mean_b);
+  CHECK(std::abs(mean_a - mean_b) <= 4 * error + 1e-6 * mean_b);
+}
+
+}  // namespace
+
+TEST_CASE("modes: ambient occlusion below a sphere is (R / d)^2 cos") {
+  for (const std::string& structure : kStructures) {
+    CAPTURE(structure);
+    for (const float x : {0.f, 2.f}) {
+      const double distance = std::hypot(2.0, static_cast<double>(x));
+      const double open = layer_mean(sphere_above_floor(x), {.size = 32, .iterations = 32}, "ambient_occlusion",
+                                     with_structure(structure, occlusion("0")));
+      CHECK(1 - open == test::relative(2 / (distance * distance * distance), 5e-3));
+    }
+    // Nearer than the sphere there is nothing; where it is reached, a larger radius changes nothing.
+    const auto within = [&](const char* radius) {
+      return layer_mean(sphere_above_floor(0), {.iterations = 4}, "ambient_occlusion",
+                        with_structure(structure, occlusion(radius)));
+    };
+    CHECK(within("0.99") == 1);
+    CHECK(within("1.2") < 0.99);
+    CHECK(within("3") == within("0"));
+  }
+}
+
+TEST_CASE("modes: ambient occlusion between unit squares is their form factor") {
+  for (const std::string& structure : kStructures) {
+    CAPTURE(structure);
+    const int white = 0;
+    Scene facing, upright;
+    for (Scene* scene : {&facing, &upright}) {
+      add_material(*scene, lambert(0.5f));
+      add_horizontal(*scene, 0, 0, 0, 1, 1, true, white);
+      scene->cameras.push_back(look_orthographic({0, 0.5f, 0}, {0, 0, 0}, 0.5f));
+    }
+    add_horizontal(facing, 0, 1, 0, 1, 1, false, white);
+    add_polygon(upright, {{0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {0.5f, 1, 0.5f}, {0.5f, 1, -0.5f}}, white);
+    const Picture picture{.size = 64, .iterations = 8};
+    const auto blocked = [&](const Scene& scene) {
+      return 1 - layer_mean(scene, picture, "ambient_occlusion", with_structure(structure, occlusion("0")));
+    };
+    CHECK(blocked(facing) == test::relative(.199825, 5e-3));
+    CHECK(blocked(upright) == test::relative(.200044, 5e-3));
+  }
+}
+
+TEST_CASE("modes: Whitted's ray tracing through a slab of glass, by the number of events") {
+  Scene scene;
+  test::add_box(scene, {-2, -.1f, -2}, {2, 0, 2}, false, add_material(scene, clear_glass()));
+  add_horizontal(scene, 0, -1, 0, 6, 6, true, add_material(scene, emitter(1)));
+  scene.cameras.push_back(look_orthographic({0, 1, 0}, {0, 0, 0}, 1e-2f));
+  const double r = 0.04, through = (1 - r) * (1 - r);
+  for (const std::string& structure : kStructures) {
+    CAPTURE(structure);
+    const auto seen = [&](const char* depth) {
+      return layer_mean(scene, {}, "emission", with_structure(structure, {{"mode", "whitted"}, {"depth", depth}}));
+    };
+    CHECK(seen("1") == 0);
+    CHECK(seen("3") == test::relative(through, 1e-5));
+    CHECK(seen("4") == test::relative(through * (1 + r * r), 1e-5));
+    CHECK(seen("16") == test::relative(.923077, 1e-5));
+  }
+}
+
+TEST_CASE("modes: ray casting through eight closed slabs of alpha 1/4") {
+  for (const std::string& structure : kStructures) {
+    CAPTURE(structure);
+    const Film film = render(slabs(8), {}, with_structure(structure, {{"mode", "cast"}}));
+    // Sixteen walls and the emitter are met.
+    for (const float crossings : film.find("crossings")->pixels) CHECK(crossings == 17);
+    for (const float emission : film.find("emission")->pixels)
+      CHECK(static_cast<double>(emission) == test::relative(std::pow(0.75, 16), 1e-5));
+    // An opaque wall ends the ray.
+    Scene opaque = slabs(8);
+    opaque.materials[0].alpha_mode = AlphaMode::opaque;
+    const Film walls = render(opaque, {}, with_structure(structure, {{"mode", "cast"}}));
+    for (const float crossings : walls.find("crossings")->pixels) CHECK(crossings == 1);
+  }
+}
+
+TEST_CASE("modes: cast, whitted and path have the light of the path tracer with their path set") {
+  struct Case {
+    const char* mode;
+    int max_bounces;
+    Parameters reference;
+  };
+  const Scene scene = showcase();
+  for (const Case& c :
+       {Case{"cast", 0, {{"eye_deltas", "0"}}}, Case{"whitted", 0, {{"eye_deltas", "3"}}}, Case{"path", 2, {}}}) {
+    CAPTURE(c.mode);
+    for (const std::string& structure : kStructures) {
+      CAPTURE(structure);
+      std::vector<double> ours, theirs;
+      for (uint64_t seed = 1; seed <= 6; ++seed) {
+        const Picture picture{.size = 24, .iterations = 16, .seed = seed, .max_bounces = c.max_bounces};
+        const Film film = render(
+            scene, picture, with_structure(structure, {{"mode", c.mode}, {"lambda", "2"}, {"intersect", "exact"}}));
+        Picture other = picture;
+        other.technique = "path_tracing";
+        other.iterations = 32;
+        other.seed = 100 + seed;
+        const Film reference = render(scene, other, c.reference);
+        const auto light = [](const Film& of, const char* layer) {
+          const FilmLayer* found = of.find(layer);
+          return found ? mean(found->pixels) : 0.0;
+        };
+        ours.push_back(light(film, "emission") + light(film, "direct") + light(film, "indirect"));
+        theirs.push_back(light(reference, "emission") + light(reference, "direct") + light(reference, "indirect"));
+      }
+      check_same_mean(ours, theirs);
+    }
+  }
+}
+
+TEST_CASE("modes: over exact search every mode has the bits of the hierarchy, and path those of path_tracing") {
+  const Scene scene = showcase();
+  for (const char* mode : {"cast", "whitted", "ao", "path"}) {
+    CAPTURE(mode);
+    const Picture picture{.size = 24, .iterations = 2, .max_bounces = 2};
+    const Film exact = render(scene, picture, {{"mode", mode}, {"intersect", "exact"}, {"abuffer_size", "256"}});
+    const Film hierarchy = render(scene, picture, {{"mode", mode}, {"structure", "bvh"}});
+    REQUIRE(exact.layers().size() == hierarchy.layers().size());
+    for (const FilmLayer& layer : exact.layers()) CHECK(layer.pixels == hierarchy.find(layer.name)->pixels);
+    if (mode != std::string("path")) continue;
+    Picture other = picture;
+    other.technique = "path_tracing";
+    const Film reference = render(scene, other, {});
+    for (const char* name : {"emission", "direct", "indirect"})
+      CHECK(reference.find(name)->pixels == exact.find(name)->pixels);
+  }
+}
+
+TEST_CASE("modes: progressive and general composition, and one and two threads, have the same bits") {
+  const Scene scene = showcase();
+  for (const char* mode : {"cast", "whitted", "ao", "path"}) {
+    CAPTURE(mode);
+    const auto layers = [&](uint64_t iterations, int threads, Parameters more) {
+      more.insert(more.end(), {{"mode", mode}, {"lambda", "2"}, {"passes", "3"}, {"abuffer_size", "256"}});
+      const Film film = render(scene, {.iterations = iterations, .max_bounces = 1, .threads = threads}, more);
+      std::vector<float> all;
+      for (const FilmLayer& layer : film.layers()) all.insert(all.end(), layer.pixels.begin(), layer.pixels.end());
+      return all;
+    };
+    const Parameters general = {{"progressive", "off"}, {"rebuild", "frame"}};
+    const std::vector<float> progressive = layers(3, 0, {});
+    CHECK(layers(3, 0, general) == progressive);
+    CHECK(layers(3, 1, {}) == progressive);
+    CHECK(layers(3, 2, general) == progressive);
+    CHECK(layers(7, 0, {}) == progressive);            // a frame is complete after its passes
+    CHECK(layers(5, 0, general) == layers(2, 0, {}));  // or begins again
+    CHECK(layers(2, 0, {}) != progressive);
+  }
+}
+
+TEST_CASE("modes: constant light is the albedo's share, and no other layer changes") {
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  scene.cameras.push_back(look_orthographic({0, 1, 0}, {0, 0, 0}, 0.5f));
+  const Film film = render(scene, {}, {{"mode", "whitted"}, {"ambient", "3"}});
+  for (const float value : film.find("ambient")->pixels) CHECK(static_cast<double>(value) == test::relative(1.5, 1e-6));
+  CHECK(mean(film.find("direct")->pixels) == 0);
+  CHECK(!render(scene, {}, {{"mode", "whitted"}}).find("ambient"));
+}
+
+TEST_CASE("modes: what does not go together is refused, naming the parameter") {
+  const Scene scene = showcase();
+  CHECK_THROWS_WITH_AS(render(scene, {}, {{"progressive", "off"}}),
+                       "voxel_abuffer: progressive=off with passes=0: a frame would never end; set passes to 1 or more",
+                       Error);
+  CHECK_THROWS_WITH_AS(render(scene, {}, {{"grid_size", "7"}}),
+                       "voxel_abuffer: grid_size 7 is neither 0 nor 16 to 2048", Error);
+  CHECK_THROWS_WITH_AS(render(scene, {}, {{"ao_radius", "-0.5"}}),
+                       "voxel_abuffer: ao_radius -0.5 is negative and not -1", Error);
+}
