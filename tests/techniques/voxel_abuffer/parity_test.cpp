@@ -98,6 +98,32 @@ TEST_CASE("hits of parity lie in their triangles, and face as the crossing does"
   CHECK(wrong_side <= hits / 1000);
 }
 
+TEST_CASE("hits on a thin plate are on the side that faces the ray") {
+  Soup plate = box({-1, -1, 0}, {1, 1, 0.0025f});  // a pixel and a half thick
+  for (Vertex& v : plate.vertices) {
+    const glm::vec3 p = v.position.xyz();
+    v.position = float4(p.x, p.y, p.z + 0.7f * p.x + 0.6f * p.y, 0);
+  }
+  AbufferRig rig(scene_of(plate));
+  const VoxelAbuffer structure = rig.make();
+  std::vector<Ray> rays;
+  Random random(11);
+  for (uint32_t i = 0; i < 20000; ++i) {
+    const glm::vec3 from(random.uniform(-4, 4), random.uniform(-4, 4), 2), to = random.in_cube(0.8f);
+    rays.push_back(make_ray(from, glm::normalize(glm::vec3(to.x, to.y, 0.7f * to.x + 0.6f * to.y) - from)));
+  }
+  uint32_t hits = 0, wrong_side = 0;
+  const std::vector<Hit> found = rig.trace(structure, rays).hits;
+  for (size_t i = 0; i < rays.size(); ++i) {
+    const bool from_above = glm::dot(rays[i].direction.xyz(), glm::vec3(-0.7f, -0.6f, 1)) < 0;
+    const uint32_t triangle = found[i].triangle;  // 0, 1: the lower face; 2, 3: the upper one
+    hits += triangle != LUCARIUM_NO_HIT;
+    wrong_side += from_above ? triangle < 2 : triangle == 2 || triangle == 3;
+  }
+  CHECK(hits > 19800);
+  CHECK(wrong_side <= 4);
+}
+
 TEST_CASE("mean chord of cosine-distributed rays inside a sphere is 4V/S") {
   AbufferRig rig(scene_of(sphere({}, 1)));
   const VoxelAbuffer structure = rig.make({.intersect = Intersect::automatic});
