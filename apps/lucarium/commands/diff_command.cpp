@@ -249,6 +249,7 @@ void add_diff_command(Command program, Action& action) {
   command.flag("--formulas", arguments->formulas);
   command.option("--exposure", arguments->exposure).check(finite_number()).capture_default_str();
   command.required_without("--formulas", {"test", "reference"});
+  command.needs({"--output", "--max-relmse", "--exposure"}, {"test"});
   command.needs({"--map-of", "--overwrite"}, {"--output"});
   command.excludes({"--statistical"}, {"--output", "--max-relmse", "--exposure", "--formulas"});
   command.excludes({"--formulas"}, {"--json"});

@@ -30,6 +30,19 @@ struct ReferenceArguments : RenderingArguments {
   bool extend = false, overwrite = false;
 };
 
+/// A reference takes from a technique its light paths alone: what path_tracing would do otherwise is a mistake here.
+void check_only_light_paths(const TechniqueArguments::Spec& spec, const PathSet& set) {
+  if (spec.name != "path_tracing") return;
+  std::vector<std::string> names;
+  for (const auto& [name, value] : set.technique_parameters()) names.push_back(name);
+  for (const auto& [name, value] : spec.parameters) {
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw_error(ErrorClass::usage,
+                  "{}={} does nothing here: a reference takes parameters that choose light paths ({})", name, value,
+                  fmt::join(names, ", "));
+  }
+}
+
 /// The light paths asked for: those of a text, of a technique, or all up to --max-bounces.
 PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegistry& registry, const Scene& scene,
                         const RenderSettings& settings) {
@@ -45,7 +58,9 @@ PathSet wanted_path_set(const ReferenceArguments& arguments, const TechniqueRegi
   check_parameters(type, spec);
   const std::unique_ptr<Technique> technique = type.create();
   technique->parameters().set_all(spec.parameters);
-  return technique->path_set(scene, settings);
+  const PathSet set = technique->path_set(scene, settings);
+  check_only_light_paths(spec, set);
+  return set;
 }
 
 /// What there is of the file, or an empty image.

@@ -127,7 +127,11 @@ SceneOverrides SceneArguments::resolved() const {
   return result;
 }
 
-Scene SceneArguments::load(const std::string& source) const { return load_scene(source, resolved(), import); }
+Scene SceneArguments::load(const std::string& source) const {
+  if (no_sidecar && source.starts_with("builtin:"))
+    throw_error(ErrorClass::usage, "--no-sidecar does nothing: {} has no sidecar", source);
+  return load_scene(source, resolved(), import);
+}
 
 void ImageArguments::add_to(Command command, bool with_seed) {
   command.option("--size", size).capture_default_str();

@@ -2,11 +2,13 @@
 // The executable: it links nothing but the C library, so that signals are handled within its first millisecond, and
 // then loads the program with its libraries, which takes up to half a second where the machine is busy.
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <climits>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 #include "lucarium/base/error.h"
@@ -36,9 +38,18 @@ int fail(const char* what) {
   return static_cast<int>(ErrorClass::internal);
 }
 
+/// A closed standard stream would be the number of the next file that is opened, and results would be written into it.
+/// In its place stands a file that nothing can be written to.
+void fill_closed_streams() {
+  for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+    if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", O_RDONLY) != stream) std::_Exit(fail("no /dev/null"));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  fill_closed_streams();
   char path[PATH_MAX + sizeof LUCARIUM_PROGRAM_LIBRARY] = {};  // of this executable, then of the program
   if (::readlink("/proc/self/exe", path, PATH_MAX) <= 0) return fail("/proc/self/exe cannot be read");
   std::strcpy(std::strrchr(path, '/') + 1, LUCARIUM_PROGRAM_LIBRARY);

@@ -183,7 +183,8 @@ const TechniqueType& TechniqueRegistry::find(const std::string& name) const {
   // A plug-in of that name that cannot be loaded is no mistyped name.
   const ErrorClass who = reasons.empty() ? ErrorClass::usage : ErrorClass::technique;
   if (reasons.empty()) reasons = suggest_name(name, names);
-  throw Error(who, fmt::format("no technique is called '{}'{}; searched {}", name, reasons, folders)).with_details(all);
+  throw Error(who, fmt::format("no technique is called '{}'{} (searched {})", name, reasons, folders))
+      .with_details(all);
 }
 
 }  // namespace lucarium

@@ -117,7 +117,7 @@ TEST_CASE("a technique that is not there: nearest name, folders searched, and wh
     return std::string("found");
   };
   const std::string mistyped = message("constnat", ErrorClass::usage);
-  CHECK(contains(mistyped, "no technique is called 'constnat'; did you mean 'constant'?; searched "));
+  CHECK(contains(mistyped, "no technique is called 'constnat'; did you mean 'constant'? (searched "));
   CHECK(contains(mistyped, "/nonexistent/folder"));
   CHECK(contains(message("wrong_abi", ErrorClass::technique),
                  fmt::format("is built for ABI {}", LUCARIUM_ABI_VERSION + 1)));

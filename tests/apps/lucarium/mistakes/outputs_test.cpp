@@ -65,6 +65,7 @@ TEST_CASE("standard output that cannot be written is an error, not a success") {
     check_refused(command + full, 3, message);
   }
   check_refused("render builtin:cornell " + constant_technique() + "--iterations 1 --json --quiet" + full, 3, message);
+  check_refused("devices >&-", 3, "cannot write to standard output: Bad file descriptor");
 }
 
 TEST_CASE("control characters in names reach no terminal") {

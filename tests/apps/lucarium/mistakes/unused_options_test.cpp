@@ -19,6 +19,13 @@ TEST_CASE("options that did nothing, and said nothing, are mistakes") {
   check_refused(render + "--frames 0:1 --at 1" + exr, 2, "give --frames or --at, not both");
   check_refused(render + "--frames 0:1 --reference a.exr --json" + exr, 2, "give --frames or --reference, not both");
 
+  check_refused(render + "--no-sidecar" + exr, 2, "--no-sidecar does nothing: builtin:cornell has no sidecar");
+  check_refused("diff --formulas --max-relmse 0.1", 2, "--max-relmse does nothing without");
+  check_refused("diff --formulas --exposure 2", 2, "--exposure does nothing without");
+  check_refused("diff --formulas" + png, 2, "--output does nothing without");
+  check_refused("reference builtin:cornell -t path_tracing:roulette=off --size 8x8 --spp 32" + exr, 2,
+                "roulette=off does nothing here");
+
   const std::string compare = "compare builtin:cornell -t path_tracing" + out;
   check_refused(compare + " --time 1 --limit 5", 2, "--limit does nothing without --relmse");
   check_refused(compare + " --time 1 --reference a.exr --reference-spp 64", 2,
