@@ -32,9 +32,10 @@ const char* const parent_variable = "LUCARIUM_PARENT_PROCESS";
 
 /// This process' environment with its number as the parent's.
 std::vector<std::string> child_environment() {
-  std::vector<std::string> variables = {fmt::format("{}={}", parent_variable, ::getpid())};
+  const std::string assigned = fmt::format("{}=", parent_variable);
+  std::vector<std::string> variables = {assigned + std::to_string(::getpid())};
   for (char** variable = environ; *variable; ++variable) {
-    if (!std::string_view(*variable).starts_with(std::string(parent_variable) + "=")) variables.emplace_back(*variable);
+    if (!std::string_view(*variable).starts_with(assigned)) variables.emplace_back(*variable);
   }
   return variables;
 }

@@ -35,7 +35,7 @@ SceneChange move(Scene& scene, double seconds) {
     change.previous_world_from_object.push_back(scene.instances[i].world_from_object);
     scene.instances[i].world_from_object =
         glm::translate(glm::mat4(1), glm::vec3(0.3 * seconds * i, 0, -0.1 * seconds)) *
-        glm::scale(glm::mat4(1), glm::vec3(1 + 0.5 * seconds));
+        glm::scale(glm::mat4(1), glm::vec3(static_cast<float>(1 + 0.5 * seconds)));
   }
   if (seconds > 1.5) {
     scene.lights[0].intensity = glm::vec3(0);
