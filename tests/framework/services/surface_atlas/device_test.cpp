@@ -220,14 +220,18 @@ TEST_CASE("the packed picture has every texel") {
 TEST_CASE("memory: refused with numbers, estimated at little more than it is") {
   Scene scene = make_builtin_scene("cornell");
   AtlasContext context(scene, 100000);
-  const double estimate = double(SurfaceAtlas::estimate_bytes(scene, context.options));
-  CHECK(double(context.atlas->report().bytes) <= estimate);
-  CHECK(double(context.atlas->report().bytes) > 0.7 * estimate);
+  const double bytes = double(context.atlas->report().bytes);
+  const double expected = double(SurfaceAtlas::estimate_bytes(scene, context.options, 100000));
+  CHECK(bytes == test::relative(expected, 0.2));
+  const double bound = double(SurfaceAtlas::estimate_bytes(scene, context.options));
+  CHECK(bytes <= bound);
+  CHECK(bytes > 0.7 * bound);
   SurfaceAtlasOptions by_edge;
   by_edge.texel_edge = context.atlas->report().texel_edge;
-  const double again = double(SurfaceAtlas::estimate_bytes(scene, by_edge));
-  CHECK(double(context.atlas->report().bytes) <= again);
-  CHECK(double(context.atlas->report().bytes) > 0.7 * again);
+  const double edges = SurfaceAtlas::estimate_edge(scene, context.options) / double(by_edge.texel_edge);
+  const auto sides = static_cast<size_t>(100000 * edges * edges);  // area over a texel's
+  CHECK(double(SurfaceAtlas::estimate_bytes(scene, by_edge, sides)) == test::relative(expected, 0.05));
+  CHECK(bytes <= double(SurfaceAtlas::estimate_bytes(scene, by_edge)));
   CHECK(context.atlas->report().sides == context.atlas->info().texel_count);
   CHECK(context.atlas->report().area_p50 == test::relative(1, 0.05));
   DeviceOptions little;
