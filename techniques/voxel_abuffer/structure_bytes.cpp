@@ -60,10 +60,11 @@ size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& opt
       exact += extent.touched;
   });
   const auto lists = [&](double fragments) {
-    return fragments > 0 ? AbufferLists::estimate_bytes(grid, static_cast<size_t>(1.02 * fragments) + 4096) +
-                               LayeredRaster::estimate_bytes(
-                                   triangles, {.max_width = size.pixels, .max_height = size.pixels}, true)
-                         : size_t{0};
+    return fragments > 0
+               ? AbufferLists::estimate_bytes(grid, static_cast<size_t>(1.02 * fragments) + 4096) +
+                     LayeredRaster::estimate_bytes(triangles, {.max_width = size.pixels, .max_height = size.pixels},
+                                                   LayeredStoreOptions{.variant = options.list})
+               : size_t{0};
   };
   const size_t per_triangle = sizeof(uint32_t) * (ABUFFER_TRIANGLE_WORDS + 3) + sizeof(AbufferPlane) + 1;
   const size_t bricks = size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z;

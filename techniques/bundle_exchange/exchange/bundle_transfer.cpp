@@ -128,8 +128,9 @@ void BundleTransfer::gather(const BundleDirection& direction, uint32_t seed, boo
 size_t BundleTransfer::estimate_bytes(const Scene& scene, double texel_edge, const Parameters& parameters,
                                       bool gathers) {
   const uint32_t edge = bundle_side(scene.bounds(), static_cast<double>(parameters.pixel_size) * texel_edge);
-  return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster_options(edge),
-                                       gathers || parameters.transfer == Transfer::texel);
+  std::optional<LayeredStoreOptions> stored;
+  if (gathers || parameters.transfer == Transfer::texel) stored.emplace();
+  return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster_options(edge), stored);
 }
 
 void BundleTransfer::warm_up() {

@@ -28,8 +28,8 @@ LUCARIUM_STRUCT_END(AbufferPlane, 32)
 #define ABUFFER_ROOM 16u  // with ABUFFER_PARITY: fronts face inwards
 
 // A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity;
-// bits 4, 5: the axis by whose columns it is searched for parity, 3: any; bits 6 …: its first cell block, one for each
-// bit of 0, 1, 2 in turn.
+// bits 4, 5: the axis by whose columns it is searched for parity, 3: any; bits 6 and above: its first cell block, one
+// for each bit of 0, 1, 2 in turn.
 #define ABUFFER_EXACT_AXES 7u
 #define ABUFFER_OCCUPIED 15u
 #define ABUFFER_AXIS_SHIFT 4u
@@ -43,8 +43,9 @@ LUCARIUM_STRUCT_END(AbufferPlane, 32)
 // ABUFFER_TRIANGLE_WORDS.
 #define ABUFFER_TRIANGLE_WORDS 10u
 
-// Depths of exact fragments are kept as an interval in steps of 1/16 pixel: least depth rounded down in bits 0–15, and
-// in bits 16–31 this number less the greatest depth rounded up, so that one kind of comparison serves both ends.
+// Depths of exact fragments are kept as an interval in steps of 1/16 pixel: the least depth rounded down in the low 16
+// bits, and in the high 16 this number less the greatest depth rounded up, so that one kind of comparison serves both
+// ends.
 #define ABUFFER_DEPTH_STEPS 16.0f
 #define ABUFFER_DEPTH_LAST 65535.0f
 

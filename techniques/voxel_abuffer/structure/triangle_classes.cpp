@@ -25,8 +25,7 @@ TriangleClasses classify(const Scene& scene, Intersect intersect) {
     const auto first = static_cast<uint32_t>(classes.parity.size());
     for (const uint32_t component : parts.component_of) classes.component_of.push_back(first + component);
     for (const MeshComponent& part : parts.components) {
-      const bool parity = intersect == Intersect::parity || intersect == Intersect::plane ||
-                          (intersect == Intersect::automatic && part.closed);
+      const bool parity = intersect == Intersect::parity || (intersect == Intersect::automatic && part.closed);
       const uint32_t sides = part.volume < 0 ? ABUFFER_PARITY | ABUFFER_ROOM : ABUFFER_PARITY;
       classes.parity.push_back(static_cast<uint8_t>(parity ? sides : 0));
       (parity ? classes.parity_triangles : classes.exact_triangles) += part.triangles;

@@ -11,7 +11,6 @@ namespace lucarium::abuffer {
 enum class Intersect {
   automatic,  ///< closed components by parity, the others exactly
   parity,     ///< all by parity: wrong where components are open
-  plane,      ///< by the planes of fragments
   exact,      ///< by the triangles of fragments: hits of Bvh
 };
 

@@ -245,7 +245,8 @@ LayeredRaster::LayeredRaster(KernelScheduler& scheduler, const SceneBuffers& sce
     : state_(std::make_unique<State>(scheduler, scene, options, owner)) {}
 LayeredRaster::~LayeredRaster() = default;
 
-size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOptions& options, bool stored) {
+size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOptions& options,
+                                     const std::optional<LayeredStoreOptions>& stored) {
   constexpr size_t layers = 4;
   const size_t blocks = (std::max<size_t>(1, triangles) + 15) / 16,
                pixels = size_t{options.max_width} * options.max_height;
@@ -253,8 +254,12 @@ size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOption
   const size_t per_block = (LAYERED_BLOCK_WORDS + 16 + 2) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord);
   const size_t pairs = 2 * triangles + layers * tiles;  // a triangle lies in a tile, or in all that it covers
   const size_t bins = (size_t{chunks} + 1) * (tiles + 16) + pairs;
-  const size_t fragments = stored ? pixels * (sizeof(uint32_t) + layers * sizeof(LayeredFragment)) : 0;
-  return blocks * per_block + bins * sizeof(uint32_t) + fragments;
+  size_t per_pixel = 0;
+  if (stored) per_pixel = sizeof(uint32_t) + layers * sizeof(LayeredFragment);
+  if (stored && stored->variant == LayeredVariant::exact) per_pixel += sizeof(uint32_t);  // places
+  if (stored && stored->variant == LayeredVariant::linked_list)                           // heads twice, and nodes
+    per_pixel += 2 * sizeof(uint32_t) + stored->list_capacity * (sizeof(uint32_t) + sizeof(LayeredFragment));
+  return blocks * per_block + bins * sizeof(uint32_t) + pixels * per_pixel;
 }
 
 void LayeredRaster::update() { state_->follow(); }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "lucarium/compute/schedule/scheduler.h"
@@ -89,9 +90,10 @@ class LayeredRaster {
   void record_nearest(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const BufferRef& depth,
                       const BufferRef& triangle) const;
 
-  /// Expected device memory of a raster of `triangles`, the transients of a schedule included [bytes]; `stored`: with
-  /// an A-buffer (LayeredVariant::tiles). Taken for granted: four surfaces behind each other.
-  static size_t estimate_bytes(size_t triangles, const LayeredRasterOptions& options, bool stored);
+  /// Expected device memory of a raster of `triangles`, the transients of a schedule included [bytes]; with an A-buffer
+  /// where `stored` says how it is made. Taken for granted: four surfaces behind each other.
+  static size_t estimate_bytes(size_t triangles, const LayeredRasterOptions& options,
+                               const std::optional<LayeredStoreOptions>& stored);
 
  private:
   class ListStore;
