@@ -52,7 +52,10 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
     if (open > 0)
       list.push_back(fmt::format("intersect=parity: {} open components have no inside; rays find them wrongly", open));
   }
-  if (parameters.structure == Structure::abuffer && parameters.intersect != Intersect::exact)
+  if (parameters.structure == Structure::abuffer && parameters.intersect == Intersect::plane)
+    list.push_back("search by planes: surfaces that cover no pixel's centre are not there (intersect)");
+  if (parameters.structure == Structure::abuffer &&
+      (parameters.intersect == Intersect::parity || parameters.intersect == Intersect::automatic))
     list.push_back("search by parity: light leaks within a few pixels of where solids touch others (intersect)");
   if (parameters.structure == Structure::voxel || parameters.structure == Structure::octree)
     list.push_back("surfaces are as thick as a voxel (structure)");

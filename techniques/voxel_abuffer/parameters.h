@@ -6,7 +6,6 @@ namespace lucarium::abuffer {
 
 enum class Structure { abuffer, voxel, grid, octree, bvh };
 enum class ModeChoice { cast, whitted, occlusion, path };
-enum class Attributes { triangle, pixel };
 enum class Rebuild { change, frame };
 
 struct AbufferParameters {
@@ -48,7 +47,7 @@ struct AbufferParameters {
                 {{"intersect", "parity"},
                  {"search", "3"},
                  {"axis_rule", "average"},
-                 {"attributes", "pixel"},
+                 {"attributes", "stored"},
                  {"list", "linked"},
                  {"rebuild", "frame"},
                  {"abuffer_size", "1280"},
@@ -73,17 +72,23 @@ struct AbufferParameters {
     v.number("grid_size", grid_size, 0, 2048, "voxels",
              "voxels along the scene's longest edge, 16 or more; 0: the square root of 3 abuffer_size");
     v.choice("intersect", intersect,
-             {{"auto", Intersect::automatic}, {"parity", Intersect::parity}, {"exact", Intersect::exact}},
-             "where surfaces are found: between inside and outside (parity), by triangles of fragments (exact), or "
-             "closed components by parity and open ones exactly (auto)");
+             {{"auto", Intersect::automatic},
+              {"parity", Intersect::parity},
+              {"plane", Intersect::plane},
+              {"exact", Intersect::exact}},
+             "where surfaces are found: between inside and outside (parity), by planes of fragments (plane), by their "
+             "triangles (exact), or closed components by parity and open ones exactly (auto)");
     v.choice("search", search, {{"2d", Search::columns}, {"3", Search::three_steps}, {"1", Search::one_step}},
              "search for parity: all columns of a voxel, or points 3 or 1 steps apart and bisection");
     v.choice("axis_rule", axis_rule, {{"absnormal", AxisRule::absolute_normal}, {"average", AxisRule::average_normal}},
              "A-buffer in which a voxel is searched: by the sum of its normals' absolute values, or their average");
     v.number("bisect", bisect, 4, 16, "steps", "bisection steps of search=3 and search=1");
     v.number("offset_h", offset_h, 0.5f, 4.0f, "pixels", "distance off surfaces at which parity rays begin and end");
-    v.choice("attributes", attributes, {{"triangle", Attributes::triangle}, {"pixel", Attributes::pixel}},
-             "position and barycentrics of hits by parity: of the triangle's plane, or as found in the A-buffer");
+    v.choice(
+        "attributes", attributes,
+        {{"triangle", Attributes::triangle}, {"pixel", Attributes::pixel}, {"stored", Attributes::stored}},
+        "attributes of hits by parity and planes: where the ray meets the triangle, or those of the pixel's centre; "
+        "stored: the same from 32 bytes per fragment");
     v.choice(
         "list", list,
         {{"tiles", LayeredVariant::tiles}, {"counted", LayeredVariant::exact}, {"linked", LayeredVariant::linked_list}},

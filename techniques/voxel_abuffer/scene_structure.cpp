@@ -42,7 +42,7 @@ VoxelAbufferOptions abuffer_options(const AbufferParameters& parameters) {
   options.axis_rule = parameters.axis_rule;
   options.bisections = static_cast<uint32_t>(parameters.bisect);
   options.offset = parameters.offset_h;
-  options.refine = parameters.attributes == Attributes::triangle;
+  options.attributes = parameters.attributes;
   options.list = parameters.list;
   return options;
 }

@@ -59,16 +59,17 @@ size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& opt
     else
       exact += extent.touched;
   });
-  const auto lists = [&](double fragments) {
+  const auto lists = [&](double fragments, bool stored) {
     return fragments > 0
-               ? AbufferLists::estimate_bytes(grid, static_cast<size_t>(1.02 * fragments) + 4096) +
+               ? AbufferLists::estimate_bytes(grid, static_cast<size_t>(1.02 * fragments) + 4096, stored) +
                      LayeredRaster::estimate_bytes(triangles, {.max_width = size.pixels, .max_height = size.pixels},
                                                    LayeredStoreOptions{.variant = options.list})
                : size_t{0};
   };
   const size_t per_triangle = sizeof(uint32_t) * (ABUFFER_TRIANGLE_WORDS + 3) + sizeof(AbufferPlane) + 1;
   const size_t bricks = size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z;
-  return triangles * per_triangle + bricks * (64 * sizeof(uint32_t) + sizeof(uint64_t)) + lists(parity) + lists(exact);
+  return triangles * per_triangle + bricks * (64 * sizeof(uint32_t) + sizeof(uint64_t)) +
+         lists(parity, options.attributes == Attributes::stored) + lists(exact, false);
 }
 
 size_t estimate_compared_bytes(const Scene& scene, const GridSize& size, bool blocks) {

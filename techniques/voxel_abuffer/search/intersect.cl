@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Closest and any hit of a buffer of rays. A work-item owns ABUFFER_CHUNK consecutive rays; the number of rays is read
 // from a device counter. Compiled with ABUFFER_WITH_EXACT where there are triangles for exact search, and
-// ABUFFER_WITH_PARITY (ABUFFER_STEPS: 0 for 2D-DDA, else 3 or 1; ABUFFER_UNREFINED) where there are those for parity.
+// ABUFFER_WITH_PARITY (ABUFFER_STEPS: 0 for 2D-DDA, else 3 or 1, or ABUFFER_PLANES; ABUFFER_UNREFINED, ABUFFER_STORED)
+// where there are those for parity.
 #include "voxel_abuffer/search/exact_flights.clh"
+#include "voxel_abuffer/search/fragment_attributes.clh"  // not under a condition: files are included once
 #ifndef ABUFFER_STEPS
 #define ABUFFER_STEPS 0
 #endif
+#ifdef ABUFFER_PLANES
+#include "voxel_abuffer/search/plane_columns.clh"
+#else
 #include "voxel_abuffer/search/parity_columns.clh"
+#endif
 
 #ifndef ABUFFER_CHUNK
 #define ABUFFER_CHUNK 1024u
@@ -36,18 +42,27 @@
 #define ABUFFER_SET_EXACT(context)
 #endif
 
+#ifdef ABUFFER_STORED
+#define ABUFFER_ATTRIBUTES_PARAMETER , __global const AbufferAttributes* abuffer_attributes
+#define ABUFFER_SET_ATTRIBUTES(context) context.parity_attributes = abuffer_attributes
+#else
+#define ABUFFER_ATTRIBUTES_PARAMETER
+#define ABUFFER_SET_ATTRIBUTES(context)
+#endif
+
 #ifdef ABUFFER_WITH_PARITY
 #define ABUFFER_PARITY_PARAMETERS                                                                                      \
   , __global const RayEnds *ends, __global const uchar *abuffer_classes, float abuffer_offset,                         \
       uint abuffer_bisections, __global const uint *abuffer_parity_start, __global const float *abuffer_parity_depths, \
-      __global const uint *abuffer_parity_fragments
-#define ABUFFER_SET_PARITY(context)              \
-  context.classes = abuffer_classes;             \
-  context.offset = abuffer_offset;               \
-  context.bisections = abuffer_bisections;       \
-  context.parity_start = abuffer_parity_start;   \
-  context.parity_depths = abuffer_parity_depths; \
-  context.parity_fragments = abuffer_parity_fragments
+      __global const uint *abuffer_parity_fragments ABUFFER_ATTRIBUTES_PARAMETER
+#define ABUFFER_SET_PARITY(context)                    \
+  context.classes = abuffer_classes;                   \
+  context.offset = abuffer_offset;                     \
+  context.bisections = abuffer_bisections;             \
+  context.parity_start = abuffer_parity_start;         \
+  context.parity_depths = abuffer_parity_depths;       \
+  context.parity_fragments = abuffer_parity_fragments; \
+  ABUFFER_SET_ATTRIBUTES(context)
 #else
 #define ABUFFER_PARITY_PARAMETERS
 #define ABUFFER_SET_PARITY(context)
@@ -77,8 +92,13 @@ static void abuffer_trace_parity_chunk(const AbufferContext* context, __global c
   for (uint i = first; i < end; ++i) {
     const Ray ray = rays[i];
     Hit best = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
+#ifdef ABUFFER_PLANES
+    AbufferPlaneRay r;
+    const bool hit = abuffer_begin_planes(context, ray, ends[i], &r) && abuffer_trace_planes(context, &r, &best);
+#else
     AbufferParityRay r;
     const bool hit = abuffer_begin_parity(context, ray, ends[i], &r) && abuffer_trace_parity(context, &r, &best, any);
+#endif
     const bool within = hit && (any || best.distance <= ray.direction.w);
     if (any)
       occluded[i] = within;

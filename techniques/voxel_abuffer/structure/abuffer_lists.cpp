@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_abuffer/structure/abuffer_lists.h"
 
+#include "lucarium/compute/program/source_library.h"
+
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
 namespace lucarium::abuffer {
@@ -14,12 +16,23 @@ uint32_t axis_rows(const AbufferGrid& grid, int k) {
   return k == 0 ? grid.voxels.z : k == 1 ? grid.voxels.x : grid.voxels.y;
 }
 
+/// A program that rounds as the search does, whose numbers it makes.
+Program exact_program(Device& device, const std::string& file) {
+  ProgramSpec spec{.name = file, .files = {file + ".cl"}};
+  spec.mad_enable = false;
+  SourceLibrary library;
+  library.add(voxel_abuffer_kernels());
+  return {device, library, spec};
+}
+
 size_t start_count(const AbufferGrid& grid) { return size_t{3} * grid.bricks.w; }
 
 }  // namespace
 
-AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, uint32_t pixels)
+AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, uint32_t pixels,
+                           bool stored)
     : kind_(kind),
+      stored_(stored),
       device_(&scheduler.device()),
       raster_(scheduler, buffers,
               {.max_width = pixels,
@@ -29,11 +42,15 @@ AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffe
                .keep_alpha = true},
               owner),
       primitives_(scheduler.device()),
+      buffers_(&buffers),
       pack_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
-      cells_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_cells"})) {}
+      cells_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_cells"})) {
+  if (stored) attributes_program_ = exact_program(scheduler.device(), "voxel_abuffer/structure/store_attributes");
+}
 
-size_t AbufferLists::estimate_bytes(const AbufferGrid& grid, size_t fragments) {
-  return sizeof(uint32_t) * (start_count(grid) + 2 * (fragments + ABUFFER_PADDING));
+size_t AbufferLists::estimate_bytes(const AbufferGrid& grid, size_t fragments, bool stored) {
+  return sizeof(uint32_t) * (start_count(grid) + 2 * (fragments + ABUFFER_PADDING)) +
+         (stored ? sizeof(AbufferAttributes) * fragments : 0);
 }
 
 void AbufferLists::reserve(const AbufferGrid& grid, size_t fragments) {
@@ -47,6 +64,11 @@ void AbufferLists::reserve(const AbufferGrid& grid, size_t fragments) {
   depths_ = fragments_ = {};
   depths_ = TypedBuffer<uint32_t>(*device_, owner, "depths", capacity_ + ABUFFER_PADDING, remedy);
   fragments_ = TypedBuffer<uint32_t>(*device_, owner, "fragments", capacity_ + ABUFFER_PADDING, remedy);
+  if (stored_) {
+    attributes_ = {};
+    attributes_ = TypedBuffer<AbufferAttributes>(*device_, owner, "attributes of fragments", capacity_,
+                                                 "set attributes=pixel, or lower abuffer_size");
+  }
   ++generation_;
 }
 
@@ -61,6 +83,7 @@ void AbufferLists::record(ScheduleRecorder& recorder, const AbufferGrid& grid, c
     else
       record_packed(recorder, grid, sources, axis, view, store);
     if (kind_ == Kind::exact) record_cells(recorder, grid, sources, axis);
+    if (stored_) record_attributes(recorder, grid, sources, axis);
   }
 }
 
@@ -142,6 +165,17 @@ void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& g
       .arg("abuffer_voxels", sources.voxels)
       .arg("cell_capacity", sources.cell_capacity)
       .arg("abuffer_cells", sources.cells);
+}
+
+void AbufferLists::record_attributes(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
+                                     const Axis& axis) const {
+  PassBuilder pass = recorder.pass(axis.name + ".store_attributes", attributes_program_, "abuffer_store_attributes");
+  buffers_->bind(pass);
+  bind_lists(pass, sources, axis);
+  pass.global(axis_rows(grid, static_cast<int>(axis.index)))
+      .local(1)
+      .arg("abuffer_triangles", sources.triangles)
+      .arg("abuffer_attributes", attributes_);
 }
 
 }  // namespace lucarium::abuffer

@@ -16,7 +16,9 @@ namespace lucarium::abuffer {
 class AbufferLists {
  public:
   enum class Kind { exact, parity };
-  AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, uint32_t pixels);
+  /// `stored`: attributes beside fragments for parity.
+  AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffers, Kind kind, uint32_t pixels,
+               bool stored = false);
 
   /// Follows a change of the scene; after SceneBuffers::update().
   void update() { raster_.update(); }
@@ -25,13 +27,13 @@ class AbufferLists {
   /// Makes room for that many fragments (and more, so that a motion rarely needs more).
   void reserve(const AbufferGrid& grid, size_t fragments);
   size_t capacity() const { return capacity_; }
-  size_t bytes() const { return start_.bytes() + depths_.bytes() + fragments_.bytes(); }
-  static size_t estimate_bytes(const AbufferGrid& grid, size_t fragments);
+  size_t bytes() const { return start_.bytes() + depths_.bytes() + fragments_.bytes() + attributes_.bytes(); }
+  static size_t estimate_bytes(const AbufferGrid& grid, size_t fragments, bool stored = false);
 
   /// Records the three views, and their lists. Exact lists are filled straight from the raster's tiles, others packed
   /// from a stored A-buffer; both give the same. `views`: three LayeredView from `first_view` on.
   struct Sources {
-    BufferRef grid, views, classes, planes, counts, voxels, cells, facing;
+    BufferRef grid, views, classes, planes, triangles, counts, voxels, cells, facing;
     uint32_t cell_capacity = 0;  ///< blocks
   };
   void record(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, uint32_t first_view,
@@ -40,6 +42,7 @@ class AbufferLists {
   const TypedBuffer<uint32_t>& start() const { return start_; }
   const TypedBuffer<uint32_t>& depths() const { return depths_; }
   const TypedBuffer<uint32_t>& fragments() const { return fragments_; }
+  const TypedBuffer<AbufferAttributes>& attributes() const { return attributes_; }  ///< empty unless stored
 
  private:
   struct Axis {
@@ -54,15 +57,20 @@ class AbufferLists {
                       const LayeredRaster::ViewRef& view);
   void record_packed(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, const Axis& axis,
                      const LayeredRaster::ViewRef& view, const LayeredStoreOptions& store) const;
+  void record_attributes(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
+                         const Axis& axis) const;
   void record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
                     const Axis& axis) const;
   Kind kind_;
+  bool stored_;
   Device* device_;
   LayeredRaster raster_;
   Primitives primitives_;
-  Program pack_, cells_, touched_;
+  const SceneBuffers* buffers_;
+  Program pack_, cells_, touched_, attributes_program_;
   uint64_t touched_generation_ = 0;
   TypedBuffer<uint32_t> start_, depths_, fragments_;
+  TypedBuffer<AbufferAttributes> attributes_;
   size_t capacity_ = 0;
   uint64_t generation_ = 0;
 };

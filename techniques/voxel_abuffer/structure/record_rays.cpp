@@ -40,7 +40,8 @@ void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& 
         .arg("abuffer_bisections", options.bisections)
         .arg("abuffer_parity_start", parity->start())
         .arg("abuffer_parity_depths", parity->depths())
-        .arg("abuffer_parity_fragments", parity->fragments());
+        .arg("abuffer_parity_fragments", parity->fragments())
+        .arg_if_present("abuffer_attributes", parity->attributes());
   if (search_alpha) buffers->bind(pass);
 }
 

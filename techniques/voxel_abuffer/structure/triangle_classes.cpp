@@ -10,10 +10,12 @@ namespace lucarium::abuffer {
 
 TriangleClasses classify(const Scene& scene, Intersect intersect) {
   TriangleClasses classes;
-  if (intersect == Intersect::exact) {  // needs to know nothing of components
-    classes.exact_triangles = static_cast<uint32_t>(scene.triangle_count());
-    classes.component_of.assign(classes.exact_triangles, 0);
-    classes.parity = {0};
+  if (intersect == Intersect::exact || intersect == Intersect::plane) {  // need to know nothing of components
+    const bool exact = intersect == Intersect::exact;
+    const auto triangles = static_cast<uint32_t>(scene.triangle_count());
+    (exact ? classes.exact_triangles : classes.parity_triangles) = triangles;
+    classes.component_of.assign(triangles, 0);
+    classes.parity = {static_cast<uint8_t>(exact ? 0 : ABUFFER_PARITY)};
     return classes;
   }
   std::map<const Mesh*, MeshComponents> meshes;  // instances share them

@@ -12,6 +12,7 @@ enum class Intersect {
   automatic,  ///< closed components by parity, the others exactly
   parity,     ///< all by parity: wrong where components are open
   exact,      ///< by the triangles of fragments: hits of Bvh
+  plane,      ///< by the planes of fragments within their pixels
 };
 
 /// Edge-connected components of all instances, each with the way in which it is searched.

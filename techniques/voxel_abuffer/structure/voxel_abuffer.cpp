@@ -116,7 +116,8 @@ void VoxelAbuffer::State::reserve() {
   if (classes.exact_triangles > 0 && !exact)
     exact.emplace(*scheduler, *buffers, AbufferLists::Kind::exact, size.pixels);
   if (classes.parity_triangles > 0 && !parity)
-    parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size.pixels);
+    parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size.pixels,
+                   options.attributes == Attributes::stored);
   generation += make_room(*device, voxels, "voxels", voxel_count, coarser_grid);
   generation += make_room(*device, bricks, "bricks", brick_count(grid), coarser_grid);
   generation += make_room(*device, cells, "cells", ABUFFER_CELL_WORDS, coarser_grid);
@@ -158,7 +159,7 @@ void VoxelAbuffer::State::record_build() {
       .arg("abuffer_cell_count", cell_count)
       .arg("abuffer_counts", counts);
   recorder.fill_zero("clear_cells", cells);
-  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes,       counts,
+  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes,       triangles, counts,
                                       voxels,      cells, facing,           cell_capacity};
   const LayeredStoreOptions store{.variant = options.list};
   if (exact) exact->record(recorder, grid, sources, views_of_exact, store);
@@ -283,7 +284,9 @@ void VoxelAbuffer::State::compile() {
   if (parity) {
     defines["ABUFFER_WITH_PARITY"] = "";
     defines["ABUFFER_STEPS"] = options.search == Search::columns ? "0" : options.search == Search::one_step ? "1" : "3";
-    if (!options.refine) defines["ABUFFER_UNREFINED"] = "";
+    if (options.intersect == Intersect::plane) defines["ABUFFER_PLANES"] = "";
+    if (options.attributes != Attributes::triangle) defines["ABUFFER_UNREFINED"] = "";
+    if (options.attributes == Attributes::stored) defines["ABUFFER_STORED"] = "";
   }
   if (search_program && defines == search_defines) return;
   ProgramSpec spec{.name = "voxel_abuffer/search", .files = {"voxel_abuffer/search/intersect.cl"}, .defines = defines};

@@ -22,6 +22,13 @@ enum class AxisRule {
   average_normal,   ///< of the average normal (Hu et al. 2014)
 };
 
+/// Where the distance and the barycentrics of hits by parity and by planes come from.
+enum class Attributes {
+  triangle,  ///< where the ray meets the triangle's plane
+  pixel,     ///< distance as found, barycentrics of the pixel's centre (Hu et al. 2014)
+  stored,    ///< the same bits, from attributes stored beside every fragment, 32 bytes in all, as in the paper
+};
+
 struct VoxelAbufferOptions {
   uint32_t abuffer_size = 1280;  ///< n: pixels per side of an A-buffer, 128 to 4096
   uint32_t grid_size = 0;        ///< N: voxels along the longest side; 0: √(3n)
@@ -30,7 +37,7 @@ struct VoxelAbufferOptions {
   AxisRule axis_rule = AxisRule::absolute_normal;
   uint32_t bisections = 10;  ///< 4 to 16
   float offset = 1;          ///< β: of parity rays off the surfaces at their ends [pixels], 0.5 to 4
-  bool refine = true;        ///< hits lie in their triangles' planes; else where the search found them
+  Attributes attributes = Attributes::triangle;
   LayeredVariant list = LayeredVariant::tiles;  ///< tiles, exact (counted) or linked_list: the same structure
 };
 

@@ -38,9 +38,9 @@ inline Soup torus() {
   });
 }
 
-inline Soup sphere(const glm::vec3& center, float radius) {
+inline Soup sphere(const glm::vec3& center, float radius, uint32_t rings = 80) {
   Soup soup;
-  const uint32_t rings = 80, segments = 160;
+  const uint32_t segments = 2 * rings;
   const uint32_t top = soup.add_vertex(center + glm::vec3(0, radius, 0)),
                  bottom = soup.add_vertex(center - glm::vec3(0, radius, 0));
   for (uint32_t ring = 1; ring < rings; ++ring)
