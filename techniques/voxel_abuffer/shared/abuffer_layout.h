@@ -22,7 +22,7 @@ float4 anchor;  // xyz: column and depth of a corner; w: half the depth that the
 float4 slope;   // xy: depth per column; z, w: least and greatest depth of the triangle
 LUCARIUM_STRUCT_END(AbufferPlane, 32)
 
-// Beside a fragment's depth and triangle where attributes are stored: 32 bytes in all (Hu et al. 2014, section 3.1).
+// Beside a fragment's depth and triangle where attributes are stored: 32 bytes together (Hu et al. 2014, section 3.1).
 LUCARIUM_STRUCT_BEGIN(AbufferAttributes)
 float u, v;                          // the position: barycentrics of the pixel's centre
 float normal_x, normal_y, normal_z;  // of the triangle, unnormalised, on its front side

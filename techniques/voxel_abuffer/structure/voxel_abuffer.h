@@ -26,7 +26,7 @@ enum class AxisRule {
 enum class Attributes {
   triangle,  ///< where the ray meets the triangle's plane
   pixel,     ///< distance as found, barycentrics of the pixel's centre (Hu et al. 2014)
-  stored,    ///< the same bits, from attributes stored beside every fragment, 32 bytes in all, as in the paper
+  stored,    ///< the same bits, from attributes stored beside every fragment, 32 bytes together, as in the paper
 };
 
 struct VoxelAbufferOptions {
