@@ -57,6 +57,8 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
   if (parameters.structure == Structure::abuffer &&
       (parameters.intersect == Intersect::parity || parameters.intersect == Intersect::automatic))
     list.push_back("search by parity: light leaks within a few pixels of where solids touch others (intersect)");
+  if (parameters.structure == Structure::abuffer && !parameters.conservative_voxels)
+    list.push_back("rays pass surfaces in voxels that hold none of their fragments (conservative_voxels)");
   if (parameters.structure == Structure::voxel || parameters.structure == Structure::octree)
     list.push_back("surfaces are as thick as a voxel (structure)");
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {

@@ -19,6 +19,7 @@ struct AbufferParameters {
   float offset_h = 1;
   Attributes attributes = Attributes::triangle;
   LayeredVariant list = LayeredVariant::tiles;
+  bool conservative_voxels = true;
   int depth = 3;
   float ambient = 0, ao_radius = -1;
   int lambda = 1, passes = 0;
@@ -49,6 +50,7 @@ struct AbufferParameters {
                  {"axis_rule", "average"},
                  {"attributes", "stored"},
                  {"list", "linked"},
+                 {"conservative_voxels", "off"},
                  {"rebuild", "frame"},
                  {"abuffer_size", "1280"},
                  {"grid_size", "64"}}}},
@@ -93,6 +95,8 @@ struct AbufferParameters {
         "list", list,
         {{"tiles", LayeredVariant::tiles}, {"counted", LayeredVariant::exact}, {"linked", LayeredVariant::linked_list}},
         "way to the lists of fragments: inside tiles, counted before, or linked; the same lists");
+    v.flag("conservative_voxels", conservative_voxels,
+           "rays look into all voxels that triangles touch; off: into those that hold fragments");
   }
 };
 

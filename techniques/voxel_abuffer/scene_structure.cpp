@@ -43,6 +43,7 @@ VoxelAbufferOptions abuffer_options(const AbufferParameters& parameters) {
   options.bisections = static_cast<uint32_t>(parameters.bisect);
   options.offset = parameters.offset_h;
   options.attributes = parameters.attributes;
+  options.conservative_voxels = parameters.conservative_voxels;
   options.list = parameters.list;
   return options;
 }

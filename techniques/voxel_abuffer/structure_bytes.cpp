@@ -67,7 +67,7 @@ size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& opt
                : size_t{0};
   };
   const size_t per_triangle = sizeof(uint32_t) * (ABUFFER_TRIANGLE_WORDS + 3) + sizeof(AbufferPlane) + 1;
-  const size_t bricks = size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z;
+  const size_t bricks = brick_count(grid);
   return triangles * per_triangle + bricks * (64 * sizeof(uint32_t) + sizeof(uint64_t)) +
          lists(parity, options.attributes == Attributes::stored) + lists(exact, false);
 }
@@ -78,7 +78,7 @@ size_t estimate_compared_bytes(const Scene& scene, const GridSize& size, bool bl
   double pairs = 0;
   const double voxels_per_metre = static_cast<double>(grid.corner.w) / grid.voxels.w;
   for_each_extent(scene, voxels_per_metre, [&](size_t, const Extent& extent) { pairs += extent.cells; });
-  const size_t bricks = size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z;
+  const size_t bricks = brick_count(grid);
   // Sorting pairs takes their keys, numbers, triangles and as much again; a block of eight triangles is 320 bytes.
   return triangles * size_t{16} + bricks * size_t{40} + static_cast<size_t>(pairs) * (blocks ? 40 + 320 : 60);
 }

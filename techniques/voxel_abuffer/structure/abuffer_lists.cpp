@@ -44,7 +44,8 @@ AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffe
       primitives_(scheduler.device()),
       buffers_(&buffers),
       pack_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
-      cells_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_cells"})) {
+      cells_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_cells"})),
+      voxels_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_fragments"})) {
   if (stored) attributes_program_ = exact_program(scheduler.device(), "voxel_abuffer/structure/store_attributes");
 }
 
@@ -75,14 +76,13 @@ void AbufferLists::reserve(const AbufferGrid& grid, size_t fragments) {
 void AbufferLists::record(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
                           uint32_t first_view, const LayeredStoreOptions& store) {
   for (uint32_t k = 0; k < 3; ++k) {
-    const Axis axis{std::string(kind_ == Kind::exact ? "exact_" : "parity_") + "xyz"[k], k};
+    const Axis axis(kind_, k);
     const LayeredRaster::ViewRef view{sources.views, recorder.variable(axis.name + ".view", first_view + k),
                                       sources.classes};
     if (kind_ == Kind::exact && store.variant == LayeredVariant::tiles)
       record_touched(recorder, grid, sources, axis, view);
     else
       record_packed(recorder, grid, sources, axis, view, store);
-    if (kind_ == Kind::exact) record_cells(recorder, grid, sources, axis);
     if (stored_) record_attributes(recorder, grid, sources, axis);
   }
 }
@@ -150,21 +150,41 @@ void AbufferLists::record_packed(ScheduleRecorder& recorder, const AbufferGrid& 
     pass.arg("abuffer_facing", sources.facing);
 }
 
-void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
-                                const Axis& axis) const {
-  recorder.pass(axis.name + ".mark_cells", cells_, "abuffer_mark_cells_of_row")
-      .global(axis_rows(grid, static_cast<int>(axis.index)))
-      .local(1)
-      .arg("abuffer_grid", sources.grid)
-      .arg("abuffer_start", start_)
-      .arg("abuffer_depths", depths_)
-      .arg("abuffer_counts", sources.counts)
-      .arg("axis", axis.index)
-      .arg("first", first_count())
-      .arg("capacity", static_cast<uint32_t>(capacity_))
-      .arg("abuffer_voxels", sources.voxels)
-      .arg("cell_capacity", sources.cell_capacity)
-      .arg("abuffer_cells", sources.cells);
+void AbufferLists::record_voxels(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const {
+  for (uint32_t k = 0; k < 3; ++k) {
+    const Axis axis(kind_, k);
+    recorder.pass(axis.name + ".mark_voxels", voxels_, "abuffer_mark_fragment_voxels")
+        .global(axis_rows(grid, static_cast<int>(k)))
+        .local(1)
+        .arg("abuffer_grid", sources.grid)
+        .arg("abuffer_start", start_)
+        .arg("abuffer_depths", depths_)
+        .arg("abuffer_counts", sources.counts)
+        .arg("axis", k)
+        .arg("first", first_count())
+        .arg("capacity", static_cast<uint32_t>(capacity_))
+        .arg("bits", kind_ == Kind::exact ? ABUFFER_EXACT(k) : ABUFFER_PARITY)
+        .arg("abuffer_voxels", sources.voxels);
+  }
+}
+
+void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const {
+  for (uint32_t k = 0; k < 3; ++k) {
+    const Axis axis(kind_, k);
+    recorder.pass(axis.name + ".mark_cells", cells_, "abuffer_mark_cells_of_row")
+        .global(axis_rows(grid, static_cast<int>(k)))
+        .local(1)
+        .arg("abuffer_grid", sources.grid)
+        .arg("abuffer_start", start_)
+        .arg("abuffer_depths", depths_)
+        .arg("abuffer_counts", sources.counts)
+        .arg("axis", k)
+        .arg("first", first_count())
+        .arg("capacity", static_cast<uint32_t>(capacity_))
+        .arg("abuffer_voxels", sources.voxels)
+        .arg("cell_capacity", sources.cell_capacity)
+        .arg("abuffer_cells", sources.cells);
+  }
 }
 
 void AbufferLists::record_attributes(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,

@@ -39,6 +39,11 @@ class AbufferLists {
   void record(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources, uint32_t first_view,
               const LayeredStoreOptions& store);
 
+  /// Marks the voxels that hold fragments; once all lists are recorded.
+  void record_voxels(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const;
+  /// Marks the cells of voxels that exact fragments touch; once voxels know where theirs are.
+  void record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const;
+
   const TypedBuffer<uint32_t>& start() const { return start_; }
   const TypedBuffer<uint32_t>& depths() const { return depths_; }
   const TypedBuffer<uint32_t>& fragments() const { return fragments_; }
@@ -46,6 +51,8 @@ class AbufferLists {
 
  private:
   struct Axis {
+    explicit Axis(Kind kind, uint32_t k)
+        : name(std::string(kind == Kind::exact ? "exact_" : "parity_") + "xyz"[k]), index(k) {}
     std::string name;
     uint32_t index;
   };
@@ -59,15 +66,13 @@ class AbufferLists {
                      const LayeredRaster::ViewRef& view, const LayeredStoreOptions& store) const;
   void record_attributes(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
                          const Axis& axis) const;
-  void record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,
-                    const Axis& axis) const;
   Kind kind_;
   bool stored_;
   Device* device_;
   LayeredRaster raster_;
   Primitives primitives_;
   const SceneBuffers* buffers_;
-  Program pack_, cells_, touched_, attributes_program_;
+  Program pack_, cells_, voxels_, touched_, attributes_program_;
   uint64_t touched_generation_ = 0;
   TypedBuffer<uint32_t> start_, depths_, fragments_;
   TypedBuffer<AbufferAttributes> attributes_;

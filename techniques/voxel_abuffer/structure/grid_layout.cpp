@@ -68,6 +68,8 @@ LayeredView axis_view(const AbufferGrid& grid, int k, uint32_t classes) {
   return view;
 }
 
+size_t brick_count(const AbufferGrid& grid) { return size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z; }
+
 uint32_t axis_pixels(const AbufferGrid& grid, int k) {
   return component(grid.voxels, (k + 1) % 3) * component(grid.voxels, (k + 2) % 3) * grid.voxels.w * grid.voxels.w;
 }

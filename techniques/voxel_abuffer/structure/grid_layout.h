@@ -27,6 +27,9 @@ AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t trian
 /// two views that share a coordinate.
 LayeredView axis_view(const AbufferGrid& grid, int k, uint32_t classes);
 
+/// Bricks of 64 voxels.
+size_t brick_count(const AbufferGrid& grid);
+
 /// Pixels of the A-buffer of axis k.
 uint32_t axis_pixels(const AbufferGrid& grid, int k);
 

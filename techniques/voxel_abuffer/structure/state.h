@@ -18,6 +18,8 @@ struct VoxelAbuffer::State {
   void prepare();
   void reserve();
   void record_build();
+  void record_voxels(ScheduleRecorder& recorder, const AbufferLists::Sources& sources);
+  void record_cells(ScheduleRecorder& recorder, const AbufferLists::Sources& sources);
   void record_axes(ScheduleRecorder& recorder);
   void run_build();
   /// Moves components whose columns do not balance to exact search; whether there were any.

@@ -18,9 +18,6 @@ namespace {
 constexpr const char* owner = "voxel_abuffer";
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
 constexpr const char* coarser_grid = "lower grid_size";
-constexpr uint32_t views_of_exact = 0, views_of_parity = 3;
-
-size_t brick_count(const AbufferGrid& grid) { return size_t{grid.bricks.x} * grid.bricks.y * grid.bricks.z; }
 
 /// Replaces a buffer that is too small, with some room to spare; whether it did.
 template <class T>
@@ -125,81 +122,6 @@ void VoxelAbuffer::State::reserve() {
   if (!parity) return;
   make_room(*device, facing, "facing", 3 * voxel_count, coarser_grid);
   parity->reserve(grid, parity_room);
-}
-
-void VoxelAbuffer::State::record_build() {
-  ScheduleRecorder recorder = scheduler->record("voxel_abuffer build", owner);
-  recorder.fill_zero("clear_voxels", voxels);
-  recorder.fill_zero("clear_counts", counts);
-  recorder.pass("mark_voxels", voxel_program, "abuffer_mark_voxels")
-      .global(std::max(1u, grid.triangles))
-      .arg("abuffer_grid", grid_buffer)
-      .arg("abuffer_classes", triangle_classes)
-      .arg("abuffer_triangles", triangles)
-      .arg("abuffer_voxels", voxels);
-  const auto voxel_count = static_cast<uint32_t>(64 * brick_count(grid));
-  const auto cell_capacity = static_cast<uint32_t>(cells.count() / ABUFFER_CELL_WORDS);
-  const BufferRef cell_first = recorder.transient<uint32_t>("cell_first", voxel_count, coarser_grid);
-  const BufferRef cell_count = recorder.transient<uint32_t>("cell_count", 1);
-  recorder.pass("count_cells", voxel_program, "abuffer_count_cells")
-      .global(voxel_count)
-      .arg("abuffer_voxels", voxels)
-      .arg("count", voxel_count)
-      .arg("abuffer_cell_first", cell_first);
-  primitives.record_exclusive_scan(recorder, "scan_cells", cell_first, cell_first, cell_count, voxel_count);
-  recorder.pass("mark_bricks", voxel_program, "abuffer_mark_bricks")
-      .global(brick_count(grid))
-      .arg("abuffer_cell_first", cell_first)
-      .arg("count", static_cast<uint32_t>(brick_count(grid)))
-      .arg("abuffer_voxels", voxels)
-      .arg("abuffer_bricks", bricks);
-  recorder.pass("keep_cell_count", voxel_program, "abuffer_keep_cell_count")
-      .global(1)
-      .local(1)
-      .arg("abuffer_cell_count", cell_count)
-      .arg("abuffer_counts", counts);
-  recorder.fill_zero("clear_cells", cells);
-  const AbufferLists::Sources sources{grid_buffer, views, triangle_classes, planes,       triangles, counts,
-                                      voxels,      cells, facing,           cell_capacity};
-  const LayeredStoreOptions store{.variant = options.list};
-  if (exact) exact->record(recorder, grid, sources, views_of_exact, store);
-  recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
-      .global(voxel_count)
-      .arg("abuffer_voxels", voxels)
-      .arg("count", voxel_count)
-      .arg("abuffer_counts", counts)
-      .arg("cell_capacity", cell_capacity)
-      .arg("abuffer_cells", cells);
-  if (parity) {
-    recorder.fill_zero("clear_facing", facing);
-    parity->record(recorder, grid, sources, views_of_parity, store);
-    record_axes(recorder);
-  }
-  build_schedule = recorder.compile();
-}
-
-void VoxelAbuffer::State::record_axes(ScheduleRecorder& recorder) {
-  const auto columns = static_cast<uint32_t>(grid.bricks.w - 1);
-  const auto voxel_count = static_cast<uint32_t>(64 * brick_count(grid));
-  recorder.pass("choose_axes", voxel_program, "abuffer_choose_axes")
-      .global(voxel_count)
-      .arg("abuffer_facing", facing)
-      .arg("count", voxel_count)
-      .arg("average", options.axis_rule == AxisRule::average_normal ? 1u : 0u)
-      .arg("abuffer_voxels", voxels);
-  if (options.intersect != Intersect::automatic) return;
-  recorder.fill_zero("clear_unbalanced", unbalanced);
-  recorder.pass("check_columns", voxel_program, "abuffer_check_columns")
-      .global(columns, 3)
-      .arg("abuffer_grid", grid_buffer)
-      .arg("abuffer_start", parity->start())
-      .arg("abuffer_fragments", parity->fragments())
-      .arg("abuffer_component_of", component_of)
-      .arg("abuffer_counts", counts)
-      .arg("first", ABUFFER_COUNT_EXACT + 1)
-      .arg("capacity", static_cast<uint32_t>(parity->capacity()))
-      .arg("components", static_cast<uint32_t>(classes.parity.size()))
-      .arg("abuffer_unbalanced", unbalanced);
 }
 
 void VoxelAbuffer::State::run_build() {

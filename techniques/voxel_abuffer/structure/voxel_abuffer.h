@@ -35,8 +35,9 @@ struct VoxelAbufferOptions {
   Intersect intersect = Intersect::automatic;
   Search search = Search::columns;
   AxisRule axis_rule = AxisRule::absolute_normal;
-  uint32_t bisections = 10;  ///< 4 to 16
-  float offset = 1;          ///< β: of parity rays off the surfaces at their ends [pixels], 0.5 to 4
+  bool conservative_voxels = true;  ///< voxels that triangles touch are occupied; else those that hold fragments
+  uint32_t bisections = 10;         ///< 4 to 16
+  float offset = 1;                 ///< β: of parity rays off the surfaces at their ends [pixels], 0.5 to 4
   Attributes attributes = Attributes::triangle;
   LayeredVariant list = LayeredVariant::tiles;  ///< tiles, exact (counted) or linked_list: the same structure
 };

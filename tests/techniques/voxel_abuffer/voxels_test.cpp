@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which voxels are occupied: those that triangles touch, or only those that hold fragments (conservative_voxels=off).
+#include <doctest/doctest.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "../../framework/services/layered_raster/scene.h"
+#include "abuffer_rig.h"
+#include "closed_bodies.h"
+#include "test_support.h"
+#include "voxel_abuffer/structure/state.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+using abuffer::Intersect;
+using abuffer::VoxelAbuffer;
+
+namespace {
+
+uint32_t voxel_index(const AbufferGrid& grid, const std::array<uint32_t, 3>& v) {
+  const uint32_t brick = ((v[2] / 4) * grid.bricks.y + v[1] / 4) * grid.bricks.x + v[0] / 4;
+  return 64 * brick + v[2] % 4 * 16 + v[1] % 4 * 4 + v[0] % 4;
+}
+
+/// Occupancy as the fragments of some lists say: a bit pattern per voxel.
+void mark(const AbufferGrid& grid, const abuffer::AbufferLists& lists, bool exact, std::vector<uint32_t>& words) {
+  const std::vector<uint32_t> start = lists.start().download(), depths = lists.depths().download();
+  const std::array<uint32_t, 3> voxels = {grid.voxels.x, grid.voxels.y, grid.voxels.z};
+  const uint32_t edge = grid.voxels.w;
+  for (uint32_t k = 0; k < 3; ++k)
+    for (uint32_t y = 0; y < voxels[(k + 2) % 3]; ++y)
+      for (uint32_t x = 0; x < voxels[(k + 1) % 3]; ++x) {
+        const uint32_t first = k * grid.bricks.w + (y * voxels[(k + 1) % 3] + x) * edge * edge;
+        for (uint32_t i = start[first]; i < start[first + edge * edge]; ++i) {
+          const uint32_t near = depths[i] & 0xffffu, far = 65535u - (depths[i] >> 16);
+          const float depth = exact ? static_cast<float>(near + far) / 32 : std::bit_cast<float>(depths[i]);
+          std::array<uint32_t, 3> v{};
+          v[(k + 1) % 3] = x;
+          v[(k + 2) % 3] = y;
+          v[k] = std::min(static_cast<uint32_t>(std::max(depth / static_cast<float>(edge), 0.f)), voxels[k] - 1);
+          words[voxel_index(grid, v)] |= exact ? ABUFFER_EXACT(k) : ABUFFER_PARITY;
+        }
+      }
+}
+
+uint32_t different(const AbufferRig::Results& a, const AbufferRig::Results& b) {
+  uint32_t count = 0;
+  for (size_t i = 0; i < a.hits.size(); ++i)
+    count += std::memcmp(&a.hits[i], &b.hits[i], sizeof(Hit)) != 0 || a.occluded[i] != b.occluded[i];
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("voxels: without conservative ones those that hold fragments are occupied, a few less") {
+  Soup soup = closed_bodies();
+  append(soup, random_soup(300, 6, 1));  // open: exact
+  AbufferRig rig(scene_of(soup));
+  abuffer::VoxelAbufferOptions options{.abuffer_size = 640, .intersect = Intersect::automatic};
+  const VoxelAbuffer all = rig.make(options);
+  options.conservative_voxels = false;
+  const VoxelAbuffer some = rig.make(options);
+  const std::vector<uint32_t> touched = all.state().voxels.download(), words = some.state().voxels.download();
+  const std::vector<uint64_t> bricks = some.state().bricks.download();
+  std::vector<uint32_t> expected(words.size(), 0);
+  mark(some.state().grid, *some.state().exact, true, expected);
+  mark(some.state().grid, *some.state().parity, false, expected);
+  uint32_t wrong = 0, more = 0, occupied = 0, missed = 0, unlike_bricks = 0;
+  for (size_t i = 0; i < words.size(); ++i) {
+    const uint32_t bits = words[i] & ABUFFER_OCCUPIED, triangles = touched[i] & ABUFFER_OCCUPIED;
+    wrong += bits != expected[i];
+    more += (bits & ~triangles & ABUFFER_PARITY) != 0;
+    occupied += triangles != 0;
+    missed += triangles != 0 && bits == 0;
+    unlike_bricks += (bricks[i / 64] >> (i % 64) & 1) != (bits != 0);
+  }
+  CHECK(wrong == 0);
+  CHECK(more == 0);
+  CHECK(unlike_bricks == 0);
+  CHECK(occupied > 3000);
+  CHECK(missed > occupied / 500);
+  CHECK(missed < occupied / 10);
+}
+
+TEST_CASE("voxels: exact search loses rays without conservative ones") {
+  AbufferRig rig(scene_of(closed_bodies()));
+  const std::vector<Ray> rays = scene_rays(rig, full_run() ? 300000 : 30000, 4).rays;
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  const AbufferRig::Results right = rig.trace(bvh, rays);
+  const auto lost = [&](bool conservative) {
+    // Voxels as small as pixels: larger ones rarely matter, as the columns of exact lists are conservative.
+    abuffer::VoxelAbufferOptions options{.abuffer_size = 256, .grid_size = 256, .intersect = Intersect::exact};
+    options.conservative_voxels = conservative;
+    return different(right, rig.trace(rig.make(options), rays));
+  };
+  CHECK(lost(true) == 0);
+  const uint32_t without = lost(false);
+  MESSAGE(without, " of ", rays.size());
+  CHECK(without > 0);
+  CHECK(without < rays.size() / 20);
+}
