@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_abuffer/scene_structure.h"
 
+#include <algorithm>
+
 #include "lucarium/services/bvh/bvh.h"
 #include "voxel_abuffer/compared/sparse_octree.h"
 #include "voxel_abuffer/compared/triangle_grid.h"
@@ -91,6 +93,18 @@ SceneStructure::SceneStructure(KernelScheduler& scheduler, const Scene& scene, c
       break;
     }
   }
+  fastest_build_ = counters_().at("build_seconds");
+}
+
+void SceneStructure::rebuild() {
+  rebuild_();
+  fastest_build_ = std::min(fastest_build_, counters_().at("build_seconds"));
+}
+
+std::map<std::string, double> SceneStructure::counters() const {
+  std::map<std::string, double> all = counters_();
+  all["fastest_build_seconds"] = fastest_build_;
+  return all;
 }
 
 bool SceneStructure::wants_ends(const AbufferParameters& parameters) {

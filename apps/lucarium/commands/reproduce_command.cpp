@@ -87,7 +87,8 @@ std::vector<Experiment> wanted_experiments(const ReproduceArguments& arguments, 
 bool is_complete(const ComparisonResult& result) {
   const auto failed = [](const auto& entry) { return !entry.failure.empty(); };
   return std::none_of(result.pieces.begin(), result.pieces.end(), failed) &&
-         std::none_of(result.scenes.begin(), result.scenes.end(), failed);
+         std::none_of(result.scenes.begin(), result.scenes.end(),
+                      [&](const SceneResult& scene) { return failed(scene) && !scene.left_out; });
 }
 
 /// An interrupted run is continued where it stopped; what is complete is only read again.

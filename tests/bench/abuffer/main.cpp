@@ -8,6 +8,8 @@
 #include <cstdio>
 
 #include "lucarium/scene/load/load_scene.h"
+#include "motion.h"
+#include "ratios.h"
 #include "ray_subject.h"
 #include "rounds.h"
 #include "structure.h"
@@ -24,7 +26,7 @@ struct Options {
   uint32_t width = 640, height = 360;
   uint32_t size = 1280, grid = 0, threads = 1;
   std::vector<std::string> modes = {"exact"};
-  bool profile = false;
+  bool profile = false, ratios = false, motion = false;
 };
 
 /// One scene with the hierarchy and a structure per mode.
@@ -112,6 +114,9 @@ void run(const Options& options) {
   device_options.threads = static_cast<int>(options.threads);
   const std::shared_ptr<Device> device = Device::open(device_options);
   KernelScheduler scheduler(device);
+  if (options.ratios) measure_ratios(scheduler, options.rounds, options.width, options.height);
+  if (options.motion) measure_motion(scheduler, options.rounds, options.width, options.height);
+  if (options.ratios || options.motion) return;
   for (const std::string& name : options.scenes) {
     const RaySubject subject(*device, scheduler, name, options.width, options.height, false);
     Field field(scheduler, name, options);
@@ -137,6 +142,8 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.threads, "of the device");
   app.add_option("--modes", options.modes, structure_modes);
   app.add_flag("--profile", options.profile, "the passes of a build");
+  app.add_flag("--ratios", options.ratios, "what voxel_abuffer is judged by, with bars; take --threads 2");
+  app.add_flag("--motion", options.motion, "frames of animations, rebuilt, refitted and through the structure");
   CLI11_PARSE(app, argc, argv);
   try {
     run(options);

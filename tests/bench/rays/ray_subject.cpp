@@ -55,6 +55,13 @@ void make_secondary(RaySubject& subject, const std::vector<Hit>& hits, const Bou
   }
 }
 
+Scene load_with_camera(const std::string& name) {
+  const size_t at = name.rfind('@');
+  SceneOverrides overrides;
+  if (at != std::string::npos) overrides.camera = name.substr(at + 1);
+  return load_scene(name.substr(0, at), overrides);
+}
+
 }  // namespace
 
 const char* to_string(RayKind kind) {
@@ -62,11 +69,11 @@ const char* to_string(RayKind kind) {
 }
 
 RaySubject::RaySubject(Device& device, KernelScheduler& scheduler, const std::string& name, uint32_t width,
-                       uint32_t height, bool shuffled) {
-  const size_t at = name.rfind('@');
-  SceneOverrides overrides;
-  if (at != std::string::npos) overrides.camera = name.substr(at + 1);
-  const Scene scene = load_scene(name.substr(0, at), overrides);
+                       uint32_t height, bool shuffled)
+    : RaySubject(device, scheduler, load_with_camera(name), width, height, shuffled) {}
+
+RaySubject::RaySubject(Device& device, KernelScheduler& scheduler, const Scene& scene, uint32_t width, uint32_t height,
+                       bool shuffled) {
   const SceneBuffers buffers(device, scene);
   vertices = buffers.scene_vertices.download();
   triangles = buffers.scene_triangles.download(0, buffers.info().triangle_count);

@@ -28,6 +28,9 @@ struct RaySubject {
   /// pixels, as a wavefront path tracer makes them, or, with `shuffled`, in random order.
   RaySubject(Device& device, KernelScheduler& scheduler, const std::string& scene, uint32_t width, uint32_t height,
              bool shuffled);
+  /// The same of a scene as it stands.
+  RaySubject(Device& device, KernelScheduler& scheduler, const Scene& scene, uint32_t width, uint32_t height,
+             bool shuffled);
   const std::vector<Ray>& rays(RayKind kind) const;
 };
 

@@ -74,6 +74,11 @@ class ComparisonReader {
     return value.get<int64_t>();
   }
 
+  bool flag(const json& object, const std::string& key, const std::string& pointer) const {
+    if (!object[key].is_boolean()) file_.fail(pointer + "/" + key, "must be true or false");
+    return object[key].get<bool>();
+  }
+
   double positive(const json& object, const std::string& key, const std::string& pointer) const {
     const double value = file_.number(object[key], pointer + "/" + key);
     if (!(value > 0)) file_.fail(pointer + "/" + key, "must be above 0");
@@ -95,16 +100,16 @@ class ComparisonReader {
       return result;
     }
     std::vector<std::string> keys = override_keys();
-    keys.insert(keys.end(), {"scene", "name", "sidecar", "texture_size"});
+    keys.insert(keys.end(), {"scene", "name", "sidecar", "texture_size", "optional"});
     file_.check_keys(value, pointer, keys);
     if (!value.contains("scene")) file_.fail(pointer, "\"scene\" is missing");
     result.source = source(value["scene"], pointer + "/scene");
     result.overrides = read_overrides(file_, value, pointer);
     if (value.contains("name")) result.name = file_.text(value["name"], pointer + "/name");
-    if (value.contains("sidecar")) {
-      if (!value["sidecar"].is_boolean()) file_.fail(pointer + "/sidecar", "must be true or false");
-      result.overrides.use_sidecar = value["sidecar"].get<bool>();
-    }
+    if (value.contains("sidecar")) result.overrides.use_sidecar = flag(value, "sidecar", pointer);
+    if (value.contains("optional")) result.optional = flag(value, "optional", pointer);
+    const std::string& named = file_.text(value["scene"], pointer + "/scene");
+    if (result.optional && !fs::exists(result.source) && fs::exists(named)) result.source = named;
     if (value.contains("texture_size")) {
       const uint64_t size = file_.count(value["texture_size"], pointer + "/texture_size");
       if (size < 1 || size > largest_texture_size)

@@ -54,6 +54,7 @@ ordered_json scene_json(const ComparisonScene& scene) {
   if (scene.import.max_texture_size != ImportOptions().max_texture_size)
     json["texture_size"] = scene.import.max_texture_size;
   if (!scene.name.empty()) json["name"] = scene.name;
+  if (scene.optional) json["optional"] = true;
   if (json.empty()) return scene.source;
   json["scene"] = scene.source;
   return json;

@@ -36,7 +36,8 @@ struct ComparisonScene {
   std::string source;  ///< file or builtin:NAME
   SceneOverrides overrides;
   ImportOptions import;
-  std::string name;  ///< in tables; empty: the source
+  std::string name;       ///< in tables; empty: the source
+  bool optional = false;  ///< left out where there is no such file
   const std::string& label() const { return name.empty() ? source : name; }
 };
 

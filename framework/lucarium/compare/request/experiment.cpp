@@ -77,7 +77,8 @@ class ExperimentReader {
   ExperimentValue value(size_t index) {
     const json& object = list("values")[index];
     const std::string at = fmt::format("/values/{}", index);
-    file_.check_keys(object, at, {"name", "label", "unit", "value", "technique", "scene", "budget", "paper"});
+    file_.check_keys(object, at,
+                     {"name", "label", "unit", "value", "technique", "against", "scene", "budget", "paper"});
     ExperimentValue result;
     result.name = required_text(file_, object, at, "name");
     result.label = object.contains("label") ? file_.text(object["label"], at + "/label") : result.name;
@@ -85,6 +86,11 @@ class ExperimentReader {
     result.expression = required_text(file_, object, at, "value");
     result.variant = optional_text(file_, object, at, "technique");
     if (!result.variant.empty()) check_variant(result.variant, at + "/technique");
+    result.against = optional_text(file_, object, at, "against");
+    if (!result.against.empty()) {
+      check_variant(result.against, at + "/against");
+      if (result.variant.empty()) file_.fail(at + "/against", "needs \"technique\": whose images are compared");
+    }
     result.scene = position(object, at, "scene", full_.scenes.size());
     result.budget = position(object, at, "budget", full_.budgets.size());
     if (object.contains("paper")) result.paper = file_.number(object["paper"], at + "/paper");

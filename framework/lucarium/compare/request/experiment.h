@@ -16,6 +16,7 @@ struct ExperimentValue {
   std::string unit;
   std::string expression;  ///< docs/reproducing.md
   std::string variant;     ///< label of the variant whose quantities the expression uses; empty: values only
+  std::string against;     ///< label of the variant whose images of the same seeds take the reference's place, or empty
   size_t scene = 0, budget = 0;
   std::optional<double> paper;  ///< what the paper measured, where it says so
 };

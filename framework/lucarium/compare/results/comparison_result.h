@@ -65,8 +65,9 @@ struct SceneResult {
   std::string name;
   uint64_t triangles = 0;
   std::string hash;
-  float exposure = 0;   ///< [stops]
-  std::string failure;  ///< the scene could not be had
+  float exposure = 0;     ///< [stops]
+  std::string failure;    ///< the scene could not be had
+  bool left_out = false;  ///< no failure of the comparison: it is optional, and there is no such file
   std::vector<std::string> warnings;
   std::vector<ReferenceResult> references;
   std::vector<SceneVariant> variants;

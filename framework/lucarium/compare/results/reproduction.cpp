@@ -91,6 +91,17 @@ size_t find_variant(const ComparisonResult& result, const std::string& label) {
                              variants.begin());
 }
 
+/// Replaces the metrics by those against the images of another variant; false where it has none.
+bool compare_images(ExpressionScope& scope, const ComparisonResult& result, const ExperimentValue& value,
+                    ImagePairs& pairs) {
+  const auto key = [&](const std::string& label) {
+    return SummaryKey{value.scene, find_variant(result, label), value.budget};
+  };
+  const std::map<std::string, double> errors = pairs.measure(result, key(value.variant), key(value.against));
+  for (const auto& [name, error] : errors) scope.numbers[expression_name(name)] = error;
+  return !errors.empty();
+}
+
 std::string verdict(double value) {
   if (std::isnan(value)) return "unknown";
   return value != 0 ? "holds" : "fails";
@@ -100,7 +111,7 @@ std::string number_text(double value) { return std::isnan(value) ? "–" : fmt::
 
 }  // namespace
 
-Reproduction reproduce(const Experiment& experiment, const ComparisonResult& result) {
+Reproduction reproduce(const Experiment& experiment, const ComparisonResult& result, ImagePairs& pairs) {
   Reproduction reproduction{experiment.id(),
                             experiment.title,
                             experiment.place,
@@ -114,8 +125,9 @@ Reproduction reproduce(const Experiment& experiment, const ComparisonResult& res
     ExpressionScope scope;
     if (!value.variant.empty())
       scope = quantities(result, {value.scene, find_variant(result, value.variant), value.budget});
+    bool measured = value.variant.empty() || scope.numbers.contains("seconds");
+    if (!value.against.empty()) measured = measured && compare_images(scope, result, value, pairs);
     scope.numbers.insert(values.begin(), values.end());
-    const bool measured = value.variant.empty() || scope.numbers.contains("seconds");
     const double ours = measured ? evaluate_expression(value.expression, scope) : NAN;
     values[value.name] = ours;
     reproduction.values.push_back({value.label, value.unit, ours, value.paper});

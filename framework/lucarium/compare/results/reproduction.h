@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lucarium/compare/request/experiment.h"
+#include "lucarium/compare/results/image_pairs.h"
 
 namespace lucarium {
 
@@ -30,6 +31,6 @@ struct Reproduction {
 };
 
 /// The quantities are those of docs/reproducing.md, averaged over the seeds.
-Reproduction reproduce(const Experiment& experiment, const ComparisonResult& result);
+Reproduction reproduce(const Experiment& experiment, const ComparisonResult& result, ImagePairs& pairs);
 
 }  // namespace lucarium

@@ -11,6 +11,7 @@
 #include "lucarium/session/session.h"
 
 namespace lucarium {
+namespace fs = std::filesystem;
 namespace {
 
 RenderSettings settings_of(const ComparisonSpec& spec, const Scene& scene) {
@@ -87,6 +88,12 @@ ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& request,
   ScenePlan plan;
   SceneResult& entry = plan.result;
   entry.name = request.label();
+  if (request.optional && !fs::exists(request.source)) {
+    entry.failure = fmt::format("left out: there is no file {}", fs::path(request.source).lexically_normal().string());
+    entry.left_out = true;
+    entry.variants.resize(spec.variants.size());
+    return plan;
+  }
   try {
     const Scene scene = load(spec, request, plan);
     entry.triangles = scene.triangle_count();

@@ -64,7 +64,7 @@ ComparisonResult run_comparison(const ComparisonSpec& spec, const TechniqueRegis
 
 ComparisonRunner::ComparisonRunner(const ComparisonSpec& spec, const TechniqueRegistry& registry,
                                    const ComparisonOptions& options)
-    : spec_(spec), registry_(registry), options_(options) {
+    : spec_(spec), registry_(registry), options_(options), image_pairs_(options.folder) {
   check_comparison(spec_);
   result_.spec = spec_;
   result_.version = LUCARIUM_VERSION;
@@ -189,7 +189,7 @@ void ComparisonRunner::update_conclusions() {
   changed_.clear();
   result_.gates = apply_gates(options_.gates, result_);
   if (!options_.baseline.empty()) result_.baseline = compare_with_baseline(result_, options_.baseline);
-  if (options_.experiment) result_.reproduction = reproduce(*options_.experiment, result_);
+  if (options_.experiment) result_.reproduction = reproduce(*options_.experiment, result_, image_pairs_);
 }
 
 // ---- pieces

@@ -54,6 +54,7 @@ class ComparisonRunner {
   const TechniqueRegistry& registry_;
   ComparisonOptions options_;
   ComparisonResult result_;
+  ImagePairs image_pairs_;  ///< that an experiment compares
   std::vector<ScenePlan> plans_;
   std::vector<SummaryKey> changed_;  ///< summaries that miss the newest pieces
   std::chrono::steady_clock::time_point page_written_{};

@@ -128,6 +128,24 @@ TEST_CASE("--dry-run did not notice that the reference is missing") {
                 "none.exr: no such file");
 }
 
+TEST_CASE("an optional scene without a file is left out, another one is missed") {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& optional, const std::string& output) {
+    std::ofstream(folder.path() / "my.json")
+        << R"({"schema": "lucarium-comparison-1", "scenes": ["builtin:furnace", {"scene": "none.glb", "optional": )" +
+               optional + R"(}], "techniques": ["constant"], "budgets": [{"iterations": 1}], "seeds": 1,
+             "size": [8, 8], "max_bounces": 0, "reference": {"samples": 32}})";
+    return run_lucarium("compare --technique-path " + environment("LUCARIUM_TEST_PLUGINS") + "/constant --comparison " +
+                        (folder.path() / "my.json").string() + " -o " + (folder.path() / output).string());
+  };
+  const ProgramResult fine = run("true", "fine"), missed = run("false", "missed");
+  CHECK_MESSAGE(fine.exit_code == 0, fine.err);
+  CHECK(contains(fine.err, "left out: there is no file"));
+  CHECK(missed.exit_code == 1);
+  CHECK(contains(missed.err, "none.glb"));
+  CHECK(json::parse(text_of(folder.path() / "fine" / "results.json"))["pieces"].size() == 1);
+}
+
 TEST_CASE("--resume and --overwrite together were accepted") {
   const TemporaryFolder folder;
   check_refused(comparison(folder, "--resume --overwrite"), 2, "give --resume or --overwrite, not both");

@@ -31,7 +31,10 @@ json known_experiment() {
     "values": [
       {"name": "near", "label": "near one", "technique": "near", "value": "sqrt(MSE)", "unit": "cd/m2", "paper": 0.3},
       {"name": "far", "technique": "far", "value": "sqrt(MSE)"},
-      {"name": "ratio", "value": "far/near", "paper": 2}],
+      {"name": "ratio", "value": "far/near", "paper": 2},
+      {"name": "apart", "technique": "far", "against": "near", "value": "MSE"},
+      {"name": "differing", "technique": "far", "against": "near", "value": "differing_pixels"},
+      {"name": "itself", "technique": "near", "against": "near", "value": "differing_pixels + MSE"}],
     "trends": [
       {"claim": "near is nearer", "holds": "near < far"},
       {"claim": "far is far", "holds": "ratio > 3"},
@@ -113,6 +116,15 @@ TEST_CASE("values and trends are read off the results") {
   CHECK(contains(result.out, "fails: far is far"));
 }
 
+TEST_CASE("images of one technique are measured against those of another") {
+  const PaperFolder paper(known_experiment());
+  REQUIRE(run_lucarium(paper.arguments("author2026 --full -o " + paper.output().string())).exit_code == 0);
+  const json values = results_of(paper.output()).at("reproduction").at("values");
+  CHECK(values[3].at("ours").get<double>() == lucarium::test::relative(0.0625));
+  CHECK(values[4].at("ours").get<double>() == 1);
+  CHECK(values[5].at("ours").get<double>() == 0);
+}
+
 TEST_CASE("the quick setting leaves things unknown, and a finished run is only read again") {
   const PaperFolder paper(known_experiment());
   const std::string arguments = paper.arguments("author2026/errors -o " + paper.output().string());
@@ -123,6 +135,7 @@ TEST_CASE("the quick setting leaves things unknown, and a finished run is only r
   const json reproduction = results_of(paper.output()).at("reproduction");
   CHECK(reproduction.at("quick") == true);
   CHECK(!reproduction.at("values")[1].contains("ours"));
+  CHECK(!reproduction.at("values")[3].contains("ours"));
   CHECK(reproduction.at("trends")[0].at("verdict") == "unknown");
   CHECK(reproduction.at("trends")[2].at("verdict") == "holds");
   check_refused(arguments, 2, "already holds results");
@@ -138,6 +151,8 @@ TEST_CASE("mistakes in experiments name file, line and key") {
   };
   refuse("/schema", "x", "errors.json:");
   refuse("/values/0/technique", "nearr", "no technique has the label 'nearr'; did you mean 'near'?");
+  refuse("/values/3/against", "nearr", "no technique has the label 'nearr'; did you mean 'near'?");
+  refuse("/values/2/against", "near", "needs \"technique\"");
   refuse("/values/0/value", "sqrt(MSE", "values/0/value");
   refuse("/values/2/name", "far", "'far' is given twice");
   refuse("/values/1/name", "a b", "must be letters");

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/compute/schedule/scheduler.h"
+
+namespace lucarium::bench {
+
+/// Prints for animations of the built-in scenes what a frame costs through voxel_abuffer's structure, through the
+/// hierarchy rebuilt and through the hierarchy refitted, and up to how many rays per frame each rebuild pays.
+void measure_motion(KernelScheduler& scheduler, int rounds, uint32_t width, uint32_t height);
+
+}  // namespace lucarium::bench
