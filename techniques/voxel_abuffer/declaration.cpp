@@ -10,6 +10,7 @@
 #include "voxel_abuffer/modes/eye_trees.h"
 #include "voxel_abuffer/modes/occlusion_mode.h"
 #include "voxel_abuffer/modes/path_mode.h"
+#include "voxel_abuffer/modes/primary_raster.h"
 #include "voxel_abuffer/scene_structure.h"
 
 namespace lucarium::abuffer {
@@ -84,7 +85,13 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
 
 size_t estimate_bytes(const AbufferParameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const size_t pixels = size_t{settings.width} * settings.height;
-  const size_t bytes = SceneStructure::estimate_bytes(scene, parameters);
+  const size_t rays =
+      parameters.mode == ModeChoice::path ? std::min<size_t>(pixels * parameters.lambda, 1u << 20) : pixels;
+  const size_t raster =
+      rasterizes_primary(parameters, settings)
+          ? PrimaryRaster::estimate_bytes(scene.triangle_count(), settings.width, settings.height, rays)
+          : 0;
+  const size_t bytes = raster + SceneStructure::estimate_bytes(scene, parameters);
   const bool ends = SceneStructure::wants_ends(parameters);
   const auto samples = static_cast<uint32_t>(parameters.lambda);
   switch (parameters.mode) {
@@ -111,7 +118,26 @@ EyeTrees::Options tree_options(const AbufferParameters& parameters) {
   return options;
 }
 
-void check_parameters(const AbufferParameters& parameters) {
+bool rasterizes_primary(const AbufferParameters& parameters, const RenderSettings& settings) {
+  return parameters.primary == Primary::raster ||
+         (parameters.primary == Primary::automatic && PrimaryRaster::possible(make_frame(settings)));
+}
+
+void check_primary(const RenderSettings& settings) {
+  if (settings.pixel_sampling != LUCARIUM_PIXEL_CENTRE)
+    throw_error(ErrorClass::usage,
+                "voxel_abuffer: primary=raster with --pixel-sampling {}: pixels are rasterized at their centres; set "
+                "--pixel-sampling centre",
+                settings.pixel_sampling == LUCARIUM_PIXEL_JITTER ? "jitter" : std::to_string(settings.pixel_sampling));
+  if (std::max(settings.width, settings.height) > LAYERED_MAX_EDGE)
+    throw_error(ErrorClass::usage, "voxel_abuffer: primary=raster with an image of {}x{} pixels; {} are the most",
+                settings.width, settings.height, LAYERED_MAX_EDGE);
+  if (!PrimaryRaster::possible(make_frame(settings)))
+    throw Error(ErrorClass::usage, "voxel_abuffer: primary=raster with an orthographic camera; set primary=trace");
+}
+
+void check_parameters(const AbufferParameters& parameters, const RenderSettings& settings) {
+  if (parameters.primary == Primary::raster) check_primary(settings);
   if (!parameters.progressive && parameters.passes == 0)
     throw Error(ErrorClass::usage,
                 "voxel_abuffer: progressive=off with passes=0: a frame would never end; set passes to 1 or more");

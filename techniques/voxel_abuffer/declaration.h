@@ -27,6 +27,9 @@ float occlusion_radius(const AbufferParameters& parameters, const Scene& scene);
 EyeTrees::Options tree_options(const AbufferParameters& parameters);
 
 /// Throws Error{usage} for values that do not go together.
-void check_parameters(const AbufferParameters& parameters);
+void check_parameters(const AbufferParameters& parameters, const RenderSettings& settings);
+
+/// Whether what pixels see first is rasterized.
+bool rasterizes_primary(const AbufferParameters& parameters, const RenderSettings& settings);
 
 }  // namespace lucarium::abuffer

@@ -7,6 +7,7 @@ namespace lucarium::abuffer {
 enum class Structure { abuffer, voxel, grid, octree, bvh };
 enum class ModeChoice { cast, whitted, occlusion, path };
 enum class Rebuild { change, frame };
+enum class Primary { trace, raster, automatic };
 
 struct AbufferParameters {
   ModeChoice mode = ModeChoice::path;
@@ -25,6 +26,7 @@ struct AbufferParameters {
   int lambda = 1, passes = 0;
   bool progressive = true;
   Rebuild rebuild = Rebuild::change;
+  Primary primary = Primary::trace;
 
   template <class V>
   void describe(V& v) {
@@ -44,6 +46,8 @@ struct AbufferParameters {
     v.flag("progressive", progressive, "refine the image until something changes; off: begin every frame again");
     v.choice("rebuild", rebuild, {{"change", Rebuild::change}, {"frame", Rebuild::frame}},
              "build the structure when geometry has changed, or for every frame");
+    v.choice("primary", primary, {{"trace", Primary::trace}, {"raster", Primary::raster}, {"auto", Primary::automatic}},
+             "what pixels see first: by rays, or rasterized, at their centres only; auto: rasterized where it can be");
     v.presets({{"paper",
                 {{"intersect", "parity"},
                  {"search", "3"},
@@ -52,6 +56,7 @@ struct AbufferParameters {
                  {"list", "linked"},
                  {"conservative_voxels", "off"},
                  {"rebuild", "frame"},
+                 {"primary", "auto"},
                  {"abuffer_size", "1280"},
                  {"grid_size", "64"}}}},
               "values of Hu et al. 2014");

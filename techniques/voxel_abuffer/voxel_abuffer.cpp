@@ -30,6 +30,7 @@
 //   section 3.1, three A-buffers            structure/abuffer_lists.cpp: record()
 //   section 3.1, voxels                     structure/mark_voxels.cl: abuffer_mark_voxels()
 //   section 3.2, size of the grid           structure/grid_layout.cpp: choose_grid_size()
+//   section 3, first visibility             modes/primary_raster.cpp: PrimaryRaster::rasterize()
 //   section 3.3, ray casting, Whitted       modes/shade_tree_rays.cl: shade_tree_rays()
 //   section 3.3, ambient occlusion          modes/occlusion.cl: begin_occlusion_rays()
 //   algorithm 1, sum over passes            modes/add_pass.cl: add_pass()
@@ -39,6 +40,7 @@
 #include "voxel_abuffer/declaration.h"
 #include "voxel_abuffer/modes/occlusion_mode.h"
 #include "voxel_abuffer/modes/path_mode.h"
+#include "voxel_abuffer/modes/primary_raster.h"
 #include "voxel_abuffer/scene_structure.h"
 
 namespace lucarium {
@@ -68,11 +70,13 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
 
  protected:
   void build() override {
-    check_parameters(parameters_);
+    check_parameters(parameters_, settings());
     mode_.reset();  // what refers to memory goes before the memory
+    primary_.reset();
     structure_.reset();
     structure_ = std::make_unique<SceneStructure>(scheduler(), scene(), scene_buffers(), parameters_);
     built_for_frame_ = true;
+    make_primary();
     make_mode();
   }
 
@@ -82,6 +86,7 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
     if (!change.only_camera()) {
       structure_->update(scene(), change);
       built_for_frame_ = change.geometry();
+      if (primary_) primary_->update();
       if (structure_->generation() != structure_generation_) make_mode();
       mode_->follow_scene();
     }
@@ -118,10 +123,18 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
     return parameters_.passes > 0 && passes_ == static_cast<uint64_t>(parameters_.passes);
   }
 
+  void make_primary() {
+    primary_.reset();
+    if (rasterizes_primary(parameters_, settings()))
+      primary_ = std::make_unique<PrimaryRaster>(scheduler(), scene_buffers(), structure_->intersector(),
+                                                 settings().width, settings().height);
+  }
+
   void make_mode() {
     mode_.reset();
     structure_generation_ = structure_->generation();
-    const ModeContext context{scheduler(), scene_buffers(), structure_->intersector(), frame()};
+    const Intersector& intersector = structure_->intersector();
+    const ModeContext context{scheduler(), scene_buffers(), intersector, primary_ ? *primary_ : intersector, frame()};
     const auto samples = static_cast<uint32_t>(parameters_.lambda);
     switch (parameters_.mode) {
       case ModeChoice::path: mode_ = std::make_unique<PathMode>(context, path_set(scene(), settings()), samples); break;
@@ -140,11 +153,18 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
       if (structure_->generation() != structure_generation_) make_mode();
     }
     built_for_frame_ = false;
+    if (rasterizes_primary(parameters_, settings()) != (primary_ != nullptr)) {  // another kind of camera
+      mode_.reset();
+      make_primary();
+      make_mode();
+    }
+    if (primary_) primary_->rasterize(frame());
     mode_->restart(frame(), full_seed());
     passes_ = 0;
   }
 
   std::unique_ptr<SceneStructure> structure_;
+  std::unique_ptr<PrimaryRaster> primary_;
   uint64_t structure_generation_ = 0;  ///< when the mode was made
   std::unique_ptr<Mode> mode_;
   uint64_t passes_ = 0;           ///< of this frame

@@ -94,7 +94,7 @@ void EyeTrees::record(const ModeContext& context) {
                   next_ends = transient_ray_ends(shade, context.intersector, "ends of next rays", places, kLowerSize),
                   goes_on = shade.transient<uint32_t>("goes on", places, kLowerSize),
                   survivors = shade.transient<uint32_t>("survivors", places, kLowerSize);
-  context.intersector.record_closest(shade, "closest hit", {rays_, counts_, 0, chunk_, ends_}, hits);
+  context.primary.record_closest(shade, "closest hit", {rays_, counts_, 0, chunk_, ends_}, hits);
   PassBuilder pass = shade.pass("shade rays of trees", program, "shade_tree_rays");
   context.scene.bind(pass);
   pass.global(chunk_)

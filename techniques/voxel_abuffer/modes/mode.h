@@ -17,6 +17,7 @@ struct ModeContext {
   KernelScheduler& scheduler;
   const SceneBuffers& scene;
   const Intersector& intersector;
+  const Intersector& primary;  ///< of camera rays: the same, or what knows them from a raster
   Frame frame;
   uint32_t pixels() const { return frame.width * frame.height; }
 };

@@ -18,8 +18,7 @@ OcclusionMode::OcclusionMode(const ModeContext& context, uint32_t samples, std::
     : scheduler_(&context.scheduler),
       samples_(samples),
       radius_(std::move(radius)),
-      gbuffer_(context.scheduler.device(), context.scheduler, context.scene, context.intersector, context.frame,
-               kOwner),
+      gbuffer_(context.scheduler.device(), context.scheduler, context.scene, context.primary, context.frame, kOwner),
       sums_(context.scheduler, context.pixels(), {"ambient_occlusion"}, samples),
       count_(context.scheduler.device(), kOwner, "pixels", std::vector<uint32_t>{context.pixels()}) {
   record(context);

@@ -14,7 +14,7 @@ PathIntegratorOptions integrator_options(const PathSet& path_set, uint32_t sampl
 }  // namespace
 
 PathMode::PathMode(const ModeContext& context, const PathSet& path_set, uint32_t samples)
-    : integrator_(context.scheduler.device(), context.scheduler, context.scene, context.intersector, context.frame,
+    : integrator_(context.scheduler.device(), context.scheduler, context.scene, context.primary, context.frame,
                   integrator_options(path_set, samples), "voxel_abuffer") {}
 
 void PathMode::restart(const Frame& frame, uint64_t seed) {
