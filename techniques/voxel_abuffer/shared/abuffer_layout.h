@@ -56,6 +56,9 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 #define ABUFFER_DEPTH_STEPS 16.0f
 #define ABUFFER_DEPTH_LAST 65535.0f
 
+// Voxels along an edge of the grid, at most: as many as pixels (LAYERED_MAX_EDGE).
+#define ABUFFER_MAX_VOXELS 4096
+
 // Words behind the last fragment that vector loads may read.
 #define ABUFFER_PADDING 16u
 

@@ -121,15 +121,18 @@ void AbufferLists::record_touched(ScheduleRecorder& recorder, const AbufferGrid&
   const BufferRef columns = recorder.transient<uint32_t>(axis.name + ".columns", grid.bricks.w, remedy);
   const BufferRef total = recorder.transient<uint32_t>(axis.name + ".fragment_count", 1);
   recorder.fill_zero(axis.name + ".clear", columns);
-  raster_.record_tiles(recorder, axis.name + ".count", view, touched_, "abuffer_count_touched", [&](PassBuilder& pass) {
-    pass.arg("abuffer_grid", sources.grid).arg("axis", axis.index).arg("abuffer_columns", columns);
-  });
+  const std::shared_ptr<const LayeredBins> bins = raster_.record_bins(recorder, axis.name, view);
+  raster_.record_tiles(recorder, axis.name + ".count", view, *bins, touched_, "abuffer_count_touched",
+                       [&](PassBuilder& pass) {
+                         pass.arg("abuffer_grid", sources.grid).arg("axis", axis.index).arg("abuffer_columns", columns);
+                       });
   primitives_.record_exclusive_scan(recorder, axis.name + ".scan", columns, columns, total, grid.bricks.w);
   record_base(recorder, sources, axis, total, 0);
-  raster_.record_tiles(recorder, axis.name + ".fill", view, touched_, "abuffer_fill_touched", [&](PassBuilder& pass) {
-    bind_lists(pass, sources, axis);
-    pass.arg("abuffer_columns", columns).arg("abuffer_planes", sources.planes);
-  });
+  raster_.record_tiles(recorder, axis.name + ".fill", view, *bins, touched_, "abuffer_fill_touched",
+                       [&](PassBuilder& pass) {
+                         bind_lists(pass, sources, axis);
+                         pass.arg("abuffer_columns", columns).arg("abuffer_planes", sources.planes);
+                       });
 }
 
 void AbufferLists::record_packed(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources,

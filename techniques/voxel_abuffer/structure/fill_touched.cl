@@ -12,10 +12,22 @@ typedef struct AbufferNobody {
 #include "lucarium/services/layered_raster/tiles.clh"
 #include "voxel_abuffer/structure/intervals.clh"
 
+#if LAYERED_LANES == 16
+#define abuffer_to_float convert_float16
+#else
+#define abuffer_to_float convert_float8
+#endif
+ABUFFER_DEFINE_INTERVAL(abuffer_intervals, LayeredFloat, LayeredUint, abuffer_to_float, layered_to_uint)
+
 uint layered_payload(AbufferNobody* nobody, uint triangle, const LayeredPlanes* planes) { return triangle; }
 LayeredUint layered_payload_row(const uint* triangle, float row, LayeredFloat w) { return (LayeredUint)(*triangle); }
 void layered_prepare(AbufferNobody* nobody, LayeredRow* row) {}
 void layered_consume(AbufferNobody* nobody, const LayeredRow* row) {}
+
+// Parts of the indices of a tile's columns (abuffer_column()) for its lanes.
+static void abuffer_lane_columns(uint4 voxels, uint px, uint lanes, uint* columns) {
+  for (uint lane = 0u; lane < lanes; ++lane) columns[lane] = abuffer_column_in_row(voxels, px + lane);
+}
 
 // The tiles of a work-item's row: `tile` and its first pixel (px, py).
 #define ABUFFER_EACH_TILE                                                            \
@@ -45,10 +57,14 @@ __kernel void abuffer_count_touched(LAYERED_TILE_PARAMETERS __global const Abuff
         walk.e2 += walk.step_y.z;
       }
     }
-    for (uint row = 0u; row < min(LAYERED_TILE_ROWS, height - py); ++row)
-      for (uint lane = 0u; lane < min((uint)LAYERED_LANES, width - px); ++lane)
-        abuffer_columns[abuffer_column(grid.voxels, axis, px + lane, py + row)] =
-            (uint)((const int*)&counts[row])[lane];
+    const uint lanes = min((uint)LAYERED_LANES, width - px);
+    uint in_row[LAYERED_LANES];
+    abuffer_lane_columns(grid.voxels, px, lanes, in_row);
+    for (uint row = 0u; row < min(LAYERED_TILE_ROWS, height - py); ++row) {
+      const uint of_row = abuffer_column_of_row(grid.voxels, axis, py + row);
+      for (uint lane = 0u; lane < lanes; ++lane)
+        abuffer_columns[of_row + in_row[lane]] = (uint)((const int*)&counts[row])[lane];
+    }
   }
 }
 
@@ -64,11 +80,14 @@ __kernel void abuffer_fill_touched(LAYERED_TILE_PARAMETERS __global const Abuffe
   __global uint* start = abuffer_start + axis * abuffer_grid[0].bricks.w;
   ABUFFER_EACH_TILE {
     uint places[LAYERED_TILE_ROWS][LAYERED_LANES];
-    for (uint row = 0u; row < min(LAYERED_TILE_ROWS, height - py); ++row)
-      for (uint lane = 0u; lane < min((uint)LAYERED_LANES, width - px); ++lane) {
-        const uint column = abuffer_column(grid.voxels, axis, px + lane, py + row);
-        places[row][lane] = start[column] = base + abuffer_columns[column];
-      }
+    const uint lanes = min((uint)LAYERED_LANES, width - px);
+    uint in_row[LAYERED_LANES];
+    abuffer_lane_columns(grid.voxels, px, lanes, in_row);
+    for (uint row = 0u; row < min(LAYERED_TILE_ROWS, height - py); ++row) {
+      const uint of_row = abuffer_column_of_row(grid.voxels, axis, py + row);
+      for (uint lane = 0u; lane < lanes; ++lane)
+        places[row][lane] = start[of_row + in_row[lane]] = base + abuffer_columns[of_row + in_row[lane]];
+    }
     const uint end = layered_starts[row_of_tiles * tiles_x + tile + 1u];
     for (uint i = layered_starts[row_of_tiles * tiles_x + tile]; i < end; ++i) {
       const LayeredRecord r = layered_record(&tiles, layered_pairs[i]);
@@ -80,10 +99,12 @@ __kernel void abuffer_fill_touched(LAYERED_TILE_PARAMETERS __global const Abuffe
         walk.e0 += walk.step_y.x;
         walk.e1 += walk.step_y.y;
         walk.e2 += walk.step_y.z;
+        if (!mask) continue;
+        const LayeredUint intervals =
+            abuffer_intervals(&plane, LAYERED_LANE_FLOAT + ((float)px + 0.5f), (float)(py + row) + 0.5f, grid.slack);
         for (; mask; mask &= mask - 1u) {
           const uint lane = layered_first(mask), place = places[row][lane]++;
-          abuffer_depths[place] =
-              abuffer_interval(&plane, (float)(px + lane) + 0.5f, (float)(py + row) + 0.5f, grid.slack);
+          abuffer_depths[place] = ((const uint*)&intervals)[lane];
           abuffer_fragments[place] = triangle;
         }
       }

@@ -2,32 +2,52 @@
 // Which cells of voxels the exact fragments of an axis touch.
 #include "voxel_abuffer/structure/grid.clh"
 
-// Coordinates of the cells that a pixel of a voxel covers: first and last in bits 0–7 and 8–15.
-static uint abuffer_cells_of_pixel(uint pixel, uint edge) {
-  return (8u * pixel / edge) | ((8u * pixel + 7u) / edge) << 8;
+// The cells along an axis, first to last, that a pixel of a voxel covers: 8 pixel / edge and (8 pixel + 7) / edge, kept
+// as quotients with remainders, since a division for every column would take as long as all the rest.
+typedef struct AbufferCellSpan {
+  uint first, first_rest, last, last_rest;
+} AbufferCellSpan;
+
+static AbufferCellSpan abuffer_first_span(uint edge) {
+  const AbufferCellSpan span = {0u, 0u, 7u / edge, 7u % edge};
+  return span;
+}
+
+static void abuffer_next_span(AbufferCellSpan* span, uint edge) {
+  for (span->first_rest += 8u; span->first_rest >= edge; span->first_rest -= edge) ++span->first;
+  for (span->last_rest += 8u; span->last_rest >= edge; span->last_rest -= edge) ++span->last;
 }
 
 // Cells (bits 8 y + x) of a column's cross section.
-static ulong abuffer_cell_section(uint x, uint y) {
-  const ulong row = (2ul << (x >> 8)) - (1ul << (x & 255u));
+static ulong abuffer_cell_section(AbufferCellSpan x, AbufferCellSpan y) {
+  const ulong row = (2ul << x.last) - (1ul << x.first);
   ulong section = 0ul;
-  for (uint i = y & 255u; i <= y >> 8; ++i) section |= row << (8u * i);
+  for (uint i = y.first; i <= y.last; ++i) section |= row << (8u * i);
   return section;
 }
 
-// Marks the cells of one depth interval, in the slices across `axis` only: abuffer_turn_cells() makes the others.
+#define ABUFFER_NO_CELLS 0xffffffffu
+
+// Where the cells of each voxel along a voxel column begin that are slices across `axis`.
+static void abuffer_cells_of_column(const AbufferGrid* grid, __global const uint* voxels, uint axis, uint voxel_x,
+                                    uint voxel_y, uint depth, uint* places) {
+  for (uint z = 0u; z < depth; ++z) {
+    const uint word = voxels[abuffer_voxel(grid->bricks, abuffer_voxel_of(axis, voxel_x, voxel_y, z))];
+    const uint block = (word >> ABUFFER_CELLS_SHIFT) + popcount(word & (ABUFFER_EXACT(axis) - 1u));
+    places[z] = word & ABUFFER_EXACT(axis) ? block * ABUFFER_CELL_WORDS + 8u * axis : ABUFFER_NO_CELLS;
+  }
+}
+
+// Marks the cells of one depth interval, in the slices across the axis only: abuffer_turn_cells() makes the others.
 // per_step: cells per step of depth; adding a half makes the float quotient's integer part exact.
-static void abuffer_mark_cells(const AbufferGrid* grid, __global const uint* voxels, __global ulong* cells, uint axis,
-                               uint voxel_x, uint voxel_y, ulong section, uint interval, float per_step) {
-  const uint last_slab = 8u * abuffer_component(grid->voxels, axis) - 1u;
+static void abuffer_mark_cells(__global ulong* cells, const uint* places, ulong section, uint interval, float per_step,
+                               uint last_slab) {
   const uint near = interval & 0xffffu, far = (uint)ABUFFER_DEPTH_LAST - (interval >> 16);
   const uint first = min((uint)(((float)near + 0.5f) * per_step), last_slab);
   const uint last = min((uint)(((float)far + 0.5f) * per_step), last_slab);
   for (uint slab = first; slab <= last; ++slab) {
-    const uint word = voxels[abuffer_voxel(grid->bricks, abuffer_voxel_of(axis, voxel_x, voxel_y, slab >> 3))];
-    if (!(word & ABUFFER_EXACT(axis))) continue;  // near it only
-    const uint block = (word >> ABUFFER_CELLS_SHIFT) + popcount(word & (ABUFFER_EXACT(axis) - 1u));
-    cells[block * ABUFFER_CELL_WORDS + 8u * axis + (slab & 7u)] |= section;
+    const uint place = places[slab >> 3];
+    if (place != ABUFFER_NO_CELLS) cells[place + (slab & 7u)] |= section;  // else near the triangle only
   }
 }
 
@@ -38,17 +58,28 @@ __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid
                                         uint cell_capacity, __global ulong* abuffer_cells) {
   const AbufferGrid grid = abuffer_grid[0];
   const uint edge = grid.voxels.w, columns = abuffer_component(grid.voxels, abuffer_axis_x(axis));
+  const uint depth = abuffer_component(grid.voxels, axis);
   const float per_step = 8.0f / ((float)edge * ABUFFER_DEPTH_STEPS);
   const uint row = get_global_id(0);
   if (row >= abuffer_component(grid.voxels, abuffer_axis_y(axis))) return;
   if (abuffer_counts[first + axis + 1u] > capacity || abuffer_counts[ABUFFER_COUNT_CELLS] > cell_capacity) return;
+  uint places[ABUFFER_MAX_VOXELS];
   __global const uint* start = abuffer_start + axis * grid.bricks.w + row * columns * edge * edge;
-  for (uint voxel = 0u; voxel < columns; ++voxel)
-    for (uint y = 0u; y < edge; ++y)
-      for (uint x = 0u; x < edge; ++x, ++start) {
-        const ulong section = abuffer_cell_section(abuffer_cells_of_pixel(x, edge), abuffer_cells_of_pixel(y, edge));
+  for (uint voxel = 0u; voxel < columns; ++voxel) {
+    if (start[0] == start[edge * edge]) {
+      start += edge * edge;
+      continue;
+    }
+    abuffer_cells_of_column(&grid, abuffer_voxels, axis, voxel, row, depth, places);
+    AbufferCellSpan y_cells = abuffer_first_span(edge);
+    for (uint y = 0u; y < edge; ++y, abuffer_next_span(&y_cells, edge)) {
+      AbufferCellSpan x_cells = abuffer_first_span(edge);
+      for (uint x = 0u; x < edge; ++x, ++start, abuffer_next_span(&x_cells, edge)) {
+        if (start[0] == start[1]) continue;
+        const ulong section = abuffer_cell_section(x_cells, y_cells);
         for (uint i = start[0]; i < start[1]; ++i)
-          abuffer_mark_cells(&grid, abuffer_voxels, abuffer_cells, axis, voxel, row, section, abuffer_depths[i],
-                             per_step);
+          abuffer_mark_cells(abuffer_cells, places, section, abuffer_depths[i], per_step, 8u * depth - 1u);
       }
+    }
+  }
 }

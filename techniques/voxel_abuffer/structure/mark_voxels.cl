@@ -24,8 +24,10 @@ __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __gl
     for (int y = first.y; y <= last.y; ++y)
       for (int x = first.x; x <= last.x; ++x) {
         const float4 center = ((float4)((float)x, (float)y, (float)z, 0.0f) + 0.5f) * edge;
-        if (axes < 2 || abuffer_touches(p, center, half_edge))
-          atomic_or(abuffer_voxels + abuffer_voxel(grid.bricks, (uint4)((uint)x, (uint)y, (uint)z, 0u)), bits);
+        volatile __global uint* word =
+            abuffer_voxels + abuffer_voxel(grid.bricks, (uint4)((uint)x, (uint)y, (uint)z, 0u));
+        if ((*word & bits) == bits) continue;  // by another triangle, as most are
+        if (axes < 2 || abuffer_touches(p, center, half_edge)) atomic_or(word, bits);
       }
 }
 

@@ -14,7 +14,8 @@ namespace lucarium::bench {
 namespace {
 
 /// Spreads the process's threads, the driver's included, over the first `count` processors it may use, in turns, so
-/// that workers started one after the other stand on different ones.
+/// that workers started one after the other stand on different ones. Where that is all of them, threads are free: those
+/// that a contestant starts would all stand where the one stands that starts them.
 void pin(const std::vector<int>& cpus, unsigned count) {
   std::vector<int> threads;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task"))
@@ -23,7 +24,10 @@ void pin(const std::vector<int>& cpus, unsigned count) {
   for (size_t i = 0; i < threads.size(); ++i) {
     cpu_set_t chosen;
     CPU_ZERO(&chosen);
-    CPU_SET(cpus[i % std::min<size_t>(count, cpus.size())], &chosen);
+    if (count >= cpus.size())
+      for (const int cpu : cpus) CPU_SET(cpu, &chosen);
+    else
+      CPU_SET(cpus[i % count], &chosen);
     sched_setaffinity(threads[i], sizeof(chosen), &chosen);
   }
 }

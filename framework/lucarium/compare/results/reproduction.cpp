@@ -25,7 +25,12 @@ std::string expression_name(std::string name) {
   return name;
 }
 
-/// Counters and passes of the render summaries, averaged.
+void lower(std::map<std::string, double>& numbers, const std::string& name, double value) {
+  const auto [entry, is_new] = numbers.try_emplace(name, value);
+  if (!is_new) entry->second = std::min(entry->second, value);
+}
+
+/// Counters and passes of the render summaries, averaged; times also of the seed that other programs disturbed least.
 void add_counters(const std::vector<const PieceResult*>& pieces, std::map<std::string, double>& numbers) {
   const double share = 1.0 / static_cast<double>(pieces.size());
   for (const PieceResult* piece : pieces) {
@@ -33,9 +38,14 @@ void add_counters(const std::vector<const PieceResult*>& pieces, std::map<std::s
     for (const auto& [name, value] : summary.at("counters").items()) {
       if (value.is_number()) numbers["counter_" + expression_name(name)] += share * value.get<double>();
     }
-    for (const json& pass : summary.at("passes")) {
-      numbers["pass_" + expression_name(pass.at("name"))] += share * pass.at("device_seconds").get<double>();
+    std::map<std::string, double> passes;  // of several schedules
+    for (const json& pass : summary.at("passes"))
+      passes["pass_" + expression_name(pass.at("name"))] += pass.at("device_seconds").get<double>();
+    for (const auto& [name, seconds] : passes) {
+      numbers[name] += share * seconds;
+      lower(numbers, "fastest_" + name, seconds);
     }
+    lower(numbers, "fastest_iterate_seconds", piece->iterate_seconds);
   }
 }
 

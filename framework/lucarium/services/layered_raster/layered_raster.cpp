@@ -272,4 +272,15 @@ void LayeredRaster::record_tiles(ScheduleRecorder& recorder, const std::string& 
   state_->record_tiles(recorder, name, view, state_->record_bins(recorder, name, view), program, kernel, bind);
 }
 
+std::shared_ptr<const LayeredBins> LayeredRaster::record_bins(ScheduleRecorder& recorder, const std::string& name,
+                                                              const ViewRef& view) const {
+  return std::make_shared<LayeredBins>(state_->record_bins(recorder, name, view));
+}
+
+void LayeredRaster::record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view,
+                                 const LayeredBins& bins, const Program& program, std::string_view kernel,
+                                 const std::function<void(PassBuilder&)>& bind) const {
+  state_->record_tiles(recorder, name, view, bins, program, kernel, bind);
+}
+
 }  // namespace lucarium

@@ -37,6 +37,8 @@ struct LayeredStoreOptions {
   uint32_t list_capacity = 8;  ///< linked_list: nodes per pixel at first; more when they do not suffice
 };
 
+struct LayeredBins;  ///< triangles of one view, set up and sorted into tiles (state.h)
+
 /// Rasterizes the scene's world triangles: all fragments of every pixel in depth order (an A-buffer, Carpenter 1984),
 /// or only the nearest (a k-buffer, Bavoil et al. 2007). Vertices are snapped to 1/256 pixel; coverage is exact from
 /// there (integer edge functions, top-left rule), so that meshes are watertight and no fragment is ever dropped.
@@ -76,6 +78,13 @@ class LayeredRaster {
 
   void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const Program& program,
                     std::string_view kernel, const std::function<void(PassBuilder&)>& bind) const;
+
+  /// Set-up and binning alone, for several consumers of one schedule.
+  std::shared_ptr<const LayeredBins> record_bins(ScheduleRecorder& recorder, const std::string& name,
+                                                 const ViewRef& view) const;
+  void record_tiles(ScheduleRecorder& recorder, const std::string& name, const ViewRef& view, const LayeredBins& bins,
+                    const Program& program, std::string_view kernel,
+                    const std::function<void(PassBuilder&)>& bind) const;
 
   /// A stored A-buffer: pixel_start holds width · height + 1 uints (exclusive sums; row by row of the view's width),
   /// fragments LayeredFragment, dropped one uint (0 except with k_buffer). All live in the schedule.
