@@ -91,7 +91,9 @@ size_t estimate_bytes(const AbufferParameters& parameters, const Scene& scene, c
       rasterizes_primary(parameters, settings)
           ? PrimaryRaster::estimate_bytes(scene.triangle_count(), settings.width, settings.height, rays)
           : 0;
-  const size_t bytes = raster + SceneStructure::estimate_bytes(scene, parameters);
+  // Hits of a second set.
+  const size_t second = parameters.static_set ? rays * (sizeof(Hit) + sizeof(uint32_t)) : 0;
+  const size_t bytes = raster + second + SceneStructure::estimate_bytes(scene, parameters);
   const bool ends = SceneStructure::wants_ends(parameters);
   const auto samples = static_cast<uint32_t>(parameters.lambda);
   switch (parameters.mode) {

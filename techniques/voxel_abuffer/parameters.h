@@ -20,7 +20,7 @@ struct AbufferParameters {
   float offset_h = 1;
   Attributes attributes = Attributes::triangle;
   LayeredVariant list = LayeredVariant::tiles;
-  bool conservative_voxels = true;
+  bool conservative_voxels = true, static_set = false;
   int depth = 3;
   float ambient = 0, ao_radius = -1;
   int lambda = 1, passes = 0;
@@ -102,6 +102,8 @@ struct AbufferParameters {
         "way to the lists of fragments: inside tiles, counted before, or linked; the same lists");
     v.flag("conservative_voxels", conservative_voxels,
            "rays look into all voxels that triangles touch; off: into those that hold fragments");
+    v.flag("static_set", static_set,
+           "what no animation moves has a structure of its own, which motions leave as it is");
   }
 };
 

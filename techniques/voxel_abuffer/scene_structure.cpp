@@ -7,6 +7,7 @@
 #include "voxel_abuffer/compared/sparse_octree.h"
 #include "voxel_abuffer/compared/triangle_grid.h"
 #include "voxel_abuffer/compared/voxel_bits.h"
+#include "voxel_abuffer/structure/moving_set.h"
 #include "voxel_abuffer/structure_bytes.h"
 
 namespace lucarium::abuffer {
@@ -69,10 +70,16 @@ SceneStructure::SceneStructure(KernelScheduler& scheduler, const Scene& scene, c
   const uint32_t pixels = pixels_of(parameters), voxels = voxels_of(parameters);
   switch (parameters.structure) {
     case Structure::abuffer: {
-      auto& kept = own(std::make_unique<VoxelAbuffer>(scheduler, scene, buffers, abuffer_options(parameters)));
-      update_ = [&kept](const Scene& of, const SceneChange& change) { kept.update(of, change); };
-      rebuild_ = [&kept] { kept.rebuild(); };
-      counters_ = [&kept] { return counters_of(kept.statistics()); };
+      const auto keep = [this](auto structure) {
+        auto& kept = own(std::move(structure));
+        update_ = [&kept](const Scene& of, const SceneChange& change) { kept.update(of, change); };
+        rebuild_ = [&kept] { kept.rebuild(); };
+        counters_ = [&kept] { return counters_of(kept.statistics()); };
+      };
+      if (parameters.static_set)
+        keep(std::make_unique<MovingSet>(scheduler, scene, buffers, abuffer_options(parameters)));
+      else
+        keep(std::make_unique<VoxelAbuffer>(scheduler, scene, buffers, abuffer_options(parameters)));
       break;
     }
     case Structure::voxel: compare(std::make_unique<VoxelBits>(scheduler, buffers, pixels)); break;
@@ -119,7 +126,12 @@ bool SceneStructure::wants_ends(const AbufferParameters& parameters) {
 size_t SceneStructure::estimate_bytes(const Scene& scene, const AbufferParameters& parameters) {
   const uint32_t pixels = pixels_of(parameters);
   switch (parameters.structure) {
-    case Structure::abuffer: return estimate_abuffer_bytes(scene, abuffer_options(parameters));
+    case Structure::abuffer: {
+      const VoxelAbufferOptions options = abuffer_options(parameters);
+      if (!parameters.static_set) return estimate_abuffer_bytes(scene, options);
+      return estimate_abuffer_bytes(scene, options, resting_instances(scene)) +
+             estimate_abuffer_bytes(scene, options, MovingSet::moving_subset(scene, options));
+    }
     case Structure::grid: return estimate_compared_bytes(scene, choose_grid_size(pixels, voxels_of(parameters)), true);
     case Structure::bvh: return Bvh::estimate_bytes(scene);
     default: return estimate_compared_bytes(scene, choose_grid_size(pixels, pixels), false);

@@ -29,14 +29,19 @@ Extent extent_of(const std::array<glm::dvec3, 3>& p) {
 
 /// Calls f(world triangle, extent) for all triangles that can be hit, in cells of `per_metre`.
 template <class F>
-void for_each_extent(const Scene& scene, double per_metre, F&& f) {
+void for_each_extent(const Scene& scene, const SceneSubset& subset, double per_metre, F&& f) {
   size_t world_triangle = 0;
-  for (const SceneInstance& instance : scene.instances) {
+  for (size_t i = 0; i < scene.instances.size(); ++i) {
+    const SceneInstance& instance = scene.instances[i];
     const Mesh& mesh = instance.shape(scene);
+    if (!subset.has(i)) {
+      world_triangle += mesh.triangles.size();
+      continue;
+    }
     for (const auto& triangle : mesh.triangles) {
       std::array<glm::dvec3, 3> corners;
-      for (int i = 0; i < 3; ++i)
-        corners[i] = per_metre * glm::dvec3(instance.world_from_object * glm::vec4(mesh.positions[triangle[i]], 1.f));
+      for (int k = 0; k < 3; ++k)
+        corners[k] = per_metre * glm::dvec3(instance.world_from_object * glm::vec4(mesh.positions[triangle[k]], 1.f));
       const Extent extent = extent_of(corners);
       if (std::isfinite(extent.cells)) f(world_triangle, extent);
       ++world_triangle;
@@ -46,14 +51,14 @@ void for_each_extent(const Scene& scene, double per_metre, F&& f) {
 
 }  // namespace
 
-size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& options) {
+size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& options, const SceneSubset& subset) {
   const GridSize size = choose_grid_size(options.abuffer_size, options.grid_size);
   const size_t triangles = scene.triangle_count();
-  const AbufferGrid grid = make_grid(size, scene.bounds(), static_cast<uint32_t>(triangles));
-  const TriangleClasses classes = classify(scene, options.intersect);
+  const AbufferGrid grid = make_grid(size, subset.bounds(scene), static_cast<uint32_t>(triangles), subset.min_pixel);
+  const TriangleClasses classes = classify(scene, options.intersect, subset);
   const double per_metre = static_cast<double>(grid.corner.w);
   double parity = 0, exact = 0;
-  for_each_extent(scene, per_metre, [&](size_t triangle, const Extent& extent) {
+  for_each_extent(scene, subset, per_metre, [&](size_t triangle, const Extent& extent) {
     if (classes.parity[classes.component_of[triangle]])
       parity += extent.covered;
     else
@@ -77,7 +82,7 @@ size_t estimate_compared_bytes(const Scene& scene, const GridSize& size, bool bl
   const AbufferGrid grid = make_grid(size, scene.bounds(), triangles);
   double pairs = 0;
   const double voxels_per_metre = static_cast<double>(grid.corner.w) / grid.voxels.w;
-  for_each_extent(scene, voxels_per_metre, [&](size_t, const Extent& extent) { pairs += extent.cells; });
+  for_each_extent(scene, {}, voxels_per_metre, [&](size_t, const Extent& extent) { pairs += extent.cells; });
   const size_t bricks = brick_count(grid);
   // Sorting pairs takes their keys, numbers, triangles and as much again; a block of eight triangles is 320 bytes.
   return triangles * size_t{16} + bricks * size_t{40} + static_cast<size_t>(pairs) * (blocks ? 40 + 320 : 60);

@@ -32,7 +32,8 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 // Classes of triangles (LayeredView::classes): those of axis k for exact search, and those for parity.
 #define ABUFFER_EXACT(k) (1u << (k))
 #define ABUFFER_PARITY 8u
-#define ABUFFER_ROOM 16u  // with ABUFFER_PARITY: fronts face inwards
+#define ABUFFER_ROOM 16u    // with ABUFFER_PARITY: fronts face inwards
+#define ABUFFER_ABSENT 32u  // of components, alone: not of this structure's subset; their triangles have no class
 
 // A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity;
 // bits 4, 5: the axis by whose columns it is searched for parity, 3: any; bits 6 and above: its first cell block, one

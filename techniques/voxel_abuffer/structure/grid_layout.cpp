@@ -30,14 +30,14 @@ GridSize choose_grid_size(uint32_t pixels, uint32_t voxels) {
   return {edge * voxels, voxels};
 }
 
-AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles) {
+AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles, float min_pixel) {
   const bool usable = !bounds.empty() && std::isfinite(glm::dot(bounds.max - bounds.min, glm::vec3(1)));
   const glm::vec3 low = usable ? bounds.min : glm::vec3(0), high = usable ? bounds.max : glm::vec3(0);
   const glm::vec3 extent = high - low, reach = glm::max(glm::abs(low), glm::abs(high));
   const float largest = std::max({reach.x, reach.y, reach.z});
   const float longest = std::max({extent.x, extent.y, extent.z});
   const auto n = static_cast<float>(size.pixels), edge = static_cast<float>(size.pixels / size.voxels);
-  const float pixel = std::max({longest / (n - 2 * margin), largest * rounding, 1e-12f});
+  const float pixel = std::max({longest / (n - 2 * margin), largest * rounding, 1e-12f, min_pixel});
   AbufferGrid grid{};
   std::array<uint32_t, 3> voxels{};
   glm::vec3 corner;

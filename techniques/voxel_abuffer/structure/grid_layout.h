@@ -21,7 +21,8 @@ GridSize choose_grid_size(uint32_t pixels, uint32_t voxels);
 
 /// The grid around a scene's bounds: cubic voxels, N along the longest side and in proportion along the others, at
 /// least two pixels of margin on every side. Flat, empty and far scenes get one with edges well above rounding errors.
-AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles);
+/// `min_pixel`: no pixel is smaller [m]; the grid has fewer then.
+AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles, float min_pixel = 0);
 
 /// The view along +k: columns (x, y) are the grid coordinates k + 1 and k + 2, so that a vertex is snapped alike in the
 /// two views that share a coordinate.

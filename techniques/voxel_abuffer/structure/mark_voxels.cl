@@ -8,7 +8,7 @@ __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __gl
                                   __global const float* abuffer_triangles, volatile __global uint* abuffer_voxels) {
   const uint i = get_global_id(0);
   const AbufferGrid grid = abuffer_grid[0];
-  if (i >= grid.triangles) return;
+  if (i >= grid.triangles || !(abuffer_classes[i] & ABUFFER_OCCUPIED)) return;
   __global const float* words = abuffer_triangles + i * ABUFFER_TRIANGLE_WORDS;
   float4 p[3];
   for (uint k = 0u; k < 3u; ++k) p[k] = abuffer_position(&grid, (float4)(vload3(k, words), 0.0f));

@@ -40,8 +40,8 @@ static float4 abuffer_areas(const float4* p) {
 
 // abuffer_expected_*: fragments of each triangle in the mean over all positions of the grid. A pixel square that
 // touches a convex polygon has its centre in the Minkowski sum of both, whose area is the polygon's, its width, its
-// height and 1 (pixels); a pixel's centre lies in the projected area. abuffer_component_class: ABUFFER_PARITY or 0 for
-// each component.
+// height and 1 (pixels); a pixel's centre lies in the projected area. abuffer_component_class: of each component, as
+// TriangleClasses::parity has it.
 __kernel void abuffer_prepare_triangles(__global const Vertex* scene_vertices, __global const Triangle* scene_triangles,
                                         __global const AbufferGrid* abuffer_grid,
                                         __global const uint* abuffer_component_of,
@@ -66,6 +66,11 @@ __kernel void abuffer_prepare_triangles(__global const Vertex* scene_vertices, _
   const AbufferPlane plane = abuffer_plane(p, &axis);
   abuffer_planes[i] = plane;
   const uchar parity = abuffer_component_class[abuffer_component_of[i]];
+  if (parity == ABUFFER_ABSENT) {
+    abuffer_classes[i] = 0;
+    abuffer_expected_exact[i] = abuffer_expected_parity[i] = 0.0f;
+    return;
+  }
   abuffer_classes[i] = parity ? parity : (uchar)ABUFFER_EXACT(axis);
   const float4 areas = abuffer_areas(p), size = fmax(p[0], fmax(p[1], p[2])) - fmin(p[0], fmin(p[1], p[2]));
   const float all = areas.x + areas.y + areas.z;

@@ -10,9 +10,12 @@
 namespace lucarium::abuffer {
 
 struct VoxelAbuffer::State {
-  State(KernelScheduler& scheduler, const SceneBuffers& buffers, const VoxelAbufferOptions& options);
+  State(KernelScheduler& scheduler, const SceneBuffers& buffers, const VoxelAbufferOptions& options,
+        const SceneSubset& subset);
 
   void classify_scene(const Scene& scene);
+  /// Where its triangles are: of a subset, from the host's scene.
+  void find_bounds(const Scene& scene);
   void build();
   /// Grid, classes, planes and corners of triangles; the numbers of fragments to expect.
   void prepare();
@@ -32,6 +35,8 @@ struct VoxelAbuffer::State {
   Device* device;
   const SceneBuffers* buffers;
   VoxelAbufferOptions options;
+  SceneSubset subset;
+  Bounds bounds;
   GridSize size;
   TriangleClasses loaded_classes;  ///< of the scene's meshes
   TriangleClasses classes;         ///< less the components that the last build moved

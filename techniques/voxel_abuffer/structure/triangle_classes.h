@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lucarium/scene/scene.h"
+#include "voxel_abuffer/structure/scene_subset.h"
 
 namespace lucarium::abuffer {
 
@@ -18,12 +18,13 @@ enum class Intersect {
 /// Edge-connected components of all instances, each with the way in which it is searched.
 struct TriangleClasses {
   std::vector<uint32_t> component_of;  ///< per world triangle
-  std::vector<uint8_t> parity;         ///< per component: ABUFFER_PARITY, perhaps with ABUFFER_ROOM; 0: exact
+  /// Per component: ABUFFER_PARITY, perhaps with ABUFFER_ROOM; 0: exact; ABUFFER_ABSENT: of another subset.
+  std::vector<uint8_t> parity;
   uint32_t parity_triangles = 0, exact_triangles = 0;
   uint32_t open_components = 0;
 };
 
 /// Corners are welded by equal positions within an instance. `doubleSided`, MASK and BLEND do not matter.
-TriangleClasses classify(const Scene& scene, Intersect intersect);
+TriangleClasses classify(const Scene& scene, Intersect intersect, const SceneSubset& subset = {});
 
 }  // namespace lucarium::abuffer

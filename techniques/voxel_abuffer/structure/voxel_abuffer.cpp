@@ -30,11 +30,13 @@ bool make_room(Device& device, TypedBuffer<T>& buffer, const char* name, size_t 
 
 }  // namespace
 
-VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const VoxelAbufferOptions& with)
+VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const VoxelAbufferOptions& with,
+                           const SceneSubset& part)
     : scheduler(&on),
       device(&on.device()),
       buffers(&of),
       options(with),
+      subset(part),
       size(choose_grid_size(with.abuffer_size, with.grid_size)),
       primitives(on.device()),
       prepare_program(
@@ -50,7 +52,7 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
 }
 
 void VoxelAbuffer::State::classify_scene(const Scene& scene) {
-  loaded_classes = classes = classify(scene, options.intersect);
+  loaded_classes = classes = classify(scene, options.intersect, subset);
   component_of = TypedBuffer<uint32_t>(*device, owner, "components", classes.component_of, fewer_triangles);
   component_class = TypedBuffer<uint8_t>(*device, owner, "classes of components", classes.parity);
   statistics.parity_triangles = classes.parity_triangles;
@@ -64,10 +66,14 @@ void VoxelAbuffer::State::classify_scene(const Scene& scene) {
   scene_generation = 0;
 }
 
+void VoxelAbuffer::State::find_bounds(const Scene& scene) {
+  bounds = subset.whole() ? Bounds{buffers->info().bounds_min.xyz(), buffers->info().bounds_max.xyz()}
+                          : subset.bounds(scene);
+}
+
 void VoxelAbuffer::State::prepare() {
   const auto count = buffers->info().triangle_count;
-  const Bounds bounds{buffers->info().bounds_min.xyz(), buffers->info().bounds_max.xyz()};
-  grid = make_grid(size, bounds, count);
+  grid = make_grid(size, bounds, count, subset.min_pixel);
   grid_buffer.upload({grid});
   std::vector<LayeredView> six;
   for (int k = 0; k < 3; ++k) six.push_back(axis_view(grid, k, ABUFFER_EXACT(k)));
@@ -166,7 +172,8 @@ bool VoxelAbuffer::State::move_unbalanced() {
   component_class.upload(classes.parity);
   classes.parity_triangles = classes.exact_triangles = 0;
   for (const uint32_t component : classes.component_of)
-    ++(classes.parity[component] ? classes.parity_triangles : classes.exact_triangles);
+    if (classes.parity[component] != ABUFFER_ABSENT)
+      ++(classes.parity[component] ? classes.parity_triangles : classes.exact_triangles);
   if (classes.parity_triangles == 0) parity.reset();
   build_schedule = {};
   ++generation;
@@ -222,9 +229,10 @@ void VoxelAbuffer::State::compile() {
 }
 
 VoxelAbuffer::VoxelAbuffer(KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
-                           const VoxelAbufferOptions& options)
-    : state_(std::make_unique<State>(scheduler, buffers, options)) {
+                           const VoxelAbufferOptions& options, const SceneSubset& subset)
+    : state_(std::make_unique<State>(scheduler, buffers, options, subset)) {
   state_->classify_scene(scene);
+  state_->find_bounds(scene);
   state_->build();
   state_->compile();
 }
@@ -234,9 +242,14 @@ VoxelAbuffer::~VoxelAbuffer() = default;
 void VoxelAbuffer::update(const Scene& scene, const SceneChange& change) {
   if (change.topology || state_->grid.triangles != state_->buffers->info().triangle_count)
     state_->classify_scene(scene);
-  if (change.geometry()) state_->build();
+  if (change.geometry()) {
+    state_->find_bounds(scene);
+    state_->build();
+  }
   state_->compile();
 }
+
+void VoxelAbuffer::set_subset(const SceneSubset& subset) { state_->subset = subset; }
 
 void VoxelAbuffer::rebuild() {
   state_->build();
@@ -249,6 +262,8 @@ uint64_t VoxelAbuffer::generation() const {
   return state_->generation + (state_->exact ? state_->exact->generation() : 0) +
          (state_->parity ? state_->parity->generation() : 0);
 }
+
+const VoxelAbufferOptions& VoxelAbuffer::options() const { return state_->options; }
 
 const VoxelAbufferStatistics& VoxelAbuffer::statistics() const { return state_->statistics; }
 

@@ -60,15 +60,18 @@ struct VoxelAbufferStatistics {
 /// memory account. Results do not depend on the number of threads, nor on the way in which lists are made.
 class VoxelAbuffer : public Intersector {
  public:
-  /// Refuses with Error{device} naming abuffer_size or grid_size, and the numbers, what does not fit into memory.
-  /// `scheduler` and `buffers` must outlive this.
+  /// Of the whole scene, or of a subset: rays meet nothing else. Refuses with Error{device} naming abuffer_size or
+  /// grid_size, and the numbers, what does not fit into memory. `scheduler` and `buffers` must outlive this.
   VoxelAbuffer(KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
-               const VoxelAbufferOptions& options = {});
+               const VoxelAbufferOptions& options = {}, const SceneSubset& subset = {});
   ~VoxelAbuffer() override;
 
   /// Follows a change; after SceneBuffers::update(). Geometry builds everything again, on the device; cameras, lights
   /// and opaque materials build nothing. The same as a new one over the changed scene, bit for bit.
   void update(const Scene& scene, const SceneChange& change);
+  /// Another subset or size of its pixels, from the next update() on; instances belong to either from one topology to
+  /// the next.
+  void set_subset(const SceneSubset& subset);
   /// Builds again although nothing changed (the paper does for every frame).
   void rebuild();
   /// Grows when passes recorded before must be recorded again.
@@ -82,6 +85,7 @@ class VoxelAbuffer : public Intersector {
                   const BufferRef& occluded) const override;
 
   const VoxelAbufferStatistics& statistics() const;
+  const VoxelAbufferOptions& options() const;
 
   struct State;
   const State& state() const { return *state_; }  ///< what tests look at
