@@ -66,6 +66,7 @@ Scene nine_times(const Scene& from) {
     mesh = std::move(finer);
   }
   for (auto& node : scene.nodes) node.morph_weights.clear();
+  for (SceneInstance& instance : scene.instances) instance.pose.reset();
   scene.animations.clear();
   return posed(std::move(scene), 0, none);
 }
