@@ -36,7 +36,9 @@ void print_head(const TechniqueType& type, const ConformanceOptions& options, co
   std::string settings;
   for (const auto& [name, value] : effective_parameters(type.info(), options))
     settings += fmt::format("{}{}={}", settings.empty() ? ", with " : ",", name, value);
-  print_result("{} {} on {}{}\n", type.info().name, type.info().version, device.info().name, settings);
+  const double bias = admitted_bias(type, options);
+  const std::string admits = bias > 0 ? fmt::format("; admits a bias of {:.3g} %", 100 * bias) : "";
+  print_result("{} {} on {}{}{}\n", type.info().name, type.info().version, device.info().name, settings, admits);
 }
 
 void print_row(const CheckResult& result) {
@@ -52,7 +54,7 @@ ordered_json to_json(const std::vector<CheckResult>& results, const TechniqueTyp
                        {"technique_version", type.info().version},
                        {"full", options.full},
                        {"parameters", ordered_json::object()},
-                       {"bias", type.info().capabilities.bias},
+                       {"bias", admitted_bias(type, options)},
                        {"device", device.info().name},
                        {"driver", device.info().driver_version},
                        {"version", LUCARIUM_VERSION}};

@@ -22,8 +22,12 @@ struct TechniquesArguments {
   bool markdown = false;
 };
 
-std::string bias_text(const Capabilities& can) {
-  return can.bias > 0 ? fmt::format("admits a bias of {:.3g} %", 100 * can.bias) : std::string("no bias admitted");
+/// With its default parameters.
+double admitted_bias(const TechniqueType& type) { return type.admitted_bias(*type.create()); }
+
+std::string bias_text(const TechniqueType& type) {
+  const double bias = admitted_bias(type);
+  return bias > 0 ? fmt::format("admits a bias of {:.3g} %", 100 * bias) : std::string("no bias admitted");
 }
 
 std::string bounces_text(const Capabilities& can) {
@@ -49,7 +53,7 @@ void print_text(const TechniqueType& type) {
                fmt::join(names_of(can.changes), ", "), bounces_text(can));
   print_result("  {}, {}, {}, {}\n  layers      {}\n", can.progressive ? "progressive" : "one-shot",
                can.view_independent ? "view-independent data" : "view-dependent",
-               can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", bias_text(can),
+               can.sample_streams ? "replicates can be merged" : "replicates cannot be merged", bias_text(type),
                fmt::join(info.layers, ", "));
   for (const OptionalLayers& optional : info.optional_layers)
     print_result("  with {}: {}\n", optional.parameters, fmt::join(optional.names, ", "));
@@ -81,7 +85,7 @@ ordered_json to_json(const TechniqueType& type) {
                          {"progressive", can.progressive},
                          {"view_independent", can.view_independent},
                          {"sample_streams", can.sample_streams},
-                         {"bias", can.bias},
+                         {"bias", admitted_bias(type)},
                          {"pixel_sampling", can.pixel_sampling}}},
                        {"parameters", ordered_json::array()}};
   for (const OptionalLayers& optional : info.optional_layers)
@@ -115,7 +119,7 @@ std::string markdown(const TechniqueType& type) {
                       fmt::join(names_of(can.changes), ", "), bounces_text(can),
                       can.progressive ? "progressive" : "one-shot",
                       can.view_independent ? "data do not depend on the view" : "data depend on the view",
-                      bias_text(can), fmt::join(info.layers, ", "));
+                      bias_text(type), fmt::join(info.layers, ", "));
   for (const OptionalLayers& optional : info.optional_layers)
     page += fmt::format("- layers with {}: {}\n", optional.parameters, fmt::join(optional.names, ", "));
   page += '\n';

@@ -112,7 +112,7 @@ Outcome compare_samples(CheckContext& context, const Scene& before, const Scene&
     return list;
   };
   const BlockTest test = compare_blocks(images(true), images(false), 32, 32);
-  return verdict_of(test.passes(context.can().bias), "compared with a new run: " + test.describe(context.can().bias));
+  return verdict_of(test.passes(context.bias), "compared with a new run: " + test.describe(context.bias));
 }
 
 }  // namespace

@@ -38,6 +38,7 @@ struct CheckContext {
   const TechniqueType& type;
   const ConformanceOptions& options;
   PathSet path_set;  ///< of the technique on the furnace, with these parameters
+  double bias = 0;   ///< that it admits with these parameters
 
   const Capabilities& can() const { return type.info().capabilities; }
   bool claims(LightKind kind) const;

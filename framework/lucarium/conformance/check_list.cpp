@@ -19,11 +19,10 @@ struct Check {
 };
 
 void add_radiometric_checks(std::vector<Check>& list, const CheckContext& context) {
-  const std::string bias =
-      context.can().bias > 0 ? fmt::format(" or the declared bias of {:.3g} %", 100 * context.can().bias) : "";
+  const std::string bias = context.bias > 0 ? fmt::format(" or the admitted bias of {:.3g} %", 100 * context.bias) : "";
   const std::string exact = fmt::format("within t({}) standard errors{}", level, bias);
-  const std::string agrees = context.can().bias > 0
-                                 ? fmt::format("difference of at most {:.3g} % beyond noise", 100 * context.can().bias)
+  const std::string agrees = context.bias > 0
+                                 ? fmt::format("difference of at most {:.3g} % beyond noise", 100 * context.bias)
                                  : fmt::format("no block and not the whole image different at the level {}", level);
   list.push_back({"furnace", exact, check_furnace});
   list.push_back({"shining_box", exact, check_shining_box});
@@ -105,6 +104,12 @@ std::vector<std::pair<std::string, std::string>> effective_parameters(const Tech
   return all;
 }
 
+double admitted_bias(const TechniqueType& type, const ConformanceOptions& options) {
+  const std::unique_ptr<Technique> technique = type.create();
+  technique->parameters().set_all(effective_parameters(type.info(), options));
+  return type.admitted_bias(*technique);
+}
+
 std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const TechniqueRegistry& registry,
                                          const TechniqueType& type, const ConformanceOptions& wanted) {
   ConformanceOptions options = wanted;
@@ -114,6 +119,7 @@ std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const T
   const std::unique_ptr<Technique> technique = type.create();
   technique->parameters().set_all(options.parameters);
   context.path_set = technique->path_set(furnace, context.settings(furnace));
+  context.bias = type.admitted_bias(*technique);
 
   std::vector<CheckResult> results;
   const auto keep = [&](CheckResult result) {

@@ -43,6 +43,9 @@ struct ConformanceOptions {
 std::vector<std::pair<std::string, std::string>> effective_parameters(const TechniqueInfo& info,
                                                                       const ConformanceOptions& options);
 
+/// What the technique admits with those: no check asks for less.
+double admitted_bias(const TechniqueType& type, const ConformanceOptions& options);
+
 /// Runs the conformance kit (docs/conformance.md) on one technique. What a technique throws fails the check it happened
 /// in and no other. Stops early when an interrupt is requested, with the checks that were done by then. Throws
 /// Error{usage} for parameters that the technique refuses, or when `only` matches nothing.

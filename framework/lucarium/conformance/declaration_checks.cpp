@@ -88,7 +88,8 @@ Outcome check_declaration(CheckContext& context) {
               fmt::format("layer {} is declared as always there and with {}", layer, optional.parameters));
   require(!can.pixel_sampling.empty(), "no pixel sampling");
   require(can.max_bounces >= -1, "max_bounces below -1");
-  require(can.bias >= 0 && can.bias < 1, fmt::format("bias {} is not in 0 … 1", can.bias));
+  for (const double bias : {can.bias, context.bias})
+    require(bias >= 0 && bias < 1, fmt::format("bias {} is not in 0 … 1", bias));
   for (const std::string& mistake : {repeated_kind("lights", can.lights), repeated_kind("materials", can.materials),
                                      repeated_kind("changes", can.changes)}) {
     require(mistake.empty(), mistake);

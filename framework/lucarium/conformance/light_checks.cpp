@@ -41,7 +41,7 @@ Outcome compare_middle(CheckContext& context, const Scene& scene, double expecte
   double squares = 0;
   for (const double v : values) squares += (v - mean) * (v - mean);
   const double error = std::sqrt(squares / (n - 1) / n);
-  const double allowed = student_t_quantile(level, n - 1) * error + (rounding + context.can().bias) * expected;
+  const double allowed = student_t_quantile(level, n - 1) * error + (rounding + context.bias) * expected;
   const std::string measured = fmt::format("{:.5g} ± {:.2g}, expected {:.5g}", mean, error, expected);
   if (error > largest_noise * expected) return {Verdict::skipped, "too noisy to decide: " + measured};
   return verdict_of(std::abs(mean - expected) <= allowed, measured);

@@ -57,9 +57,8 @@ Outcome compare_with_reference(CheckContext& context, const Scene& scene) {
   const PathSet set = technique->path_set(scene, context.settings(scene));
   const BlockTest test =
       compare_blocks(technique_images(context, scene), reference_images(context, scene, set, *reference), 32, 32);
-  if (test.noise > largest_noise)
-    return {Verdict::skipped, "too noisy to decide: " + test.describe(context.can().bias)};
-  return verdict_of(test.passes(context.can().bias), test.describe(context.can().bias));
+  if (test.noise > largest_noise) return {Verdict::skipped, "too noisy to decide: " + test.describe(context.bias)};
+  return verdict_of(test.passes(context.bias), test.describe(context.bias));
 }
 
 }  // namespace

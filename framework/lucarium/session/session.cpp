@@ -355,21 +355,23 @@ Film RenderSession::resolve() {
   check_film(film, s.type.info());
   const DeviceInfo& device = s.device->info();
   // What the technique itself says stays, but not under these names.
-  std::map<std::string, std::string> metadata = {{"technique", s.type.info().name},
-                                                 {"parameters", s.technique->parameters().to_string()},
-                                                 {"path_set", s.technique->path_set(s.scene, s.settings).to_string()},
-                                                 {"scene", s.scene.source},
-                                                 {"scene_hash", s.scene.hash().hex()},
-                                                 {"scene_time_seconds", fmt::format("{}", s.scene.time)},
-                                                 {"max_bounces", std::to_string(s.settings.max_bounces)},
-                                                 {"pixel_sampling", std::to_string(s.settings.pixel_sampling)},
-                                                 {"samples", std::to_string(s.last.samples)},
-                                                 {"iterations", std::to_string(s.iterations)},
-                                                 {"seconds", fmt::format("{:.3f}", s.clocks.iterate)},
-                                                 {"seed", std::to_string(s.settings.seed)},
-                                                 {"device", device.name},
-                                                 {"driver", device.driver_version},
-                                                 {"version", LUCARIUM_VERSION}};
+  std::map<std::string, std::string> metadata = {
+      {"technique", s.type.info().name},
+      {"parameters", s.technique->parameters().to_string()},
+      {"path_set", s.technique->path_set(s.scene, s.settings).to_string()},
+      {"admitted_bias", fmt::format("{:.3g}", s.type.admitted_bias(*s.technique))},
+      {"scene", s.scene.source},
+      {"scene_hash", s.scene.hash().hex()},
+      {"scene_time_seconds", fmt::format("{}", s.scene.time)},
+      {"max_bounces", std::to_string(s.settings.max_bounces)},
+      {"pixel_sampling", std::to_string(s.settings.pixel_sampling)},
+      {"samples", std::to_string(s.last.samples)},
+      {"iterations", std::to_string(s.iterations)},
+      {"seconds", fmt::format("{:.3f}", s.clocks.iterate)},
+      {"seed", std::to_string(s.settings.seed)},
+      {"device", device.name},
+      {"driver", device.driver_version},
+      {"version", LUCARIUM_VERSION}};
   if (!s.plan.changes.empty()) metadata["planned"] = s.plan.changes_text();
   metadata.merge(film.metadata);
   film.metadata = std::move(metadata);

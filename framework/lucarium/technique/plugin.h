@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 8u
+#define LUCARIUM_ABI_VERSION 9u
 
 namespace lucarium {
 
@@ -45,6 +45,8 @@ class TechniqueType {
   const std::filesystem::path& file() const { return file_; }
   /// Throws Error{technique} naming the technique, whatever the plug-in throws.
   std::unique_ptr<Technique> create() const;
+  /// Technique::admitted_bias() of an instance of this type.
+  double admitted_bias(const Technique& technique) const { return technique.admitted_bias(info_.capabilities.bias); }
 
  private:
   friend class TechniqueRegistry;

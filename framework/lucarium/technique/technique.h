@@ -84,6 +84,9 @@ class Technique {
   virtual PathSet path_set(const Scene& scene, const RenderSettings& settings) const = 0;
   /// Limitations on this scene, one line each; empty: none.
   virtual std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const = 0;
+  /// Upper bound of its systematic error with the current parameters, measured as Capabilities::bias is; `declared`:
+  /// that. Callable before prepare(). `lucarium check` holds the technique to it.
+  virtual double admitted_bias(double declared) const { return declared; }
   /// Device bytes it will allocate, stated before it does.
   virtual size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const = 0;
   /// Seconds until the first picture with all its light, with the current parameters on an idle machine: prepare() and

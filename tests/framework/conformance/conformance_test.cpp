@@ -104,6 +104,13 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("the bias that counts is the one that the parameters admit") {
+  const char* group = "light/point";
+  CHECK(verdict("biased", {{"gain", "1.1"}, {"admits", "0.15"}}, group) == Verdict::passed);
+  CHECK(verdict("biased", {{"gain", "1.02"}, {"admits", "0"}}, group) == Verdict::failed);
+  CHECK(verdict("biased", {{"admits", "1.5"}}, "declaration") == Verdict::failed);
+}
+
 TEST_CASE("the sky of the wrong direction, sheets with one side, and a coat that reflects nothing fail their check") {
   const std::pair<const char*, std::vector<const char*>> wrong[] = {
       {"turned_sky", {"reference/light/environment", "reference/sky"}},

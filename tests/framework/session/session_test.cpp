@@ -77,6 +77,7 @@ TEST_CASE("budgets end a run, and the film has the image, the layers and where t
   CHECK(film.metadata.at("technique") == "constant");
   CHECK(contains(film.metadata.at("parameters"), "red=0.75,green=0.5"));
   CHECK(film.metadata.at("samples") == "7");
+  CHECK(film.metadata.at("admitted_bias") == "0");
   CHECK(PathSet::parse(film.metadata.at("path_set")).max_bounces == 1);
   CHECK(film.metadata.at("scene_hash") == session.scene().hash().hex());
 }

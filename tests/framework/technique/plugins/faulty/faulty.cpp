@@ -45,6 +45,7 @@ enum class Fault {
 struct FaultyParameters {
   Fault fault = Fault::none;
   float gain = 1;
+  float admits = -1;
   int unnamed = 0;
 
   template <class V>
@@ -72,6 +73,9 @@ struct FaultyParameters {
               {"no_coat", Fault::no_coat}},
              "promise that is broken");
     v.number("gain", gain, 0.f, 10.f, "", "factor on all light");
+#if defined(BIASED)
+    v.number("admits", admits, -1.f, 10.f, "", "bias that is admitted; -1: what is declared");
+#endif
     if (fault == Fault::undocumented) v.number("unnamed", unnamed, 0, 1, "", "");
   }
 };
@@ -108,6 +112,10 @@ class Faulty : public Technique {
     PathSet set;
     set.max_bounces = settings.max_bounces;
     return set;
+  }
+
+  double admitted_bias(double declared) const override {
+    return parameters_.admits < 0 ? declared : parameters_.admits;
   }
 
   std::vector<std::string> limitations(const Scene&, const RenderSettings&) const override { return {}; }
