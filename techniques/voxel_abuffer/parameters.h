@@ -20,7 +20,7 @@ struct AbufferParameters {
   float offset_h = 1;
   Attributes attributes = Attributes::triangle;
   LayeredVariant list = LayeredVariant::tiles;
-  bool conservative_voxels = true, static_set = false;
+  bool conservative_voxels = true, static_set = false, count_work = false;
   int depth = 3;
   float ambient = 0, ao_radius = -1;
   int lambda = 1, passes = 0;
@@ -104,6 +104,7 @@ struct AbufferParameters {
            "rays look into all voxels that triangles touch; off: into those that hold fragments");
     v.flag("static_set", static_set,
            "what no animation moves has a structure of its own, which motions leave as it is");
+    v.flag("count_work", count_work, "counters of lengths of lists and of the steps of rays; takes time");
   }
 };
 

@@ -24,7 +24,21 @@ std::map<std::string, double> counters_of(const VoxelAbufferStatistics& s) {
           {"parity_triangles", s.parity_triangles},
           {"exact_triangles", s.exact_triangles},
           {"open_components", s.open_components},
+          {"unbalanced_columns", s.unbalanced_columns},
           {"moved_components", s.moved_components}};
+}
+
+void add_work(std::map<std::string, double>& counters, const VoxelAbufferStatistics& s, const AbufferWork& work) {
+  counters["longest_list"] = s.longest_list;
+  counters["mean_list"] = static_cast<double>(s.parity_fragments + s.exact_fragments) /
+                          std::max(1.0, static_cast<double>(s.filled_columns));
+  counters["searches"] = static_cast<double>(work.searches);
+  counters["voxel_steps"] = static_cast<double>(work.voxel_steps);
+  counters["column_steps"] = static_cast<double>(work.column_steps);
+  counters["bisection_steps"] = static_cast<double>(work.bisection_steps);
+  counters["triangle_tests"] = static_cast<double>(work.triangle_tests);
+  counters["ambiguous_starts"] = static_cast<double>(work.ambiguous_starts);
+  counters["facing_misses"] = static_cast<double>(work.facing_misses);
 }
 
 std::map<std::string, double> counters_of(const ComparedStatistics& s) {
@@ -48,6 +62,7 @@ VoxelAbufferOptions abuffer_options(const AbufferParameters& parameters) {
   options.attributes = parameters.attributes;
   options.conservative_voxels = parameters.conservative_voxels;
   options.list = parameters.list;
+  options.count_work = parameters.count_work;
   return options;
 }
 
@@ -70,11 +85,16 @@ SceneStructure::SceneStructure(KernelScheduler& scheduler, const Scene& scene, c
   const uint32_t pixels = pixels_of(parameters), voxels = voxels_of(parameters);
   switch (parameters.structure) {
     case Structure::abuffer: {
-      const auto keep = [this](auto structure) {
+      const bool works = parameters.count_work;
+      const auto keep = [this, works](auto structure) {
         auto& kept = own(std::move(structure));
         update_ = [&kept](const Scene& of, const SceneChange& change) { kept.update(of, change); };
         rebuild_ = [&kept] { kept.rebuild(); };
-        counters_ = [&kept] { return counters_of(kept.statistics()); };
+        counters_ = [&kept, works] {
+          std::map<std::string, double> all = counters_of(kept.statistics());
+          if (works) add_work(all, kept.statistics(), kept.work());
+          return all;
+        };
       };
       if (parameters.static_set)
         keep(std::make_unique<MovingSet>(scheduler, scene, buffers, abuffer_options(parameters)));

@@ -48,6 +48,13 @@ namespace {
 
 using namespace abuffer;
 
+/// Whether a pass is one of an intersector's, by what modes and services call them.
+bool traces_rays(const std::string& pass) {
+  for (const char* name : {"closest hit", "shadow rays", "BSDF rays", "occlusion rays"})
+    if (pass.starts_with(name)) return true;
+  return false;
+}
+
 class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
  public:
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
@@ -65,6 +72,7 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> all = mode_ ? mode_->counters() : std::map<std::string, double>();
     if (structure_) all.merge(structure_->counters());
+    add_seconds(all);
     return all;
   }
 
@@ -119,6 +127,17 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
   void warm_up_kernels() override { mode_->warm_up(); }
 
  private:
+  /// Device seconds of rays, and of all passes but theirs and those of builds; as the profile, since the last change.
+  void add_seconds(std::map<std::string, double>& counters) const {
+    double rays = 0, other = 0;
+    for (const PassProfile& pass : scheduler().profile().passes) {
+      if (pass.schedule.starts_with("voxel_abuffer ")) continue;  // builds
+      (traces_rays(pass.name) ? rays : other) += pass.device_seconds;
+    }
+    counters["trace_seconds"] = rays;
+    counters["other_seconds"] = other;
+  }
+
   bool frame_is_complete() const {
     return parameters_.passes > 0 && passes_ == static_cast<uint64_t>(parameters_.passes);
   }

@@ -2,7 +2,7 @@
 // Closest and any hit of a buffer of rays. A work-item owns ABUFFER_CHUNK consecutive rays; the number of rays is read
 // from a device counter. Compiled with ABUFFER_WITH_EXACT where there are triangles for exact search, and
 // ABUFFER_WITH_PARITY (ABUFFER_STEPS: 0 for 2D-DDA, else 3 or 1, or ABUFFER_PLANES; ABUFFER_UNREFINED, ABUFFER_STORED)
-// where there are those for parity.
+// where there are those for parity. ABUFFER_COUNT_WORK: with counts (search/work_counts.clh).
 #include "voxel_abuffer/search/exact_flights.clh"
 #include "voxel_abuffer/search/fragment_attributes.clh"  // not under a condition: files are included once
 #ifndef ABUFFER_STEPS
@@ -70,7 +70,8 @@
 
 #define ABUFFER_PARAMETERS                                                                                             \
   __global const AbufferGrid *abuffer_grid, __global const ulong *abuffer_bricks, __global const uint *abuffer_voxels, \
-      __global const float *abuffer_triangles ABUFFER_EXACT_PARAMETERS ABUFFER_PARITY_PARAMETERS
+      __global const float *abuffer_triangles ABUFFER_EXACT_PARAMETERS ABUFFER_PARITY_PARAMETERS                       \
+          ABUFFER_WORK_PARAMETER
 
 #define ABUFFER_CONTEXT(context)                \
   AbufferContext context;                       \
@@ -81,6 +82,7 @@
   context.voxels = abuffer_voxels;              \
   ABUFFER_SET_EXACT(context);                   \
   ABUFFER_SET_PARITY(context);                  \
+  ABUFFER_BEGIN_WORK(context);                  \
   ABUFFER_SET_SCENE(context)
 
 #ifdef ABUFFER_WITH_PARITY
@@ -144,6 +146,7 @@ __kernel void abuffer_closest(ABUFFER_SCENE_PARAMETERS __global const Ray* rays,
   const uint first = ((uint)get_global_id(0) + slice_base) * ABUFFER_CHUNK;
   const uint end = min(first + ABUFFER_CHUNK, min(counter[counter_index], capacity));
   ABUFFER_TRACE(hits, 0, false)
+  ABUFFER_END_WORK(context);
 }
 
 __kernel void abuffer_any(ABUFFER_SCENE_PARAMETERS __global const Ray* rays, __global uint* occluded,
@@ -153,4 +156,5 @@ __kernel void abuffer_any(ABUFFER_SCENE_PARAMETERS __global const Ray* rays, __g
   const uint first = ((uint)get_global_id(0) + slice_base) * ABUFFER_CHUNK;
   const uint end = min(first + ABUFFER_CHUNK, min(counter[counter_index], capacity));
   ABUFFER_TRACE(0, occluded, true)
+  ABUFFER_END_WORK(context);
 }

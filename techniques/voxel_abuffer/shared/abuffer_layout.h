@@ -67,7 +67,19 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 #define ABUFFER_COUNT_EXACT 3u   // 0 … 3: first exact fragment of each axis, and their number
 #define ABUFFER_COUNT_PARITY 7u  // 4 … 7: the same of fragments for parity
 #define ABUFFER_COUNT_UNBALANCED 8u
-#define ABUFFER_COUNT_CELLS 9u  // cell blocks
+#define ABUFFER_COUNT_CELLS 9u     // cell blocks
+#define ABUFFER_COUNT_LONGEST 10u  // fragments of the longest list
+#define ABUFFER_COUNT_FILLED 11u   // columns that have any fragments
 #define ABUFFER_COUNTS 16u
+
+// What searches count with ABUFFER_COUNT_WORK.
+#define ABUFFER_WORK_RAYS 0u        // searches begun: two per ray where there are both classes of triangles
+#define ABUFFER_WORK_VOXELS 1u      // steps to the next voxel, or over an empty brick
+#define ABUFFER_WORK_COLUMNS 2u     // columns looked at, points for sampled searches
+#define ABUFFER_WORK_BISECTIONS 3u  // further points for bisection
+#define ABUFFER_WORK_TRIANGLES 4u   // triangle tests
+#define ABUFFER_WORK_STARTS 5u      // rays whose state is the same on both sides of the surface that they leave
+#define ABUFFER_WORK_FACINGS 6u     // crossings beside which no triangle faces as they do
+#define ABUFFER_WORK_COUNTS 7u
 
 #endif

@@ -171,6 +171,17 @@ void AbufferLists::record_voxels(ScheduleRecorder& recorder, const AbufferGrid& 
   }
 }
 
+void AbufferLists::record_measures(ScheduleRecorder& recorder, const Sources& sources) const {
+  const Program program = make_program(*device_, voxel_abuffer_kernels(), {"voxel_abuffer/structure/measure_lists"});
+  recorder.pass(kind_ == Kind::exact ? "exact.measure" : "parity.measure", program, "abuffer_measure_lists")
+      .global(256, 3)
+      .arg("abuffer_grid", sources.grid)
+      .arg("abuffer_start", start_)
+      .arg("first", first_count())
+      .arg("capacity", static_cast<uint32_t>(capacity_))
+      .arg("abuffer_counts", sources.counts);
+}
+
 void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const {
   for (uint32_t k = 0; k < 3; ++k) {
     const Axis axis(kind_, k);

@@ -41,6 +41,8 @@ class AbufferLists {
 
   /// Marks the voxels that hold fragments; once all lists are recorded.
   void record_voxels(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const;
+  /// Counts how long lists are: ABUFFER_COUNT_LONGEST, ABUFFER_COUNT_FILLED.
+  void record_measures(ScheduleRecorder& recorder, const Sources& sources) const;
   /// Marks the cells of voxels that exact fragments touch; once voxels know where theirs are.
   void record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const;
 

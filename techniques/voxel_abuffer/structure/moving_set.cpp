@@ -81,8 +81,23 @@ VoxelAbufferStatistics MovingSet::statistics() const {
   all.expected_exact_fragments += rest.expected_exact_fragments;
   all.unbalanced_columns += rest.unbalanced_columns;
   all.moved_components += rest.moved_components;
+  all.longest_list = std::max(all.longest_list, rest.longest_list);
+  all.filled_columns += rest.filled_columns;
   all.builds += rest.builds;
   all.bytes += rest.bytes;
+  return all;
+}
+
+AbufferWork MovingSet::work() const {
+  const AbufferWork rest = resting_.work();
+  AbufferWork all = moving_.work();
+  all.searches += rest.searches;
+  all.voxel_steps += rest.voxel_steps;
+  all.column_steps += rest.column_steps;
+  all.bisection_steps += rest.bisection_steps;
+  all.triangle_tests += rest.triangle_tests;
+  all.ambiguous_starts += rest.ambiguous_starts;
+  all.facing_misses += rest.facing_misses;
   return all;
 }
 

@@ -33,6 +33,7 @@ class MovingSet : public Intersector {
   const VoxelAbuffer& moving() const { return moving_; }
   /// Sums over both; the time of the last build is that of what moves.
   VoxelAbufferStatistics statistics() const;
+  AbufferWork work() const;
 
   /// The moving subset of a scene: its pixels are as large as those of what rests, or larger where it extends farther.
   static SceneSubset moving_subset(const Scene& scene, const VoxelAbufferOptions& options);

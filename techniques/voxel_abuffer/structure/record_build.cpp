@@ -28,6 +28,10 @@ void VoxelAbuffer::State::record_build() {
   record_voxels(recorder, sources);
   record_cells(recorder, sources);
   if (parity) record_axes(recorder);
+  if (options.count_work) {
+    if (exact) exact->record_measures(recorder, sources);
+    if (parity) parity->record_measures(recorder, sources);
+  }
   build_schedule = recorder.compile();
 }
 

@@ -42,6 +42,7 @@ void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& 
         .arg("abuffer_parity_depths", parity->depths())
         .arg("abuffer_parity_fragments", parity->fragments())
         .arg_if_present("abuffer_attributes", parity->attributes());
+  pass.arg_if_present("abuffer_work", work);
   if (search_alpha) buffers->bind(pass);
 }
 

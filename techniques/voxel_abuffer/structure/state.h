@@ -56,7 +56,8 @@ struct VoxelAbuffer::State {
   TypedBuffer<uint32_t> voxels, counts;
   TypedBuffer<uint32_t> unbalanced;  ///< per component
   TypedBuffer<uint64_t> bricks, cells;
-  TypedBuffer<int2> facing;  ///< per voxel and axis
+  TypedBuffer<int2> facing;    ///< per voxel and axis
+  TypedBuffer<uint32_t> work;  ///< with count_work, what rays did: low and high words
 
   Schedule prepare_schedule, build_schedule;
   uint64_t recorded_lists = 0;  ///< generation of the lists when the build was recorded

@@ -49,6 +49,8 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
       counts(on.device(), owner, "counts", ABUFFER_COUNTS) {
   statistics.abuffer_size = size.pixels;
   statistics.grid_size = size.voxels;
+  if (options.count_work)
+    work = TypedBuffer<uint32_t>(on.device(), owner, "work of rays", std::vector<uint32_t>(2 * ABUFFER_WORK_COUNTS, 0));
 }
 
 void VoxelAbuffer::State::classify_scene(const Scene& scene) {
@@ -144,6 +146,8 @@ void VoxelAbuffer::State::run_build() {
     const std::vector<uint32_t> found = counts.download();
     statistics.exact_fragments = found[ABUFFER_COUNT_EXACT];
     statistics.parity_fragments = found[ABUFFER_COUNT_PARITY];
+    statistics.longest_list = found[ABUFFER_COUNT_LONGEST];
+    statistics.filled_columns = found[ABUFFER_COUNT_FILLED];
     // Room for more than were expected: build again, drop nothing.
     const bool exact_short = exact && statistics.exact_fragments > exact->capacity();
     const bool parity_short = parity && statistics.parity_fragments > parity->capacity();
@@ -209,6 +213,7 @@ void VoxelAbuffer::State::compile() {
   const bool alpha = (buffers->info().flags & LUCARIUM_SCENE_HAS_ALPHA) != 0;
   std::map<std::string, std::string> defines;
   if (alpha) defines["BVH_ALPHA"] = "";
+  if (options.count_work) defines["ABUFFER_COUNT_WORK"] = "";
   if (exact) defines["ABUFFER_WITH_EXACT"] = "";
   if (parity) {
     defines["ABUFFER_WITH_PARITY"] = "";
@@ -266,5 +271,14 @@ uint64_t VoxelAbuffer::generation() const {
 const VoxelAbufferOptions& VoxelAbuffer::options() const { return state_->options; }
 
 const VoxelAbufferStatistics& VoxelAbuffer::statistics() const { return state_->statistics; }
+
+AbufferWork VoxelAbuffer::work() const {
+  if (!state_->work) return {};
+  const std::vector<uint32_t> words = state_->work.download();
+  const auto count = [&](uint32_t what) { return words[2 * what] + (uint64_t{words[2 * what + 1]} << 32); };
+  return {count(ABUFFER_WORK_RAYS),       count(ABUFFER_WORK_VOXELS),    count(ABUFFER_WORK_COLUMNS),
+          count(ABUFFER_WORK_BISECTIONS), count(ABUFFER_WORK_TRIANGLES), count(ABUFFER_WORK_STARTS),
+          count(ABUFFER_WORK_FACINGS)};
+}
 
 }  // namespace lucarium::abuffer

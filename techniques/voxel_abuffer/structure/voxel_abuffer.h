@@ -40,6 +40,18 @@ struct VoxelAbufferOptions {
   float offset = 1;                 ///< β: of parity rays off the surfaces at their ends [pixels], 0.5 to 4
   Attributes attributes = Attributes::triangle;
   LayeredVariant list = LayeredVariant::tiles;  ///< tiles, exact (counted) or linked_list: the same structure
+  bool count_work = false;                      ///< AbufferWork, and how long lists are, at the cost of time
+};
+
+/// What rays did since the structure was made; all 0 without count_work.
+struct AbufferWork {
+  uint64_t searches = 0;          ///< begun: two per ray where there are triangles for parity and for exact search
+  uint64_t voxel_steps = 0;       ///< to the next voxel, or over an empty brick
+  uint64_t column_steps = 0;      ///< columns looked at, points for sampled searches
+  uint64_t bisection_steps = 0;   ///< further points
+  uint64_t triangle_tests = 0;    ///< by exact search
+  uint64_t ambiguous_starts = 0;  ///< states that are the same on both sides of the surface that the ray leaves
+  uint64_t facing_misses = 0;     ///< crossings beside which no triangle faces as they do
 };
 
 struct VoxelAbufferStatistics {
@@ -48,8 +60,10 @@ struct VoxelAbufferStatistics {
   uint32_t open_components = 0;
   size_t parity_fragments = 0, exact_fragments = 0;
   double expected_parity_fragments = 0, expected_exact_fragments = 0;  ///< in the mean over positions of the grid
-  uint32_t unbalanced_columns = 0;                                     ///< at the first try of the last build
-  uint32_t moved_components = 0;  ///< closed ones that became exact since, as their seams have opened
+  uint32_t longest_list = 0;        ///< fragments of a column; with count_work, as the next
+  uint32_t filled_columns = 0;      ///< over all axes and both kinds of lists
+  uint32_t unbalanced_columns = 0;  ///< at the first try of the last build
+  uint32_t moved_components = 0;    ///< closed ones that became exact since, as their seams have opened
   uint64_t builds = 0;
   double build_seconds = 0;  ///< of the last one, elapsed
   size_t bytes = 0;          ///< on the device
@@ -85,6 +99,7 @@ class VoxelAbuffer : public Intersector {
                   const BufferRef& occluded) const override;
 
   const VoxelAbufferStatistics& statistics() const;
+  AbufferWork work() const;
   const VoxelAbufferOptions& options() const;
 
   struct State;
