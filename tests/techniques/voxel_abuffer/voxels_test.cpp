@@ -102,3 +102,27 @@ TEST_CASE("voxels: exact search loses rays without conservative ones") {
   CHECK(without > 0);
   CHECK(without < rays.size() / 20);
 }
+
+TEST_CASE("voxels: a thin plate is searched along its normal, though the normals of its faces cancel") {
+  Soup plate = box({-1, -1, 0.01f}, {1, 1, 0.02f});  // within one layer of voxels
+  append(plate, box({-1, -1, 0.5f}, {-0.99f, 1, 1.5f}));
+  AbufferRig rig(scene_of(plate));
+  const auto axes = [&](abuffer::AxisRule rule) {
+    const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .axis_rule = rule});
+    const AbufferGrid& grid = structure.state().grid;
+    const std::vector<uint32_t> words = structure.state().voxels.download();
+    std::array<uint32_t, 4> count{};
+    // Inside the plate's rim.
+    for (uint32_t y = 4; y + 4 < grid.voxels.y; ++y)
+      for (uint32_t x = 4; x + 4 < grid.voxels.x; ++x) {
+        const uint32_t word = words[voxel_index(grid, {x, y, 0})];
+        if (word & ABUFFER_OCCUPIED) ++count[word >> ABUFFER_AXIS_SHIFT & 3u];
+      }
+    return count;
+  };
+  const auto absolute = axes(abuffer::AxisRule::absolute_normal), average = axes(abuffer::AxisRule::average_normal);
+  CHECK(absolute[2] > 300);
+  CHECK(absolute[0] + absolute[1] + absolute[3] == 0);
+  CHECK(average[2] == 0);
+  CHECK(average[3] == absolute[2]);
+}
