@@ -7,6 +7,7 @@
 
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/session/counted_seconds.h"
 
 namespace lucarium::app {
@@ -139,7 +140,8 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
     const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
                         std::max(1e-9, seconds);
     const std::string phase = now.phase.empty() ? "" : now.phase + ", ";
-    progress.update(fraction, fmt::format("{}{} samples per pixel, {:.2f} Msamples/s", phase, now.samples, rate));
+    progress.update(fraction,
+                    fmt::format("{}{} per pixel, {:.2f} Msamples/s", phase, counted(now.samples, "sample"), rate));
     const std::optional<double> error = relmse(session);
     accurate = error && arguments.relmse > 0 && *error <= arguments.relmse;
     if (now.phase != phase_told) log_info("stage '{}' at {:.2f} s of iterating", now.phase, seconds);
@@ -156,8 +158,9 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
   if (first && !end.interrupted) tell_first_picture(arguments, *first);
   end.by = end.interrupted ? "Ctrl-C" : ended_by(budget, session, accurate);
   if (!session.last().converged) end.seconds_left = left.estimate();
-  log_info("ended by {} after {} iterations, {} samples per pixel, {:.2f} s of iterating", end.by, session.iterations(),
-           session.last().samples, session.clocks().iterate);
+  log_info("ended by {} after {}, {} per pixel, {:.2f} s of iterating", end.by,
+           counted(session.iterations(), "iteration"), counted(session.last().samples, "sample"),
+           session.clocks().iterate);
   return end;
 }
 

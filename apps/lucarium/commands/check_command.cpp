@@ -9,6 +9,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/conformance/conformance.h"
 #include "lucarium/version.h"
 #include "options/options.h"
@@ -119,7 +120,7 @@ int check(const CheckArguments& arguments, const Messages& messages) {
                  count(results, Verdict::not_claimed));
   }
   if (cut) {
-    log_warning("interrupted: {} checks were done, the others are missing", results.size());
+    log_warning("interrupted after {}, the others are missing", counted(results.size(), "check"));
     return static_cast<int>(ErrorClass::interrupted);
   }
   return failed > 0 ? static_cast<int>(ErrorClass::check_failed) : 0;

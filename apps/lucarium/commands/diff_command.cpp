@@ -8,6 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/metrics/error_map.h"
@@ -122,7 +123,7 @@ void print_table(const DiffArguments& arguments, const std::vector<LayerMetrics>
   print_row("of reference", "cd/m^2", [&](const LayerMetrics& layer) { return number(layer.metrics.mean_reference); });
   for (const LayerMetrics& layer : layers) {
     if (layer.metrics.nonfinite)
-      print_result("{}: {} pixels are not finite and left out\n", layer.layer, layer.metrics.nonfinite);
+      print_result("{}: left out as not finite: {}\n", layer.layer, counted(layer.metrics.nonfinite, "pixel"));
   }
   std::string higher;
   for (const Metric& metric : metric_table()) {
@@ -159,7 +160,8 @@ void print_formulas(const HdrFlipExposures& exposures) {
 void check_limit(const DiffArguments& arguments, const ImageMetrics& whole) {
   if (!arguments.max_relmse) return;
   if (whole.nonfinite > 0) {
-    throw_error(ErrorClass::check_failed, "{} pixels of {} are not finite", whole.nonfinite, arguments.test.string());
+    throw_error(ErrorClass::check_failed, "{}: not finite: {}", arguments.test.string(),
+                counted(whole.nonfinite, "pixel"));
   }
   if (!(whole.relmse <= *arguments.max_relmse)) {  // also where it is not a number
     throw_error(ErrorClass::check_failed, "relMSE {:.3g} is above {:.3g}", whole.relmse, *arguments.max_relmse);

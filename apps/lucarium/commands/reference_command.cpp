@@ -10,6 +10,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/compare/reference/reference_identity.h"
 #include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/film/image_io.h"
@@ -126,7 +127,7 @@ bool extend(const ReferenceArguments& arguments, bool quiet, RenderSession& sess
   Progress progress("reference", quiet ? Progress::Style::quiet : Progress::Style::automatic);
   return extend_reference(session, image, arguments.goal, seed, keep, [&](const ReferenceProgress& now) {
     const double rate = static_cast<double>(now.samples - samples_before) * pixels / 1e6 / std::max(1e-9, now.seconds);
-    progress.update(now.fraction, fmt::format("{} samples per pixel, {:.2f} Msamples/s", now.samples, rate));
+    progress.update(now.fraction, fmt::format("{} per pixel, {:.2f} Msamples/s", counted(now.samples, "sample"), rate));
   });
 }
 
@@ -148,6 +149,7 @@ int render_reference(ReferenceArguments arguments, const Messages& messages) {
 
   RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"),
                         settings, reference_parameters(path_set));
+  for (const std::string& limitation : session.limitations()) log_warning("path_tracing: {}", limitation);
   const KeepOnInterrupt keep_rounds;
   const uint64_t rounds_before = image.rounds();
   const bool done = extend(arguments, messages.quiet, session, identity, image);
@@ -165,11 +167,11 @@ int render_reference(ReferenceArguments arguments, const Messages& messages) {
   if (messages.json) {
     print_result("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
   } else {
-    print_result("{}: {} samples per pixel, its own relMSE {}\n", arguments.file.string(), image.samples(),
+    print_result("{}: {} per pixel, its own relMSE {}\n", arguments.file.string(), counted(image.samples(), "sample"),
                  image.error_known() ? fmt::format("{:.3g}", image.error().relmse) : "unknown (one half only)");
   }
   if (done) return 0;
-  log_warning("interrupted: {} samples per pixel are kept; continue with --extend", image.samples());
+  log_warning("interrupted after {} per pixel; continue with --extend", counted(image.samples(), "sample"));
   return static_cast<int>(ErrorClass::interrupted);
 }
 
@@ -185,6 +187,8 @@ int reference(const Job& job, const ReferenceWork& work) {
   arguments.extend = true;
   Messages messages;
   messages.json = true;
+  messages.verbose = job.verbose;
+  messages.apply();
   return render_reference(std::move(arguments), messages);
 }
 

@@ -14,6 +14,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/film/exposure.h"
 #include "lucarium/scene/exposure.h"
@@ -81,8 +82,8 @@ bool render_frames(const RenderArguments& arguments, const Messages& messages, R
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     summaries.push_back(frame_json(session, film, end, i == 0 ? load_seconds : 0, seconds, exposure, outputs[i]));
     if (!messages.json) {
-      print_result("{}: {} samples per pixel, {:.1f} s{}{}\n", outputs[i].front().string(), session.last().samples,
-                   seconds, chosen_exposure(session, exposure, outputs[i]),
+      print_result("{}: {} per pixel, {:.1f} s{}{}\n", outputs[i].front().string(),
+                   counted(session.last().samples, "sample"), seconds, chosen_exposure(session, exposure, outputs[i]),
                    session.last().converged ? fmt::format("; ended by {}: {}", technique, end.by) : "");
     }
     if (curve) {
@@ -174,8 +175,9 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
   write_profile(arguments.profile, session, messages.json);
   if (messages.json) print_result("{}\n", summary_json(summaries).dump(2));
   if (!interrupted) return 0;
-  log_warning("interrupted: {} ({} samples per pixel)",
-              arguments.files.empty() ? "no file was asked for" : "the partial result is kept", session.last().samples);
+  log_warning("interrupted: {} ({} per pixel)",
+              arguments.files.empty() ? "no file was asked for" : "the partial result is kept",
+              counted(session.last().samples, "sample"));
   return static_cast<int>(ErrorClass::interrupted);
 }
 
@@ -197,6 +199,7 @@ int render(const Job& job, const RenderWork& work) {
   Messages messages;
   messages.json = messages.quiet = true;
   messages.apply();
+  if (job.verbose) set_log_level(LogLevel::info);
   return render_picture(arguments, messages);
 }
 

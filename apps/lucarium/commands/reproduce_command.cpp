@@ -39,6 +39,19 @@ const Paper& find_paper(const std::vector<Paper>& papers, const std::string& nam
               suggest_name(name, names));
 }
 
+/// What --list prints: all, those of a paper, or one experiment.
+std::vector<Paper> listed_papers(const std::string& wanted, const std::vector<Paper>& papers) {
+  if (wanted.empty()) return papers;
+  const size_t slash = wanted.find('/');
+  Paper paper = find_paper(papers, wanted.substr(0, slash));
+  if (slash != std::string::npos) {
+    const std::string name = wanted.substr(slash + 1);
+    read_experiment(paper, name, false);  // throws where there is none
+    paper.experiments = {name};
+  }
+  return {paper};
+}
+
 ordered_json list_json(const std::vector<Paper>& papers) {
   ordered_json list = ordered_json::array();
   for (const Paper& paper : papers) {
@@ -103,10 +116,11 @@ ComparisonResult run_experiment(const Experiment& experiment, const TechniqueReg
 int reproduce_wanted(ReproduceArguments arguments, const Messages& messages) {
   const std::vector<Paper> papers = find_papers(technique_folders(arguments.folders));
   if (arguments.list) {
+    const std::vector<Paper> listed = listed_papers(arguments.wanted, papers);
     if (messages.json) {
-      print_result("{}\n", list_json(papers).dump(2));
+      print_result("{}\n", list_json(listed).dump(2));
     } else {
-      print_list(papers);
+      print_list(listed);
     }
     return 0;
   }
@@ -175,7 +189,7 @@ void add_reproduce_command(Command program, Action& action) {
   command.flag("--full", arguments->full);
   add_technique_path(command, arguments->folders);
   arguments->device.add_to(command, true);
-  command.excludes({"--list"}, {"experiment", "--output", "--overwrite", "--resume", "--dry-run", "--full"});
+  command.excludes({"--list"}, {"--output", "--overwrite", "--resume", "--dry-run", "--full"});
   command.excludes({"--list"}, device_option_names());
   command.excludes({"--dry-run"}, {"--resume", "--overwrite"});
   command.excludes({"--resume"}, {"--overwrite"});

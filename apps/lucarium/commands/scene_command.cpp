@@ -3,6 +3,7 @@
 
 #include "commands/commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/scene/gltf/export.h"
 #include "lucarium/scene/report/scene_report.h"
@@ -21,26 +22,36 @@ struct SceneCommandArguments {
   bool overwrite = false;
 };
 
-void export_scene(const SceneCommandArguments& arguments, const Scene& scene) {
+/// Returns what it wrote: the scene, and the sidecar with what glTF has no words for.
+std::vector<std::filesystem::path> export_scene(const SceneCommandArguments& arguments, const Scene& scene) {
+  if (arguments.export_file.empty()) return {};
   if (arguments.export_file.extension() != ".glb") {
     throw_error(ErrorClass::usage, "{}: the name must end in .glb", arguments.export_file.string());
   }
-  for (const std::filesystem::path& file : exported_files(scene, arguments.export_file)) {
-    check_output(file, arguments.overwrite);
-  }
+  std::vector<std::filesystem::path> files = exported_files(scene, arguments.export_file);
+  for (const std::filesystem::path& file : files) check_output(file, arguments.overwrite);
   export_gltf(scene, arguments.export_file);
+  return files;
+}
+
+std::string json_of(const SceneReport& report, const std::vector<std::filesystem::path>& exported,
+                    const std::optional<SurfaceAtlasReport>& atlas) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(report.json());
+  for (const std::filesystem::path& file : exported) json["exported"].push_back(file.string());
+  return atlas ? with_atlas(json.dump(2), *atlas) : json.dump(2);
 }
 
 int scene(const SceneCommandArguments& arguments, const Messages& messages) {
   const Scene loaded = arguments.overrides.load(arguments.scene);
   const SceneReport report = make_scene_report(loaded);
-  if (!arguments.export_file.empty()) export_scene(arguments, loaded);
+  const std::vector<std::filesystem::path> exported = export_scene(arguments, loaded);
   arguments.atlas.check(arguments.overwrite);
   const std::optional<SurfaceAtlasReport> atlas = draw_atlas(arguments.atlas, loaded, messages.quiet);
   if (messages.json) {
-    print_result("{}\n", atlas ? with_atlas(report.json(), *atlas) : report.json());
+    print_result("{}\n", json_of(report, exported, atlas));
   } else {
     print_result("{}{}", report.text(), atlas ? text_of(*atlas) : "");
+    for (const std::filesystem::path& file : exported) print_result("exported      {}\n", file.string());
   }
   return 0;
 }

@@ -27,7 +27,7 @@ double admitted_bias(const TechniqueType& type) { return type.admitted_bias(*typ
 
 std::string bias_text(const TechniqueType& type) {
   const double bias = admitted_bias(type);
-  return bias > 0 ? fmt::format("admits a bias of {:.3g} %", 100 * bias) : std::string("no bias admitted");
+  return bias > 0 ? fmt::format("bias of at most {:.3g} %", 100 * bias) : std::string("unbiased");
 }
 
 std::string bounces_text(const Capabilities& can) {

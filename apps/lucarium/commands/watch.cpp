@@ -15,6 +15,7 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text_values.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -138,10 +139,10 @@ int render_and_watch(const WatchedInputs& inputs, bool has_outputs) {
     rendered |= result.exit_code == 0;
     if (interrupt_requested()) return end();
     if (result.exit_code == 0) {
-      print_note("rendered in {:.1f} s; watching {} files, Ctrl-C ends\n", result.seconds, before.size());
+      print_note("rendered in {:.1f} s; watching {}, Ctrl-C ends\n", result.seconds, counted(before.size(), "file"));
     } else {
-      print_note("not rendered ({}): the last image is kept; watching {} files, Ctrl-C ends\n", describe_end(result),
-                 before.size());
+      print_note("not rendered ({}): the last image is kept; watching {}, Ctrl-C ends\n", describe_end(result),
+                 counted(before.size(), "file"));
     }
     const fs::path file = wait_for_change(inputs, before);
     if (file.empty()) return end();

@@ -14,6 +14,7 @@
 #include "grammar/mistakes.h"
 #include "grammar/option_texts.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/base/terminal.h"
@@ -48,6 +49,26 @@ bool is_given(const CLI::App& command, const std::string& name) {
   const CLI::App* program = command.get_parent();
   const CLI::Option* before = program ? program->get_option_no_throw(name) : nullptr;
   return before && before->count() > 0;
+}
+
+/// Asked before the options have set anything: --version ends the reading of the command line.
+bool wants_json(const CLI::App& program) {
+  const auto commands = program.get_subcommands();
+  return is_given(commands.empty() ? program : *commands.front(), "--json");
+}
+
+/// `text`: "lucarium 1.2.3".
+std::string version_json(const std::string& text) {
+  const size_t blank = text.find(' ');
+  const nlohmann::ordered_json json = {
+      {"schema", "lucarium-version-1"}, {"program", text.substr(0, blank)}, {"version", text.substr(blank + 1)}};
+  return json.dump(2);
+}
+
+/// As the help names it: "--spp", "SCENE".
+std::string shown(const CLI::App& command, const std::string& name) {
+  const CLI::Option* option = command.get_option(name);
+  return option->get_positional() ? option->get_type_name() : name;
 }
 
 template <class Validator>
@@ -205,7 +226,8 @@ void Command::needs(const std::vector<std::string>& names, const std::vector<std
     const auto given = [app](const std::string& name) { return is_given(*app, name); };
     if (std::any_of(others.begin(), others.end(), given)) return;
     for (const std::string& name : names) {
-      if (given(name)) throw_error(ErrorClass::usage, "{} does nothing without {}", name, fmt::join(others, " or "));
+      if (given(name))
+        throw_error(ErrorClass::usage, "{} does nothing without {}", shown(*app, name), fmt::join(others, " or "));
     }
   });
 }
@@ -215,7 +237,7 @@ void Command::excludes(const std::vector<std::string>& names, const std::vector<
     for (const std::string& name : names) {
       for (const std::string& other : others) {
         if (is_given(*app, name) && is_given(*app, other))
-          throw_error(ErrorClass::usage, "give {} or {}, not both", name, other);
+          throw_error(ErrorClass::usage, "give {} or {}, not both", shown(*app, name), shown(*app, other));
       }
     }
   });
@@ -267,12 +289,20 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     if (const std::string unknown = unknown_command(*app_, arguments); !unknown.empty())
       throw Error(ErrorClass::usage, unknown);
+    if (dynamic_cast<const CLI::CallForVersion*>(&help) && wants_json(*app_)) {
+      print_result("{}\n", version_json(app_->version()));
+      return 0;
+    }
     std::ostringstream text;
     const int code = app_->exit(help, text, text);
     print_text(text.str());
     return code;
   } catch (const CLI::ParseError& mistake) {
     throw Error(ErrorClass::usage, describe_mistake(*app_, mistake, arguments));
+  } catch (const Error&) {  // of a rule about options, which takes what has no value for something else
+    if (const std::string missing = missing_value(*app_, arguments); !missing.empty())
+      throw Error(ErrorClass::usage, missing);
+    throw;
   }
   if (const std::string missing = missing_value(*app_, arguments); !missing.empty())
     throw Error(ErrorClass::usage, missing);

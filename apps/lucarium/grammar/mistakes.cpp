@@ -32,6 +32,9 @@ std::string see_help(const CLI::App& command) {
 /// Whether a value may stand behind = alone.
 bool value_is_optional(const CLI::Option& option) { return option.get_type_name().starts_with("[="); }
 
+/// "=FILE" of "[=FILE]".
+std::string without_brackets(const std::string& text) { return text.substr(1, text.size() - 2); }
+
 bool takes_value(const CLI::Option& option) { return option.get_expected_min() > 0; }
 
 /// "--spp", "SCENE".
@@ -162,6 +165,16 @@ std::string unknown_command(const CLI::App& program, const Words& line) {
 
 std::string missing_value(const CLI::App& program, const Words& line) {
   const CLI::App& command = chosen_command(program);
+  for (const std::string& word : line) {
+    const CLI::Option* option =
+        is_option(word) && word.ends_with('=') ? command.get_option_no_throw(name_of(word)) : nullptr;
+    if (!option || name_of(word).size() + 1 != word.size()) continue;
+    if (value_is_optional(*option))
+      return fmt::format("{} has no value; write {} alone, or {}{}", word, shown_name(*option), shown_name(*option),
+                         without_brackets(option->get_type_name())) +
+             see_help(command);
+    if (takes_value(*option)) return wrong_value(program, option->get_name() + ":", true);
+  }
   for (size_t i = 1; i < line.size(); ++i) {
     const CLI::Option* option = is_option(line[i - 1]) ? command.get_option_no_throw(line[i - 1]) : nullptr;
     if (!option || !takes_value(*option) || !line[i].starts_with("--")) continue;

@@ -26,7 +26,7 @@ const OptionText entries[] = {
     {"--overwrite", "Output", "", "replace what is there"},
     {"--half", "Output", "", "16-bit floats in .exr files"},
     {"--profile", "Output", "[=FILE]", "time per pass: a table, or FILE.json, FILE.trace.json (Perfetto)"},
-    {"--watch", "Output", "", "render again when the scene, a plug-in or a kernel changes"},
+    {"--watch", "Output", "", "render again when the scene, any plug-in or any kernel changes"},
     {"--export", "Output", "FILE.glb", "write the scene as it is understood"},
     {"--link-images", "Output", "", "report with images beside it, in full precision"},
     {"--resume", "Output", "", "continue what was interrupted in the same folder"},
@@ -39,7 +39,7 @@ const OptionText entries[] = {
     {"--statistical", "Output", "", "test whether two renderings differ by noise alone; exit code 1 when not"},
     {"--formulas", "Output", "", "print what every metric means"},
     {"--markdown", "Output", "", "print the page of the documentation"},
-    {"--list", "Output", "", "print papers and experiments"},
+    {"--list", "Output", "", "print papers and their experiments"},
     {"--dry-run", "Output", "", "print the plan; render nothing but first iterations"},
 
     {"--spp", "Budget", "N", "stop at this many samples per pixel"},
@@ -61,7 +61,7 @@ const OptionText entries[] = {
     {"--max-bounces", "Image", "N", "indirect bounces; 0: direct light only, -1: unlimited"},
     {"--pixel-sampling", "Image", "MODE", "jitter, center, or N for a grid of N×N", "jitter|center"},
     {"--seed", "Image", "N", "same seed, same image"},
-    {"--exposure", "Image", "STOPS", "exposure of .png files, PSNR, SSIM, LDR_FLIP; .exr is unaffected"},
+    {"--exposure", "Image", "STOPS", "exposure of .png, exports, PSNR, SSIM, LDR_FLIP; not of .exr"},
 
     {"--camera", "Scene", "CAMERA", "name, index, or EYE:TARGET[:VFOV] as x,y,z:x,y,z:degrees"},
     {"--environment", "Scene", "SKY", "equirectangular image, R,G,B or none; *FACTOR@DEGREES"},

@@ -19,6 +19,10 @@ std::vector<std::string> split(std::string_view text, char separator) {
   }
 }
 
+std::string counted(uint64_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
 std::string list_names(const std::vector<std::string>& names) {
   constexpr size_t shown = 5;
   const std::vector<std::string> first(names.begin(), names.begin() + static_cast<long>(std::min(shown, names.size())));

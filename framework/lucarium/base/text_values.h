@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
@@ -9,6 +10,9 @@
 namespace lucarium {
 
 std::vector<std::string> split(std::string_view text, char separator);
+
+/// "1 sample", "2 samples".
+std::string counted(uint64_t count, std::string_view noun);
 
 /// "'a', 'b', 'c', 'd', 'e' and 4 more".
 std::string list_names(const std::vector<std::string>& names);

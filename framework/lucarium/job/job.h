@@ -47,6 +47,7 @@ struct Job {
   uint64_t seed = 1;
   DeviceOptions device;
   std::vector<std::filesystem::path> technique_folders;  ///< searched before all others
+  bool verbose = false;                                  ///< say on standard error what is being done
   std::variant<RenderWork, ReferenceWork> work;
 };
 

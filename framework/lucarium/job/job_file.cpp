@@ -57,6 +57,12 @@ void visit_device(Visitor& visit, Device& device) {
   visit("use_cache", device.use_cache);
 }
 
+template <class Visitor, class TheJob>
+void visit_program(Visitor& visit, TheJob& job) {
+  visit("technique_folders", job.technique_folders);
+  visit("verbose", job.verbose);
+}
+
 template <class Visitor, class Work>
 void visit_render(Visitor& visit, Work& work) {
   visit("technique", work.technique);
@@ -234,7 +240,7 @@ std::string job_json(const Job& job) {
   document["scene"] = write([&](Writer& visit) { visit_scene(visit, job); });
   document["image"] = write([&](Writer& visit) { visit_image(visit, job); });
   document["device"] = write([&](Writer& visit) { visit_device(visit, job.device); });
-  document.update(write([&](Writer& visit) { visit("technique_folders", job.technique_folders); }));
+  document.update(write([&](Writer& visit) { visit_program(visit, job); }));
   if (const auto* render = std::get_if<RenderWork>(&job.work)) {
     document[render_key] = write([&](Writer& visit) { visit_render(visit, *render); });
   } else {
@@ -257,7 +263,7 @@ Job read_job(const fs::path& path) {
   read(file, root, "scene", [&](Reader& visit) { visit_scene(visit, job); });
   read(file, root, "image", [&](Reader& visit) { visit_image(visit, job); });
   read(file, root, "device", [&](Reader& visit) { visit_device(visit, job.device); });
-  root("technique_folders", job.technique_folders);
+  visit_program(root, job);
   job.work = read_work(file, root);
   root.finish();
   return job;

@@ -39,6 +39,7 @@ Job example_render() {
   job.seed = ~uint64_t{0};
   job.device = {"cpu", 2, size_t{3} << 30, size_t{1} << 29, "/some/cache", false};
   job.technique_folders = {"/a folder", "--not-an-option"};
+  job.verbose = true;
   job.work = RenderWork{"bundle_exchange", {{"b", "1,2=3"}, {"a", ""}}, 2.5, 64, 1e-3, "r.exr", true, "o.exr", 32, 2};
   return job;
 }

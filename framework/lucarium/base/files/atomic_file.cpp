@@ -11,6 +11,7 @@
 
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/missing_file.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 
@@ -95,7 +96,10 @@ void write_file_atomically(const fs::path& target, std::string_view bytes) {
 void require_regular_file(const fs::path& path) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
-  if (!fs::exists(status)) throw_error(ErrorClass::input, "{}: no such file", path.string());
+  if (!fs::exists(status)) {
+    const std::string advice = advice_for_missing(path);
+    throw_error(ErrorClass::input, "{}: no such file{}", path.string(), advice.empty() ? "; check its name" : advice);
+  }
   if (fs::is_directory(status)) throw_error(ErrorClass::input, "{}: is a folder, not a file", path.string());
   if (!fs::is_regular_file(status))
     throw_error(ErrorClass::input, "{}: is a pipe or a device, not a file", path.string());

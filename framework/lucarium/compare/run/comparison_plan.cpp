@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
 #include "lucarium/compare/reference/reference_identity.h"
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/exposure.h"
@@ -130,6 +131,7 @@ Job scene_job(const ComparisonSpec& spec, const ComparisonScene& scene, const Sc
   job.device.cache_dir = options.cache_dir;
   job.device.use_cache = options.use_cache;
   job.technique_folders = options.technique_folders;
+  job.verbose = log_level() >= LogLevel::info;
   return job;
 }
 

@@ -5,6 +5,7 @@
 #include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/run/comparison_runner.h"
 #include "lucarium/compare/run/reference_file.h"
@@ -63,10 +64,11 @@ void ComparisonRunner::measure_reference(ReferenceResult& reference) {
   reference.error_known = estimate_reference_error(read_image(options_.folder / reference.image), own);
   reference.mse = own.mse;
   reference.relmse = own.relmse;
-  const std::string how = spec_.reference.file ? reference.source
-                          : reference.from_cache
-                              ? fmt::format("from the cache, {} samples per pixel", reference.samples)
-                              : fmt::format("{} samples per pixel, {:.1f} s", reference.samples, reference.seconds);
+  const std::string how =
+      spec_.reference.file ? reference.source
+      : reference.from_cache
+          ? fmt::format("from the cache, {} per pixel", counted(reference.samples, "sample"))
+          : fmt::format("{} per pixel, {:.1f} s", counted(reference.samples, "sample"), reference.seconds);
   say(fmt::format("  reference: {}{}", how,
                   reference.error_known ? fmt::format(", error of the reference: relMSE {:.2g}", own.relmse) : ""));
 }

@@ -13,6 +13,7 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/spelling.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/piece.h"
 #include "lucarium/compare/results/result_folder.h"
@@ -113,7 +114,7 @@ ComparisonResult ComparisonRunner::run() {
     result_.interrupted = !run_missing_pieces();
   } catch (const Error&) {  // of this machine, not of a piece
     if (result_.pieces.empty()) throw;
-    say(fmt::format("{} finished pieces are kept; continue with --resume", result_.pieces.size()));
+    say(fmt::format("kept: {}; continue with --resume", counted(result_.pieces.size(), "finished piece")));
     write_page();
     throw;
   }
@@ -263,8 +264,8 @@ bool ComparisonRunner::drop_unlike_pieces(const PieceResult& piece) {
 void ComparisonRunner::log_result(const PieceResult& piece, size_t number, size_t total) const {
   std::string outcome = piece.failure;
   if (outcome.empty()) {
-    outcome = fmt::format("relMSE {:.3g} after {:.1f} s, {} samples", piece.metrics.at("relMSE"), piece.seconds(),
-                          piece.samples);
+    outcome = fmt::format("relMSE {:.3g} after {:.1f} s, {} per pixel", piece.metrics.at("relMSE"), piece.seconds(),
+                          counted(piece.samples, "sample"));
     if (is_unfinished(piece)) outcome += ", unfinished: light is missing, or the picture is coarse";
     if (spec_.budgets[piece.budget].relmse > 0) {
       outcome += piece.reached_seconds ? fmt::format(", reached after {:.1f} s", *piece.reached_seconds)
@@ -307,7 +308,9 @@ PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, size_t bud
   work.reference = options_.folder / reference_of(scene, variant).image;
   work.output = image;
   job.work = work;
-  const ChildResult child = run_job({options_.program.string()}, job);
+  const ChildResult child = run_job({options_.program.string()}, job, [&](std::string_view line) {
+    if (job.verbose && !line.starts_with(error_prefix)) say("  " + std::string(line));
+  });
   if (child.exit_code == static_cast<int>(ErrorClass::interrupted)) set_interrupt_requested(true);
   if (child.exit_code != 0) {
     std::error_code ignored;
@@ -347,7 +350,7 @@ void ComparisonRunner::load_finished_pieces() {
       }
     }
   }
-  if (!result_.pieces.empty()) say(fmt::format("{} pieces are finished already", result_.pieces.size()));
+  if (!result_.pieces.empty()) say(fmt::format("finished already: {}", counted(result_.pieces.size(), "piece")));
 }
 
 bool ComparisonRunner::load_finished_piece(PieceResult& piece) {

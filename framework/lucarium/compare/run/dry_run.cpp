@@ -10,6 +10,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/compare/run/comparison_plan.h"
@@ -114,9 +115,9 @@ class DryRun {
     }
     std::vector<std::string> budgets;
     for (const ComparisonBudget& budget : spec_.budgets) budgets.push_back(budget.label());
-    text_ +=
-        fmt::format("{} runs ({} at {}×{} pixels, {} seeds each), about {}{}\n", runs_, fmt::join(budgets, "; "),
-                    spec_.width, spec_.height, spec_.seeds, format_duration(seconds_), open_ended_ ? " at most" : "");
+    text_ += fmt::format("{} ({} at {}×{} pixels, {} each), about {}{}\n", counted(runs_, "run"),
+                         fmt::join(budgets, "; "), spec_.width, spec_.height, counted(spec_.seeds, "seed"),
+                         format_duration(seconds_), open_ended_ ? " at most" : "");
     return text_;
   }
 
@@ -133,7 +134,7 @@ class DryRun {
       text_ += fmt::format("{}\n  cannot be used: {}\n", entry.name, entry.failure);
       return;
     }
-    text_ += fmt::format("{}\n  {} triangles\n", entry.name, entry.triangles);
+    text_ += fmt::format("{}\n  {}\n", entry.name, counted(entry.triangles, "triangle"));
     for (const std::string& warning : entry.warnings) text_ += fmt::format("  warning: {}\n", warning);
     if (spec_.reference.file && !entry.references.empty()) {
       check_one_reference(entry);
@@ -168,8 +169,9 @@ class DryRun {
     const double seconds = rate.iteration_seconds * static_cast<double>(missing) / reference_batch;
     seconds_ += seconds;
     open_ended_ |= missing > 0 && spec_.reference.relmse > 0;
-    text_ += fmt::format("{} samples per pixel, {} of them in the cache, about {} to render\n", spec_.reference.samples,
-                         std::min(have, spec_.reference.samples), format_duration(seconds));
+    text_ += fmt::format("{} per pixel, {} of them in the cache, about {} to render\n",
+                         counted(spec_.reference.samples, "sample"), std::min(have, spec_.reference.samples),
+                         format_duration(seconds));
   }
 
   void add_variant(const ComparisonScene& scene, const ScenePlan& plan, size_t index) {

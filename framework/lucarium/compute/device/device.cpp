@@ -13,6 +13,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/compute/device/host_memory.h"
+#include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"
 
 namespace lucarium {
@@ -207,6 +208,7 @@ std::vector<DeviceInfo> list_devices(const DeviceOptions& options) {
 std::shared_ptr<Device> Device::open(const DeviceOptions& options) {
   const std::vector<FoundDevice> devices = find_devices(options);
   const FoundDevice& chosen = select(devices, options.selector);
+  require_linker(chosen.info);
   const std::shared_ptr<Device> device(new Device);
   device->info_ = chosen.info;
   device->id_ = chosen.id;

@@ -5,7 +5,9 @@
 #include <cstdlib>
 #include <mutex>
 
+#include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/compute/device/cache_folder.h"
 #include "lucarium/compute/device/device.h"
 #include "lucarium/compute/device/pocl_folder.h"
@@ -25,6 +27,14 @@ void remove_private_folder() {
 std::string environment_value(const char* name) {
   const char* value = std::getenv(name);
   return value ? value : "";
+}
+
+/// PoCL looks for its linker in PATH. Without PATH the system's own folders are searched, as a shell does.
+void set_path() {
+  if (std::getenv("PATH") != nullptr) return;
+  std::string path(confstr(_CS_PATH, nullptr, 0), '\0');
+  confstr(_CS_PATH, path.data(), path.size());
+  setenv("PATH", path.c_str(), 0);
 }
 
 void set_driver_folder(const DeviceOptions& options) {
@@ -51,9 +61,22 @@ void set_thread_count(int threads) {
 void prepare_opencl_environment(const DeviceOptions& options) {
   static std::once_flag once;
   std::call_once(once, [&] {
+    set_path();
     set_driver_folder(options);
     set_thread_count(options.threads);
   });
+}
+
+void require_linker(const DeviceInfo& info) {
+  if (!info.is_pocl || info.type != DeviceType::cpu) return;
+  const std::string path = environment_value("PATH");
+  for (const std::string& folder : split(path, ':')) {
+    if (::access((fs::path(folder.empty() ? "." : folder) / "ld").c_str(), X_OK) == 0) return;
+  }
+  throw_error(ErrorClass::device,
+              "{} links kernels with the program ld, which no folder of PATH ({}) holds; add its folder to PATH, or "
+              "install the Debian package binutils",
+              info.platform, path);
 }
 
 const DriverFolder* driver_folder() { return private_folder; }

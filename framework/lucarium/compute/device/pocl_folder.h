@@ -6,6 +6,8 @@
 
 namespace lucarium {
 
+struct DeviceInfo;
+
 /// The folder into which PoCL writes what it compiles, private to this process and gone when it ends.
 ///
 /// PoCL trusts its cache folder: a truncated or damaged file there ends the process (assertion or SIGBUS in 3.1), and
@@ -38,6 +40,10 @@ class DriverFolder {
 
 /// The folder in use; null when the user's own POCL_CACHE_DIR is, or before prepare_opencl_environment().
 const DriverFolder* driver_folder();
+
+/// Throws Error{device} where PoCL would end the process at the first launch: without its linker. Call it after
+/// prepare_opencl_environment().
+void require_linker(const DeviceInfo& info);
 
 /// Creates the folder if need be and tries to write a file there; empty when that works, else the reason.
 std::string why_not_writable(const std::filesystem::path& folder);

@@ -142,7 +142,7 @@ struct Program::State {
       const std::lock_guard lock(registry().mutex);
       registry().states.erase(this);
     }
-    keep_launch_code();
+    cache_specialized_kernels();
   }
 
   bool has_driver_files() const { return device->info().is_pocl && driver_folder() != nullptr; }
@@ -191,7 +191,7 @@ struct Program::State {
     device->program_cache().store(key, entry);
   }
 
-  void keep_launch_code() noexcept {
+  void cache_specialized_kernels() noexcept {
     if (driver_program.empty()) return;
     try {
       const ProgramCache& cache = device->program_cache();
@@ -254,11 +254,11 @@ Program make_program(Device& device, const EmbeddedSources& sources, std::vector
   return Program(device, library, {name, std::move(files), std::move(defines)});
 }
 
-void keep_launch_code(const Device& device) noexcept {
+void cache_specialized_kernels(const Device& device) noexcept {
   Program::State::Registry& registry = Program::State::registry();
   const std::lock_guard lock(registry.mutex);
   for (Program::State* state : registry.states) {
-    if (state->device.get() == &device) state->keep_launch_code();
+    if (state->device.get() == &device) state->cache_specialized_kernels();
   }
 }
 const std::string& Program::name() const { return state_->name; }

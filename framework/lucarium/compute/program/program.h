@@ -42,7 +42,7 @@ class Program {
   std::vector<std::string> kernel_names() const;
 
  private:
-  friend void keep_launch_code(const Device& device) noexcept;
+  friend void cache_specialized_kernels(const Device& device) noexcept;
   struct State;
   std::shared_ptr<State> state_;
 };
@@ -55,6 +55,6 @@ Program make_program(Device& device, const EmbeddedSources& sources, std::vector
 /// Adds what the driver compiled at first launches (PoCL: 40-500 ms per kernel and local size) to the cache entries of
 /// all programs of a device. Called after warm-up, so that a killed process does not lose it; a program that goes does
 /// it too.
-void keep_launch_code(const Device& device) noexcept;
+void cache_specialized_kernels(const Device& device) noexcept;
 
 }  // namespace lucarium

@@ -214,7 +214,7 @@ void KernelScheduler::warm_up(Schedule& schedule) {
   const ApiCalls before = state_->calls;
   state_->execute(state, how, false);
   state_->calls = before;
-  keep_launch_code(device());
+  cache_specialized_kernels(device());
 }
 
 void KernelScheduler::set_cancel(std::function<bool()> cancel_requested) {

@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/missing_file.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/nearest_name.h"
 #include "lucarium/base/text_values.h"
@@ -129,7 +130,9 @@ Scene read_scene(const std::string& source, const ImportOptions& options) {
   if (source.starts_with(builtin_prefix)) return make_builtin_scene(source.substr(builtin_prefix.size()));
   std::error_code ignored;
   if (!std::filesystem::exists(source, ignored)) {
-    throw_error(ErrorClass::input, "{}: there is no such file; give a .gltf or .glb file, or one of builtin:{}", source,
+    const std::string advice = advice_for_missing(source);
+    if (!advice.empty()) throw_error(ErrorClass::input, "{}: no such file{}", source, advice);
+    throw_error(ErrorClass::input, "{}: no such file; give a .gltf or .glb file, or one of builtin:{}", source,
                 fmt::join(builtin_scene_names(), ", builtin:"));
   }
   return import_gltf(source, options);
@@ -166,9 +169,10 @@ Scene load_scene(const std::string& source, const SceneOverrides& overrides, con
         "with --material NAME:double_sided=true",
         list_names(names)));
   }
-  log_info("scene {}: {} triangles in {} instances, {} punctual lights{}, {} cameras, {} materials, {} images", source,
-           scene.triangle_count(), scene.instances.size(), scene.lights.size(), scene.environment ? " and a sky" : "",
-           scene.cameras.size(), scene.materials.size(), scene.images.size());
+  log_info("scene {}: {} in {}, {}{}, {}, {}, {}", source, counted(scene.triangle_count(), "triangle"),
+           counted(scene.instances.size(), "instance"), counted(scene.lights.size(), "punctual light"),
+           scene.environment ? " and a sky" : "", counted(scene.cameras.size(), "camera"),
+           counted(scene.materials.size(), "material"), counted(scene.images.size(), "image"));
   return scene;
 }
 

@@ -86,6 +86,9 @@ EnvironmentChoice parse_environment(std::string_view text) {
   }
   if (const auto color = parse_color(rest)) {
     choice.radiance = *color;
+  } else if (parse_numbers(rest)) {
+    throw_error(ErrorClass::usage, "environment '{}': a color is R,G,B or one number for all three, none negative",
+                text);
   } else {
     choice.file = std::string(rest);
   }

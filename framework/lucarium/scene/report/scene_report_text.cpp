@@ -3,6 +3,7 @@
 
 #include "lucarium/base/byte_size.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text_values.h"
 #include "lucarium/scene/report/scene_report.h"
 
 namespace lucarium {
@@ -27,13 +28,14 @@ std::string triple(const glm::vec3& v) { return fmt::format("{:.4g} {:.4g} {:.4g
 void add_geometry(Page& page, const SceneReport& r) {
   const std::string degenerate =
       r.degenerate_triangles ? fmt::format(", {} without area", r.degenerate_triangles) : std::string();
-  page.line("triangles", fmt::format("{} in {} instances of {} meshes, {} vertices{}", r.triangles, r.instances,
-                                     r.meshes, r.vertices, degenerate));
+  page.line("triangles", fmt::format("{} in {} of {}, {} {}{}", r.triangles, counted(r.instances, "instance"),
+                                     r.meshes == 1 ? "1 mesh" : fmt::format("{} meshes", r.meshes), r.vertices,
+                                     r.vertices == 1 ? "vertex" : "vertices", degenerate));
   const glm::vec3 extent = r.bounds.empty() ? glm::vec3(0) : r.bounds.max - r.bounds.min;
   page.line("bounds", fmt::format("({}) to ({}) m, {:.4g} x {:.4g} x {:.4g} m", triple(r.bounds.min),
                                   triple(r.bounds.max), extent.x, extent.y, extent.z));
   if (r.deformed_instances) {
-    page.line("deformed", fmt::format("{} instances ({} skins)", r.deformed_instances, r.skins));
+    page.line("deformed", fmt::format("{} ({})", counted(r.deformed_instances, "instance"), counted(r.skins, "skin")));
   }
 }
 
@@ -51,12 +53,14 @@ void add_materials(Page& page, const SceneReport& r) {
     page.more(fmt::format("{}: base {}{}, metallic {:.3g}, roughness {:.3g}{}", m.name, triple(glm::vec3(m.base_color)),
                           m.base_color_texture.texture == none ? "" : " x texture", m.metallic, m.roughness, notes));
   }
-  page.line("textures", fmt::format("{} of {} images, {} texels", r.textures, r.images, r.texels));
+  page.line("textures",
+            fmt::format("{} of {}, {}", r.textures, counted(r.images, "image"), counted(r.texels, "texel")));
 }
 
 void add_lights(Page& page, const SceneReport& r) {
-  page.line("lights", fmt::format("{} punctual, {} emissive triangles, {}", r.lamps.size(), r.emissive_triangles,
-                                  r.has_environment ? "an environment" : "no environment"));
+  page.line("lights",
+            fmt::format("{} punctual, {}, {}", r.lamps.size(), counted(r.emissive_triangles, "emissive triangle"),
+                        r.has_environment ? "an environment" : "no environment"));
   for (const SceneReport::Lamp& lamp : r.lamps) {
     page.more(fmt::format("{} {}: {} {}, flux {} lm", lamp.type, lamp.name, triple(lamp.intensity),
                           lamp.type == "directional" ? "lx" : "cd", triple(lamp.flux)));

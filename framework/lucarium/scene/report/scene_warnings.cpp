@@ -77,7 +77,7 @@ std::vector<std::string> scene_warnings(const Scene& scene) {
         fmt::format("the scene is {:.4g} m large, which hints at a wrong unit: glTF's unit is the metre", largest));
   }
   const uint64_t degenerate = degenerate_triangle_count(scene);
-  if (degenerate) warnings.push_back(fmt::format("{} triangles have no area and are never hit", degenerate));
+  if (degenerate) warnings.push_back(fmt::format("without area, never hit: {}", counted(degenerate, "triangle")));
   return warnings;
 }
 

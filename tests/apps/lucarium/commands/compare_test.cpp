@@ -57,6 +57,17 @@ std::string comparison(const TemporaryFolder& folder, const std::string& more) {
 
 }  // namespace
 
+TEST_CASE("compare -v said nothing of what its renderings do") {
+  const TemporaryFolder folder;
+  const ProgramResult plain = run_lucarium(comparison(folder, "")),
+                      told = run_lucarium(comparison(folder, "--overwrite -v"));
+  REQUIRE(told.exit_code == 0);
+  CHECK_FALSE(contains(plain.err, "prepared: upload"));
+  for (const char* part : {"scene builtin:cornell: 42 triangles", "technique constant", "prepared: upload",
+                           "ended by --iterations after 5 iterations"})
+    CHECK_MESSAGE(contains(told.err, part), part << told.err);
+}
+
 TEST_CASE("a comparison writes results that parse, a table and a page") {
   const TemporaryFolder folder;
   const fs::path results = folder.path() / "results";

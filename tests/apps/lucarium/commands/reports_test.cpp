@@ -38,7 +38,10 @@ TEST_CASE("help and version are on standard output and end with 0") {
 TEST_CASE("scene --export writes what render then takes for the same scene") {
   const TemporaryFolder folder;
   const std::string glb = (folder.path() / "a.glb").string();
-  CHECK(run_lucarium("scene builtin:cornell --environment 0.5 --export " + glb).exit_code == 0);
+  const ProgramResult exported = run_lucarium("scene builtin:cornell --environment 0.5 --export " + glb);
+  CHECK(exported.exit_code == 0);
+  CHECK(contains(exported.out, " " + glb + "\n"));
+  CHECK(contains(exported.out, " " + glb + ".lucarium.json\n"));
   CHECK(count_files(folder.path()) == 2);
   const ProgramResult result = run_lucarium("scene " + glb + " --json");
   CHECK(result.exit_code == 0);

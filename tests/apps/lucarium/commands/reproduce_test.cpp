@@ -80,6 +80,15 @@ TEST_CASE("papers and experiments are listed") {
   CHECK(contains(result.out, "author2026/errors  Errors of constants (Table 3)"));
 }
 
+TEST_CASE("--list of a paper was refused, and named an option that there is not") {
+  const PaperFolder paper(known_experiment());
+  for (const char* line : {"author2026 --list", "author2026/errors --list"})
+    CHECK(contains(run_lucarium(paper.arguments(line)).out, "author2026/errors  Errors of constants (Table 3)"));
+  CHECK_FALSE(contains(run_lucarium(paper.arguments("author2026 --list")).out, "hermes2010"));
+  check_refused(paper.arguments("author2027 --list"), 2, "did you mean 'author2026'?");
+  check_refused(paper.arguments("author2026/error --list"), 2, "did you mean 'errors'?");
+}
+
 TEST_CASE("a plan said nothing while it was made, and runs to be replaced or continued are none of its") {
   const PaperFolder paper(known_experiment());
   const ProgramResult plan = run_lucarium(paper.arguments("author2026 --dry-run"));
@@ -131,7 +140,7 @@ TEST_CASE("the quick setting leaves things unknown, and a finished run is only r
   REQUIRE(run_lucarium(arguments).exit_code == 0);
   const ProgramResult again = run_lucarium(arguments + " --resume");
   CHECK(again.exit_code == 0);
-  CHECK(contains(again.err, "1 pieces are finished already"));
+  CHECK(contains(again.err, "finished already: 1 piece"));
   const json reproduction = results_of(paper.output()).at("reproduction");
   CHECK(reproduction.at("quick") == true);
   CHECK(!reproduction.at("values")[1].contains("ours"));

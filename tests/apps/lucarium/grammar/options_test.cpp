@@ -150,6 +150,16 @@ TEST_CASE("--json gives one object with a schema that docs/results.md lists, whe
   }
 }
 
+TEST_CASE("--version --json printed text") {
+  for (const char* line : {"--version --json", "--json -V", "render --json -V", "--json render -V"}) {
+    const ProgramResult result = run_lucarium(line);
+    CHECK(result.exit_code == 0);
+    CHECK(json::parse(result.out) ==
+          json{{"schema", "lucarium-version-1"}, {"program", "lucarium"}, {"version", LUCARIUM_VERSION}});
+  }
+  CHECK(run_lucarium("-V").out == "lucarium " LUCARIUM_VERSION "\n");
+}
+
 TEST_CASE("-q leaves standard output as it is, as -v does, and standard error empty; -q and -v contradict each other") {
   const TemporaryFolder folder;
   make_images(folder.path());

@@ -32,6 +32,18 @@ TEST_CASE("device: exit code 4") {
   CHECK(count_files(folder.path()) == 0);
 }
 
+TEST_CASE("without PATH the driver ended the process when it linked a kernel") {
+  const TemporaryFolder folder;
+  const std::string render = lucarium_program() + " render builtin:cornell " + constant_technique() +
+                             "--iterations 1 --no-cache -q -o " + (folder.path() / "a.exr").string();
+  const ProgramResult without = run_program("unset PATH; " + render);
+  CHECK_MESSAGE(without.exit_code == 0, without.err);
+  const ProgramResult wrong = run_program("PATH=/nonexistent " + render + " --overwrite");
+  CHECK(wrong.exit_code == 4);
+  CHECK(contains(wrong.err, "links kernels with the program ld, which no folder of PATH (/nonexistent) holds"));
+  CHECK(std::count(wrong.err.begin(), wrong.err.end(), '\n') == 1);
+}
+
 TEST_CASE("technique: exit code 5, and a failure leaves no file") {
   const TemporaryFolder folder;
   const std::string out = " -o " + (folder.path() / "a.exr").string() + " --iterations 3 ";

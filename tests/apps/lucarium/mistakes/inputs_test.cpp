@@ -51,6 +51,19 @@ TEST_CASE("input: exit code 3") {
   CHECK(count_files(folder.path()) == 1);
 }
 
+TEST_CASE("a file that is not there: the next step is said") {
+  const TemporaryFolder folder;
+  const std::string scene = (folder.path() / "kitchen.glb").string(), typo = (folder.path() / "kitchn.glb").string();
+  std::ofstream(scene) << "glTF";
+  check_refused("scene " + typo, 3, typo + ": no such file; did you mean 'kitchen.glb'?");
+  check_refused("diff " + typo + " " + scene, 3, typo + ": no such file; did you mean 'kitchen.glb'?");
+  check_refused("scene " + (folder.path() / "elsewhere.glb").string(), 3,
+                "give a .gltf or .glb file, or one of builtin");
+  check_refused("scene builtin:cornell --environment " + (folder.path() / "sky.hdr").string(), 3,
+                "no such file; check its name");
+  check_refused("diff /nonexistent/a.exr " + scene, 3, "there is no folder '/nonexistent'");
+}
+
 TEST_CASE("a pipe in the place of a file was waited for, for ever") {
   const TemporaryFolder folder;
   const std::string pipe = (folder.path() / "pipe").string(), scene = (folder.path() / "a.glb").string();

@@ -79,8 +79,7 @@ TEST_CASE("options that did nothing, and said nothing, are mistakes") {
     check_refused(std::string("diff a.exr b.exr --statistical ") + option, 2, "give --statistical or ");
   check_refused("diff a.exr b.exr --formulas --json", 2, "give --formulas or --json, not both");
   check_refused("techniques --markdown --json", 2, "give --markdown or --json, not both");
-  for (const char* option :
-       {"hermes2010", "--output x", "--overwrite", "--resume", "--dry-run", "--full", "--device 0"})
+  for (const char* option : {"--output x", "--overwrite", "--resume", "--dry-run", "--full", "--device 0"})
     check_refused(std::string("reproduce --list ") + option, 2, "give --list or ");
   CHECK(count_files(folder.path()) == 0);
 }

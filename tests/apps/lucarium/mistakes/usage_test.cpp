@@ -62,6 +62,20 @@ TEST_CASE("a camera that is written wrong was looked for by name") {
   check_refused("scene builtin:cornell --camera 0,0:1,1", 2, "it is not EYE:TARGET or EYE:TARGET:VFOV");
 }
 
+TEST_CASE("an option with nothing behind its sign did nothing") {
+  const TemporaryFolder folder;
+  const std::string out = " -o " + (folder.path() / "a.exr").string();
+  check_refused("render builtin:cornell --profile=" + out, 2,
+                "--profile= has no value; write --profile alone, or --profile=FILE");
+  check_refused("render builtin:cornell --spp=" + out, 2, "--spp needs a value: N");
+  check_refused("compare --comparison= -o " + folder.path().string(), 2, "--comparison needs a value: FILE.json");
+}
+
+TEST_CASE("a color of two numbers was looked for as a file") {
+  check_refused("scene builtin:cornell --environment 1,2", 2, "environment '1,2': a color is R,G,B or one number");
+  check_refused("scene builtin:cornell --environment 1,-1,0*2", 2, "environment '1,-1,0*2': a color is");
+}
+
 TEST_CASE("values that were taken silently are mistakes") {
   const TemporaryFolder folder;
   const std::string out = " -o " + (folder.path() / "a.exr").string() + " ", render = "render builtin:cornell ";

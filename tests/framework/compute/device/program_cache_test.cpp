@@ -175,7 +175,7 @@ TEST_CASE("child: build and launch and say where the programs came from" * docte
   const Program three = build(device, "3"), five = build(device, "5");
   check_results(three, 3);
   check_results(five, 5);
-  keep_launch_code(*device);
+  cache_specialized_kernels(*device);
   std::printf("cached %d%d\n", three.from_cache(), five.from_cache());
   if (std::getenv("TEST_PRINT_FILES") && driver_folder()) {
     for (const auto& entry : fs::recursive_directory_iterator(driver_folder()->path())) {

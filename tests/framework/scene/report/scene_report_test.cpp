@@ -76,7 +76,7 @@ TEST_CASE("warnings name what looks wrong") {
   CHECK(warns(scene, "wrong unit"));
   CHECK_FALSE(warns(scene, "no area"));
   scene.meshes[0].triangles.push_back({0, 0, 1});
-  CHECK(warns(scene, "1 triangles have no area"));
+  CHECK(warns(scene, "without area, never hit: 1 triangle"));
 }
 
 TEST_CASE("triangles of no area are counted where they stand, once for each instance, as rays see them") {
@@ -90,7 +90,7 @@ TEST_CASE("triangles of no area are counted where they stand, once for each inst
   CHECK(report.degenerate_triangles == 3);
   CHECK(nlohmann::json::parse(report.json())["degenerate_triangles"] == 3);
   CHECK(report.text().find("3 without area") != std::string::npos);
-  CHECK(warns(scene, "3 triangles have no area and are never hit"));
+  CHECK(warns(scene, "without area, never hit: 3 triangles"));
   // Thin, but with an area: single-precision products of its edges would underflow.
   CHECK_FALSE(is_degenerate(glm::vec3(0), glm::vec3(1e-30f, 0, 0), glm::vec3(0, 1e-30f, 0)));
   CHECK(is_degenerate(glm::vec3(1), glm::vec3(2), glm::vec3(3)));
