@@ -12,7 +12,10 @@ uint count;           // paths of a run
 uint flags;           // LUCARIUM_LIGHT_PATHS_*
 uint kinds;           // of lights, bits 1 << LUCARIUM_LIGHT_*
 uint roulette_start;  // scatterings before Russian roulette; LUCARIUM_NONE: none
-LUCARIUM_STRUCT_END(LightPathRules, 16)
+// Samples of the strategies -1, 0 and all between, for weights (path_mis.clh):
+float hit_samples, light_samples, connection_samples;
+uint pad;
+LUCARIUM_STRUCT_END(LightPathRules, 32)
 
 #define LIGHT_MAX_PHOTONS 256  // that a density may be estimated from
 
@@ -23,7 +26,9 @@ float origin_pdf;    // density of where the path began, the choice of the light
 float start_cosine;  // of the ray to the geometric normal where it begins; 1 where there is none
 uint light;          // where the path began, into scene_lights
 uint medium;         // that the ray runs through (medium.clh)
-LUCARIUM_STRUCT_END(LightPathState, 32)
+float2 mis;          // what path_mis.clh carries along the ray
+float2 pad;
+LUCARIUM_STRUCT_END(LightPathState, 48)
 
 // A point from which the light of one path is reflected diffusely, or at which it arrives (a photon).
 LUCARIUM_STRUCT_BEGIN(VirtualLight)

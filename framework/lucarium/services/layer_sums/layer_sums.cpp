@@ -23,14 +23,14 @@ void LayerSums::clear() {
   for (TypedBuffer<float4>& sums : sums_) sums.fill_zero();
 }
 
-void LayerSums::write(Film& film) const {
-  for (size_t i = 0; i < names_.size(); ++i) add_mean(film, names_[i], sums_[i].download());
+void LayerSums::write(Film& film, bool additive) const {
+  for (size_t i = 0; i < names_.size(); ++i) add_mean(film, names_[i], sums_[i].download(), additive);
 }
 
-void add_mean(Film& film, const std::string& name, const std::vector<float4>& sums) {
+void add_mean(Film& film, const std::string& name, const std::vector<float4>& sums, bool additive) {
   if (sums.size() != film.pixel_count())
     throw_error(ErrorClass::internal, "{} sums for a film of {} pixels", sums.size(), film.pixel_count());
-  FilmLayer& layer = film.layer(name, {"R", "G", "B"}, true);
+  FilmLayer& layer = film.layer(name, {"R", "G", "B"}, additive);
   for (size_t p = 0; p < sums.size(); ++p) {
     const float scale = sums[p].w > 0 ? 1 / sums[p].w : 0.f;
     for (size_t c = 0; c < 3; ++c) layer.pixels[3 * p + c] += (&sums[p].x)[c] * scale;

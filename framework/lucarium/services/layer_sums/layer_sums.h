@@ -25,8 +25,8 @@ class LayerSums {
   /// Back to no samples. The device must have finished with them.
   void clear();
   /// Adds every layer's mean to the film's additive layer of the same name; black where there is no sample. The device
-  /// must have finished.
-  void write(Film& film) const;
+  /// must have finished. Not `additive`: the layers show parts of others, and are none of the image.
+  void write(Film& film, bool additive = true) const;
   static size_t estimate_bytes(size_t pixels, size_t layers) { return pixels * layers * sizeof(float4); }
 
  private:
@@ -34,7 +34,7 @@ class LayerSums {
   std::vector<TypedBuffer<float4>> sums_;
 };
 
-/// Adds the means of sums to the film's additive layer `name`, as LayerSums::write().
-void add_mean(Film& film, const std::string& name, const std::vector<float4>& sums);
+/// Adds the means of sums to the film's layer `name`, as LayerSums::write().
+void add_mean(Film& film, const std::string& name, const std::vector<float4>& sums, bool additive = true);
 
 }  // namespace lucarium

@@ -18,6 +18,9 @@ LightPathRules rules_of(const LightPathOptions& options) {
                 (options.opaque_blend ? LUCARIUM_LIGHT_PATHS_OPAQUE_BLEND : 0u);
   rules.kinds = options.kinds;
   rules.roulette_start = options.roulette_start;
+  rules.hit_samples = options.hit_samples;
+  rules.light_samples = options.light_samples;
+  rules.connection_samples = options.connection_samples;
   return rules;
 }
 

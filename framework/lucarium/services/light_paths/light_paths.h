@@ -11,12 +11,14 @@
 namespace lucarium {
 
 struct LightPathOptions {
-  uint32_t paths = 1;                            ///< of a run
-  uint32_t vertices = 1;                         ///< of a path at most; ideal lobes count
-  bool diffuse_only = false;                     ///< diffuse lobes alone; a path ends where there is none
-  bool opaque_blend = false;                     ///< BLEND surfaces count as opaque
-  uint32_t kinds = 31;                           ///< which lights, bits 1 << LUCARIUM_LIGHT_*
-  uint32_t roulette_start = 0xffffffff;          ///< scatterings before Russian roulette; by default there is none
+  uint32_t paths = 1;                    ///< of a run
+  uint32_t vertices = 1;                 ///< of a path at most; ideal lobes count
+  bool diffuse_only = false;             ///< diffuse lobes alone; a path ends where there is none
+  bool opaque_blend = false;             ///< BLEND surfaces count as opaque
+  uint32_t kinds = 31;                   ///< which lights, bits 1 << LUCARIUM_LIGHT_*
+  uint32_t roulette_start = 0xffffffff;  ///< scatterings before Russian roulette; by default there is none
+  /// Samples of the strategies that programs with LUCARIUM_LIGHT_PATH_MIS weigh (path_mis.clh), 0 where one is not run:
+  float hit_samples = 1, light_samples = 1, connection_samples = 1;
   std::string remedy = "use fewer light paths";  ///< said where memory does not suffice
 };
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace lucarium::bidirectional {
+
+enum class VplChoice { resample, own };
+enum class Strategy { all, hit, nee, vpl, splat };
+
+struct BidirectionalParameters {
+  int light_vertices = 4, light_paths = 0, candidates = 32, camera_edges = 2, beta = 1;
+  VplChoice vpl_choice = VplChoice::resample;
+  bool splat = true, show_strategies = false;
+  Strategy strategy = Strategy::all;
+
+  template <class V>
+  void describe(V& v) {
+    v.number("light_vertices", light_vertices, 1, 16, "vertices", "maximum vertices of a light path");
+    v.number("light_paths", light_paths, 0, 1 << 22, "paths",
+             "light paths per iteration; 0: one for 8 pixels, or one per pixel with vpl_choice=own");
+    v.choice("vpl_choice", vpl_choice, {{"resample", VplChoice::resample}, {"own", VplChoice::own}},
+             "virtual light that a camera path's vertex is connected to: the best of several candidates, or a vertex "
+             "of one light path of its own");
+    v.number("candidates", candidates, 1, 256, "virtual lights", "candidates that vpl_choice=resample compares");
+    v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
+    v.number("camera_edges", camera_edges, 1, 64, "scatterings",
+             "scatterings of a camera path after which half of the paths end each time");
+    v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
+    v.choice("strategy", strategy,
+             {{"all", Strategy::all},
+              {"hit", Strategy::hit},
+              {"nee", Strategy::nee},
+              {"vpl", Strategy::vpl},
+              {"splat", Strategy::splat}},
+             "strategies that are run: all, or one alone, which finds only a part of the paths");
+    v.flag("show_strategies", show_strategies, "write a layer of each strategy's light");
+    v.presets({{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}}}},
+              "bdpt: bidirectional path tracing with one light path per pixel");
+    v.basic({"preset", "light_vertices", "light_paths", "candidates", "splat", "strategy", "show_strategies"});
+  }
+};
+
+}  // namespace lucarium::bidirectional

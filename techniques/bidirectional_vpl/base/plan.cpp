@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bidirectional_vpl/base/plan.h"
+
+#include <algorithm>
+
+#include "lucarium/shared/path_settings.h"
+
+namespace lucarium::bidirectional {
+
+namespace {
+
+constexpr uint32_t kPixelsPerLightPath = 8;
+
+/// Vertices of a light path that some strategy can use: of K scatterings connections leave one to the camera path,
+/// splats none.
+uint32_t useful_vertices(const BidirectionalParameters& parameters, uint32_t max_scatterings, bool vpl, bool splat) {
+  const uint32_t limit = splat ? max_scatterings : max_scatterings - 1;
+  const auto wanted = static_cast<uint32_t>(parameters.light_vertices);
+  if (max_scatterings < 2 || (!vpl && wanted < 2)) return 0;
+  return std::min(wanted, limit);
+}
+
+}  // namespace
+
+Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings) {
+  Plan plan;
+  BidirectionalSettings& s = plan.settings;
+  const bool all = parameters.strategy == Strategy::all;
+  s.pixels = settings.width * settings.height;
+  s.max_scatterings =
+      settings.max_bounces < 0 ? LUCARIUM_PATH_SCATTERING_CAP : static_cast<uint32_t>(settings.max_bounces) + 1;
+  s.camera_edges = static_cast<uint32_t>(parameters.camera_edges);
+  s.candidates = static_cast<uint32_t>(parameters.candidates);
+  plan.beta = static_cast<uint32_t>(parameters.beta);
+  plan.own = parameters.vpl_choice == VplChoice::own;
+  plan.shows_strategies = parameters.show_strategies;
+
+  // Choose the strategies.
+  plan.lights = all || parameters.strategy == Strategy::nee;
+  plan.vpl = all || parameters.strategy == Strategy::vpl;
+  plan.splat = (all ? parameters.splat : parameters.strategy == Strategy::splat) &&
+               settings.pixel_sampling == LUCARIUM_PIXEL_JITTER && parameters.light_vertices >= 2;
+  plan.light_vertices =
+      plan.vpl || plan.splat ? useful_vertices(parameters, s.max_scatterings, plan.vpl, plan.splat) : 0;
+  plan.vpl = plan.vpl && plan.light_vertices > 0;
+  plan.splat = plan.splat && plan.light_vertices >= 2;
+  if (plan.light_vertices > 0) {
+    const uint32_t automatic = std::max(s.pixels / kPixelsPerLightPath, 1u);
+    s.light_paths = plan.own                     ? s.pixels
+                    : parameters.light_paths > 0 ? static_cast<uint32_t>(parameters.light_paths)
+                                                 : automatic;
+  }
+
+  // Count their samples for the weights. A connection is worth half as many as it compares, at the number of vertices
+  // that light paths have on average if they end at any of them alike.
+  s.hit_samples = all || parameters.strategy == Strategy::hit ? 1.0f : 0.0f;
+  s.light_samples = plan.lights ? 1.0f : 0.0f;
+  const float compared =
+      plan.own ? 1.0f
+               : std::max(1.0f, static_cast<float>(s.candidates) / (static_cast<float>(plan.light_vertices) + 1.0f));
+  s.connection_samples = plan.vpl ? compared : 0.0f;
+  s.splat_samples = plan.splat ? static_cast<float>(s.light_paths) : 0.0f;
+  s.flags = (plan.own ? BIDIRECTIONAL_OWN_VERTICES : 0u) | (plan.shows_strategies ? BIDIRECTIONAL_STRATEGIES : 0u);
+  return plan;
+}
+
+}  // namespace lucarium::bidirectional

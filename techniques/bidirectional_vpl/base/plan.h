@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+#include "bidirectional_vpl/base/parameters.h"
+#include "bidirectional_vpl/shared/settings.h"
+#include "lucarium/technique/technique.h"
+
+namespace lucarium::bidirectional {
+
+/// What an iteration is made of, from parameters and image.
+struct Plan {
+  BidirectionalSettings settings{};
+  uint32_t light_vertices = 0;  ///< of a light path; 0: no light paths
+  uint32_t beta = 1;
+  bool own = false;     ///< camera paths have light paths of their own
+  bool vpl = false;     ///< camera paths are connected to light vertices
+  bool splat = false;   ///< light vertices are connected to the camera
+  bool lights = false;  ///< light samples are taken
+  bool shows_strategies = false;
+
+  uint32_t vertex_slots() const { return settings.light_paths * light_vertices; }
+  /// Layers of a sample, strategies behind them: hit, nee, vpl1 …, splat.
+  uint32_t layers() const { return BIDIRECTIONAL_LAYERS + (shows_strategies ? light_vertices + 3 : 0); }
+};
+
+Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings);
+
+}  // namespace lucarium::bidirectional

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// bidirectional_vpl: camera paths, light samples and virtual point lights, joined by multiple importance sampling
+// ----------------------------------------------------------------------------------------------------------------
+//
+// Idea. Light that a path tracer finds by chance only is easy to find from its source. Vertices of light paths are
+// virtual point lights (Keller 1997); a camera path is connected to one of them at every vertex. Every light path has
+// several ways of being found, and the balance heuristic joins them, so that none of them is left alone with what it
+// does badly: corners for virtual lights, small lamps for camera paths (Tokuyoshi and Ogaki 2012, section 3).
+//
+// How. An iteration traces light paths, keeps their vertices with BSDFs, and follows one camera path per pixel:
+//
+//   hit      the camera path meets the emitter               n = 1
+//   nee      a light sample at its vertex                    n = 1
+//   vpl s    connection to a vertex s of a light path        n = M / 2 per vertex of a light path
+//   splat    a light vertex seen by the camera itself        n = light paths
+//
+// A connection compares M candidates by what they would bring unshadowed and traces one shadow ray (resampled
+// importance sampling). Weights are sums over all strategies, which both sides of a connection carry along
+// (kernels/lucarium/path_mis.clh has the derivation).
+//
+// Error. None but noise: every estimate is unbiased.
+//
+// Where the paper stands in the source:
+//
+//   section 3, equations 3 to 6, weights        kernels/lucarium/path_mis.clh: path_mis_sum()
+//   section 3, virtual lights of light paths    light/store_light_vertices.cl: take_light_vertex()
+//   section 3, connections                      eye/connect.clh: connected_light()
+
+#include <memory>
+
+#include "bidirectional_vpl/base/plan.h"
+#include "bidirectional_vpl/declaration.h"
+#include "bidirectional_vpl/eye/eye_paths.h"
+#include "bidirectional_vpl/light/light_vertices.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
+
+namespace lucarium {
+namespace {
+
+using namespace bidirectional;
+
+const char* const kName = "bidirectional_vpl";
+
+class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
+ public:
+  PathSet path_set(const Scene&, const RenderSettings& settings) const override {
+    return bidirectional::path_set(parameters_, settings);
+  }
+  std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
+    return bidirectional::limitations(parameters_, scene, settings);
+  }
+  size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
+    return bidirectional::estimate_bytes(parameters_, settings);
+  }
+  std::map<std::string, double> counters() const override {
+    if (!eye_) return {};
+    std::map<std::string, double> all = eye_->counters();
+    all["light_paths"] = light_paths_;
+    all["light_vertices"] = light_vertices_;
+    return all;
+  }
+
+ protected:
+  void build() override {
+    eye_.reset();  // its memory first
+    vertices_.reset();
+    check_parameters(parameters_, settings());
+    const Plan plan = make_plan(parameters_, settings());
+    paths_per_iteration_ = plan.light_vertices > 0 ? plan.settings.light_paths : 0;
+    if (plan.light_vertices > 0)
+      vertices_ = std::make_unique<LightVertices>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, kName);
+    eye_ = std::make_unique<EyePaths>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, vertices_.get(),
+                                      kName);
+    if (vertices_) vertices_->record(eye_->sample());
+  }
+
+  bool follow(const SceneChange&) override {
+    if (!built() || buffers_replaced()) return false;
+    restart_samples();
+    return true;
+  }
+
+  void restart() override {
+    if (vertices_) vertices_->set_frame(frame());
+    eye_->set_frame(frame());
+    eye_->clear();
+    light_paths_ = light_vertices_ = 0;
+  }
+
+  bool step() override {
+    const auto index = static_cast<uint32_t>(samples());
+    if (!eye_->begin(index)) return false;
+    if (vertices_ && !vertices_->trace(index)) return false;
+    if (!eye_->trace(index)) return false;
+    eye_->add();
+    light_paths_ += paths_per_iteration_;
+    if (vertices_) light_vertices_ += vertices_->vertex_count();
+    return true;
+  }
+
+  IterationResult state() const override {
+    IterationResult result = TechniqueBase::state();
+    result.phase = "trace";
+    return result;
+  }
+
+  void write(Film& film) override { eye_->write(film); }
+  void warm_up_kernels() override {
+    if (vertices_) vertices_->warm_up();
+    eye_->warm_up();
+  }
+
+ private:
+  std::unique_ptr<LightVertices> vertices_;  ///< null where no strategy needs light paths
+  std::unique_ptr<EyePaths> eye_;
+  double paths_per_iteration_ = 0, light_paths_ = 0, light_vertices_ = 0;
+};
+
+std::unique_ptr<Technique> create_bidirectional_vpl() { return std::make_unique<BidirectionalVpl>(); }
+
+}  // namespace
+}  // namespace lucarium
+
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::bidirectional::technique_info, lucarium::create_bidirectional_vpl)

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bidirectional_vpl/declaration.h"
+
+#include <algorithm>
+
+#include "bidirectional_vpl/base/plan.h"
+#include "bidirectional_vpl/eye/eye_paths.h"
+#include "bidirectional_vpl/light/light_vertices.h"
+#include "lucarium/base/error.h"
+
+namespace lucarium::bidirectional {
+
+TechniqueInfo technique_info() {
+  TechniqueInfo info;
+  info.name = "bidirectional_vpl";
+  info.version = "1.0";
+  info.summary = "bidirectional path tracing from virtual point lights, light samples and camera paths, joined by MIS";
+  info.citation =
+      "Y. Tokuyoshi and S. Ogaki, Real-Time Bidirectional Path Tracing via Rasterization, I3D 2012; I. Georgiev, J. "
+      "Krivanek, T. Davidovic and P. Slusallek, Light Transport Simulation with Vertex Connection and Merging, "
+      "SIGGRAPH "
+      "Asia 2012";
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
+  info.capabilities.pixel_sampling = {};
+  for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
+  info.layers = {"emission", "direct", "indirect"};
+  OptionalLayers strategies;
+  strategies.parameters = "show_strategies=on";
+  strategies.names = {"hit", "nee"};
+  const BidirectionalParameters defaults;
+  for (int s = 1; s <= defaults.light_vertices; ++s) strategies.names.push_back("vpl" + std::to_string(s));
+  strategies.names.push_back("splat");
+  info.optional_layers = {strategies};
+  return info;
+}
+
+PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings) {
+  PathSet set;
+  set.max_bounces = settings.max_bounces;
+  const Plan plan = make_plan(parameters, settings);
+  if (parameters.strategy == Strategy::vpl || parameters.strategy == Strategy::splat) {
+    set.direct = false;
+    set.indirect = plan.light_vertices > 0;
+  }
+  if (parameters.strategy == Strategy::splat) set.max_bounces = std::max(static_cast<int>(plan.light_vertices) - 1, 0);
+  if (parameters.strategy == Strategy::hit) set.point_lights = set.spot_lights = set.directional_lights = false;
+  return set;
+}
+
+std::vector<std::string> limitations(const BidirectionalParameters& parameters, const Scene& scene,
+                                     const RenderSettings& settings) {
+  std::vector<std::string> list;
+  const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
+    return material.transmission > 0 || material.roughness < LUCARIUM_MIRROR_ROUGHNESS;
+  });
+  if (ideal && !scene.lights.empty())
+    list.push_back("point, spot and directional light that reaches a surface through a mirror or glass is left out");
+  const Plan plan = make_plan(parameters, settings);
+  if (parameters.strategy != Strategy::all && parameters.strategy != Strategy::hit && ideal)
+    list.push_back("one strategy alone misses most light that mirrors and glass pass on (strategy)");
+  if (parameters.splat && parameters.strategy == Strategy::all && settings.pixel_sampling != LUCARIUM_PIXEL_JITTER)
+    list.push_back("splat has no effect: light paths are connected to the camera with jittered pixels only");
+  if (plan.light_vertices > 0 && static_cast<int>(plan.light_vertices) < parameters.light_vertices)
+    list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) + ": paths have no more");
+  if (plan.own && parameters.light_paths > 0)
+    list.push_back("light_paths has no effect: vpl_choice=own takes one per pixel");
+  return list;
+}
+
+size_t estimate_bytes(const BidirectionalParameters& parameters, const RenderSettings& settings) {
+  const Plan plan = make_plan(parameters, settings);
+  return EyePaths::estimate_bytes(plan, false) +
+         (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, false) : 0);
+}
+
+void check_parameters(const BidirectionalParameters& parameters, const RenderSettings& settings) {
+  const Plan plan = make_plan(parameters, settings);
+  if (parameters.strategy == Strategy::splat && settings.pixel_sampling != LUCARIUM_PIXEL_JITTER)
+    throw Error(ErrorClass::usage,
+                "bidirectional_vpl: strategy=splat needs jittered pixels; set --pixel-sampling jitter");
+  if (parameters.strategy == Strategy::splat && !plan.splat)
+    throw Error(ErrorClass::usage,
+                "bidirectional_vpl: strategy=splat finds nothing with one light vertex or without bounces; raise "
+                "light_vertices to 2 and --max-bounces to 1");
+  if (parameters.strategy == Strategy::vpl && !plan.vpl)
+    throw Error(ErrorClass::usage,
+                "bidirectional_vpl: strategy=vpl finds nothing without bounces; set --max-bounces 1");
+}
+
+}  // namespace lucarium::bidirectional

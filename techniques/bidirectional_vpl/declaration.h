@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the technique declares of itself, for parameters, a scene and an image.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "bidirectional_vpl/base/parameters.h"
+#include "lucarium/technique/technique.h"
+
+namespace lucarium::bidirectional {
+
+TechniqueInfo technique_info();
+
+PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings);
+
+/// Light of the scene that is left out, and parameters that have no effect, one line each.
+std::vector<std::string> limitations(const BidirectionalParameters& parameters, const Scene& scene,
+                                     const RenderSettings& settings);
+
+/// Most device bytes that the technique takes.
+size_t estimate_bytes(const BidirectionalParameters& parameters, const RenderSettings& settings);
+
+/// Throws Error{usage} for values that do not go together.
+void check_parameters(const BidirectionalParameters& parameters, const RenderSettings& settings);
+
+}  // namespace lucarium::bidirectional

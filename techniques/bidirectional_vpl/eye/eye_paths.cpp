@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bidirectional_vpl/eye/eye_paths.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/ray_ends.h"
+#include "lucarium/shared/ray.h"
+
+const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
+
+namespace lucarium::bidirectional {
+
+namespace {
+
+const char* const kRemedy = "lower --size";
+constexpr size_t kSlice = 1 << 15;
+constexpr uint32_t kCountChunk = 1 << 14;
+
+std::vector<std::string> strategy_names(const Plan& plan) {
+  if (!plan.shows_strategies) return {};
+  std::vector<std::string> names = {"hit", "nee"};
+  for (uint32_t s = 1; s <= plan.light_vertices; ++s) names.push_back("vpl" + std::to_string(s));
+  names.push_back("splat");
+  return names;
+}
+
+}  // namespace
+
+std::map<std::string, std::string> EyePaths::defines() const {
+  std::map<std::string, std::string> all = ray_end_defines(intersector_);
+  all["LIGHT_VERTICES"] = std::to_string(plan_.light_vertices);
+  all["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan_.beta);
+  return all;
+}
+
+EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
+                   const Intersector& intersector, const Frame& frame, const Plan& plan, const LightVertices* vertices,
+                   const std::string& owner)
+    : device_(device),
+      scheduler_(scheduler),
+      scene_(scene),
+      intersector_(intersector),
+      frame_(frame),
+      plan_(plan),
+      vertices_(vertices),
+      owner_(owner),
+      primitives_(device),
+      program_(make_program(device, bidirectional_vpl_kernels(),
+                            {"bidirectional_vpl/eye/begin_eye_paths", "bidirectional_vpl/eye/shade_eye_vertices",
+                             "bidirectional_vpl/eye/add_eye_light", "bidirectional_vpl/eye/add_iteration",
+                             "lucarium/services/path_integrator/advance_paths"},
+                            defines())),
+      rays_(device, owner, "rays of camera paths", plan.settings.pixels, kRemedy),
+      ends_(make_ray_ends(device, intersector, owner, "ends of rays of camera paths", plan.settings.pixels, kRemedy)),
+      queue_(device, owner, "queue of camera paths", plan.settings.pixels, kRemedy),
+      active_(device, owner, "active camera paths", 1),
+      bad_(device, owner, "nonfinite paths", 1),
+      states_(device, owner, "camera paths", plan.settings.pixels, kRemedy),
+      mis_(device, owner, "weights of camera paths", size_t{plan.settings.pixels} * std::max(plan.light_vertices, 1u),
+           kRemedy),
+      sample_(device, owner, "light of a sample", size_t{plan.settings.pixels} * plan.layers(), kRemedy),
+      no_vertices_(device, owner, "no light vertices", 1),
+      no_list_(device, owner, "no list", std::vector<uint32_t>{0}),
+      no_table_(device, owner, "no candidates", 1),
+      sums_(device, owner, plan.settings.pixels, {"emission", "direct", "indirect"}),
+      strategy_sums_(device, owner, plan.settings.pixels, strategy_names(plan)) {
+  bad_.fill_zero();
+  record_begin();
+  record_bounce();
+  record_add();
+}
+
+void EyePaths::record_begin() {
+  ScheduleRecorder recorder = scheduler_.record("begin camera paths", owner_);
+  begin_frame_ = recorder.variable("frame", frame_);
+  begin_index_ = recorder.variable("sample", 0u);
+  const uint32_t values = plan_.settings.pixels * plan_.layers();
+  recorder.pass("clear sample", program_, "clear_sample")
+      .global(values)
+      .slice(kSlice)
+      .arg("sample", sample_)
+      .arg("count", values);
+  recorder.pass("begin camera paths", program_, "begin_eye_paths")
+      .global(plan_.settings.pixels)
+      .slice(kSlice)
+      .arg("frame", begin_frame_)
+      .arg("settings", plan_.settings)
+      .arg("sample_index", begin_index_)
+      .arg_if_present("ends", ends_)
+      .arg("rays", rays_)
+      .arg("queue", queue_)
+      .arg("active", active_)
+      .arg("states", states_)
+      .arg("eye_mis", mis_);
+  begin_ = recorder.compile();
+}
+
+void EyePaths::record_bounce() {
+  ScheduleRecorder recorder = scheduler_.record("bounce of camera paths", owner_);
+  bounce_seed_ = recorder.variable("seed", 0u);
+  bounce_index_ = recorder.variable("sample", 0u);
+  const uint32_t capacity = plan_.settings.pixels;
+  const auto ends_of = [&](const std::string& name) {
+    return transient_ray_ends(recorder, intersector_, "ends of " + name, capacity, kRemedy);
+  };
+  const BufferRef hits = recorder.transient<Hit>("hits", capacity, kRemedy);
+  const BufferRef next_rays = recorder.transient<Ray>("next rays", capacity, kRemedy);
+  const BufferRef next_ends = ends_of("next rays");
+  const BufferRef next_queue = recorder.transient<uint32_t>("next queue", capacity, kRemedy);
+  const BufferRef alive = recorder.transient<uint32_t>("alive", capacity, kRemedy);
+  const BufferRef survivors = recorder.transient<uint32_t>("survivors", capacity, kRemedy);
+  const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
+  const BufferRef light_rays = recorder.transient<Ray>("shadow rays of light samples", capacity, kRemedy);
+  const BufferRef light_ends = ends_of("shadow rays of light samples");
+  const BufferRef light = recorder.transient<float4>("light samples", capacity, kRemedy);
+  const BufferRef connection_rays = recorder.transient<Ray>("shadow rays of connections", capacity, kRemedy);
+  const BufferRef connection_ends = ends_of("shadow rays of connections");
+  const BufferRef connections = recorder.transient<float4>("connections", capacity, kRemedy);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded", capacity, kRemedy);
+  const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
+
+  intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
+  PassBuilder shade = recorder.pass("shade camera paths", program_, "shade_eye_vertices");
+  scene_.bind(shade);
+  shade.global_by(active_)
+      .slice(kSlice)
+      .arg("seed", bounce_seed_)
+      .arg("settings", plan_.settings)
+      .arg("sample_index", bounce_index_)
+      .arg("vertices", vertices_ ? vertices_->vertices() : no_vertices_)
+      .arg("vertex_list", vertices_ ? vertices_->list() : no_list_)
+      .arg("vertex_count", vertices_ ? vertices_->count() : no_list_)
+      .arg("candidate_table", vertices_ ? vertices_->table() : no_table_)
+      .arg("table_capacity", vertices_ ? vertices_->table_capacity() : 1u)
+      .arg("rays", rays_)
+      .arg("hits", hits)
+      .arg("queue", queue_)
+      .arg("active", active_)
+      .arg("states", states_)
+      .arg("eye_mis", mis_)
+      .arg("sample", sample_)
+      .arg_if_present("next_ends", next_ends)
+      .arg_if_present("light_ends", light_ends)
+      .arg_if_present("connection_ends", connection_ends)
+      .arg("next_rays", next_rays)
+      .arg("next_queue", next_queue)
+      .arg("alive", alive)
+      .arg("light_rays", light_rays)
+      .arg("light_samples", light)
+      .arg("connection_rays", connection_rays)
+      .arg("connections", connections);
+  const auto add = [&](const std::string& name, const std::string& kernel, const BufferRef& shadow_rays,
+                       const BufferRef& values, const BufferRef& blocked) {
+    recorder.pass(name, program_, kernel)
+        .global_by(active_)
+        .arg("settings", plan_.settings)
+        .arg("queue", queue_)
+        .arg("active", active_)
+        .arg("rays", shadow_rays)
+        .arg("light", values)
+        .arg("occluded", blocked)
+        .arg("sample", sample_);
+  };
+  if (plan_.lights) {
+    intersector_.record_any(recorder, "shadow rays of light samples", {light_rays, active_, 0, capacity, light_ends},
+                            occluded);
+    add("add light samples", "add_eye_light_samples", light_rays, light, occluded);
+  }
+  if (plan_.vpl) {
+    intersector_.record_any(recorder, "shadow rays of connections",
+                            {connection_rays, active_, 0, capacity, connection_ends}, hidden);
+    add("add connections", "add_connections", connection_rays, connections, hidden);
+  }
+  primitives_.record_compact(recorder, "compact camera paths", alive, survivors, next_active, 0, active_, 0, capacity);
+  recorder.pass("advance camera paths", program_, "advance_paths")
+      .global_by(active_)
+      .arg("survivors", survivors)
+      .arg("next_active", next_active)
+      .arg("next_rays", next_rays)
+      .arg("next_queue", next_queue)
+      .arg_if_present("next_ends", next_ends)
+      .arg_if_present("ends", ends_)
+      .arg("rays", rays_)
+      .arg("queue", queue_)
+      .arg("active", active_);
+  recorder.read_back("active camera paths", active_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(&remaining_, bytes.data(), sizeof remaining_);
+  });
+  bounce_ = recorder.compile();
+}
+
+void EyePaths::record_add() {
+  ScheduleRecorder recorder = scheduler_.record("add iteration", owner_);
+  const uint32_t pixels = plan_.settings.pixels;
+  const auto add = [&](uint32_t layer, const TypedBuffer<float4>& sums) {
+    recorder.pass("add layer", program_, "add_layer")
+        .global(pixels)
+        .arg("sample", sample_)
+        .arg("layer", layer)
+        .arg("pixels", pixels)
+        .arg("sums", sums);
+  };
+  add(BIDIRECTIONAL_EMISSION, sums_["emission"]);
+  add(BIDIRECTIONAL_DIRECT, sums_["direct"]);
+  add(BIDIRECTIONAL_INDIRECT, sums_["indirect"]);
+  uint32_t layer = BIDIRECTIONAL_LAYERS;
+  for (const std::string& name : strategy_names(plan_)) add(layer++, strategy_sums_[name]);
+  recorder.pass("count nonfinite paths", program_, "count_bad_paths")
+      .global((pixels + kCountChunk - 1) / kCountChunk)
+      .arg("states", states_)
+      .arg("pixels", pixels)
+      .arg("chunk", kCountChunk)
+      .arg("bad", bad_);
+  recorder.read_back("nonfinite paths", bad_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(&bad_paths_, bytes.data(), sizeof bad_paths_);
+  });
+  add_ = recorder.compile();
+}
+
+bool EyePaths::begin(uint32_t index) {
+  begin_.set(begin_frame_, frame_);
+  begin_.set(begin_index_, index);
+  return scheduler_.run(begin_) != RunResult::cancelled;
+}
+
+bool EyePaths::trace(uint32_t index) {
+  bounce_.set(bounce_seed_, frame_.seed);
+  bounce_.set(bounce_index_, index);
+  remaining_ = plan_.settings.pixels;
+  double segments = 0;
+  while (remaining_ > 0) {
+    segments += remaining_;
+    if (scheduler_.run(bounce_) == RunResult::cancelled) return false;
+  }
+  segments_ += segments;
+  paths_ += plan_.settings.pixels;
+  return true;
+}
+
+void EyePaths::add() {
+  scheduler_.run_to_end(add_);
+  scheduler_.finish();
+  if (bad_paths_ > 0)
+    throw_error(ErrorClass::technique, "{} camera paths brought light that is NaN, infinite or negative", bad_paths_);
+}
+
+void EyePaths::clear() {
+  scheduler_.finish();
+  sums_.clear();
+  strategy_sums_.clear();
+  bad_.fill_zero();
+  bad_paths_ = 0;
+  paths_ = segments_ = 0;
+}
+
+void EyePaths::warm_up() {
+  for (Schedule* schedule : {&begin_, &bounce_, &add_}) scheduler_.warm_up(*schedule);
+}
+
+void EyePaths::write(Film& film) const {
+  sums_.write(film);
+  strategy_sums_.write(film, false);
+}
+
+std::map<std::string, double> EyePaths::counters() const {
+  return {{"paths", paths_}, {"closest_rays", segments_}, {"nonfinite", bad_paths_}};
+}
+
+size_t EyePaths::estimate_bytes(const Plan& plan, bool ray_ends) {
+  const size_t ends = ray_ends ? sizeof(RayEnds) : 0, ray = sizeof(Ray) + ends;
+  const size_t kept = ray + sizeof(uint32_t) + sizeof(EyePathState) +
+                      sizeof(float) * std::max(plan.light_vertices, 1u) + sizeof(float4) * plan.layers() * 2;
+  const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + 6 * sizeof(uint32_t);
+  return plan.settings.pixels * (kept + transient) + 4096;
+}
+
+}  // namespace lucarium::bidirectional

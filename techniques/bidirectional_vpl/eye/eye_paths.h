@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <string>
+
+#include "bidirectional_vpl/base/plan.h"
+#include "bidirectional_vpl/light/light_vertices.h"
+#include "lucarium/services/layer_sums/layer_sums.h"
+
+namespace lucarium::bidirectional {
+
+/// Camera paths of an iteration, one to a pixel, and the sums of their light:
+///
+///   begin     begin_eye_paths                            rays, empty sample
+///   bounce    closest hit           Intersector          rays -> hits
+///     ^       shade_eye_vertices    hits of lights, light sample, connection, BSDF sample
+///     |       shadow rays, twice    Intersector (any hit)
+///     |       add_eye_light_samples, add_connections
+///     +------ compact, advance_paths, and the number of paths left is read back
+///   add       add_layer             sample -> sums, to its end
+class EyePaths {
+ public:
+  /// `vertices`: null where there are no light paths.
+  EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+           const Frame& frame, const Plan& plan, const LightVertices* vertices, const std::string& owner);
+
+  /// Empties the sample of an iteration. False when cancelled.
+  bool begin(uint32_t index);
+  /// Follows all paths. False when cancelled.
+  bool trace(uint32_t index);
+  /// Adds the sample to the sums. Throws Error{technique} where one was NaN, infinite or negative.
+  void add();
+
+  void set_frame(const Frame& frame) { frame_ = frame; }
+  void clear();
+  void warm_up();
+  void write(Film& film) const;
+  const TypedBuffer<float4>& sample() const { return sample_; }
+  std::map<std::string, double> counters() const;
+  static size_t estimate_bytes(const Plan& plan, bool ray_ends);
+
+ private:
+  void record_begin();
+  void record_bounce();
+  void record_add();
+  std::map<std::string, std::string> defines() const;
+
+  Device& device_;
+  KernelScheduler& scheduler_;
+  const SceneBuffers& scene_;
+  const Intersector& intersector_;
+  Frame frame_;
+  Plan plan_;
+  const LightVertices* vertices_;
+  std::string owner_;
+  Primitives primitives_;
+  Program program_;
+  TypedBuffer<Ray> rays_;
+  TypedBuffer<RayEnds> ends_;  ///< empty where the intersector wants none
+  TypedBuffer<uint32_t> queue_, active_, bad_;
+  TypedBuffer<EyePathState> states_;
+  TypedBuffer<float> mis_;
+  TypedBuffer<float4> sample_;
+  TypedBuffer<PathVertex> no_vertices_;  ///< bound where there are no light paths
+  TypedBuffer<uint32_t> no_list_;
+  TypedBuffer<float> no_table_;
+  LayerSums sums_, strategy_sums_;
+  Schedule begin_, bounce_, add_;
+  Variable<Frame> begin_frame_;
+  Variable<uint32_t> begin_index_, bounce_seed_, bounce_index_;
+  uint32_t remaining_ = 0;  ///< read back after every segment
+  uint32_t bad_paths_ = 0;  ///< and this after every iteration
+  double paths_ = 0, segments_ = 0;
+};
+
+}  // namespace lucarium::bidirectional

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// One vertex of every active camera path: what it emits (strategy -1), a light sample (0), a connection to a virtual
+// light (1 ... K-1), and the BSDF sample along which the path goes on.
+#include "bidirectional_vpl/eye/connect.clh"
+#include "bidirectional_vpl/eye/find_lights.clh"
+#include "lucarium/prefetch.clh"
+#include "lucarium/scene.clh"
+#include "lucarium/shared/path_settings.h"
+
+#define CONNECTION_STREAM 0x76706c73u  // apart from the numbers of the path itself
+
+// Counts the event; false when there are no such paths in the path set.
+bool count_scattering(BidirectionalSettings settings, EyeWalk* walk, bool delta) {
+  const bool chain = walk->state.flags & EYE_PATH_CHAIN;
+  walk->state.flags &= ~(EYE_PATH_AFTER_DELTA | EYE_PATH_PARALLEL);
+  if (delta) walk->state.flags |= EYE_PATH_AFTER_DELTA;
+  if (delta && chain) return walk->state.segment < LUCARIUM_PATH_EYE_DELTA_LIMIT;
+  walk->state.flags &= ~EYE_PATH_CHAIN;
+  walk->state.scatterings += 1u;
+  return walk->state.scatterings <= settings.max_scatterings && walk->state.scatterings < LUCARIUM_PATH_SCATTERING_CAP;
+}
+
+// Ends paths at random: behind camera_edges half of those that scatter, and by what they may still bring (Arvo and Kirk
+// 1990). False: the path ends here.
+bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, bool delta, float u) {
+  const bool chain = walk->state.flags & EYE_PATH_CHAIN;
+  float survival = 1.0f;
+  if (!chain && walk->state.scatterings >= settings.camera_edges) {
+    const float importance = max_component(walk->state.throughput.xyz) * medium_squared_ior(scene, walk->state.medium);
+    survival = fmin(1.0f, importance) * (delta ? 1.0f : 0.5f);
+  } else if (chain && walk->state.segment >= LUCARIUM_PATH_EYE_ROULETTE_START) {
+    survival = fmin(1.0f, max_component(walk->state.throughput.xyz) * medium_squared_ior(scene, walk->state.medium));
+  }
+  if (u >= survival) return false;
+  walk->state.throughput.xyz /= survival;
+  return true;
+}
+
+// The BSDF sample. False when the path ends here.
+bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, const Surface* surface,
+                      const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, float u_lobe, Ray* ray,
+                      RayEnds* ends) {
+  const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
+  const BsdfSample sample = sample_bsdf(bsdf, u_lobe, u.direction);
+  if (is_black(sample.weight)) return false;
+  if (!count_scattering(settings, walk, sample.delta)) return false;
+  // Weights of what lies ahead.
+  const Bsdf turned = turn_bsdf(bsdf, sample.direction);
+  if (sample.delta)
+    leave_eye_mis_ideal(walk, mis, ideal_lobe_back(bsdf, &turned, sample.transmitted));
+  else
+    leave_eye_mis(walk, mis, settings.connection_samples, pdf_bsdf(&turned, surface->view));
+  walk->state.throughput = (float4)(walk->state.throughput.xyz * sample.weight, sample.pdf);
+  walk->state.cosine = fabs(dot(surface->n_g, sample.direction));
+  if (!is_contribution(walk->state.throughput.xyz)) {
+    walk->state.flags |= EYE_PATH_BAD;
+    return false;
+  }
+  if (sample.transmitted) walk->state.medium = medium_behind(scene, surface, walk->state.medium);
+  if (!survives(scene, settings, walk, sample.delta, u.roulette)) return false;
+  *ray = make_ray(surface, sample.direction, eye_ray_seed(sampler, 2u * walk->state.segment + 1u));
+  *ends = ray_ends(surface, sample.direction);
+  walk->state.segment += 1u;
+  return true;
+}
+
+// Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i].
+// Light that still waits for its shadow ray: light_samples[i] and connections[i], w: bits of the scatterings of the
+// whole path, and from bit 16 the light vertices of the connection; the rays are inactive where there is none.
+__kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
+                                 uint sample_index, __global const PathVertex* restrict vertices,
+                                 __global const uint* restrict vertex_list, __global const uint* restrict vertex_count,
+                                 __global const float* restrict candidate_table, uint table_capacity,
+                                 __global const Ray* restrict rays, __global const Hit* restrict hits,
+                                 __global const uint* restrict queue, __global const uint* restrict active,
+                                 __global EyePathState* restrict states, __global float* restrict eye_mis,
+                                 __global float4* restrict sample,
+                                 LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
+                                     LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
+                                 __global uint* restrict next_queue, __global uint* restrict alive,
+                                 __global Ray* restrict light_rays, __global float4* restrict light_samples,
+                                 __global Ray* restrict connection_rays, __global float4* restrict connections,
+                                 uint slice_base) {
+  const uint i = slice_base + (uint)get_global_id(0);
+  if (i >= active[0]) return;
+  LUCARIUM_SCENE_BIND(scene);
+  prefetch_surfaces(&scene, hits, i, active[0]);
+  const Hit hit = hits[i];
+  const float3 direction = rays[i].direction.xyz;
+  EyeWalk walk;
+  walk.path = queue[i];
+  walk.state = states[walk.path];
+  load_carried(eye_mis, settings.pixels, &walk);
+  light_rays[i] = inactive_ray();
+  connection_rays[i] = inactive_ray();
+  alive[i] = 0u;
+  next_queue[i] = walk.path;
+
+  // The environment ends the path.
+  if (hit.triangle == LUCARIUM_NO_HIT) {
+    add_environment(&scene, settings, &walk, direction, sample);
+    states[walk.path].flags = walk.state.flags;
+    return;
+  }
+
+  // Find the surface, and what the volume on the way has left; add what it emits.
+  const Surface surface = make_surface(&scene, hit, direction, 0u);
+  walk.state.medium = medium_at(&scene, &surface, walk.state.medium);
+  walk.state.throughput.xyz *= medium_transmittance(&scene, walk.state.medium, hit.distance);
+  add_emission(&scene, settings, &walk, &surface, hit.distance, sample);
+  const bool chain = walk.state.flags & EYE_PATH_CHAIN;
+  bool goes_on = walk.state.scatterings < settings.max_scatterings || chain;
+  const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+  goes_on = goes_on && !bsdf_is_black(&bsdf);
+  if (!goes_on) {
+    states[walk.path].flags = walk.state.flags;
+    return;
+  }
+  const EyeMis mis = arrive_eye_mis(&walk, &surface, hit.distance);
+  const Sampler sampler = make_pixel_sampler(seed, walk.path, sample_index);
+  const LightChoiceSample u = sample_light_dimensions(&sampler, walk.state.segment);
+  const uint scatterings = walk.state.scatterings + 1u;
+  const uint ray_seed = eye_ray_seed(&sampler, 2u * walk.state.segment);
+  const bool smooth = bsdf_has_smooth_lobe(&bsdf) && scatterings <= settings.max_scatterings;
+
+  // Sample a light.
+  if (smooth && settings.light_samples > 0.0f) {
+    float3 light;
+    Ray ray;
+    RayEnds ends;
+    if (connect_light_sample(&scene, settings, &walk, &surface, &bsdf, &mis, u, ray_seed, &light, &ray, &ends)) {
+      if (!is_contribution(light)) {
+        walk.state.flags |= EYE_PATH_BAD;
+      } else {
+        light_rays[i] = ray;
+        LUCARIUM_STORE_RAY_ENDS(light_ends, i, ends);
+        light_samples[i] = (float4)(light, as_float(scatterings));
+      }
+    }
+  }
+
+#if LIGHT_VERTICES > 0
+  // Connect to a virtual light.
+  if (smooth && settings.connection_samples > 0.0f && scatterings < settings.max_scatterings && vertex_count[0] > 0u) {
+    const float4 v = random_float4(sampler.seed ^ CONNECTION_STREAM, sampler.index, walk.state.segment);
+    float3 light = (float3)(0.0f), towards = surface.n_s;
+    PathVertex vertex;
+    if (settings.flags & BIDIRECTIONAL_OWN_VERTICES) {
+      light = choose_own(&scene, settings, &walk, &surface, &bsdf, &mis, vertices, v.x, &vertex, &towards);
+    } else {
+      const uint last = LIGHT_VERTICES - 1u;
+      const float camera_side =
+          mis.fixed + path_mis_power(fabs(dot(bsdf.n_s, bsdf.view)) * M_1_PI_F) * mis.turning[last];
+      const CandidateTarget target = make_candidate_target(&surface, &bsdf, camera_side, settings.connection_samples);
+      float scale;
+      const uint chosen =
+          choose_candidate(settings, candidate_table, table_capacity, vertex_count[0], &target, v.x, v.y, &scale);
+      vertex = vertices[vertex_list[chosen]];
+      if (scale > 0.0f)
+        light = scale * connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex, &towards);
+    }
+    light *= walk.state.throughput.xyz;
+    if (!is_contribution(light)) {
+      walk.state.flags |= EYE_PATH_BAD;
+    } else if (!is_black(light)) {
+      Ray ray;
+      RayEnds ends;
+      aim_connection(&surface, &vertex, towards, ray_seed, &ray, &ends);
+      const bool through = dot(surface.n_g, towards) < 0.0f;
+      const uint medium = through ? medium_behind(&scene, &surface, walk.state.medium) : walk.state.medium;
+      const uint number = path_vertex_number(&vertex);
+      light *= medium_transmittance(&scene, medium, fmax(ray.direction.w, 0.0f));
+      connection_rays[i] = ray;
+      LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
+      connections[i] = (float4)(light, as_float((scatterings + number) | (number << 16)));
+    }
+  }
+#endif
+
+  // Go on.
+  Ray next = inactive_ray();
+  RayEnds ends = no_ray_ends();
+  goes_on = sample_direction(&scene, settings, &walk, &surface, &bsdf, &mis, &sampler, u.lobe, &next, &ends);
+  alive[i] = goes_on;
+  next_rays[i] = next;
+  LUCARIUM_STORE_RAY_ENDS(next_ends, i, ends);
+  states[walk.path] = walk.state;
+  store_carried(eye_mis, settings.pixels, &walk);
+}

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bidirectional_vpl/light/light_vertices.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "lucarium/services/ray_ends.h"
+#include "lucarium/shared/ray.h"
+
+const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
+
+namespace lucarium::bidirectional {
+
+namespace {
+
+const char* const kRemedy = "lower light_paths or light_vertices";
+constexpr size_t kSlice = 1 << 16;
+// As candidates.clh has them.
+constexpr uint32_t kTableArrays = 8, kRepeated = 256;
+
+std::map<std::string, std::string> with_mis(std::map<std::string, std::string> defines, const Plan& plan) {
+  defines["LUCARIUM_LIGHT_PATH_MIS"] = "1";
+  defines["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan.beta);
+  return defines;
+}
+
+LightPathOptions path_options(const Plan& plan) {
+  LightPathOptions options;
+  options.paths = plan.settings.light_paths;
+  options.vertices = plan.light_vertices;
+  options.hit_samples = plan.settings.hit_samples;
+  options.light_samples = plan.settings.light_samples;
+  options.connection_samples = plan.settings.connection_samples;
+  options.roulette_start = 4;  // paths of more vertices end by what they carry
+  options.remedy = kRemedy;
+  return options;
+}
+
+int bits_of(uint32_t pixels) {
+  int bits = 1;
+  while (bits < 32 && (1ull << bits) <= pixels) ++bits;  // one value above the last pixel
+  return bits;
+}
+
+}  // namespace
+
+LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
+                             const Intersector& intersector, const Frame& frame, const Plan& plan,
+                             const std::string& owner)
+    : device_(device),
+      scheduler_(scheduler),
+      scene_(scene),
+      intersector_(intersector),
+      frame_(frame),
+      plan_(plan),
+      owner_(owner),
+      table_capacity_(plan.vertex_slots() + kRepeated + 8),
+      primitives_(device),
+      paths_(device, scene, intersector, path_options(plan), owner),
+      store_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/store_light_vertices"},
+                          with_mis(ray_end_defines(intersector), plan))),
+      list_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/list_candidates"},
+                                 with_mis({}, plan))),
+      splat_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/splats"},
+                                  with_mis(ray_end_defines(intersector), plan))),
+      vertices_(device, owner, "light vertices", plan.vertex_slots(), kRemedy),
+      table_(device, owner, "table of virtual lights", plan.own ? 1 : size_t{table_capacity_} * kTableArrays, kRemedy),
+      list_(device, owner, "list of virtual lights", plan.vertex_slots(), kRemedy),
+      count_(device, owner, "number of virtual lights", 1),
+      slot_count_(device, owner, "number of vertex slots", std::vector<uint32_t>{plan.vertex_slots()}),
+      splat_count_(device, owner, "number of splats",
+                   std::vector<uint32_t>{plan.settings.light_paths * (plan.light_vertices - 1)}) {}
+
+void LightVertices::record(const TypedBuffer<float4>& sample) {
+  ScheduleRecorder recorder = scheduler_.record("light paths", owner_);
+  run_ = recorder.variable("run", 0u);
+  seed_ = recorder.variable("seed", 0u);
+  frame_variable_ = recorder.variable("frame", frame_);
+  const uint32_t slots = plan_.vertex_slots();
+  recorder.pass("clear light vertices", store_, "clear_light_vertices")
+      .global(slots)
+      .slice(kSlice)
+      .arg("vertices", vertices_)
+      .arg("count", slots);
+  paths_.record(recorder, run_, seed_, store_, [this](PassBuilder& pass) {
+    pass.arg("vertices", vertices_).arg("vertices_per_path", plan_.light_vertices);
+  });
+  const BufferRef present = recorder.transient<uint32_t>("vertices that are there", slots, kRemedy);
+  recorder.pass("mark light vertices", store_, "mark_light_vertices")
+      .global(slots)
+      .slice(kSlice)
+      .arg("vertices", vertices_)
+      .arg("count", slots)
+      .arg("present", present);
+  primitives_.record_compact(recorder, "list light vertices", present, list_, count_, 0, slot_count_, 0, slots);
+  if (plan_.vpl && !plan_.own)
+    recorder.pass("list candidates", list_program_, "list_candidates")
+        .global(table_capacity_)
+        .slice(kSlice)
+        .arg("vertices", vertices_)
+        .arg("list", list_)
+        .arg("count", count_)
+        .arg("capacity", table_capacity_)
+        .arg("table", table_);
+  if (plan_.splat) record_splats(recorder, sample);
+  recorder.read_back("number of light vertices", count_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(&present_, bytes.data(), sizeof present_);
+  });
+  schedule_ = recorder.compile();
+}
+
+void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample) {
+  const uint32_t count = plan_.settings.light_paths * (plan_.light_vertices - 1);
+  const BufferRef rays = recorder.transient<Ray>("rays of splats", count, kRemedy);
+  const BufferRef ends = transient_ray_ends(recorder, intersector_, "ends of rays of splats", count, kRemedy);
+  const BufferRef splats = recorder.transient<float4>("splats", count, kRemedy);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded splats", count, kRemedy);
+  const BufferRef keys = recorder.transient<uint32_t>("pixels of splats", count, kRemedy);
+  const BufferRef values = recorder.transient<uint32_t>("order of splats", count, kRemedy);
+  PassBuilder aim = recorder.pass("aim splats", splat_program_, "aim_splats");
+  scene_.bind(aim);
+  aim.global(count)
+      .slice(kSlice)
+      .arg("frame", frame_variable_)
+      .arg("settings", plan_.settings)
+      .arg("sample_index", run_)
+      .arg("vertices", vertices_)
+      .arg("vertices_per_path", plan_.light_vertices)
+      .arg_if_present("ends", ends)
+      .arg("rays", rays)
+      .arg("splats", splats);
+  intersector_.record_any(recorder, "rays of splats", {rays, splat_count_, 0, count, ends}, occluded);
+  recorder.pass("key splats", splat_program_, "key_splats")
+      .global(count)
+      .slice(kSlice)
+      .arg("splats", splats)
+      .arg("occluded", occluded)
+      .arg("count", count)
+      .arg("keys", keys)
+      .arg("values", values);
+  primitives_.record_sort_pairs(recorder, "sort splats", keys, values, count, bits_of(plan_.settings.pixels));
+  recorder.pass("sum splats", splat_program_, "sum_splats")
+      .global(plan_.settings.pixels)
+      .slice(kSlice)
+      .arg("settings", plan_.settings)
+      .arg("splats", splats)
+      .arg("keys", keys)
+      .arg("values", values)
+      .arg("count", count)
+      .arg("splat_layer", plan_.layers() - 1)
+      .arg("sample", sample);
+}
+
+bool LightVertices::trace(uint32_t index) {
+  schedule_.set(run_, index);
+  schedule_.set(seed_, frame_.seed);
+  schedule_.set(frame_variable_, frame_);
+  if (scheduler_.run(schedule_) == RunResult::cancelled) return false;
+  scheduler_.finish();
+  return true;
+}
+
+size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
+  const size_t slots = plan.vertex_slots(), splats = plan.splat ? slots - plan.settings.light_paths : 0;
+  const size_t ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
+  const size_t table = plan.own ? 0 : (slots + kRepeated + 8) * kTableArrays * sizeof(float);
+  const size_t transients =
+      std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
+                splats * (ray + sizeof(float4) + 5 * sizeof(uint32_t)), slots * 3 * sizeof(uint32_t)});
+  return slots * (sizeof(PathVertex) + sizeof(uint32_t)) + table + transients;
+}
+
+}  // namespace lucarium::bidirectional

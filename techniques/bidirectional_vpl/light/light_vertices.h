@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "bidirectional_vpl/base/plan.h"
+#include "lucarium/services/light_paths/light_paths.h"
+#include "lucarium/services/primitives/primitives.h"
+#include "lucarium/shared/path_vertex.h"
+
+namespace lucarium::bidirectional {
+
+/// Light paths of an iteration: their vertices as virtual lights, the table to choose from, and their splats.
+class LightVertices {
+ public:
+  LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+                const Frame& frame, const Plan& plan, const std::string& owner);
+
+  /// Traces the paths of iteration `index` and adds their splats to `sample` (Plan::layers() layers of all pixels),
+  /// which must be empty. False when cancelled.
+  bool trace(uint32_t index);
+  void set_frame(const Frame& frame) { frame_ = frame; }
+  void warm_up() { scheduler_.warm_up(schedule_); }
+
+  const TypedBuffer<PathVertex>& vertices() const { return vertices_; }
+  const TypedBuffer<float>& table() const { return table_; }
+  const TypedBuffer<uint32_t>& list() const { return list_; }    ///< indices of the vertices that are there
+  const TypedBuffer<uint32_t>& count() const { return count_; }  ///< one element: how many
+  uint32_t table_capacity() const { return table_capacity_; }
+  /// To connect to, of the last iteration.
+  uint32_t vertex_count() const { return present_; }
+  /// Where splats are added.
+  void record(const TypedBuffer<float4>& sample);
+  static size_t estimate_bytes(const Plan& plan, bool ray_ends);
+
+ private:
+  void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample);
+
+  Device& device_;
+  KernelScheduler& scheduler_;
+  const SceneBuffers& scene_;
+  const Intersector& intersector_;
+  Frame frame_;
+  Plan plan_;
+  std::string owner_;
+  uint32_t table_capacity_;
+  Primitives primitives_;
+  LightPaths paths_;
+  Program store_, list_program_, splat_program_;
+  TypedBuffer<PathVertex> vertices_;
+  TypedBuffer<float> table_;
+  TypedBuffer<uint32_t> list_, count_, slot_count_, splat_count_;
+  Schedule schedule_;
+  Variable<uint32_t> run_, seed_;
+  Variable<Frame> frame_variable_;
+  uint32_t present_ = 0;
+};
+
+}  // namespace lucarium::bidirectional

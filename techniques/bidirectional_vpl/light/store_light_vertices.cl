@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vertices of light paths, kept with their BSDFs: the virtual lights.
+#include "lucarium/path_vertex.clh"
+#define LIGHT_VERTEX_PARAMETERS __global PathVertex *restrict vertices, const uint vertices_per_path,
+#define LIGHT_VERTEX_ARGUMENTS vertices, vertices_per_path,
+#include "lucarium/services/light_paths/light_paths.clh"
+
+// Vertex k (from 1) of path i is vertices[i * vertices_per_path + k - 1].
+void take_light_vertex(const Scene* scene, LIGHT_VERTEX_PARAMETERS const LightVertex* vertex) {
+  const uint number = vertex->number + 1u;
+  vertices[vertex->path * vertices_per_path + vertex->number] =
+      pack_path_vertex(&vertex->surface, &vertex->bsdf, vertex->flux, vertex->medium, number, vertex->mis);
+}
+
+// Before a run: no path has a vertex.
+__kernel void clear_light_vertices(__global PathVertex* restrict vertices, uint count, uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
+  if (i < count) vertices[i].view.w = as_float(0u);
+}
+
+// Marks those that are there.
+__kernel void mark_light_vertices(__global const PathVertex* restrict vertices, uint count,
+                                  __global uint* restrict present, uint slice_base) {
+  const uint i = slice_base + get_global_id(0);
+  if (i >= count) return;
+  const PathVertex vertex = vertices[i];
+  present[i] = path_vertex_number(&vertex) != 0u;
+}

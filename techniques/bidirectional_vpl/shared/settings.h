@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// What host and kernels share: the strategies of an iteration, and where a camera path stands.
+#ifndef BIDIRECTIONAL_VPL_SHARED_SETTINGS_H
+#define BIDIRECTIONAL_VPL_SHARED_SETTINGS_H
+#include "lucarium/shared/dialect.h"
+
+#define BIDIRECTIONAL_OWN_VERTICES 1u  // a camera path is connected to the light path of its own number
+#define BIDIRECTIONAL_STRATEGIES 2u    // light is summed by strategy, too
+
+// Layers of a sample, and behind them its strategies: hit, nee, vpl1 ..., splat last.
+#define BIDIRECTIONAL_EMISSION 0u
+#define BIDIRECTIONAL_DIRECT 1u
+#define BIDIRECTIONAL_INDIRECT 2u
+#define BIDIRECTIONAL_LAYERS 3u
+
+// Samples of a strategy are 0 where it is not run.
+LUCARIUM_STRUCT_BEGIN(BidirectionalSettings)
+uint flags;                // BIDIRECTIONAL_*
+uint pixels;               // camera paths of an iteration, one to a pixel
+uint light_paths;          // of an iteration
+uint max_scatterings;      // counted, of a whole path
+uint camera_edges;         // scatterings of a camera path before half of them end
+uint candidates;           // virtual lights that are compared for one connection
+float hit_samples;         // n of strategy -1
+float light_samples;       // n of strategy 0
+float connection_samples;  // n of strategies 1 ... K-1
+float splat_samples;       // n of strategy K
+uint pad0, pad1;
+LUCARIUM_STRUCT_END(BidirectionalSettings, 48)
+
+// A camera path between two vertices.
+LUCARIUM_STRUCT_BEGIN(EyePathState)
+float4 throughput;  // xyz; w: density of the ray's direction [1/sr], of an ideal lobe its probability
+uint scatterings;   // counted so far
+uint segment;       // vertices visited so far, for the sampler
+uint medium;        // that the ray runs through (medium.clh)
+uint flags;         // EYE_PATH_*
+float cosine;       // of the ray to the geometric normal where it begins
+float carried;      // x of what path_mis.clh carries; its y, for each number of light vertices, is in eye_mis
+uint pad0, pad1;
+LUCARIUM_STRUCT_END(EyePathState, 48)
+
+#define EYE_PATH_AFTER_DELTA 1u  // the last scattering was ideal, or there was none
+#define EYE_PATH_CHAIN 2u        // there were ideal scatterings only
+#define EYE_PATH_PARALLEL 8u     // the ray is an orthographic camera's: its density is over area
+#define EYE_PATH_BAD 4u          // a contribution was NaN, infinite or negative
+
+#endif
