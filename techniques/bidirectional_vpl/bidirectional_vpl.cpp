@@ -21,11 +21,12 @@
 //
 // Error. None but noise: every estimate is unbiased.
 //
-// Where the paper stands in the source:
+// Where the paper stands in the source (below this folder):
 //
-//   section 3, equations 3 to 6, weights        kernels/lucarium/path_mis.clh: path_mis_sum()
-//   section 3, virtual lights of light paths    light/store_light_vertices.cl: take_light_vertex()
-//   section 3, connections                      eye/connect.clh: connected_light()
+//   section 3, virtual lights of light paths   light/store_light_vertices.cl: take_light_vertex()
+//   section 3, connections                     eye/connect.clh: connected_light()
+//
+// Equations 3 to 6, the weights, are a part of the kernel library: path_mis_sum() in kernels/lucarium/path_mis.clh.
 
 #include <memory>
 

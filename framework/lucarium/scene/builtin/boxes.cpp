@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The small built-in scenes: Cornell boxes, furnace, room.
+// The small built-in scenes: Cornell boxes, furnace.
 #include <array>
 #include <cmath>
 
@@ -80,30 +80,6 @@ Scene make_furnace() {
   scene.environment = Environment{};
   scene.environment->name = "white";
   scene.cameras.push_back(look_at_camera("front", {0, 0, 3.5f}, {0, 0, 0}, 40.f));
-  return scene;
-}
-
-Scene make_room() {
-  Scene scene;
-  const int horizontal = add_lambert(scene, "floor and ceiling", glm::vec3(0.7f));
-  const int left = add_lambert(scene, "wall -x", glm::vec3(0.6f)),
-            right = add_lambert(scene, "wall +x", glm::vec3(0.3f));
-  const int ends = add_lambert(scene, "walls z", glm::vec3(0.5f)), body = add_lambert(scene, "box", glm::vec3(0.8f));
-  const glm::vec3 low(-1, 0, -1), high(1, 2, 1);
-  const int materials[3][2] = {{left, right}, {horizontal, horizontal}, {ends, ends}};
-  const char* names[3][2] = {{"wall -x", "wall +x"}, {"floor", "ceiling"}, {"wall -z", "wall +z"}};
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int side = 0; side < 2; ++side) {
-      add_instance(scene, add_mesh(scene, one_face(names[axis][side], low, high, axis, side)), materials[axis][side]);
-    }
-  }
-  add_instance(scene, add_mesh(scene, MeshBuilder("box").box({0.1f, 0, -0.6f}, {0.6f, 0.8f, -0.1f}).take()), body);
-
-  SceneLight light;
-  light.name = "point";
-  light.world_from_light = frame_along({-0.6f, 1.3f, -0.7f}, {0, -1, 0});
-  scene.lights.push_back(light);
-  scene.cameras.push_back(look_at_camera("inside", {0.75f, 1.5f, 0.95f}, {-0.15f, 0.6f, -0.4f}, 75.f));
   return scene;
 }
 

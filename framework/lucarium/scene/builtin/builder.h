@@ -79,7 +79,9 @@ std::vector<std::array<glm::vec3, 3>> icosphere(int levels);
 
 Scene make_cornell(const std::string& variant);  ///< "", "mirror" or "glossy"
 Scene make_furnace();
-Scene make_room();
+Scene make_room(int lamp);     ///< what lights it: see the parameter in scenes.cpp
+Scene make_fixture(int lamp);  ///< 0: a point light, 1: a lamp of 4 cm
+Scene make_caustic();
 Scene make_atrium();
 Scene make_lamps(int count);
 Scene make_picture_lamp();

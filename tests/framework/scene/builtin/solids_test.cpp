@@ -201,6 +201,7 @@ TEST_CASE("parameters of built-in scenes: wrong ones say what may be given") {
   fails("debri:pieces=4", "did you mean 'debris'?");
   CHECK(make_builtin_scene("debris:pieces=3").source == "builtin:debris:pieces=3");
   CHECK(builtin_scene_parameters("debris").size() == 1);
-  CHECK(builtin_scene_parameters("room").empty());
+  CHECK(builtin_scene_parameters("room").size() == 1);
+  CHECK(builtin_scene_parameters("cornell").empty());
   CHECK(builtin_scene_parameters("no such scene").empty());
 }

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of bidirectional_vpl and of its reference, and their agreement.
+#pragma once
+#include <doctest/doctest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "closed_forms.h"
+#include "device_fixture.h"
+#include "lucarium/conformance/block_comparison.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/session.h"
+
+namespace lucarium::test {
+
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
+inline const TechniqueRegistry& registry() {
+  static const TechniqueRegistry all;
+  return all;
+}
+
+struct Picture {
+  uint32_t width = 40, height = 32;
+  int max_bounces = 3;
+  uint64_t iterations = 8, seed = 1;
+  uint32_t pixel_sampling = LUCARIUM_PIXEL_JITTER;
+};
+
+inline Film render(const Scene& scene, const std::string& technique, const Picture& picture,
+                   const Parameters& parameters = {}) {
+  RenderSettings settings;
+  settings.width = picture.width;
+  settings.height = picture.height;
+  settings.max_bounces = picture.max_bounces;
+  settings.seed = picture.seed;
+  settings.pixel_sampling = picture.pixel_sampling;
+  settings.camera = scene.cameras.front();
+  RenderSession session(test_device(), scene, registry().find(technique), settings, parameters);
+  session.run({.iterations = picture.iterations});
+  return session.resolve();
+}
+
+/// The sum of the additive layers.
+inline std::vector<float> image_of(const Film& film) {
+  std::vector<float> sum;
+  for (const FilmLayer& layer : film.layers()) {
+    if (!layer.additive) continue;
+    sum.resize(layer.pixels.size());
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += layer.pixels[i];
+  }
+  return sum;
+}
+
+inline double mean_of(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float value : values) sum += static_cast<double>(value);
+  return sum / static_cast<double>(values.size());
+}
+
+/// Independent pictures, by seed.
+inline std::vector<std::vector<float>> pictures(const Scene& scene, const std::string& technique, Picture picture,
+                                                const Parameters& parameters, uint32_t count) {
+  std::vector<std::vector<float>> images;
+  for (uint32_t i = 0; i < count; ++i) {
+    picture.seed = 1000 + i;
+    images.push_back(image_of(render(scene, technique, picture, parameters)));
+  }
+  return images;
+}
+
+/// Blocks of 8 x 8 pixels and the image's mean agree with path_tracing of the same paths.
+inline void check_agreement(const std::string& name, const Scene& scene, const Picture& picture,
+                            const Parameters& parameters, const Parameters& reference, uint32_t count) {
+  INFO(name);
+  Picture other = picture;
+  other.iterations *= 4;
+  const check::BlockTest test =
+      check::compare_blocks(pictures(scene, "bidirectional_vpl", picture, parameters, count),
+                            pictures(scene, "path_tracing", other, reference, count), picture.width, picture.height);
+  MESSAGE(name << ": " << test.describe(0));
+  CHECK(test.passes(0));
+}
+
+}  // namespace lucarium::test

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of bidirectional_vpl agree with the path tracer's, block by block and on the whole, on scenes of all kinds
+// of lights and materials.
+#include "bidirectional_rig.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+const uint32_t kSeeds = 8;
+
+Picture picture_of(int max_bounces) {
+  Picture picture;
+  picture.max_bounces = max_bounces;
+  picture.iterations = full_run() ? 256 : 8;
+  return picture;
+}
+
+}  // namespace
+
+TEST_CASE("pictures of rooms agree with path tracing at 1, 4 and unlimited bounces") {
+  check_agreement("room, 1 bounce", load_scene("builtin:room"), picture_of(1), {}, {}, kSeeds);
+  check_agreement("cornell-glossy, 4 bounces", load_scene("builtin:cornell-glossy"), picture_of(4), {}, {}, kSeeds);
+  check_agreement("spheres, unlimited", load_scene("builtin:spheres"), picture_of(-1), {}, {}, kSeeds);
+}
+
+TEST_CASE("pictures of hard light agree with path tracing: inside a fixture, by a spot, through glass and mirrors") {
+  Picture picture = picture_of(4);
+  check_agreement("room, spot", load_scene("builtin:room:lamp=3"), picture, {}, {}, kSeeds);
+  check_agreement("cornell-mirror, power heuristic", load_scene("builtin:cornell-mirror"), picture, {{"beta", "2"}}, {},
+                  kSeeds);
+  if (!full_run()) return;
+  check_agreement("fixture, lamp", load_scene("builtin:fixture:lamp=1"), picture, {}, {}, kSeeds);
+  check_agreement("caustic", load_scene("builtin:caustic"), picture, {}, {}, kSeeds);
+  check_agreement("cornell", load_scene("builtin:cornell"), picture, {}, {}, kSeeds);
+  check_agreement("atrium", load_scene("builtin:atrium"), picture, {}, {}, kSeeds);
+}
+
+TEST_CASE("bidirectional path tracing with light paths of its own agrees, and so does any number of samples") {
+  const Picture picture = picture_of(3);
+  const Scene scene = load_scene("builtin:cornell-glossy");
+  check_agreement("bdpt", scene, picture, {{"preset", "bdpt"}}, {}, kSeeds);
+  check_agreement("few paths", scene, picture, {{"light_paths", "37"}, {"candidates", "5"}, {"light_vertices", "2"}},
+                  {}, kSeeds);
+  check_agreement("many candidates", scene, picture,
+                  {{"light_paths", "300"}, {"candidates", "256"}, {"camera_edges", "1"}, {"beta", "2"}}, {}, kSeeds);
+}
+
+TEST_CASE("without jittered pixels there are no splats, and the picture is right") {
+  Picture picture = picture_of(2);
+  picture.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  const Scene scene = load_scene("builtin:cornell-glossy");
+  check_agreement("centres", scene, picture, {}, {}, kSeeds);
+  const Film film = render(scene, "bidirectional_vpl", picture, {{"show_strategies", "on"}});
+  CHECK(mean_of(film.find("splat")->pixels) == 0);
+}
