@@ -87,7 +87,7 @@ std::string describe_remedy(Technique& technique, const Scene& scene, const Rend
   constexpr double min_saving = 0.1;
   constexpr size_t max_named = 3;
   const auto bytes = static_cast<double>(technique.estimate_bytes(scene, settings));
-  std::vector<std::pair<double, std::string>> savings;
+  std::vector<std::pair<double, std::string>> savings;  // bytes, name and present value
   for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
     if (entry.info.type != "int") continue;
     const std::string value = entry.get();
@@ -101,14 +101,14 @@ std::string describe_remedy(Technique& technique, const Scene& scene, const Rend
       }
       entry.set(value);
       if (saved < min_saving * bytes) continue;
-      savings.emplace_back(saved, entry.info.name);
+      savings.emplace_back(saved, fmt::format("{} ({})", entry.info.name, value));
       break;
     }
   }
   std::sort(savings.rbegin(), savings.rend());
   savings.resize(std::min(savings.size(), max_named));
   std::string remedy = "lower --size or --texture-size";
-  for (const auto& [saved, name] : savings) remedy += fmt::format(", {}", name);
+  for (const auto& [saved, parameter] : savings) remedy += fmt::format(", {}", parameter);
   return remedy;
 }
 

@@ -31,8 +31,11 @@ GridSize choose_grid_size(uint32_t pixels, uint32_t voxels) {
 }
 
 AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t triangles, float min_pixel) {
-  const bool usable = !bounds.empty() && std::isfinite(glm::dot(bounds.max - bounds.min, glm::vec3(1)));
-  const glm::vec3 low = usable ? bounds.min : glm::vec3(0), high = usable ? bounds.max : glm::vec3(0);
+  const glm::vec3 low = bounds.empty() ? glm::vec3(0) : bounds.min, high = bounds.empty() ? glm::vec3(0) : bounds.max;
+  if (!std::isfinite(glm::dot(high - low, glm::vec3(1))))
+    throw Error(
+        ErrorClass::input,
+        "voxel_abuffer: the scene has positions that are infinite, and so would be its voxels; mend its meshes");
   const glm::vec3 extent = high - low, reach = glm::max(glm::abs(low), glm::abs(high));
   const float largest = std::max({reach.x, reach.y, reach.z});
   const float longest = std::max({extent.x, extent.y, extent.z});
