@@ -27,6 +27,7 @@ struct Options {
   uint32_t size = 1280, grid = 0, threads = 1;
   std::vector<std::string> modes = {"exact"};
   bool profile = false, ratios = false, motion = false;
+  std::string only;
 };
 
 /// One scene with the hierarchy and a structure per mode.
@@ -115,7 +116,7 @@ void run(const Options& options) {
   const std::shared_ptr<Device> device = Device::open(device_options);
   KernelScheduler scheduler(device);
   if (options.ratios) measure_ratios(scheduler, options.rounds, options.width, options.height);
-  if (options.motion) measure_motion(scheduler, options.rounds, options.width, options.height);
+  if (options.motion) measure_motion(scheduler, options.rounds, options.width, options.height, options.only);
   if (options.ratios || options.motion) return;
   for (const std::string& name : options.scenes) {
     const RaySubject subject(*device, scheduler, name, options.width, options.height, false);
@@ -144,6 +145,7 @@ int main(int argc, char** argv) {
   app.add_flag("--profile", options.profile, "the passes of a build");
   app.add_flag("--ratios", options.ratios, "what voxel_abuffer is judged by, with bars; take --threads 2");
   app.add_flag("--motion", options.motion, "frames of animations, rebuilt, refitted and through the structure");
+  app.add_option("--only", options.only, "of --motion: animations whose names hold this");
   CLI11_PARSE(app, argc, argv);
   try {
     run(options);

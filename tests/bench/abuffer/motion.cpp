@@ -83,13 +83,14 @@ void measure(KernelScheduler& scheduler, const Moving& moving, int rounds, uint3
 
 }  // namespace
 
-void measure_motion(KernelScheduler& scheduler, int rounds, uint32_t width, uint32_t height) {
+void measure_motion(KernelScheduler& scheduler, int rounds, uint32_t width, uint32_t height, const std::string& only) {
   fmt::print("milliseconds per frame, microseconds per bounce ray, of processor time\n");
   fmt::print(
       "| animation | triangles | n | exact build | `Bvh` rebuilt | refitted | exact ray | rebuilt | refitted | pays "
       "against "
       "rebuilds until | against refits until |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
-  for (const Moving& moving : animations) measure(scheduler, moving, rounds, width, height);
+  for (const Moving& moving : animations)
+    if (std::string(moving.name).find(only) != std::string::npos) measure(scheduler, moving, rounds, width, height);
 }
 
 }  // namespace lucarium::bench
