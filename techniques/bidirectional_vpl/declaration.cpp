@@ -64,6 +64,10 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("splat has no effect: light paths are connected to the camera with jittered pixels only");
   if (plan.light_vertices > 0 && static_cast<int>(plan.light_vertices) < parameters.light_vertices)
     list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) + ": paths have no more");
+  if (plan.bundles && parameters.reuse == Reuse::shared && plan.settings.max_scatterings > 2)
+    list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
+  if (plan.bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
+    list.push_back("reuse=distinct has nothing to choose from with one bundle (bundles)");
   if (plan.own && parameters.light_paths > 0)
     list.push_back("light_paths has no effect: vpl_choice=own takes one per pixel");
   return list;

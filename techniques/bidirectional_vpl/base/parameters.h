@@ -4,10 +4,17 @@
 namespace lucarium::bidirectional {
 
 enum class VplChoice { resample, own };
+enum class Directions { bsdf, bundle };
+enum class DirectionPdf { uniform, environment };
+enum class Reuse { per_depth, distinct, shared };
 enum class Strategy { all, hit, nee, vpl, splat };
 
 struct BidirectionalParameters {
   int light_vertices = 4, light_paths = 0, candidates = 32, camera_edges = 2, beta = 1;
+  int bundles = 21;
+  Directions directions = Directions::bsdf;
+  DirectionPdf dir_pdf = DirectionPdf::uniform;
+  Reuse reuse = Reuse::per_depth;
   VplChoice vpl_choice = VplChoice::resample;
   bool splat = true, show_strategies = false;
   Strategy strategy = Strategy::all;
@@ -24,6 +31,15 @@ struct BidirectionalParameters {
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
     v.number("camera_edges", camera_edges, 1, 64, "scatterings",
              "scatterings of a camera path after which half of the paths end each time");
+    v.choice("directions", directions, {{"bsdf", Directions::bsdf}, {"bundle", Directions::bundle}},
+             "where camera paths go on: by their surfaces' BSDF, or along bundles of directions that pixels share");
+    v.number("bundles", bundles, 1, 4096, "directions", "bundles of an iteration, with directions=bundle");
+    v.choice("dir_pdf", dir_pdf, {{"uniform", DirectionPdf::uniform}, {"env", DirectionPdf::environment}},
+             "density of bundles over the sphere: uniform, or after the environment");
+    v.choice("reuse", reuse,
+             {{"per_depth", Reuse::per_depth}, {"distinct", Reuse::distinct}, {"shared", Reuse::shared}},
+             "bundles of deeper scatterings: a set for each depth, independent different ones, or the same set, which "
+             "is biased");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,
              {{"all", Strategy::all},

@@ -32,6 +32,10 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   s.camera_edges = static_cast<uint32_t>(parameters.camera_edges);
   s.candidates = static_cast<uint32_t>(parameters.candidates);
   plan.beta = static_cast<uint32_t>(parameters.beta);
+  s.bundles = static_cast<uint32_t>(parameters.bundles);
+  s.reuse = static_cast<uint32_t>(parameters.reuse);
+  plan.bundles = parameters.directions == Directions::bundle;
+  plan.bundles_follow_sky = plan.bundles && parameters.dir_pdf == DirectionPdf::environment;
   plan.own = parameters.vpl_choice == VplChoice::own;
   plan.shows_strategies = parameters.show_strategies;
 
@@ -62,6 +66,14 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   s.splat_samples = plan.splat ? static_cast<float>(s.light_paths) : 0.0f;
   s.flags = (plan.own ? BIDIRECTIONAL_OWN_VERTICES : 0u) | (plan.shows_strategies ? BIDIRECTIONAL_STRATEGIES : 0u);
   return plan;
+}
+
+std::map<std::string, std::string> plan_defines(const Plan& plan) {
+  std::map<std::string, std::string> defines;
+  defines["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan.beta);
+  if (plan.bundles) defines["EYE_BUNDLES"] = "1";
+  if (plan.bundles_follow_sky) defines["EYE_BUNDLES_FOLLOW_SKY"] = "1";
+  return defines;
 }
 
 }  // namespace lucarium::bidirectional

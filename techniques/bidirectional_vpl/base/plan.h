@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <map>
+#include <string>
 
 #include "bidirectional_vpl/base/parameters.h"
 #include "bidirectional_vpl/shared/settings.h"
@@ -13,10 +15,11 @@ struct Plan {
   BidirectionalSettings settings{};
   uint32_t light_vertices = 0;  ///< of a light path; 0: no light paths
   uint32_t beta = 1;
-  bool own = false;     ///< camera paths have light paths of their own
-  bool vpl = false;     ///< camera paths are connected to light vertices
-  bool splat = false;   ///< light vertices are connected to the camera
-  bool lights = false;  ///< light samples are taken
+  bool bundles = false, bundles_follow_sky = false;  ///< directions of camera paths
+  bool own = false;                                  ///< camera paths have light paths of their own
+  bool vpl = false;                                  ///< camera paths are connected to light vertices
+  bool splat = false;                                ///< light vertices are connected to the camera
+  bool lights = false;                               ///< light samples are taken
   bool shows_strategies = false;
 
   uint32_t vertex_slots() const { return settings.light_paths * light_vertices; }
@@ -25,5 +28,8 @@ struct Plan {
 };
 
 Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings);
+
+/// What all programs of the technique are compiled with.
+std::map<std::string, std::string> plan_defines(const Plan& plan);
 
 }  // namespace lucarium::bidirectional

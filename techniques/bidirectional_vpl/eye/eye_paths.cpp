@@ -31,7 +31,7 @@ std::vector<std::string> strategy_names(const Plan& plan) {
 std::map<std::string, std::string> EyePaths::defines() const {
   std::map<std::string, std::string> all = ray_end_defines(intersector_);
   all["LIGHT_VERTICES"] = std::to_string(plan_.light_vertices);
-  all["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan_.beta);
+  all.merge(plan_defines(plan_));
   return all;
 }
 

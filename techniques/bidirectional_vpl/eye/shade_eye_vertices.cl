@@ -7,7 +7,26 @@
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
 
-#define CONNECTION_STREAM 0x76706c73u  // apart from the numbers of the path itself
+// Apart from the numbers of the path itself:
+#define CONNECTION_STREAM 0x76706c73u
+#define BUNDLE_STREAM 0x62756e64u
+
+// The bundle that a path takes at a depth: a set of directions, and which of them.
+Sampler choose_bundle(BidirectionalSettings settings, uint seed, uint sample_index, const EyeWalk* walk) {
+  const uint depth = walk->state.segment;
+  const uint choice = hash_uint3(seed ^ BUNDLE_STREAM, sample_index, walk->path);
+  Sampler set = make_sampler(BUNDLE_STREAM, 0u, seed, 0u, LUCARIUM_SAMPLER_SOBOL);
+  if (settings.reuse == BIDIRECTIONAL_REUSE_DISTINCT) {
+    // Independent directions; depths take ones that follow each other from a random place: all different.
+    set.mode = LUCARIUM_SAMPLER_RANDOM;
+    set.index = sample_index * settings.bundles + (choice + depth) % settings.bundles;
+    return set;
+  }
+  const uint scramble = settings.reuse == BIDIRECTIONAL_REUSE_SHARED ? 0u : depth;
+  set.seed = hash_uint3(set.seed, scramble, settings.reuse == BIDIRECTIONAL_REUSE_SHARED ? sample_index : 0u);
+  set.index = sample_index * settings.bundles + hash_uint2(choice, depth) % settings.bundles;
+  return set;
+}
 
 // Counts the event; false when there are no such paths in the path set.
 bool count_scattering(BidirectionalSettings settings, EyeWalk* walk, bool delta) {
@@ -38,10 +57,11 @@ bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk,
 
 // The BSDF sample. False when the path ends here.
 bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, const Surface* surface,
-                      const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, float u_lobe, Ray* ray,
+                      const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe, Ray* ray,
                       RayEnds* ends) {
   const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
-  const BsdfSample sample = sample_bsdf(bsdf, u_lobe, u.direction);
+  const Sampler bundle = choose_bundle(settings, seed, sampler->index, walk);
+  const BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle);
   if (is_black(sample.weight)) return false;
   if (!count_scattering(settings, walk, sample.delta)) return false;
   // Weights of what lies ahead.
@@ -180,7 +200,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   // Go on.
   Ray next = inactive_ray();
   RayEnds ends = no_ray_ends();
-  goes_on = sample_direction(&scene, settings, &walk, &surface, &bsdf, &mis, &sampler, u.lobe, &next, &ends);
+  goes_on = sample_direction(&scene, settings, &walk, &surface, &bsdf, &mis, &sampler, seed, u.lobe, &next, &ends);
   alive[i] = goes_on;
   next_rays[i] = next;
   LUCARIUM_STORE_RAY_ENDS(next_ends, i, ends);

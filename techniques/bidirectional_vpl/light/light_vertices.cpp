@@ -19,8 +19,8 @@ constexpr size_t kSlice = 1 << 16;
 constexpr uint32_t kTableArrays = 8, kRepeated = 256;
 
 std::map<std::string, std::string> with_mis(std::map<std::string, std::string> defines, const Plan& plan) {
+  defines.merge(plan_defines(plan));
   defines["LUCARIUM_LIGHT_PATH_MIS"] = "1";
-  defines["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan.beta);
   return defines;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The strategy `splat`: light vertices connected to the camera, and sums of their light pixel by pixel in the order of
 // the paths, so that they do not depend on threads.
+#include "bidirectional_vpl/eye/eye_directions.clh"
 #include "bidirectional_vpl/shared/settings.h"
 #include "lucarium/camera.clh"
 #include "lucarium/lights.clh"
@@ -33,7 +34,7 @@ bool aim_splat(const Scene* scene, const Frame* frame, BidirectionalSettings set
   const Bsdf bsdf = path_vertex_bsdf(vertex), turned = turn_bsdf(&bsdf, seen.direction);
   if (bsdf_is_black(&turned)) return false;
   float back;
-  const float3 value = eval_bsdf_pdf(&turned, bsdf.view, &back);
+  const float3 value = eval_bsdf_eye_pdf(scene, &turned, bsdf.view, &back);
   const float p_eye = seen.density * fabs(dot(bsdf.n_g, seen.direction));
   *light = vertex->flux.xyz * value * p_eye;
   if (is_black(*light)) return false;

@@ -25,8 +25,14 @@ float hit_samples;         // n of strategy -1
 float light_samples;       // n of strategy 0
 float connection_samples;  // n of strategies 1 ... K-1
 float splat_samples;       // n of strategy K
-uint pad0, pad1;
+uint bundles;              // directions of an iteration
+uint reuse;                // BIDIRECTIONAL_REUSE_*
 LUCARIUM_STRUCT_END(BidirectionalSettings, 48)
+
+// Bundles of deeper scatterings: a scrambled set for each depth, different ones of independent directions, or the same.
+#define BIDIRECTIONAL_REUSE_PER_DEPTH 0u
+#define BIDIRECTIONAL_REUSE_DISTINCT 1u
+#define BIDIRECTIONAL_REUSE_SHARED 2u
 
 // A camera path between two vertices.
 LUCARIUM_STRUCT_BEGIN(EyePathState)
