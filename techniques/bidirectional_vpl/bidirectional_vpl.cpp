@@ -54,6 +54,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
     return bidirectional::limitations(parameters_, scene, settings);
   }
+  double admitted_bias(double declared) const override { return bidirectional::admitted_bias(parameters_, declared); }
   size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
     return bidirectional::estimate_bytes(parameters_, settings);
   }

@@ -36,6 +36,11 @@ TechniqueInfo technique_info() {
   return info;
 }
 
+double admitted_bias(const BidirectionalParameters& parameters, double declared) {
+  const bool shared = parameters.directions == Directions::bundle && parameters.reuse == Reuse::shared;
+  return shared ? 0.1 : declared;
+}
+
 PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings) {
   PathSet set;
   set.max_bounces = settings.max_bounces;

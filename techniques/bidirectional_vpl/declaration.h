@@ -11,6 +11,9 @@ namespace lucarium::bidirectional {
 
 TechniqueInfo technique_info();
 
+/// Systematic error, as Capabilities::bias says: only dependent directions have one.
+double admitted_bias(const BidirectionalParameters& parameters, double declared);
+
 PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings);
 
 /// Light of the scene that is left out, and parameters that have no effect, one line each.

@@ -19,6 +19,7 @@ Sampler choose_bundle(BidirectionalSettings settings, uint seed, uint sample_ind
   if (settings.reuse == BIDIRECTIONAL_REUSE_DISTINCT) {
     // Independent directions; depths take ones that follow each other from a random place: all different.
     set.mode = LUCARIUM_SAMPLER_RANDOM;
+    set.seed = hash_uint2(set.seed, depth / settings.bundles);  // when all are used, others
     set.index = sample_index * settings.bundles + (choice + depth) % settings.bundles;
     return set;
   }

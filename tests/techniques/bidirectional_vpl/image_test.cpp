@@ -47,6 +47,37 @@ TEST_CASE("bidirectional path tracing with light paths of its own agrees, and so
                   {{"light_paths", "300"}, {"candidates", "256"}, {"camera_edges", "1"}, {"beta", "2"}}, {}, kSeeds);
 }
 
+TEST_CASE("camera paths along ray-bundles agree with path tracing, uniform and after the sky") {
+  Picture picture = picture_of(3);
+  check_agreement("uniform", load_scene("builtin:cornell-glossy"), picture, {{"directions", "bundle"}}, {}, kSeeds);
+  check_agreement("distinct", load_scene("builtin:cornell-mirror"), picture,
+                  {{"directions", "bundle"}, {"reuse", "distinct"}, {"bundles", "3"}}, {}, kSeeds);
+  Scene open = load_scene("builtin:cornell");
+  open.environment = Environment{};
+  check_agreement("sky", open, picture, {{"directions", "bundle"}, {"dir_pdf", "env"}}, {}, kSeeds);
+}
+
+TEST_CASE("one stratified set of bundles shared between depths is biased, and a set for each depth is not") {
+  // Tokuyoshi and Ogaki 2012, section 5: directions of one path that depend on each other. Two directions show most,
+  // and so do camera paths that no light path helps.
+  const Scene scene = load_scene("builtin:cornell");
+  Picture picture = picture_of(3);
+  picture.iterations *= 4;
+  const auto z = [&](const char* reuse) {
+    const Parameters parameters = {{"directions", "bundle"}, {"bundles", "2"}, {"reuse", reuse}, {"strategy", "nee"}};
+    std::vector<double> ours, expected;
+    for (const std::vector<float>& image : pictures(scene, "bidirectional_vpl", picture, parameters, kSeeds))
+      ours.push_back(mean_of(image));
+    for (const std::vector<float>& image : pictures(scene, "path_tracing", picture, {}, kSeeds))
+      expected.push_back(mean_of(image));
+    const Estimate a = estimate_of(ours), b = estimate_of(expected);
+    MESSAGE(std::string(reuse) << ": " << a.mean << " +- " << a.error << ", expected " << b.mean << " +- " << b.error);
+    return std::abs(a.mean - b.mean) / std::hypot(a.error, b.error);
+  };
+  CHECK(z("shared") > 5);
+  CHECK(z("per_depth") < 4);
+}
+
 TEST_CASE("without jittered pixels there are no splats, and the picture is right") {
   Picture picture = picture_of(2);
   picture.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
