@@ -25,7 +25,7 @@
 //
 //   section 3, virtual lights of light paths   light/store_light_vertices.cl: take_light_vertex()
 //   section 3, connections                     eye/connect.clh: connected_light()
-//   section 3.2, directions of ray-bundles     eye/eye_directions.clh: bundle_pdf()
+//   section 3.2, directions of ray-bundles     base/eye_directions.clh: bundle_pdf()
 //
 // Equations 3 to 6, the weights, are a part of the kernel library: path_mis_sum() in kernels/lucarium/path_mis.clh.
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The strategy `splat`: light vertices connected to the camera, and sums of their light pixel by pixel in the order of
 // the paths, so that they do not depend on threads.
-#include "bidirectional_vpl/eye/eye_directions.clh"
+#include "bidirectional_vpl/base/eye_directions.clh"
 #include "bidirectional_vpl/shared/settings.h"
 #include "lucarium/camera.clh"
 #include "lucarium/lights.clh"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices of light paths, kept with their BSDFs: the virtual lights.
-#include "bidirectional_vpl/eye/eye_directions.clh"
+#include "bidirectional_vpl/base/eye_directions.clh"
 #include "lucarium/path_vertex.clh"
 #define LIGHT_PATH_EYE_PDF(scene, bsdf, direction) eye_direction_pdf(scene, bsdf, direction)
 #define LIGHT_VERTEX_PARAMETERS __global PathVertex *restrict vertices, const uint vertices_per_path,
