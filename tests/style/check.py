@@ -5,6 +5,8 @@
   width     no line is wider than 120 columns (tables and code blocks of pages excepted)
   folders   folders include each other in one direction, and in the order of ORDER
   options   no string of the library is an option of the program: it starts it with a job file
+  headers   a source of the library or the program without a header of its name says in its first comment which header
+            declares what it defines
   links     every relative link of a page and every path of a file or folder that a page or comment names exists
   pages     pages but those of measurements have at most 5 numbers in 100 words of their sentences; a technique's page
             has at most 120 lines
@@ -12,7 +14,8 @@
             full words ("section 2.3", "equation 4") so that a search finds it, beside which the head of the technique
             may have "Eq. 4"; what the list calls cited is cited at the code too; "FILE: function()" in comments names
             what exists
-  mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed
+  mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed;
+            every kernel file has a planted fault, or stands in UNPLANTED with the reason why no fault of it shows
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
 import json
@@ -33,6 +36,7 @@ MEASUREMENTS = 'docs/measurements/'
 NUMBERS = 5  # in 100 words of a page's sentences
 TECHNIQUE_LINES = 120
 CITATIONS = 'tests/style/citations.json'
+UNPLANTED = 'tests/style/unplanted.json'  # kernel file: reason
 # By `lucarium techniques --markdown` and `lucarium commands --markdown`, from texts that are checked where they stand.
 GENERATED = ('docs/techniques.md', 'docs/command_line.md')
 
@@ -184,6 +188,23 @@ def check_folders():
         yield f'folders include each other in a circle: {", ".join(circle)} ({arrows})'
 
 
+def check_headers():
+    files = set(tracked(('.h', '.cpp')))
+    names = {os.path.basename(file) for file in files}
+    for file in sorted(files):
+        if not file.endswith('.cpp') or not file.startswith(('framework/', 'apps/lucarium/')) or '/templates/' in file:
+            continue
+        if file[:-4] + '.h' in files or file == 'apps/lucarium/start/start.cpp':  # main()
+            continue
+        head = re.match(r'(?://.*\n)*', read(file)).group(0).replace('\n// ', ' ')
+        declared = re.search(r'Declared in ((?:[\w/]+\.h(?:, | and )?)+)', head)
+        if not declared:
+            yield f'{file}: has no header of its name; begin it with "// What it is. Declared in NAME.h."'
+        for header in re.findall(r'[\w/]+\.h', declared.group(1)) if declared else ():
+            if os.path.basename(header) not in names:
+                yield f'{file}: names {header}, which does not exist'
+
+
 def check_links():
     folders = 'framework|kernels|techniques|tests|apps|tools|cmake|docs'
     path_rule = re.compile(rf'(?<![\w./$}}-])((?:{folders})/[\w./*-]+\.\w+)')
@@ -307,22 +328,35 @@ def check_citations():
 
 
 def check_mutants():
+    planted = set()
     for file in tracked(('.json',)):
         if not file.startswith('tests/mutation/'):
             continue
         area = json.loads(read(file))
         checks = {check['name'] for check in area['checks']}
         for mutant in area['mutants']:
+            planted.add(mutant['file'])
             sources = [path for path in (f'{root}/{mutant["file"]}' for root in ROOTS) if os.path.exists(path)]
             found = sum(read(path).count(mutant['find']) for path in sources)
             if found != 1:
                 yield f'{file}: "{mutant["name"]}" replaces text that {mutant["file"]} holds {found} times'
             if mutant['caught_by'] not in checks:
                 yield f'{file}: "{mutant["name"]}" is caught by "{mutant["caught_by"]}", which is no check'
+    exempt = json.loads(read(UNPLANTED))
+    kernels = {file.split('/', 1)[1]: file for file in tracked(('.cl', '.clh')) if file.startswith(
+        ('kernels/', 'framework/', 'techniques/'))}
+    for name, file in sorted(kernels.items()):
+        if name in planted and name in exempt:
+            yield f'{UNPLANTED}: {name} has a planted fault'
+        if name not in planted and name not in exempt:
+            yield f'{file}: no planted fault of tests/mutation is in it'
+    for name in exempt:
+        if name not in kernels:
+            yield f'{UNPLANTED}: there is no {name}'
 
 
 RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'options': check_options,
-         'links': check_links, 'pages': check_pages, 'citations': check_citations,
+         'headers': check_headers, 'links': check_links, 'pages': check_pages, 'citations': check_citations,
          'mutants': check_mutants}
 
 

@@ -7,7 +7,7 @@
 
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/session/counted_seconds.h"
 
 namespace lucarium::app {
@@ -30,12 +30,12 @@ struct SessionBudget : RenderBudget {
 };
 
 SessionBudget make_budget(const BudgetArguments& arguments, const RenderSession& session,
-                          std::chrono::steady_clock::time_point start) {
+                          const Stopwatch& since_start) {
   SessionBudget budget{{0, arguments.iterations, arguments.samples}};
   const RenderSession::Clocks& clocks = session.clocks();
   if (arguments.seconds > 0) budget.seconds = seconds_left_of("--time", arguments.seconds, counted_seconds(clocks));
   if (arguments.wall_seconds > 0) {
-    const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double spent = since_start.seconds();
     const double left = seconds_left_of("--wall-time", arguments.wall_seconds, spent,
                                         fmt::format(" ({:.1f} s of it for kernels)", clocks.compile + clocks.warm_up));
     if (budget.seconds <= 0 || left < budget.seconds) {
@@ -112,8 +112,8 @@ void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const s
 
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
                                const std::function<std::optional<double>(RenderSession&)>& relmse,
-                               std::chrono::steady_clock::time_point start) {
-  const SessionBudget budget = make_budget(arguments, session, start);
+                               const Stopwatch& since_start) {
+  const SessionBudget budget = make_budget(arguments, session, since_start);
   Progress progress("rendering", quiet ? Progress::Style::quiet : Progress::Style::automatic);
   TimeLeft left;
   left.update(0, 0);
@@ -125,9 +125,7 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
   uint64_t work_iterations = 0;
   std::string phase_told;
   const auto on_progress = [&](const IterationResult& now) {
-    if (!first && !nothing_yet())
-      first = {counted_seconds(session.clocks()),
-               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()};
+    if (!first && !nothing_yet()) first = {counted_seconds(session.clocks()), since_start.seconds()};
     const double seconds = session.clocks().iterate;
     left.update(now.progress, seconds);
     double fraction = now.progress;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long `lucarium render` goes on, and what ended it.
 #pragma once
-#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
 
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/session/session.h"
 
 namespace lucarium::app {
@@ -35,6 +35,6 @@ struct RenderEnd {
 /// `relmse` gives the image's present error where it is known.
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
                                const std::function<std::optional<double>(RenderSession&)>& relmse,
-                               std::chrono::steady_clock::time_point start);
+                               const Stopwatch& since_start);
 
 }  // namespace lucarium::app

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium check TECHNIQUE: the conformance kit as a table or JSON; exit code 1 when a check failed.
+// lucarium check TECHNIQUE: the conformance kit as a table or JSON; exit code 1 when a check failed. Declared in
+// commands.h.
 #include <algorithm>
 
 #include "commands/commands.h"
@@ -9,7 +10,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/conformance/conformance.h"
 #include "lucarium/version.h"
 #include "options/options.h"

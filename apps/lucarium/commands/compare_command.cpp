@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium compare.
+// lucarium compare. Declared in commands.h.
 #include <cmath>
 
 #include "commands/commands.h"

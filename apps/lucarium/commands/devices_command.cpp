@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium devices: the OpenCL devices there are.
+// lucarium devices: the OpenCL devices there are. Declared in commands.h.
 #include "commands/commands.h"
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/compute/device/device.h"
 
 namespace lucarium::app {

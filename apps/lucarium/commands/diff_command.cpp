@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium diff: how different two images are, layer by layer.
+// lucarium diff: how different two images are, layer by layer. Declared in commands.h.
 #include <cmath>
 #include <optional>
 
@@ -8,7 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/metrics/error_map.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium job FILE: what comparisons and the conformance kit start for each of their renderings.
+// lucarium job FILE: what comparisons and the conformance kit start for each of their renderings. Declared in
+// commands.h.
 #include "commands/commands.h"
 #include "lucarium/job/job_file.h"
 #include "lucarium/job/run_job.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // lucarium new-technique NAME: a folder with a technique that builds, runs and is tested as it stands. It is the folder
-// templates/technique, with every my_technique replaced by the name.
+// templates/technique, with every my_technique replaced by the name. Declared in commands.h.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium reference: a reference image rendered to a wanted error, and extended later.
+// lucarium reference: a reference image rendered to a wanted error, and extended later. Declared in commands.h.
 #include <memory>
 #include <set>
 
@@ -10,7 +10,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/terminal.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/compare/reference/reference_identity.h"
 #include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/film/image_io.h"

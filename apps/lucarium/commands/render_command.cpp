@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium render: one technique, one scene, one or several pictures.
-#include <chrono>
+// lucarium render: one technique, one scene, one or several pictures. Declared in commands.h.
 #include <cmath>
 #include <memory>
 
@@ -13,8 +12,9 @@
 #include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/base/terminal.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/film/exposure.h"
 #include "lucarium/scene/exposure.h"
@@ -51,19 +51,18 @@ std::string chosen_exposure(const RenderSession& session, float exposure, const 
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
 bool render_frames(const RenderArguments& arguments, const Messages& messages, RenderSession& session,
                    const std::vector<std::vector<fs::path>>& outputs, const std::optional<FrameRange>& frames,
-                   CurveRecorder* curve, double load_seconds, std::chrono::steady_clock::time_point start,
-                   ordered_json& summaries) {
+                   CurveRecorder* curve, double load_seconds, Stopwatch since_start, ordered_json& summaries) {
   float exposure = curve ? curve->exposure() : session.scene().exposure;
   const auto relmse = [curve](RenderSession& now) { return curve ? curve->sample(now) : std::nullopt; };
   for (size_t i = 0; i < outputs.size(); ++i) {
-    if (i > 0) start = std::chrono::steady_clock::now();
+    if (i > 0) since_start.restart();
     try {
       if (frames) session.set_time((frames->first + static_cast<int>(i)) / arguments.frames_per_second);
     } catch (const Error& error) {
       if (i == 0 || error.error_class() != ErrorClass::interrupted) throw;
       return true;  // frames that are done are reported
     }
-    const RenderEnd end = render_within_budget(arguments.budget, session, messages.quiet, relmse, start);
+    const RenderEnd end = render_within_budget(arguments.budget, session, messages.quiet, relmse, since_start);
     if (end.interrupted && session.last().samples == 0 && !session.last().visible) return true;
     Film film = session.resolve();
     const std::string technique = film.metadata.at("technique");
@@ -79,7 +78,7 @@ bool render_frames(const RenderArguments& arguments, const Messages& messages, R
     // One exposure for all frames: the first picture decides, else they would flicker.
     if (is_automatic(exposure)) exposure = automatic_exposure(film.image());
     write_outputs(outputs[i], film, exposure, arguments.half);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = since_start.seconds();
     summaries.push_back(frame_json(session, film, end, i == 0 ? load_seconds : 0, seconds, exposure, outputs[i]));
     if (!messages.json) {
       print_result("{}: {} per pixel, {:.1f} s{}{}\n", outputs[i].front().string(),
@@ -131,7 +130,7 @@ void check_outputs(const RenderArguments& arguments, const Messages& messages) {
 }
 
 int render_picture(const RenderArguments& arguments, const Messages& messages) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch since_start;
   check_outputs(arguments, messages);
   const TechniqueArguments::Spec spec = arguments.technique.single("render", "path_tracing");
   const std::optional<FrameRange> frames = parse_frames(arguments.frames);
@@ -143,9 +142,9 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
   const TechniqueType& type = registry.find(spec.name);
   check_parameters(type, spec);
 
-  const auto load_start = std::chrono::steady_clock::now();
+  const Stopwatch loading;
   Scene scene = arguments.load();
-  const double load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - load_start).count();
+  const double load_seconds = loading.seconds();
   if (frames && scene.animations.empty()) log_warning("{} has no animation: all frames show the same", arguments.scene);
   RenderSettings settings = arguments.settings;
   settings.camera = scene.cameras.front();
@@ -168,7 +167,7 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
 
   ordered_json summaries = ordered_json::array();
   const bool interrupted =
-      render_frames(arguments, messages, session, outputs, frames, curve.get(), load_seconds, start, summaries);
+      render_frames(arguments, messages, session, outputs, frames, curve.get(), load_seconds, since_start, summaries);
   if (summaries.empty()) {
     throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium report.
+// lucarium report. Declared in commands.h.
 #include "commands/commands.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium reproduce: experiments of papers, each a comparison and the values read off it.
+// lucarium reproduce: experiments of papers, each a comparison and the values read off it. Declared in commands.h.
 #include <algorithm>
 
 #include "commands/commands.h"
@@ -7,8 +7,8 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
-#include "lucarium/base/nearest_name.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text/nearest_name.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
 #include "lucarium/technique/technique_folders.h"

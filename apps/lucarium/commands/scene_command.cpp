@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium scene: what is in a scene, and what looks wrong with it; what its surface atlas looks like.
+// lucarium scene: what is in a scene, and what looks wrong with it; what its surface atlas looks like. Declared in
+// commands.h.
 
 #include "commands/commands.h"
 #include "lucarium/base/error.h"

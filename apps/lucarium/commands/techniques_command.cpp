@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium techniques [NAME]: everything a technique declares, as text, JSON, or the page docs/techniques.md.
+// lucarium techniques [NAME]: everything a technique declares, as text, JSON, or the page docs/techniques.md. Declared
+// in commands.h.
 #include <fmt/ranges.h>
 
 #include "commands/commands.h"

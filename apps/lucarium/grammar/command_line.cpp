@@ -16,8 +16,8 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
-#include "lucarium/base/nearest_name.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text/nearest_name.h"
 #include "lucarium/base/utf8.h"
 
 namespace lucarium::app {

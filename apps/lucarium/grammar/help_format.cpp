@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "grammar/option_texts.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 
 namespace lucarium::app {
 namespace {

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 
 namespace lucarium::app {
 namespace {

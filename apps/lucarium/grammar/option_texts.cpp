@@ -2,7 +2,7 @@
 #include "grammar/option_texts.h"
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 
 namespace lucarium::app {
 namespace {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The completion script of bash. Declared in completion.h.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+// What may stand at the cursor: scenes, techniques, parameters, experiments. Declared in completion.h.
 #include <algorithm>
 
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 #include "lucarium/compare/request/experiment.h"
 #include "lucarium/scene/builtin/scenes.h"
 #include "lucarium/technique/plugin.h"

@@ -7,8 +7,8 @@
 
 #include "grammar/option_texts.h"
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/nearest_name.h"
+#include "lucarium/base/text/text_values.h"
 
 namespace lucarium::app {
 namespace {

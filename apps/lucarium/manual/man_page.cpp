@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Manual pages in the language of man. Declared in pages.h.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium help, man, completion, commands: what the command line declares, for a person, a shell, a page.
+// lucarium help, man, completion, commands: what the command line declares, for a person, a shell, a page. Declared in
+// commands/commands.h.
 #include <algorithm>
 #include <filesystem>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// docs/command_line.md. Declared in pages.h.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -3,11 +3,11 @@
 
 #include <charconv>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/request_limits.h"
-#include "lucarium/base/spelling.h"
+#include "lucarium/base/text/byte_size.h"
+#include "lucarium/base/text/spelling.h"
 #include "lucarium/base/utf8.h"
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/compute/device/cache_folder.h"

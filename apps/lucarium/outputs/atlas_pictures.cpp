@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "outputs/atlas_pictures.h"
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/progress.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/gbuffer/gbuffer.h"

@@ -3,7 +3,7 @@
 
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 
 namespace lucarium::app {
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Checks of scenes that change. Declared in checks.h.
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "lucarium/base/error.h"

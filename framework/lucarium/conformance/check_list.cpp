@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The list of checks, in the order of the table, and the loop over them.
+// The list of checks, in the order of the table, and the loop over them. Declared in conformance.h and checks.h.
 #include <algorithm>
 
 #include "lucarium/base/error.h"

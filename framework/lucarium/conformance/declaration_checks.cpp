@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Checks of what a technique declares. Declared in checks.h.
 #include <fmt/ranges.h>
 
 #include <algorithm>

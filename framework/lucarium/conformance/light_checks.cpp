@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Checks of energy and of every kind of light. Declared in checks.h.
 #include <cmath>
 #include <numeric>
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+// Checks of budgets, memory and cancelling. Declared in checks.h.
 #include <algorithm>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/stopwatch.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/conformance/checks.h"
 
 namespace lucarium::check {

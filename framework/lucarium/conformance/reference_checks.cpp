@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Checks against the path tracer. Declared in checks.h.
 #include <algorithm>
 
 #include "lucarium/conformance/block_comparison.h"

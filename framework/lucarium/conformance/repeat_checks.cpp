@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Checks that the same request gives the same picture. Declared in checks.h.
 #include <unistd.h>
 
 #include <algorithm>

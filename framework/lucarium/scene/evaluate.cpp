@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scene::evaluate: time → node transforms → instances, lights, cameras, and what changed since the last time.
+// Scene::evaluate: time → node transforms → instances, lights, cameras, and what changed since the last time. Declared
+// in scene.h.
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "lucarium/base/error.h"

@@ -2,7 +2,7 @@
 #include "lucarium/scene/exposure.h"
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 
 namespace lucarium {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 
 namespace lucarium {
 namespace {

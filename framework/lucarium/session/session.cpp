@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <new>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/stopwatch.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/version.h"
 

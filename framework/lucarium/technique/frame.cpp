@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The frame of a rendering as kernels take it. Declared in technique.h.
 #include "lucarium/technique/technique.h"
 
 namespace lucarium {

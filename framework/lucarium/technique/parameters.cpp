@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
-#include "lucarium/base/nearest_name.h"
-#include "lucarium/base/spelling.h"
+#include "lucarium/base/text/nearest_name.h"
+#include "lucarium/base/text/spelling.h"
 
 namespace lucarium {
 

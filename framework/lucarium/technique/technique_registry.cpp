@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The registry of plug-ins: found, checked, loaded. Declared in plugin.h.
 #include <dlfcn.h>
 #include <fmt/ranges.h>
 
@@ -9,7 +10,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/log.h"
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 #include "lucarium/technique/library_file.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_folders.h"

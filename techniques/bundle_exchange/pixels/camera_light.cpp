@@ -5,6 +5,7 @@
 
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/late_weight.h"
+#include "lucarium/base/seed.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -99,7 +100,7 @@ void CameraLight::record_chains(const Program& program, const SceneBuffers& scen
 
 bool CameraLight::gather() {
   ChainSettings settings{};
-  settings.seed = (frame_.seed ^ 0x706978u) * 0x9e3779b9u + samples_;
+  settings.seed = stream_seed(frame_.seed, 0x706978u, samples_);
   settings.first_light = options_.exchanged ? 1 : 2;  // else the first is DirectLight's
   settings.lit = 1;
   settings.max_vertices = options_.single ? 1 : SpecularChains::kMaxVertices;

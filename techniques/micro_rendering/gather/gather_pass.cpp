@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "lucarium/base/files/embedded_files.h"
-#include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 
@@ -64,14 +63,10 @@ GatherPass::GatherPass(Device& device, const MicroParameters& parameters, Gather
     : sky_(parameters.gather_env && at == GatherAt::pixels),
       dynamic_(parameters.node_shading == NodeShading::dynamic && at == GatherAt::pixels),
       levels_(parameters.keeps_levels() && at == GatherAt::pixels) {
-  SourceLibrary library;
-  library.add(micro_rendering_kernels());
   const int edge = at == GatherAt::pixels ? parameters.largest_edge() : parameters.micro_size;
   gathers_per_slice_ = static_cast<size_t>(std::clamp(kPixelsPerSlice / (edge * edge), 16, 256));
-  program_ = Program(device, library,
-                     {"micro_rendering/gather",
-                      {"micro_rendering/gather/micro_gather.cl"},
-                      definitions(parameters, edge, sky_, dynamic_, levels_)});
+  program_ = make_program(device, micro_rendering_kernels(), {"micro_rendering/gather/micro_gather"},
+                          definitions(parameters, edge, sky_, dynamic_, levels_));
 }
 
 MicroSettings GatherPass::settings(const MicroParameters& parameters, uint32_t seed, uint32_t inspect,

@@ -6,7 +6,6 @@
 
 #include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/seed.h"
-#include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 
@@ -55,13 +54,9 @@ LightPathOptions path_options(const MicroParameters& parameters, int bounces) {
 LightAtPoints light_at_points(Device& device, const SceneBuffers& scene, const Intersector& intersector,
                               const PointForest& forest, const TypedBuffer<GBufferPoint>& points,
                               const MicroParameters& parameters, const std::string& owner) {
-  SourceLibrary library;
-  library.add(micro_rendering_kernels());
-  const Program program(
-      device, library,
-      {"micro_rendering/light_points",
-       {"micro_rendering/light/light_points.cl"},
-       {{"MICRO_PIXELS", points ? "1" : "0"}, {"MICRO_DYNAMIC", keeps_samples(parameters) ? "1" : "0"}}});
+  const Program program =
+      make_program(device, micro_rendering_kernels(), {"micro_rendering/light/light_points"},
+                   {{"MICRO_PIXELS", points ? "1" : "0"}, {"MICRO_DYNAMIC", keeps_samples(parameters) ? "1" : "0"}});
   const auto count = static_cast<uint32_t>(points ? points.count() : forest.leaf_count());
   const auto bind = [points, leaves = forest.leaves](PassBuilder& pass) {
     if (points)

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include "lucarium/base/files/embedded_files.h"
+#include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
@@ -222,8 +223,8 @@ void PixelGather::count(std::span<const std::byte> sums) {
 
 bool PixelGather::gather(uint32_t batch, uint32_t frame, uint32_t seed) {
   gather_schedule_.set(gather_sub_, sub_image(batch, frame));
-  gather_schedule_.set(
-      settings_, GatherPass::settings(parameters_, seed ^ (frame * 0x85ebca6bu), inspected(batch, frame), inspect_));
+  gather_schedule_.set(settings_,
+                       GatherPass::settings(parameters_, frame_seed(seed, frame), inspected(batch, frame), inspect_));
   return scheduler_.run(gather_schedule_) == RunResult::done;
 }
 

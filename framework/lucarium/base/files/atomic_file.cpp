@@ -9,11 +9,11 @@
 #include <cstring>
 #include <fstream>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/missing_file.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/text/byte_size.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;

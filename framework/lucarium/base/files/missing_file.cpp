@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lucarium/base/files/list_folder.h"
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;

@@ -5,9 +5,9 @@
 #include <array>
 #include <charconv>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/request_limits.h"
+#include "lucarium/base/text/byte_size.h"
 
 namespace lucarium {
 namespace {

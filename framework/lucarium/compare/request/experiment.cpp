@@ -8,7 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/log.h"
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 #include "lucarium/compare/request/comparison_file.h"
 #include "lucarium/compare/request/expression.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/metrics/metrics.h"
 

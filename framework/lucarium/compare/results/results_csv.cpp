@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// results.csv and curves.csv: one line per piece, and one per snapshot.
+// results.csv and curves.csv: one line per piece, and one per snapshot. Declared in comparison_result.h.
 #include "lucarium/base/error.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/metrics/metrics.h"

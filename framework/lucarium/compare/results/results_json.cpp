@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// results.json, as docs/results.md describes it.
+// results.json, as docs/results.md describes it. Declared in comparison_result.h.
 #include <cmath>
 
 #include "lucarium/base/error.h"

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The references of a comparison: from a file, from the cache, or rendered into the cache.
+// The references of a comparison: from a file, from the cache, or rendered into the cache. Declared in
+// comparison_runner.h.
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/run/comparison_runner.h"
 #include "lucarium/compare/run/reference_file.h"

@@ -12,8 +12,8 @@
 #include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
-#include "lucarium/base/spelling.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/spelling.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/piece.h"
 #include "lucarium/compare/results/result_folder.h"
@@ -165,15 +165,14 @@ void ComparisonRunner::save() {
 }
 
 void ComparisonRunner::write_page() {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch writing;
   write_report(options_.folder, options_.report);
-  page_written_ = std::chrono::steady_clock::now();
-  page_seconds_ = std::chrono::duration<double>(page_written_ - start).count();
+  page_seconds_ = writing.seconds();
+  page_age_.emplace();
 }
 
 bool ComparisonRunner::page_is_due() const {
-  const double age = std::chrono::duration<double>(std::chrono::steady_clock::now() - page_written_).count();
-  return age > std::max(min_page_interval, page_interval_costs * page_seconds_);
+  return !page_age_ || page_age_->seconds() > std::max(min_page_interval, page_interval_costs * page_seconds_);
 }
 
 void ComparisonRunner::update_conclusions() {

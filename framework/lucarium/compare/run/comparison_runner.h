@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-#include <chrono>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lucarium/base/child_process.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/comparison_plan.h"
 
@@ -57,7 +58,7 @@ class ComparisonRunner {
   ImagePairs image_pairs_;  ///< that an experiment compares
   std::vector<ScenePlan> plans_;
   std::vector<SummaryKey> changed_;  ///< summaries that miss the newest pieces
-  std::chrono::steady_clock::time_point page_written_{};
+  std::optional<Stopwatch> page_age_;
   double page_seconds_ = 0;  ///< what the last page took
 };
 

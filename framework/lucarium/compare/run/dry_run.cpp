@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/progress.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/byte_size.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/compare/reference/reference_image.h"
 #include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/compare/run/comparison_plan.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processor, memory and drivers that a comparison ran on; nothing that identifies the machine.
+// Processor, memory and drivers that a comparison ran on; nothing that identifies the machine. Declared in
+// comparison_result.h.
 #include <sys/sysinfo.h>
 #include <sys/utsname.h>
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <limits>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/compute/device/cl_handle.h"
 #include "lucarium/compute/device/host_memory.h"
 

@@ -9,9 +9,9 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/compute/device/host_memory.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"

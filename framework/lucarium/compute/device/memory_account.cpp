@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/text/byte_size.h"
 
 namespace lucarium {
 namespace {

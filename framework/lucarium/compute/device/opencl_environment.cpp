@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What OpenCL drivers read from the environment, set before the first OpenCL call of the process.
+// What OpenCL drivers read from the environment, set before the first OpenCL call of the process. Declared in device.h,
+// cache_folder.h and pocl_folder.h.
 #include <unistd.h>
 
 #include <cstdlib>
@@ -7,7 +8,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/compute/device/cache_folder.h"
 #include "lucarium/compute/device/device.h"
 #include "lucarium/compute/device/pocl_folder.h"

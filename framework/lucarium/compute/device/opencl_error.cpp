@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Names of OpenCL errors. Declared in device.h.
 #include <CL/cl_ext.h>
 
 #include "lucarium/base/error.h"

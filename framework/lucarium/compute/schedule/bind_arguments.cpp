@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 
 namespace lucarium {
 namespace {

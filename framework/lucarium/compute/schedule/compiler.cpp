@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a recording to a Schedule: bind, insert counter reads, plan transients, derive dependencies, create kernels.
+// Declared in schedule.h.
 #include <algorithm>
 #include <map>
 #include <tuple>

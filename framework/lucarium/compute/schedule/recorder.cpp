@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Recording: passes, buffers, variables. Declared in schedule.h.
 #include <algorithm>
 #include <atomic>
 #include <cstring>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Balustrades, lanterns, fountain and planters of builtin:atrium.
+// Balustrades, lanterns, fountain and planters of builtin:atrium. Declared in atrium.h.
 #include <cmath>
 
 #include "lucarium/scene/builtin/atrium.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Columns, arches and vaults of builtin:atrium.
+// Columns, arches and vaults of builtin:atrium. Declared in atrium.h.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 

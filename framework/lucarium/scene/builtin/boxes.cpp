@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The small built-in scenes: Cornell boxes, furnace.
+// The small built-in scenes: Cornell boxes, furnace. Declared in builder.h.
 #include <array>
 #include <cmath>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // builtin:debris: a ball that bursts into closed pieces, the Voronoi cells of random points. Each piece flies on a
-// straight line and turns about its own axis: a morph of one mesh, so that every piece stays rigid.
+// straight line and turns about its own axis: a morph of one mesh, so that every piece stays rigid. Declared in
+// builder.h.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <random>

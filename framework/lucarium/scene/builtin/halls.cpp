@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Built-in scenes of one hall with what papers about global illumination like to show: many lamps, a textured lamp,
-// glossy spheres.
+// glossy spheres. Declared in builder.h.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>

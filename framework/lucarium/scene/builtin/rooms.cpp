@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Built-in scenes of one closed room, lit in ways that are easy or hard for path tracing.
+// Built-in scenes of one closed room, lit in ways that are easy or hard for path tracing. Declared in builder.h.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>

@@ -6,8 +6,8 @@
 #include <functional>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/nearest_name.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/scene/builtin/builder.h"
 
 namespace lucarium {

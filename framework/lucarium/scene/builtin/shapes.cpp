@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curved shapes for the built-in scenes.
+// Curved shapes for the built-in scenes. Declared in builder.h.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 

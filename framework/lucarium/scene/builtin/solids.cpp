@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // builtin:solids: closed bodies over a slab: a torus knot, a horned blob, a ball of glass and a mirror ball, lit by a
-// glowing ball and the sky. Animations: `turn` (rigid), `swell` (morph).
+// glowing ball and the sky. Animations: `turn` (rigid), `swell` (morph). Declared in builder.h.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>

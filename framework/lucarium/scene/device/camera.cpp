@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// The camera as kernels take it. Declared in scene_buffers.h.
 #include <cmath>
 
 #include "lucarium/scene/device/scene_buffers.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/scene/device/environment_tables.h"
 #include "lucarium/scene/device/memory_requirements.h"
 #include "lucarium/scene/device/specular_albedo.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Material tweaks by name: one table of keys, used by the command line and by the JSON beside a scene.
+// Material tweaks by name: one table of keys, used by the command line and by the JSON beside a scene. Declared in
+// scene_overrides.h.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -7,9 +8,9 @@
 #include <limits>
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
-#include "lucarium/base/spelling.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/nearest_name.h"
+#include "lucarium/base/text/spelling.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
 namespace lucarium {

@@ -2,8 +2,8 @@
 #include "lucarium/scene/load/scene_overrides.h"
 
 #include "lucarium/base/error.h"
-#include "lucarium/base/nearest_name.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/nearest_name.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/scene/builtin/builder.h"
 
 namespace lucarium {

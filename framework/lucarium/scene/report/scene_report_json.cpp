@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// A scene report as JSON. Declared in scene_report.h.
 #include "lucarium/base/json.h"
 #include "lucarium/scene/report/scene_report.h"
 

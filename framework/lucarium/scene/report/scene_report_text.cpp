@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+// A scene report for people. Declared in scene_report.h.
 #include <fmt/ranges.h>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/terminal.h"
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/byte_size.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/scene/report/scene_report.h"
 
 namespace lucarium {

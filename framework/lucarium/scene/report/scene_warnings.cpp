@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+// What looks wrong with a scene. Declared in scene_report.h.
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/texture_sampling.h"
 #include "lucarium/scene/report/scene_report.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Consumers of LayeredRaster that write buffers.
+// Consumers of LayeredRaster that write buffers. Declared in layered_raster.h.
 #include <algorithm>
 
 #include "lucarium/base/error.h"

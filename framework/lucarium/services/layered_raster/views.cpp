@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Views for all directions, cubes and axes. Declared in layered_raster.h.
 #include "lucarium/services/layered_raster/layered_raster.h"
 
 namespace lucarium {

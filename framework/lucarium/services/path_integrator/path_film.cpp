@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What PathIntegrator writes into a film.
+// What PathIntegrator writes into a film. Declared in path_integrator.h.
 #include <array>
 
 #include "lucarium/base/error.h"

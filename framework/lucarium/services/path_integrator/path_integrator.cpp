@@ -13,7 +13,7 @@
 namespace lucarium {
 namespace {
 
-const char* const kLowerBatch = "lower the technique's batch_paths or --size";
+const char* const kLowerBatchOrSize = "lower the technique's batch_paths or --size";
 
 /// Whether a light of one of these kinds is there and wanted.
 bool holds_kind(const std::vector<Light>& lights, const PathSet& set, std::initializer_list<uint32_t> kinds) {
@@ -124,14 +124,15 @@ PathSettings PathIntegrator::State::make_settings() const {
 }
 
 void PathIntegrator::State::allocate() {
-  device.memory().require_total(
-      owner, "path tracing", estimate_bytes(frame.width, frame.height, options, intersector.wants_ends()), kLowerBatch);
+  device.memory().require_total(owner, "path tracing",
+                                estimate_bytes(frame.width, frame.height, options, intersector.wants_ends()),
+                                kLowerBatchOrSize);
   const size_t count = plan.paths();
   const auto make = [&]<class T>(TypedBuffer<T>& buffer, const char* name, size_t elements) {
-    buffer = TypedBuffer<T>(device, owner, name, elements, kLowerBatch);
+    buffer = TypedBuffer<T>(device, owner, name, elements, kLowerBatchOrSize);
   };
   make(paths.rays, "rays", count);
-  paths.ends = make_ray_ends(device, intersector, owner, "ends of rays", count, kLowerBatch);
+  paths.ends = make_ray_ends(device, intersector, owner, "ends of rays", count, kLowerBatchOrSize);
   make(paths.queue, "path queue", count);
   make(paths.active, "active paths", 1);
   make(paths.throughput, "throughput", count);

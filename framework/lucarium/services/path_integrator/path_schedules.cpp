@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The passes of PathIntegrator: generate once per batch, bounce as often as paths live, finish once per batch.
+// The passes of PathIntegrator: generate once per batch, bounce as often as paths live, finish once per batch. Declared
+// in path_integrator_state.h.
 #include <cstring>
 
 #include "lucarium/services/path_integrator/path_integrator_state.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charts of a fraction of a texel join a texel of the chart beside them.
+// Charts of a fraction of a texel join a texel of the chart beside them. Declared in table.h.
 #include <cmath>
 
 #include "lucarium/services/surface_atlas/table.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A chart's triangles cut into cells; triangles that a cell would join with others that they do not touch there leave.
+// Declared in chart.h.
 #include <algorithm>
 #include <numeric>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Places the texels of charts. Declared in chart.h.
 #include <algorithm>
 
 #include "lucarium/base/error.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A chart's plane: projection, best-fit rectangle, bisection of shapes that fill it badly, and the grid of cells.
+// Declared in chart.h.
 #include <algorithm>
 #include <array>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random points of texels.
+// Random points of texels. Declared in table.h.
 #include <algorithm>
 #include <cmath>
 

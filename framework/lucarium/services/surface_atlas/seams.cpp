@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interpolation across smooth seams: empty cells along a chart's border get the texels of the chart behind it.
+// Interpolation across smooth seams: empty cells along a chart's border get the texels of the chart behind it. Declared
+// in table.h.
 #include <algorithm>
 #include <cmath>
 #include <tuple>

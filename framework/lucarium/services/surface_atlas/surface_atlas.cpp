@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/stopwatch.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bvh/moving_parts.h"
 #include "lucarium/services/surface_atlas/estimate.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the covered cells of a chart to its texels.
+// From the covered cells of a chart to its texels. Declared in chart.h.
 #include <algorithm>
 #include <numeric>
 

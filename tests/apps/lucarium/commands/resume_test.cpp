@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cli_support.h"
+#include "lucarium/base/stopwatch.h"
 #include "lucarium/film/image_io.h"
 
 using namespace lucarium;
@@ -49,9 +50,9 @@ TEST_CASE("a comparison killed at random moments ends like one left alone; what 
   const TemporaryFolder folder;
   const fs::path alone = folder.path() / "alone", killed = folder.path() / "killed";
   const fs::path cache = folder.path() / "cache";
-  const auto start = std::chrono::steady_clock::now();
+  const lucarium::Stopwatch watch;
   REQUIRE(run_lucarium(comparison(alone, cache)).exit_code == 0);
-  const double undisturbed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double undisturbed = watch.seconds();
   fs::remove_all(cache / "references");
 
   // Some lives are long enough to finish a piece or two, however busy the machine is.

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "compute_fixture.h"
-#include "lucarium/base/byte_size.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/compute/device/host_memory.h"
 
 using namespace lucarium;

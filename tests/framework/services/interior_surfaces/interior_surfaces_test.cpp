@@ -136,6 +136,10 @@ TEST_CASE("backs are asked for from their own side, and known points are left ou
   scene = floor_scene();
   add_box(scene, {-1, -0.5f, -1}, {1, 1, 1});
   CHECK(open_shares(places(scene, {.steps = 6}, kBehind, 4), 1)[0] == 0);
+  scene = floor_scene();
+  add_box(scene, {-1, 0, -1}, {1, 1, 1});  // stands on the floor: the floor's front is inside, its back is not
+  CHECK(open_shares(places(scene, {.steps = 1}, kOwn, 4), 1)[0] == 0);
+  CHECK(open_shares(places(scene, {.steps = 1}, kBehind, 4), 1)[0] == 1);
 
   KernelScheduler scheduler(test_device());
   const SceneBuffers buffers(*test_device(), scene);

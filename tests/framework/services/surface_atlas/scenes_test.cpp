@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The atlas of large scenes: wanted count, density, no bleeding, times. Third-party scenes may be absent.
-#include <chrono>
 #include <cstdio>
 
+#include "lucarium/base/stopwatch.h"
 #include "support.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -19,9 +19,9 @@ void check_scene(const std::string& name, const AtlasGeometry& g, uint64_t texel
   CAPTURE(texels);
   AtlasLayoutOptions options;
   options.texel_count = texels;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const AtlasLayout layout = make_atlas_layout(g, options);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   std::vector<double> areas;
   const double s2 = double(layout.info.texel_edge) * double(layout.info.texel_edge);
   for (const AtlasTexel& texel : layout.texels) areas.push_back(double(texel.area) / s2);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The properties of glTF 2.0 (section 5) and of the extensions that are read, as rules for check_json(). Value ranges
 // are stated where a value outside has no meaning; those that are merely unphysical are clamped with a warning later.
+// Declared in schema.h.
 #include "lucarium/scene/gltf/document/schema.h"
 
 namespace lucarium::gltf {

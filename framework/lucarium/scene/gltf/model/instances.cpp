@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Occurrences of meshes: visible nodes, EXT_mesh_gpu_instancing, skins.
+// Occurrences of meshes: visible nodes, EXT_mesh_gpu_instancing, skins. Declared in nodes.h.
 #include <algorithm>
 #include <cmath>
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <bit>
 
-#include "lucarium/base/byte_size.h"
 #include "lucarium/base/hash.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/compute/device/host_memory.h"
 #include "lucarium/scene/image/image_decode.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/base/text_values.h"
+#include "lucarium/base/text/text_values.h"
 
 #include <fmt/ranges.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/base/byte_size.h"
+#include "lucarium/base/text/byte_size.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/base/nearest_name.h"
+#include "lucarium/base/text/nearest_name.h"
 
 #include <fmt/ranges.h>
 
