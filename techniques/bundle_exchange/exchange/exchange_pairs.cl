@@ -8,11 +8,11 @@
 #include "bundle_exchange/texels/side_parts.clh"
 
 typedef struct Exchange {
-  const global AtlasTriangle* atlas_triangles;
-  const global uint* atlas_table;
-  const global uint* accessibility;
-  const global float2* interior;  // y: what a ray counts that meets a back
-  global float4* records;
+  const __global AtlasTriangle* atlas_triangles;
+  const __global uint* atlas_table;
+  const __global uint* accessibility;
+  const __global float2* interior;  // y: what a ray counts that meets a back
+  __global float4* records;
   float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
   float weight;                // w of exchange_layout.clh
   uint double_sided;           // texels that have a back
@@ -35,8 +35,8 @@ float end_weight(const Exchange* exchange, FragmentSide end) {
 // receiver y. The cosine is implicit, since a texel side is met by as many rays as it shows area to omega; f_r follows
 // when y sends (make_senders()), 2π = 1/p is in the weight, and 1/N in side_mean().
 void receive(Exchange* exchange, uint receiver, float weight, uint sender, float sender_weight) {
-  global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
-  const global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
+  __global float4* to = exchange->records + (size_t)receiver * BUNDLE_RECORD;
+  const __global float4* from = exchange->records + (size_t)sender * BUNDLE_RECORD;
   to[0].w += sender_weight;
   to[1] += weight * (float4)(from[0].xyz, 1.0f);
   for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel)

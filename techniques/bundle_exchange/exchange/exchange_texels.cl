@@ -12,8 +12,8 @@
 
 // Moves a texel side's sample position to a random one within its texel, on the same triangle; where that misses, it
 // stays.
-AtlasTexel jitter_texel(const global AtlasTriangle* atlas_triangles, const global uint* atlas_table, AtlasTexel texel,
-                        uint front_side, float2 u) {
+AtlasTexel jitter_texel(const __global AtlasTriangle* atlas_triangles, const __global uint* atlas_table,
+                        AtlasTexel texel, uint front_side, float2 u) {
   const AtlasTriangle t = atlas_triangles[texel.triangle];
   const float2 e1 = (float2)(t.u1 - t.u0, t.v1 - t.v0), e2 = (float2)(t.u2 - t.u0, t.v2 - t.v0);
   const float area = e1.x * e2.y - e1.y * e2.x;
@@ -62,7 +62,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const uint part = side_part(triangle, atlas_uv(triangle, texel.b1, texel.b2));
   const float cosine = dot(normal, views[0].row_w.xyz),
               w = weight * fabs(cosine) * part_accessibility(accessibility, side, part);
-  global float4* to = records + (size_t)side * BUNDLE_RECORD;
+  __global float4* to = records + (size_t)side * BUNDLE_RECORD;
   if (sender == LUCARIUM_NONE) {
     const float3 end = cosine > 0.0f ? ends[1].xyz : ends[0].xyz;
     // Backs are black. They count, except for rays that begin in hidden places (exchange_pairs.cl).
@@ -71,7 +71,7 @@ __kernel void exchange_texels(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     return;
   }
   // Receive what the opposite sampling point sends, in all channels.
-  const global float4* from = records + (size_t)sender * BUNDLE_RECORD;
+  const __global float4* from = records + (size_t)sender * BUNDLE_RECORD;
   to[0].w += w;
   to[1] += w * (float4)(from[0].xyz, 1.0f);
   for (uint channel = 1u; channel < BUNDLE_ACTIVE; ++channel) to[2u * channel + 1u].xyz += w * from[2u * channel].xyz;

@@ -4,9 +4,9 @@
 #include "bundle_exchange/texels/side_parts.clh"
 
 typedef struct Probe {
-  const global AtlasTriangle* atlas_triangles;
-  const global uint* atlas_table;
-  global uint* counts;
+  const __global AtlasTriangle* atlas_triangles;
+  const __global uint* atlas_table;
+  __global uint* counts;
   uint double_sided;
   uint access_gap;  // shorter gaps are near, in steps of LAYERED_KEY_DEPTH
 } Probe;
@@ -19,7 +19,7 @@ void bundle_expect(Probe* probe, uint texel) { LUCARIUM_PREFETCH(probe->counts +
 // See PROBE_RAYS; no more than it holds.
 void count_ray(Probe* probe, FragmentSide end, bool near, bool back) {
   if (end.side == LUCARIUM_NONE) return;
-  global uint* count = probe->counts + (size_t)end.side * SIDE_PARTS + end.part;
+  __global uint* count = probe->counts + (size_t)end.side * SIDE_PARTS + end.part;
   if (PROBE_RAYS(*count) < PROBE_MAX) *count += 1u | (uint)(near && !back) << 10u | (uint)back << 20u;
 }
 

@@ -17,7 +17,7 @@ __kernel void accumulate_batch(uint sides, float sender_scale, float sender_weig
                                __global float4* restrict statistics) {
   const uint side = get_global_id(0);
   if (side >= sides) return;
-  const global float4* record = records + (size_t)side * BUNDLE_RECORD;
+  const __global float4* record = records + (size_t)side * BUNDLE_RECORD;
   const float weight = record[1].w, seen = record[0].w;
   float3 total = (float3)(0.0f);
   // Emitted light is added as it comes: its senders do not change.

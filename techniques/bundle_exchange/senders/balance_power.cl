@@ -57,7 +57,7 @@ __kernel void specular_chunks(uint sides, __global const float4* restrict diffus
   if (first >= sides) return;
   float4 sum = (float4)(0.0f);
   for (uint side = first; side < min(first + BALANCE_CHUNK, sides); ++side) {
-    const global float4* record = records + (size_t)side * BUNDLE_RECORD;
+    const __global float4* record = records + (size_t)side * BUNDLE_RECORD;
     sum += (float4)(record[2u * BUNDLE_FIRST + 1u].xyz - record[0].w * diffuse[side].xyz, record[1].w);
   }
   chunks[chunk] = sum;

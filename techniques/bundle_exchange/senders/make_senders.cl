@@ -19,7 +19,7 @@ __kernel void make_senders(uint sides, __global const float4* restrict albedo, _
                            __global float4* restrict records) {
   const uint side = get_global_id(0);
   if (side >= sides) return;
-  global float4* record = records + (size_t)side * BUNDLE_RECORD;
+  __global float4* record = records + (size_t)side * BUNDLE_RECORD;
 #ifdef BUNDLE_EMISSION
   record[0] = (float4)(emission[side].xyz, 0.0f);
   record[1] = (float4)(0.0f);

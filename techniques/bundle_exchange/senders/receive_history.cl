@@ -7,7 +7,7 @@
 #include "bundle_exchange/shared/history_step.h"
 
 // Light that arrived through channel `output` of what is reflected: that of one scattering less.
-float3 history_input(const global float4* record, uint output) {
+float3 history_input(const __global float4* record, uint output) {
   float3 light = (float3)(0.0f);
 #ifdef BUNDLE_EMISSION
   if (output == 0u) light = record[1].xyz;
@@ -27,7 +27,7 @@ __kernel void receive_history(uint count, HistoryStep history_step, __global con
                               __global float4* restrict history) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  const global float4* record = records + (size_t)list[i] * BUNDLE_RECORD;
+  const __global float4* record = records + (size_t)list[i] * BUNDLE_RECORD;
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
     const size_t own = (size_t)k * count + i;
     const float4 now = (float4)(history_input(record, k), record[1].w);

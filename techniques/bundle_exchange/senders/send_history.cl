@@ -9,7 +9,7 @@
 #include "lucarium/shared/surface_point.h"
 
 // The reflection lobe of a texel side seen from `view`, by what the atlas keeps of its material.
-Bsdf side_reflection(const global AtlasMaterial* material, float3 n_g, float3 view) {
+Bsdf side_reflection(const __global AtlasMaterial* material, float3 n_g, float3 view) {
   Bsdf bsdf;
   bsdf.n_g = n_g;
   bsdf.n_s = material->shading.xyz;
@@ -26,7 +26,7 @@ Bsdf side_reflection(const global AtlasMaterial* material, float3 n_g, float3 vi
   return bsdf;
 }
 
-float3 reflection_albedo(const global float* table, const Bsdf* bsdf) {
+float3 reflection_albedo(const __global float* table, const Bsdf* bsdf) {
   const float2 e = specular_albedo_directional(table, dot(bsdf->n_s, bsdf->view), sqrt(bsdf->alpha));
   return bsdf->f0 * (e.x - e.y) + bsdf->f90 * e.y;
 }
@@ -61,7 +61,7 @@ __kernel void send_history(__global const float* restrict scene_albedo_table,
     if (!(cosine > 1e-6f)) continue;
     // Take the cosine out: rays hit a texel side in proportion to it already.
     const float3 f = eval_bsdf(&bsdf, in) / cosine;
-    const global float4* received = history + (size_t)index * BUNDLE_REFLECTED * count + i;
+    const __global float4* received = history + (size_t)index * BUNDLE_REFLECTED * count + i;
     for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] += f * received[(size_t)k * count].xyz;
     share += f * received[0].w;
   }
@@ -74,7 +74,7 @@ __kernel void send_history(__global const float* restrict scene_albedo_table,
     scale = select((float3)(0.0f), albedo / share, share > 0.0f);
   }
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
-    global float4* send = records + (size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
+    __global float4* send = records + (size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
     const float3 otherwise = history_step.adds ? (*send).xyz : diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz;
     (*send).xyz = otherwise + scale * light[k];
   }

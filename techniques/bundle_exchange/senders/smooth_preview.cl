@@ -33,7 +33,7 @@ __kernel void begin_preview(uint sides, float correction, __global const float4*
 }
 
 // The cell `step` cells away from one, where the surface goes on all the way; LUCARIUM_NONE where it does not.
-uint walk_cells(AtlasInfo info, const global uchar* links, uint cell, uint pitch, int du, int dv, uint step) {
+uint walk_cells(AtlasInfo info, const __global uchar* links, uint cell, uint pitch, int du, int dv, uint step) {
   for (uint k = 0u; k < step; ++k) {
     if (!(links[cell] & LUCARIUM_ATLAS_LINK(du, dv))) return LUCARIUM_NONE;
     cell = (uint)((int)cell + dv * (int)pitch + du);

@@ -9,14 +9,14 @@
 
 // What chains find for their targets.
 typedef struct Contributions {
-  global float4* contribution;
+  __global float4* contribution;
   uint layout;  // CONTRIBUTION_*
   // Of the atlas; not set where only light samples are added.
   AtlasInfo atlas_info;
-  const global AtlasTriangle* atlas_triangles;
-  const global uint* atlas_table;
-  const global float4* diffuse;  // what texel sides send by their diffuse lobe, BUNDLE_REFLECTED channels each
-  uint limit;                    // ChainSettings::limit
+  const __global AtlasTriangle* atlas_triangles;
+  const __global uint* atlas_table;
+  const __global float4* diffuse;  // what texel sides send by their diffuse lobe, BUNDLE_REFLECTED channels each
+  uint limit;                      // ChainSettings::limit
 } Contributions;
 #define CHAIN_CONSUMER Contributions
 #include "lucarium/services/specular_chains/advance.clh"

@@ -10,7 +10,7 @@ __kernel void apply_contributions(uint count, __global const uint* restrict list
   if (i >= count) return;
   const uint side = list[i];
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) {
-    global float4* send = records + (size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
+    __global float4* send = records + (size_t)side * BUNDLE_RECORD + 2u * (BUNDLE_FIRST + k);
     (*send).xyz = diffuse[(size_t)side * BUNDLE_REFLECTED + k].xyz + contribution[(size_t)i * BUNDLE_REFLECTED + k].xyz;
   }
 }

@@ -26,7 +26,7 @@ __kernel void finish_accessibility(uint sides, AtlasInfo atlas_info,
   const uint side = get_global_id(0);
   if (side >= sides) return;
   // Sum up the rays over the parts.
-  const global uint* own = counts + (size_t)side * SIDE_PARTS;
+  const __global uint* own = counts + (size_t)side * SIDE_PARTS;
   uint rays = 0u, backs = 0u, near = 0u;
   for (uint part = 0u; part < SIDE_PARTS; ++part) {
     rays += PROBE_RAYS(own[part]);

@@ -8,7 +8,7 @@
 #include "micro_rendering/tree/micro_surface.clh"
 
 // Whether node i of a tree is split where levels allow.
-bool is_bent(const global MicroTree* tree, const global uint4* heap, uint i, float cone) {
+bool is_bent(const __global MicroTree* tree, const __global uint4* heap, uint i, float cone) {
   return i < (1u << tree->depth) && unpack_node(heap[i]).cone > cone;
 }
 
@@ -20,7 +20,7 @@ uint behind_subtree(uint i) {
 }
 
 // Most levels for which the cut has no more than `max_nodes` nodes.
-uint levels_that_fit(const global uint* totals, uint max_nodes) {
+uint levels_that_fit(const __global uint* totals, uint max_nodes) {
   uint deeper = 0u;
   while (deeper < MICRO_CUT_LEVELS && totals[deeper + 1u] <= max_nodes) ++deeper;
   return deeper;
@@ -66,9 +66,9 @@ __kernel void count_cut_nodes(__global const MicroTree* restrict trees, uint tre
 }
 
 // The gather of node i, at the leaf nearest to its centre; its leaves learn the result.
-MicroGather node_gather(const Scene* scene, const global MicroLeaf* leaves, const global TriangleEdges* triangle_edges,
-                        const global MicroTree* tree, const global uint4* heap, uint i, uint result, uint micro_size,
-                        global uint* leaf_results) {
+MicroGather node_gather(const Scene* scene, const __global MicroLeaf* leaves,
+                        const __global TriangleEdges* triangle_edges, const __global MicroTree* tree,
+                        const __global uint4* heap, uint i, uint result, uint micro_size, __global uint* leaf_results) {
   const float3 center = unpack_node(heap[i]).center;
   const uint below = tree->depth - (31u - clz(i)), first = i << below,
              first_leaf = tree->first_node / 2u - (1u << tree->depth);

@@ -11,7 +11,7 @@
 #define MICRO_GATHER_ENV 0  // as micro_gather.cl
 #endif
 
-float3 mirrored_view(const global GBufferPoint* point) {
+float3 mirrored_view(const __global GBufferPoint* point) {
   const float3 n = point->shading.xyz, v = point->view.xyz;
   return 2.0f * dot(n, v) * n - v;
 }
@@ -72,7 +72,7 @@ __kernel void upsample_gathers(LUCARIUM_SCENE_PARAMETERS __global const GBufferP
   const MicroStatistics none = {0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u};
   for (uint side = 0; side < sides; ++side) statistics[pixel + side * pixels] = none;
   // Find which lobes the pixel needs, and how far its surface may differ from a gather's.
-  const global GBufferPoint* point = points + pixel;
+  const __global GBufferPoint* point = points + pixel;
   if (point->state != LUCARIUM_GBUFFER_SURFACE) return;
   LUCARIUM_SCENE_BIND(scene);
   const Surface surface = gbuffer_surface(&scene, *point);

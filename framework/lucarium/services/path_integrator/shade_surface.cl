@@ -17,7 +17,7 @@ typedef struct Walk {
 } Walk;
 
 // Adds light that reaches the path's last vertex to the layer it belongs to.
-void add_light(PathBatch batch, Walk* walk, float3 light, global float4* path_radiance) {
+void add_light(PathBatch batch, Walk* walk, float3 light, __global float4* path_radiance) {
   const float3 contribution = walk->throughput * light;
   if (!is_contribution(contribution))
     walk->state.flags |= PATH_BAD;
@@ -35,14 +35,14 @@ float hit_weight(PathSettings settings, const Walk* walk, float light_pdf) {
 }
 
 void add_environment(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, float3 direction,
-                     global float4* path_radiance) {
+                     __global float4* path_radiance) {
   if (!(settings.flags & LUCARIUM_PATH_SEES_ENVIRONMENT)) return;
   const float weight = hit_weight(settings, walk, pdf_light_environment(scene, direction));
   if (weight > 0.0f) add_light(batch, walk, weight * environment_radiance(scene, direction), path_radiance);
 }
 
 void add_emission(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, const Surface* surface,
-                  float distance, global float4* path_radiance) {
+                  float distance, __global float4* path_radiance) {
   if (!(settings.flags & LUCARIUM_PATH_SEES_TRIANGLES)) return;
   const float3 emission = emitted_radiance(scene, surface);
   if (is_black(emission)) return;
@@ -61,7 +61,8 @@ bool can_bring_light(PathSettings settings, uint scatterings, bool delta) {
 
 // The light sample: fills shadow_ray and shadow_light where it may bring something.
 void sample_lights(const Scene* scene, PathSettings settings, Walk* walk, const Surface* surface, const Bsdf* bsdf,
-                   const Sampler* sampler, LightChoiceSample u, global Ray* shadow_ray, global float4* shadow_light) {
+                   const Sampler* sampler, LightChoiceSample u, __global Ray* shadow_ray,
+                   __global float4* shadow_light) {
   const uint scatterings = walk->state.scatterings + 1u;
   if (!(settings.flags & (LUCARIUM_PATH_SAMPLE_LIGHTS | LUCARIUM_PATH_PUNCTUAL))) return;
   if (scatterings > settings.max_scatterings || !path_layer_wanted(settings, scatterings)) return;
@@ -141,7 +142,7 @@ bool sample_direction(const Scene* scene, PathSettings settings, Walk* walk, con
 
 // Shades the surface that the path has hit. True when the path goes on along `next_ray`.
 bool shade_hit(const Scene* scene, PathSettings settings, PathBatch batch, Walk* walk, Hit hit, float3 direction,
-               global float4* path_radiance, global Ray* shadow_ray, global float4* shadow_light, Ray* next_ray) {
+               __global float4* path_radiance, __global Ray* shadow_ray, __global float4* shadow_light, Ray* next_ray) {
   const uint options = settings.flags & LUCARIUM_PATH_GEOMETRIC_NORMALS ? LUCARIUM_SURFACE_GEOMETRIC_NORMALS : 0u;
   const Surface surface = make_surface(scene, hit, direction, options);
 

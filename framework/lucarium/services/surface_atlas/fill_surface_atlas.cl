@@ -8,7 +8,7 @@
 #include "lucarium/shared/surface_point.h"
 #include "lucarium/surface_atlas.clh"
 
-float triangle_area(const global Vertex* vertices, Triangle triangle) {
+float triangle_area(const __global Vertex* vertices, Triangle triangle) {
   const float3 a = vertices[triangle.v0].position.xyz;
   return 0.5f * length(cross(vertices[triangle.v1].position.xyz - a, vertices[triangle.v2].position.xyz - a));
 }

@@ -4,7 +4,7 @@
 #define SCATTERINGS 8u
 
 typedef struct Contributions {
-  global float4* gain;  // [target][min(scatterings, SCATTERINGS - 1)]
+  __global float4* gain;  // [target][min(scatterings, SCATTERINGS - 1)]
   uint glowing;
 } Contributions;
 #define CHAIN_CONSUMER Contributions
