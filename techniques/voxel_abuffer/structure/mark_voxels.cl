@@ -4,6 +4,14 @@
 #include "lucarium/shared/scene_types.h"
 #include "voxel_abuffer/structure/touches.clh"
 
+// Bits that a word has already; those that it gets meanwhile may be missed. An atomic operation for interpreters that
+// take any other look for a race.
+#ifdef LAYERED_PORTABLE
+#define ABUFFER_SEEN(word) atomic_or(word, 0u)
+#else
+#define ABUFFER_SEEN(word) (*(word))
+#endif
+
 __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __global const uchar* abuffer_classes,
                                   __global const float* abuffer_triangles, volatile __global uint* abuffer_voxels) {
   const uint i = get_global_id(0);
@@ -26,7 +34,7 @@ __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __gl
         const float4 center = ((float4)((float)x, (float)y, (float)z, 0.0f) + 0.5f) * edge;
         volatile __global uint* word =
             abuffer_voxels + abuffer_voxel(grid.bricks, (uint4)((uint)x, (uint)y, (uint)z, 0u));
-        if ((*word & bits) == bits) continue;  // by another triangle, as most are
+        if ((ABUFFER_SEEN(word) & bits) == bits) continue;  // by another triangle, as most are
         if (axes < 2 || abuffer_touches(p, center, half_edge)) atomic_or(word, bits);
       }
 }
