@@ -47,6 +47,11 @@ TEST_CASE("bidirectional path tracing with light paths of its own agrees, and so
                   {{"light_paths", "300"}, {"candidates", "256"}, {"camera_edges", "1"}, {"beta", "2"}}, {}, kSeeds);
 }
 
+TEST_CASE("splats alone show indirect light where camera paths see it") {
+  check_agreement("splats", load_scene("builtin:cornell"), picture_of(2), {{"strategy", "splat"}}, {{"direct", "off"}},
+                  kSeeds);
+}
+
 TEST_CASE("camera paths along ray-bundles agree with path tracing, uniform and after the sky") {
   Picture picture = picture_of(3);
   check_agreement("uniform", load_scene("builtin:cornell-glossy"), picture, {{"directions", "bundle"}}, {}, kSeeds);

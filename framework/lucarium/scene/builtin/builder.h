@@ -82,6 +82,8 @@ Scene make_furnace();
 Scene make_room(int lamp);     ///< what lights it: see the parameter in scenes.cpp
 Scene make_fixture(int lamp);  ///< 0: a point light, 1: a lamp of 4 cm
 Scene make_caustic();
+/// 20 · 4^levels triangles; roughness in hundredths.
+Scene make_statue(int levels, int roughness);
 Scene make_atrium();
 Scene make_lamps(int count);
 Scene make_picture_lamp();
