@@ -217,7 +217,8 @@ TEST_CASE("inactive, infinite and undefined rays miss") {
                            make_ray({0, 0, 0}, {0, 0, 1}, nan),  make_ray({0, 0, 0}, {0, 0, 0}),
                            make_ray({0, 0, 0}, {nan, 0, 1}),     make_ray({0, 0, 0}, {0, infinity, 0}),
                            make_ray({nan, 0, 0}, {0, 0, 1}),     make_ray({0, infinity, 0}, {0, 0, 1}),
-                           make_ray({0, 0, -1e30f}, {0, 0, 1}),  make_ray({nan, nan, nan}, {nan, nan, nan}, nan)};
+                           make_ray({0, 0, -1e30f}, {0, 0, 1}),  make_ray({nan, nan, nan}, {nan, nan, nan}, nan),
+                           make_ray({0, 0, 0}, {0, 0, 1e19f})};  // its square is infinite
   for (const BvhTraversal traversal : traversals) {
     const Results results = tracer.trace(tracer.make(soup, traversal), rays);
     for (size_t i = 0; i < rays.size(); ++i) {
