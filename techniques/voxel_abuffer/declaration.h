@@ -12,6 +12,10 @@ namespace lucarium::abuffer {
 
 TechniqueInfo technique_info();
 
+/// Systematic error, as Capabilities::bias says: 0 where hits are those of a hierarchy. `declared`: of search by parity
+/// with 2D-DDA and 1280 pixels. Parity errs in a band along edges, as wide as a pixel or a step.
+double admitted_bias(const AbufferParameters& parameters, double declared);
+
 PathSet path_set(const AbufferParameters& parameters, const RenderSettings& settings);
 
 /// What is left out, and parameters that have no effect, one line each.

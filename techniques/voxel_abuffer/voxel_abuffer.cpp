@@ -61,6 +61,8 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
     return abuffer::path_set(parameters_, settings);
   }
 
+  double admitted_bias(double declared) const override { return abuffer::admitted_bias(parameters_, declared); }
+
   std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
     return abuffer::limitations(parameters_, scene, settings);
   }

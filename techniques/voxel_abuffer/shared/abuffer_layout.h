@@ -33,6 +33,7 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 #define ABUFFER_EXACT(k) (1u << (k))
 #define ABUFFER_PARITY 8u
 #define ABUFFER_ROOM 16u    // with ABUFFER_PARITY: fronts face inwards
+#define ABUFFER_OPEN 64u    // with ABUFFER_PARITY: the component has no inside
 #define ABUFFER_ABSENT 32u  // of components, alone: not of this structure's subset; their triangles have no class
 
 // A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity;
@@ -79,7 +80,7 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 #define ABUFFER_WORK_BISECTIONS 3u  // further points for bisection
 #define ABUFFER_WORK_TRIANGLES 4u   // triangle tests
 #define ABUFFER_WORK_STARTS 5u      // rays whose state is the same on both sides of the surface that they leave
-#define ABUFFER_WORK_FACINGS 6u     // crossings beside which no triangle faces as they do
+#define ABUFFER_WORK_FACINGS 6u     // changes of state that no triangle explains
 #define ABUFFER_WORK_COUNTS 7u
 
 #endif

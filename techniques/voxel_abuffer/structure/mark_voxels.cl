@@ -20,7 +20,8 @@ __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __gl
   __global const float* words = abuffer_triangles + i * ABUFFER_TRIANGLE_WORDS;
   float4 p[3];
   for (uint k = 0u; k < 3u; ++k) p[k] = abuffer_position(&grid, (float4)(vload3(k, words), 0.0f));
-  const float pad = ABUFFER_VOXEL_PAD + grid.slack, edge = (float)grid.voxels.w, half_edge = 0.5f * edge + pad;
+  const float pad = (abuffer_classes[i] & ABUFFER_PARITY ? ABUFFER_PARITY_PAD : ABUFFER_VOXEL_PAD) + grid.slack,
+              edge = (float)grid.voxels.w, half_edge = 0.5f * edge + pad;
   const float4 low = fmin(p[0], fmin(p[1], p[2])) - pad, high = fmax(p[0], fmax(p[1], p[2])) + pad;
   const float4 sum = low + high;
   if (!(fabs(sum.x) + fabs(sum.y) + fabs(sum.z) < 1e15f)) return;  // not finite, or beyond what rays can hit

@@ -43,7 +43,7 @@ TriangleClasses classify(const Scene& scene, Intersect intersect, const SceneSub
         continue;
       }
       const bool parity = intersect == Intersect::parity || (intersect == Intersect::automatic && part.closed);
-      const uint32_t sides = part.volume < 0 ? ABUFFER_PARITY | ABUFFER_ROOM : ABUFFER_PARITY;
+      const uint32_t sides = ABUFFER_PARITY | (part.closed ? (part.volume < 0 ? ABUFFER_ROOM : 0u) : ABUFFER_OPEN);
       classes.parity.push_back(static_cast<uint8_t>(parity ? sides : 0));
       (parity ? classes.parity_triangles : classes.exact_triangles) += part.triangles;
       classes.open_components += !part.closed;

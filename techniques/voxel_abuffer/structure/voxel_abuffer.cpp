@@ -219,6 +219,7 @@ void VoxelAbuffer::State::compile() {
     defines["ABUFFER_WITH_PARITY"] = "";
     defines["ABUFFER_STEPS"] = options.search == Search::columns ? "0" : options.search == Search::one_step ? "1" : "3";
     if (options.intersect == Intersect::plane) defines["ABUFFER_PLANES"] = "";
+    if (options.intersect == Intersect::parity && classes.open_components > 0) defines["ABUFFER_OPEN_MESHES"] = "";
     if (options.attributes != Attributes::triangle) defines["ABUFFER_UNREFINED"] = "";
     if (options.attributes == Attributes::stored) defines["ABUFFER_STORED"] = "";
   }

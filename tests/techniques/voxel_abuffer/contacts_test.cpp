@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// Search by parity where solids touch, along edges, and where meshes are open: against the hierarchy's hits.
+#include <doctest/doctest.h>
+
+#include "../../framework/services/layered_raster/scene.h"
+#include "closed_bodies.h"
+#include "lucarium/conformance/check_scenes.h"
+#include "test_support.h"
+#include "voxel_abuffer/structure/state.h"
+#include "walked_rays.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+using abuffer::Intersect;
+using abuffer::Search;
+using abuffer::VoxelAbuffer;
+
+namespace {
+
+Soup inverted(Soup soup) {
+  for (Triangle& t : soup.triangles) std::swap(t.v1, t.v2);
+  return soup;
+}
+
+/// A room with a box on its floor, one on that, one that touches it and a slab in the wall's plane.
+Soup furnished_room() {
+  Soup soup = inverted(box({-2, 0, -2}, {2, 2.5f, 2}));
+  append(soup, box({-0.8f, 0, -0.5f}, {0.1f, 0.71f, 0.42f}));
+  append(soup, box({0.1f, 0, -0.33f}, {0.63f, 0.4f, 0.42f}));
+  append(soup, box({-0.6f, 0.71f, -0.21f}, {-0.13f, 1.13f, 0.33f}));
+  append(soup, box({-2, 0.3f, -1}, {-1.7f, 1.7f, 1.1f}));
+  return soup;
+}
+
+struct Limits {
+  double lost;        ///< missed, or found where there is nothing
+  double far;         ///< more than four pixels off
+  double turned;      ///< another face of the same edge
+  double connection;  ///< free though blocked, or blocked though free
+};
+
+void check_groups(AbufferRig& rig, const VoxelAbuffer& structure, const WalkedRays& rays, const Limits& bound) {
+  const float pixel = structure.state().grid.center.w;
+  for (const WalkedRays::Group& group : rays.groups) {
+    CAPTURE(group.name);
+    const WalkErrors e = walk_errors(rig, structure, group, pixel);
+    MESSAGE(group.name, ": missed ", e.of(e.missed), " invented ", e.of(e.invented), " far ", e.of(e.far), " turned ",
+            e.of(e.turned), " occlusion ", e.of(e.occlusion));
+    CHECK(e.rays > 1000);
+    CHECK(e.of(e.missed + e.invented) <= bound.lost);
+    CHECK(e.of(e.far) <= bound.far);
+    CHECK(e.of(e.turned) <= bound.turned);
+    CHECK(e.of(e.occlusion) <= (group.hits.empty() ? bound.connection : bound.lost));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("contacts: solids that touch a room's floor, its wall and each other are hit where they are") {
+  AbufferRig rig(scene_of(furnished_room()));
+  const WalkedRays rays = walk_rays(rig, {0.9f, 1.6f, 1.9f}, full_run() ? 400000 : 30000, 3);
+  // Half as many pixels, twice the errors.
+  for (const uint32_t size : {320u, 640u, 1280u}) {
+    if (size == 1280 && !full_run()) continue;
+    CAPTURE(size);
+    const double coarse = 1280.0 / size;
+    check_groups(rig, rig.make({.abuffer_size = size, .intersect = Intersect::parity}), rays,
+                 {0.0002 * coarse, 0.001 * coarse, 0.0005 * coarse, 0.0015 * coarse});
+  }
+}
+
+TEST_CASE("contacts: a mesh without an inside is hit by parity where it is, and nowhere beside its rim") {
+  using check::make_material_scene;
+  AbufferRig rig(make_material_scene(MaterialKind::diffuse, LightKind::emissive));
+  const WalkedRays rays = walk_rays(rig, {0.9f, 1.6f, 3.4f}, full_run() ? 400000 : 60000, 3);
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 512, .intersect = Intersect::parity});
+  CHECK(structure.statistics().open_components == 2);
+  CHECK(structure.statistics().exact_triangles == 0);
+  check_groups(rig, structure, rays, {0.003, 0.002, 0.001, 0.003});
+}
+
+TEST_CASE("contacts: rays from within half a pixel of another solid meet it, or leave") {
+  AbufferRig rig(scene_of(furnished_room()));
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 320, .intersect = Intersect::parity});
+  const float pixel = structure.state().grid.center.w;
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  // The floor beside a box: columns whose centres lie in the box reach over it.
+  const uint32_t down = rig.trace(bvh, {make_ray({0.9f, 1, 0.9f}, {0, -1, 0})}).hits[0].triangle;
+  Random random(4);
+  TestRays rays;
+  for (uint32_t i = 0; i < 20000; ++i) {
+    const glm::vec3 from(0.63f + random.uniform(0.05f, 0.5f) * pixel, 1e-4f, random.uniform(-0.3f, 0.4f));
+    rays.rays.push_back(make_ray(from, glm::normalize(glm::vec3(0, 1.0001f, 0) + random.direction())));
+    rays.ends.push_back({down, LUCARIUM_NONE});
+  }
+  const AbufferRig::Results right = rig.trace(bvh, rays.rays), found = rig.trace(structure, rays.rays, rays.ends);
+  uint32_t wrong = 0, near = 0, negative = 0;
+  for (size_t i = 0; i < rays.rays.size(); ++i) {
+    near += right.hits[i].distance < pixel;
+    wrong += !(std::fabs(right.hits[i].distance - found.hits[i].distance) < 4 * pixel);
+    negative += !(found.hits[i].distance > 0);
+  }
+  MESSAGE(wrong, " wrong, ", near, " hit the box at once");
+  CHECK(near > 5000);
+  CHECK(negative == 0);
+  CHECK(wrong <= 200);
+  // To points of the walls: free where the way leads off the box.
+  for (Ray& ray : rays.rays) ray.direction.w = 0.5f;
+  const std::vector<uint32_t> free = rig.trace(bvh, rays.rays).occluded,
+                              told = rig.trace(structure, rays.rays, rays.ends).occluded;
+  uint32_t unlike = 0;
+  for (size_t i = 0; i < free.size(); ++i) unlike += free[i] != told[i];
+  MESSAGE(unlike, " of them wrong");
+  CHECK(unlike <= 200);
+}
+
+TEST_CASE("contacts: a face in the last half pixel of a voxel is met from inside") {
+  // The state of a column changes up to half a pixel beyond the surface: in the next voxel.
+  AbufferRig rig(check::make_material_scene(MaterialKind::diffuse, LightKind::emissive));
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .intersect = Intersect::automatic});
+  const AbufferGrid& grid = structure.state().grid;
+  const float top = (1.05f - grid.center.y - grid.corner.y) * grid.corner.w, edge = static_cast<float>(grid.voxels.w);
+  CHECK(top - edge * std::floor(top / edge) > edge - 0.5f);
+  CHECK(top - edge * std::floor(top / edge) < edge - 0.2f);
+  Random random(1);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 2000; ++i) {
+    const glm::vec3 from(random.uniform(-0.4f, 0.4f), random.uniform(0.1f, 1), random.uniform(-0.4f, 0.4f));
+    rays.push_back(
+        make_ray(from, glm::normalize(glm::vec3(random.uniform(-0.3f, 0.3f), 1, random.uniform(-0.3f, 0.3f)))));
+  }
+  uint32_t missed = 0;
+  for (const Hit& hit : rig.trace(structure, rays).hits) missed += hit.distance > 1.1f;
+  CHECK(missed == 0);
+}
+
+TEST_CASE("contacts: rays off a convex body do not meet it again") {
+  for (const Soup& body : {box({-1, -0.7f, -0.4f}, {0.8f, 0.9f, 1}), sphere({}, 1)}) {
+    AbufferRig rig(scene_of(body));
+    TestRays all = scene_rays(rig, full_run() ? 300000 : 30000, 5), rays;
+    for (size_t i = 1; i < all.rays.size(); i += 3) {
+      if (all.ends[i].start & LUCARIUM_RAY_END_BACK) continue;
+      rays.rays.push_back(all.rays[i]);
+      rays.ends.push_back(all.ends[i]);
+    }
+    for (const Search search : {Search::columns, Search::three_steps}) {
+      const VoxelAbuffer structure = rig.make({.abuffer_size = 320, .intersect = Intersect::parity, .search = search});
+      const AbufferRig::Results found = rig.trace(structure, rays.rays, rays.ends);
+      uint32_t hits = 0, occluded = 0;
+      for (size_t i = 0; i < found.hits.size(); ++i) {
+        hits += found.hits[i].triangle != LUCARIUM_NO_HIT;
+        occluded += found.occluded[i];
+      }
+      CHECK(found.hits.size() > 4000);
+      CHECK(hits == 0);
+      CHECK(occluded == 0);
+    }
+  }
+}
