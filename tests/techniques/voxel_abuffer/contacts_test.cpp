@@ -133,27 +133,3 @@ TEST_CASE("contacts: a face in the last half pixel of a voxel is met from inside
   for (const Hit& hit : rig.trace(structure, rays).hits) missed += hit.distance > 1.1f;
   CHECK(missed == 0);
 }
-
-TEST_CASE("contacts: rays off a convex body do not meet it again") {
-  for (const Soup& body : {box({-1, -0.7f, -0.4f}, {0.8f, 0.9f, 1}), sphere({}, 1)}) {
-    AbufferRig rig(scene_of(body));
-    TestRays all = scene_rays(rig, full_run() ? 300000 : 30000, 5), rays;
-    for (size_t i = 1; i < all.rays.size(); i += 3) {
-      if (all.ends[i].start & LUCARIUM_RAY_END_BACK) continue;
-      rays.rays.push_back(all.rays[i]);
-      rays.ends.push_back(all.ends[i]);
-    }
-    for (const Search search : {Search::columns, Search::three_steps}) {
-      const VoxelAbuffer structure = rig.make({.abuffer_size = 320, .intersect = Intersect::parity, .search = search});
-      const AbufferRig::Results found = rig.trace(structure, rays.rays, rays.ends);
-      uint32_t hits = 0, occluded = 0;
-      for (size_t i = 0; i < found.hits.size(); ++i) {
-        hits += found.hits[i].triangle != LUCARIUM_NO_HIT;
-        occluded += found.occluded[i];
-      }
-      CHECK(found.hits.size() > 4000);
-      CHECK(hits == 0);
-      CHECK(occluded == 0);
-    }
-  }
-}
