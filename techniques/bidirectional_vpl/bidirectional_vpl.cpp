@@ -6,7 +6,7 @@
 // Idea. Light that a path tracer finds by chance only is easy to find from its source. Vertices of light paths are
 // virtual point lights (Keller 1997); a camera path is connected to one of them at every vertex. Every light path has
 // several ways of being found, and the balance heuristic joins them, so that none of them is left alone with what it
-// does badly: corners for virtual lights, small lamps for camera paths (Tokuyoshi and Ogaki 2012, section 3).
+// does badly: corners for virtual lights, small lamps for camera paths (Tokuyoshi and Ogaki 2012, section 4.2).
 //
 // How. An iteration traces light paths, keeps their vertices with BSDFs, and follows one camera path per pixel:
 //
@@ -23,11 +23,13 @@
 //
 // Where the paper stands in the source (below this folder):
 //
-//   section 3, virtual lights of light paths   light/store_light_vertices.cl: take_light_vertex()
-//   section 3, connections                     eye/connect.clh: connected_light()
-//   section 3.2, directions of ray-bundles     base/eye_directions.clh: bundle_pdf()
+//   section 3.2, directions shared by pixels   eye/shade_eye_vertices.cl: choose_bundle()
+//   section 3.3, density of both directions    base/eye_directions.clh: bundle_pdf()
+//   section 4.1, VPLs                          light/store_light_vertices.cl: take_light_vertex()
+//   section 4.2, connections                   eye/connect.clh: connected_light()
 //
-// Equations 3 to 6, the weights, are a part of the kernel library: path_mis_sum() in kernels/lucarium/path_mis.clh.
+// Equations 3 to 6 of section 4.2, the weights, are a part of the kernel library: path_mis_sum() in
+// kernels/lucarium/path_mis.clh.
 
 #include <memory>
 

@@ -11,7 +11,7 @@
 #define CONNECTION_STREAM 0x76706c73u
 #define BUNDLE_STREAM 0x62756e64u
 
-// The bundle that a path takes at a depth: a set of directions, and which of them.
+// Section 3.2: the bundle that a path takes at a depth: a set of directions, and which of them.
 Sampler choose_bundle(BidirectionalSettings settings, uint seed, uint sample_index, const EyeWalk* walk) {
   const uint depth = walk->state.segment;
   const uint choice = hash_uint3(seed ^ BUNDLE_STREAM, sample_index, walk->path);
