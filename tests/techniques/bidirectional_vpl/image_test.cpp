@@ -65,7 +65,7 @@ TEST_CASE("camera paths along ray-bundles agree with path tracing, uniform and a
     material.roughness = 0;
   }
   check_agreement("distinct", lacquer, picture, {{"directions", "bundle"}, {"reuse", "distinct"}, {"bundles", "3"}}, {},
-                  kSeeds);
+                  3 * kSeeds);
   Scene open = load_scene("builtin:cornell");
   open.environment = Environment{};
   check_agreement("sky", open, picture, {{"directions", "bundle"}, {"dir_pdf", "env"}}, {}, kSeeds);
