@@ -19,7 +19,7 @@
 // importance sampling). Weights are sums over all strategies, which both sides of a connection carry along
 // (kernels/lucarium/path_mis.clh has the derivation).
 //
-// Error. None but noise: every estimate is unbiased.
+// Error. None but noise, except with reuse=shared, whose directions depend on each other.
 //
 // Where the paper stands in the source (below this folder):
 //
@@ -79,7 +79,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
       vertices_ = std::make_unique<LightVertices>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, kName);
     eye_ = std::make_unique<EyePaths>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, vertices_.get(),
                                       kName);
-    if (vertices_) vertices_->record(eye_->sample());
+    if (vertices_) vertices_->record(eye_->sample(), eye_->states());
   }
 
   bool follow(const SceneChange&) override {

@@ -67,8 +67,10 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("one strategy alone misses most light that mirrors and glass pass on (strategy)");
   if (parameters.splat && parameters.strategy == Strategy::all && settings.pixel_sampling != LUCARIUM_PIXEL_JITTER)
     list.push_back("splat has no effect: light paths are connected to the camera with jittered pixels only");
-  if (plan.light_vertices > 0 && static_cast<int>(plan.light_vertices) < parameters.light_vertices)
-    list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) + ": paths have no more");
+  if (plan.light_vertices > 0 && static_cast<int>(plan.light_vertices) < parameters.light_vertices &&
+      parameters.light_vertices != BidirectionalParameters().light_vertices)
+    list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) +
+                   ": paths of so few bounces have no more");
   if (plan.bundles && parameters.reuse == Reuse::shared && plan.settings.max_scatterings > 2)
     list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
   if (plan.bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
@@ -86,6 +88,13 @@ size_t estimate_bytes(const BidirectionalParameters& parameters, const RenderSet
 
 void check_parameters(const BidirectionalParameters& parameters, const RenderSettings& settings) {
   const Plan plan = make_plan(parameters, settings);
+  const size_t largest = std::max(8 * (plan.vertex_slots() + 264),
+                                  size_t{plan.settings.pixels} * std::max(plan.layers(), plan.light_vertices));
+  if (largest > UINT32_MAX)
+    throw_error(ErrorClass::usage,
+                "bidirectional_vpl: {} light paths of {} vertices for {}x{} pixels are too many; lower --size, "
+                "light_paths or light_vertices",
+                plan.settings.light_paths, plan.light_vertices, settings.width, settings.height);
   if (parameters.strategy == Strategy::splat && settings.pixel_sampling != LUCARIUM_PIXEL_JITTER)
     throw Error(ErrorClass::usage,
                 "bidirectional_vpl: strategy=splat needs jittered pixels; set --pixel-sampling jitter");

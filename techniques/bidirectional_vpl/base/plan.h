@@ -22,7 +22,7 @@ struct Plan {
   bool lights = false;                               ///< light samples are taken
   bool shows_strategies = false;
 
-  uint32_t vertex_slots() const { return settings.light_paths * light_vertices; }
+  size_t vertex_slots() const { return size_t{settings.light_paths} * light_vertices; }
   /// Layers of a sample, strategies behind them: hit, nee, vpl1 …, splat.
   uint32_t layers() const { return BIDIRECTIONAL_LAYERS + (shows_strategies ? light_vertices + 3 : 0); }
 };

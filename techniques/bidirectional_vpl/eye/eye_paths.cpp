@@ -38,8 +38,7 @@ std::map<std::string, std::string> EyePaths::defines() const {
 EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                    const Intersector& intersector, const Frame& frame, const Plan& plan, const LightVertices* vertices,
                    const std::string& owner)
-    : device_(device),
-      scheduler_(scheduler),
+    : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),
       frame_(frame),
@@ -265,7 +264,7 @@ void EyePaths::write(Film& film) const {
 }
 
 std::map<std::string, double> EyePaths::counters() const {
-  return {{"paths", paths_}, {"closest_rays", segments_}, {"nonfinite", bad_paths_}};
+  return {{"paths", paths_}, {"camera_rays", segments_}, {"nonfinite", bad_paths_}};
 }
 
 size_t EyePaths::estimate_bytes(const Plan& plan, bool ray_ends) {

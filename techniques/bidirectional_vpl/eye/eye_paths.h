@@ -36,6 +36,7 @@ class EyePaths {
   void warm_up();
   void write(Film& film) const;
   const TypedBuffer<float4>& sample() const { return sample_; }
+  const TypedBuffer<EyePathState>& states() const { return states_; }
   std::map<std::string, double> counters() const;
   static size_t estimate_bytes(const Plan& plan, bool ray_ends);
 
@@ -45,7 +46,6 @@ class EyePaths {
   void record_add();
   std::map<std::string, std::string> defines() const;
 
-  Device& device_;
   KernelScheduler& scheduler_;
   const SceneBuffers& scene_;
   const Intersector& intersector_;

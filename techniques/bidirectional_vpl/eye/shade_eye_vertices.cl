@@ -174,8 +174,8 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
           mis.fixed + path_mis_power(fabs(dot(bsdf.n_s, bsdf.view)) * M_1_PI_F) * mis.turning[last];
       const CandidateTarget target = make_candidate_target(&surface, &bsdf, camera_side, settings.connection_samples);
       float scale;
-      const uint chosen =
-          choose_candidate(settings, candidate_table, table_capacity, vertex_count[0], &target, v.x, v.y, &scale);
+      const uint chosen = choose_candidate(settings, candidate_table, table_capacity, vertex_count[0], &target,
+                                           hash_uint(as_uint(v.x) ^ as_uint(v.z)), v.y, &scale);
       vertex = vertices[vertex_list[chosen]];
       if (scale > 0.0f)
         light = scale * connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex, &towards);

@@ -13,7 +13,7 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-const char* const kRemedy = "lower light_paths or light_vertices";
+const char* const kRemedy = "lower --size or light_vertices, or set fewer light_paths";
 constexpr size_t kSlice = 1 << 16;
 // As candidates.clh has them.
 constexpr uint32_t kTableArrays = 8, kRepeated = 256;
@@ -36,6 +36,8 @@ LightPathOptions path_options(const Plan& plan) {
   return options;
 }
 
+bool has_table(const Plan& plan) { return plan.vpl && !plan.own; }
+
 int bits_of(uint32_t pixels) {
   int bits = 1;
   while (bits < 32 && (1ull << bits) <= pixels) ++bits;  // one value above the last pixel
@@ -47,14 +49,13 @@ int bits_of(uint32_t pixels) {
 LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                              const Intersector& intersector, const Frame& frame, const Plan& plan,
                              const std::string& owner)
-    : device_(device),
-      scheduler_(scheduler),
+    : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),
       frame_(frame),
       plan_(plan),
       owner_(owner),
-      table_capacity_(plan.vertex_slots() + kRepeated + 8),
+      table_capacity_(static_cast<uint32_t>(plan.vertex_slots()) + kRepeated + 8),
       primitives_(device),
       paths_(device, scene, intersector, path_options(plan), owner),
       store_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/store_light_vertices"},
@@ -64,19 +65,21 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
       splat_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/splats"},
                                   with_mis(ray_end_defines(intersector), plan))),
       vertices_(device, owner, "light vertices", plan.vertex_slots(), kRemedy),
-      table_(device, owner, "table of virtual lights", plan.own ? 1 : size_t{table_capacity_} * kTableArrays, kRemedy),
+      table_(device, owner, "table of virtual lights", has_table(plan) ? size_t{table_capacity_} * kTableArrays : 1,
+             kRemedy),
       list_(device, owner, "list of virtual lights", plan.vertex_slots(), kRemedy),
       count_(device, owner, "number of virtual lights", 1),
-      slot_count_(device, owner, "number of vertex slots", std::vector<uint32_t>{plan.vertex_slots()}),
+      slot_count_(device, owner, "number of vertex slots",
+                  std::vector<uint32_t>{static_cast<uint32_t>(plan.vertex_slots())}),
       splat_count_(device, owner, "number of splats",
                    std::vector<uint32_t>{plan.settings.light_paths * (plan.light_vertices - 1)}) {}
 
-void LightVertices::record(const TypedBuffer<float4>& sample) {
+void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<EyePathState>& states) {
   ScheduleRecorder recorder = scheduler_.record("light paths", owner_);
   run_ = recorder.variable("run", 0u);
   seed_ = recorder.variable("seed", 0u);
   frame_variable_ = recorder.variable("frame", frame_);
-  const uint32_t slots = plan_.vertex_slots();
+  const auto slots = static_cast<uint32_t>(plan_.vertex_slots());
   recorder.pass("clear light vertices", store_, "clear_light_vertices")
       .global(slots)
       .slice(kSlice)
@@ -93,7 +96,7 @@ void LightVertices::record(const TypedBuffer<float4>& sample) {
       .arg("count", slots)
       .arg("present", present);
   primitives_.record_compact(recorder, "list light vertices", present, list_, count_, 0, slot_count_, 0, slots);
-  if (plan_.vpl && !plan_.own)
+  if (has_table(plan_))
     recorder.pass("list candidates", list_program_, "list_candidates")
         .global(table_capacity_)
         .slice(kSlice)
@@ -102,14 +105,15 @@ void LightVertices::record(const TypedBuffer<float4>& sample) {
         .arg("count", count_)
         .arg("capacity", table_capacity_)
         .arg("table", table_);
-  if (plan_.splat) record_splats(recorder, sample);
+  if (plan_.splat) record_splats(recorder, sample, states);
   recorder.read_back("number of light vertices", count_, [this](std::span<const std::byte> bytes) {
     std::memcpy(&present_, bytes.data(), sizeof present_);
   });
   schedule_ = recorder.compile();
 }
 
-void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample) {
+void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
+                                  const TypedBuffer<EyePathState>& states) {
   const uint32_t count = plan_.settings.light_paths * (plan_.light_vertices - 1);
   const BufferRef rays = recorder.transient<Ray>("rays of splats", count, kRemedy);
   const BufferRef ends = transient_ray_ends(recorder, intersector_, "ends of rays of splats", count, kRemedy);
@@ -143,6 +147,7 @@ void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<
       .global(plan_.settings.pixels)
       .slice(kSlice)
       .arg("settings", plan_.settings)
+      .arg("states", states)
       .arg("splats", splats)
       .arg("keys", keys)
       .arg("values", values)
@@ -163,7 +168,7 @@ bool LightVertices::trace(uint32_t index) {
 size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
   const size_t slots = plan.vertex_slots(), splats = plan.splat ? slots - plan.settings.light_paths : 0;
   const size_t ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
-  const size_t table = plan.own ? 0 : (slots + kRepeated + 8) * kTableArrays * sizeof(float);
+  const size_t table = has_table(plan) ? (slots + kRepeated + 8) * kTableArrays * sizeof(float) : 0;
   const size_t transients =
       std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
                 splats * (ray + sizeof(float4) + 5 * sizeof(uint32_t)), slots * 3 * sizeof(uint32_t)});

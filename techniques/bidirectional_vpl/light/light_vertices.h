@@ -26,14 +26,14 @@ class LightVertices {
   uint32_t table_capacity() const { return table_capacity_; }
   /// To connect to, of the last iteration.
   uint32_t vertex_count() const { return present_; }
-  /// Where splats are added.
-  void record(const TypedBuffer<float4>& sample);
+  /// Where splats are added, and the camera paths that bad ones mark.
+  void record(const TypedBuffer<float4>& sample, const TypedBuffer<EyePathState>& states);
   static size_t estimate_bytes(const Plan& plan, bool ray_ends);
 
  private:
-  void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample);
+  void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
+                     const TypedBuffer<EyePathState>& states);
 
-  Device& device_;
   KernelScheduler& scheduler_;
   const SceneBuffers& scene_;
   const Intersector& intersector_;

@@ -8,17 +8,6 @@
 #include "lucarium/path_vertex.clh"
 #include "lucarium/scene.clh"
 
-// Medium that a camera ray, which begins in air, runs through when it meets the surface: the path tracer's rule.
-uint medium_towards_camera(const Scene* scene, const PathVertex* vertex, float3 direction) {
-  const uint triangle = path_vertex_triangle(vertex);
-  const uint material = scene->scene_instances[scene->scene_triangles[triangle].instance].material;
-  const uint flags = scene->scene_materials[material].flags;
-  const bool volume = (flags & LUCARIUM_MATERIAL_TRANSMISSIVE) && !(flags & LUCARIUM_MATERIAL_THIN);
-  const bool front = as_uint(vertex->view.w) & PATH_VERTEX_FRONT;
-  const bool sees_front = front == (dot(vertex->normal.xyz, direction) > 0.0f);
-  return volume && !sees_front ? material : LUCARIUM_NONE;
-}
-
 // One vertex from the second of its path on: its light in the pixel that sees it, weighted against all other
 // strategies, and the ray to the camera. False where it is not seen.
 bool aim_splat(const Scene* scene, const Frame* frame, BidirectionalSettings settings, const PathVertex* vertex,
@@ -26,9 +15,10 @@ bool aim_splat(const Scene* scene, const Frame* frame, BidirectionalSettings set
   // Find the pixel.
   const CameraProjection seen = camera_project(frame, vertex->position.xyz);
   if (!(seen.density > 0.0f)) return false;
-  const int2 at = convert_int2_rtn(seen.film);
-  if (any(at < 0) || at.x >= (int)frame->width || at.y >= (int)frame->height) return false;
-  *pixel = (uint)at.y * frame->width + (uint)at.x;
+  const float2 film = seen.film, size = (float2)((float)frame->width, (float)frame->height);
+  if (!(film.x >= 0.0f && film.y >= 0.0f && film.x < size.x && film.y < size.y)) return false;
+  const uint2 at = convert_uint2(film);
+  *pixel = at.y * frame->width + at.x;
 
   // Reflect towards the camera. One pixel's camera rays find the vertex with density p_eye.
   const Bsdf bsdf = path_vertex_bsdf(vertex), turned = turn_bsdf(&bsdf, seen.direction);
@@ -38,7 +28,8 @@ bool aim_splat(const Scene* scene, const Frame* frame, BidirectionalSettings set
   const float p_eye = seen.density * fabs(dot(bsdf.n_g, seen.direction));
   *light = vertex->flux.xyz * value * p_eye;
   if (is_black(*light)) return false;
-  *light *= medium_transmittance(scene, medium_towards_camera(scene, vertex, seen.direction), seen.distance);
+  *light *= medium_transmittance(scene, path_vertex_medium_towards(scene, vertex, seen.direction, LUCARIUM_NONE),
+                                 seen.distance);
   *light /= 1.0f + path_mis_sum(path_vertex_mis(vertex), p_eye / settings.splat_samples, back);
 
   // Aim from the vertex to the camera.
@@ -99,15 +90,20 @@ uint lower_key(__global const uint* restrict keys, uint count, uint key) {
   return low;
 }
 
-// Adds each pixel's splats to its sample.
-__kernel void sum_splats(const BidirectionalSettings settings, __global const float4* restrict splats,
-                         __global const uint* restrict keys, __global const uint* restrict values, uint count,
-                         uint splat_layer, __global float4* restrict sample, uint slice_base) {
+// Adds each pixel's splats to its sample. One that is NaN, infinite or negative marks the pixel's camera path.
+__kernel void sum_splats(const BidirectionalSettings settings, __global EyePathState* restrict states,
+                         __global const float4* restrict splats, __global const uint* restrict keys,
+                         __global const uint* restrict values, uint count, uint splat_layer,
+                         __global float4* restrict sample, uint slice_base) {
   const uint pixel = slice_base + (uint)get_global_id(0);
   if (pixel >= settings.pixels) return;
   float3 sum = (float3)(0.0f);
   for (uint i = lower_key(keys, count, pixel); i < count && keys[i] == pixel; ++i) sum += splats[values[i]].xyz;
   if (is_black(sum)) return;
+  if (!(all(sum >= 0.0f) && all(isfinite(sum)))) {
+    states[pixel].flags |= EYE_PATH_BAD;
+    return;
+  }
   sample[BIDIRECTIONAL_INDIRECT * settings.pixels + pixel] += (float4)(sum, 0.0f);
   if (settings.flags & BIDIRECTIONAL_STRATEGIES) sample[splat_layer * settings.pixels + pixel] += (float4)(sum, 0.0f);
 }

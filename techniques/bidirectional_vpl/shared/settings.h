@@ -48,7 +48,7 @@ LUCARIUM_STRUCT_END(EyePathState, 48)
 
 #define EYE_PATH_AFTER_DELTA 1u  // the last scattering was ideal, or there was none
 #define EYE_PATH_CHAIN 2u        // there were ideal scatterings only
-#define EYE_PATH_PARALLEL 8u     // the ray is an orthographic camera's: its density is over area
 #define EYE_PATH_BAD 4u          // a contribution was NaN, infinite or negative
+#define EYE_PATH_PARALLEL 8u     // the ray is an orthographic camera's: its density is over area
 
 #endif

@@ -29,7 +29,8 @@ struct RandomPath {
 };
 static_assert(sizeof(RandomPath) == kFloats * sizeof(float));
 
-RandomPath random_path(std::mt19937& random, int k) {
+/// `metres`: length of a segment, about.
+RandomPath random_path(std::mt19937& random, int k, float metres) {
   std::uniform_real_distribution<float> unit(0.05f, 1), exponent(-2, 2);
   RandomPath path{};
   for (int j = 0; j <= kMaxK; ++j) {
@@ -37,7 +38,7 @@ RandomPath random_path(std::mt19937& random, int k) {
     path.backward[j] = std::exp(exponent(random));
     path.towards_light[j] = unit(random);
     path.towards_eye[j] = unit(random);
-    path.distance[j] = std::exp(0.5f * exponent(random));
+    path.distance[j] = metres * std::exp(0.5f * exponent(random));
     path.ideal[j] = j > 0 && j < k && unit(random) < 0.25f ? 1.f : 0.f;
   }
   path.light = std::exp(exponent(random));
@@ -90,7 +91,7 @@ TEST_CASE("weights: sums along both sides are the products of densities, and all
       std::vector<float> values;
       for (size_t i = 0; i < count; ++i) {
         lengths.push_back(1 + static_cast<uint32_t>(i % kMaxK));
-        paths.push_back(random_path(random, static_cast<int>(lengths.back())));
+        paths.push_back(random_path(random, static_cast<int>(lengths.back()), i % 2 == 0 ? 1.f : 1000.f));
         const auto* first = reinterpret_cast<const float*>(&paths.back());
         values.insert(values.end(), first, first + kFloats);
       }

@@ -119,8 +119,7 @@ Scene make_caustic() {
   const int material = static_cast<int>(scene.materials.size()) - 1;
   add_block(scene, "glass block", {0.1f, 0.02f, -0.35f}, {0.4f, 0.32f, -0.05f}, material);
   MeshBuilder ball("glass ball");
-  std::vector<std::array<glm::vec3, 3>> triangles = icosphere(4);
-  for (const std::array<glm::vec3, 3>& corners : triangles) {
+  for (const std::array<glm::vec3, 3>& corners : icosphere(4)) {
     uint32_t index[3];
     for (int k = 0; k < 3; ++k) index[k] = ball.vertex(0.16f * corners[k], corners[k]);
     ball.face(index[0], index[1], index[2]);

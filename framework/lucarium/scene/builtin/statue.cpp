@@ -16,8 +16,8 @@ constexpr float kTurnSeconds = 4;
 
 /// Distance of the surface from the centre along a unit direction: ridges around the vertical, and bumps.
 float statue_radius(const glm::vec3& d) {
-  const float phi = std::atan2(d.z, d.x), side = std::sqrt(1 - d.y * d.y);
-  const float ridges = 0.12f * side * side * std::cos(5 * phi + 3 * d.y);
+  const float phi = std::atan2(d.z, d.x);
+  const float ridges = 0.12f * (1 - d.y * d.y) * std::cos(5 * phi + 3 * d.y);
   const float bumps = 0.05f * std::sin(9 * d.x) * std::sin(8 * d.y + 1) * std::sin(9 * d.z);
   return 0.34f * (1 + ridges + bumps);
 }
