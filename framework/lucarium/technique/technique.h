@@ -20,6 +20,8 @@
 namespace lucarium {
 
 class Bvh;
+class StateReader;
+class StateWriter;
 
 /// Settings that belong to the framework and are the same for all techniques of a comparison.
 struct RenderSettings {
@@ -45,6 +47,9 @@ struct TechniqueContext {
   /// Reports the progress of a prepare() or update() that takes seconds: `fraction` of the work (negative: unknown),
   /// and the present stage. May be called at any rate, from the calling thread; never empty.
   std::function<void(double fraction, const std::string& stage)> progress;
+  /// What load_state() will be given behind prepare(), or null: prepare() need not compute what that brings, and may
+  /// read it. Valid until load_state() has returned.
+  const StateReader* state = nullptr;
 };
 
 /// Layers that only some values of parameters bring.
@@ -71,6 +76,10 @@ struct IterationResult {
   std::string
       phase;  ///< "propagate", "gather"; shown beside the progress. When converged, why: "all 200 rounds are done"
   bool visible = false;  ///< resolve() has a picture worth keeping though `samples` is 0: a coarse or an unfinished one
+  /// Of view-independent techniques: what does not depend on the camera is finished, or held (hold_light()). From then
+  /// on an iteration is a sample for the camera alone, and the image after n of them since the camera moved is always
+  /// the same.
+  bool light_done = false;
 };
 
 /// A technique instance. Life cycle: construct → (set parameters) → prepare → { update | iterate | resolve | reset }*.
@@ -109,6 +118,26 @@ class Technique {
   virtual void reset(uint64_t seed) = 0;
   /// Launches every kernel once without touching state, so that drivers compile outside the clocks.
   virtual void warm_up() = 0;
+
+  // ---- What does not depend on the camera, kept, saved and loaded.
+
+  /// From now on what does not depend on the camera stays as it is, however unfinished: iterations are samples for the
+  /// camera. Ends with a change of anything but the camera, and with reset(). By default nothing is held.
+  virtual void hold_light() {}
+  /// Why there is no state to save, in words that follow the technique's name: "keeps no light between pictures".
+  /// Empty: save_state() and load_state() work with the current parameters. Callable before prepare().
+  virtual std::string state_refusal() const { return "keeps nothing from picture to picture that a file could hold"; }
+  /// Names of parameters that may differ between saving and loading, since the state does not depend on them.
+  virtual std::vector<std::string> parameters_of_view() const { return {}; }
+  /// Puts everything that does not depend on the camera. Legal after any iterate(); changes nothing. What chunks mean
+  /// is stated by TechniqueInfo::version: files of another version are refused by the framework, as are those of
+  /// another scene, path set or other parameters.
+  virtual void save_state(StateWriter& chunks);
+  /// Takes it, behind prepare() and warm_up(): light is held, as by hold_light(), and images have the bits that they
+  /// would have had from the technique that saved. Values are checked (NaN, indices): StateReader::fail(). When it
+  /// throws, the technique is not used any more.
+  virtual void load_state(const StateReader& chunks);
+
   /// Counters for the report ("rays", "paths", "nonfinite"), cumulative.
   virtual std::map<std::string, double> counters() const { return {}; }
 };

@@ -15,7 +15,7 @@ void TechniqueLifeCycle::prepare(const TechniqueContext& context) {
 
 void TechniqueLifeCycle::rebuild() {
   attempt([&] {
-    built_ = false;
+    built_ = held_ = false;
     build();
     scene_generation_ = scene_buffers().generation();
     if (uses_bvh_) bvh_generation_ = bvh().generation();
@@ -86,6 +86,7 @@ void TechniqueLifeCycle::resolve(Film& film) {
 
 void TechniqueLifeCycle::reset(uint64_t seed) {
   seed_ = seed;
+  held_ = false;
   built_ ? restart_samples() : rebuild();
 }
 
@@ -93,6 +94,23 @@ void TechniqueLifeCycle::warm_up() {
   if (!built_) rebuild();
   warm_up_kernels();
 }
+
+void TechniqueLifeCycle::save_state(StateWriter& chunks) {
+  if (!built_) throw Error(ErrorClass::input, "the last change of the scene could not be applied; there is no state");
+  scheduler().finish();
+  save(chunks);
+}
+
+void TechniqueLifeCycle::load_state(const StateReader& chunks) {
+  if (!built_) rebuild();
+  attempt([&] { load(chunks); });
+  context_->state = nullptr;
+  held_ = true;
+}
+
+void TechniqueLifeCycle::save(StateWriter& chunks) { Technique::save_state(chunks); }
+
+void TechniqueLifeCycle::load(const StateReader& chunks) { Technique::load_state(chunks); }
 
 bool TechniqueLifeCycle::buffers_replaced() const {
   return scene_generation_ != scene_buffers().generation() ||

@@ -21,6 +21,9 @@ class TechniqueLifeCycle : public Technique {
   void resolve(Film& film) override;
   void reset(uint64_t seed) override;
   void warm_up() override;
+  void hold_light() override { held_ = true; }
+  void save_state(StateWriter& chunks) override;
+  void load_state(const StateReader& chunks) override;
 
  protected:
   /// Compiles programs that all scenes share. Called once, before the first build().
@@ -43,11 +46,17 @@ class TechniqueLifeCycle : public Technique {
   virtual void warm_up_kernels() = 0;
   /// Progress after an iteration; by default samples() of an unknown number.
   virtual IterationResult state() const;
+  /// What does not depend on the camera, of techniques whose state_refusal() is empty: put, and, between build() with
+  /// restart() and the first step(), taken.
+  virtual void save(StateWriter& chunks);
+  virtual void load(const StateReader& chunks);
 
   /// The same for follow(), which has no more to do.
   void restart_samples();
 
   bool built() const { return built_; }
+  /// What does not depend on the camera stays as it is (Technique::hold_light).
+  bool light_held() const { return held_; }
   uint64_t samples() const { return samples_; }  ///< steps that were completed since restart()
   /// Whether buffers of the scene or of its hierarchy were replaced since build(), so that schedules that name them
   /// must be recorded again.
@@ -74,7 +83,7 @@ class TechniqueLifeCycle : public Technique {
   void attempt(const std::function<void()>& part);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1, samples_ = 0;
-  bool built_ = false, uses_bvh_ = false;
+  bool built_ = false, uses_bvh_ = false, held_ = false;
   bool interrupted_ = false;                            ///< that is why it is not built
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;  ///< at build()
 };
