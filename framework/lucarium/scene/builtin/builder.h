@@ -90,5 +90,7 @@ Scene make_picture_lamp();
 Scene make_spheres();
 Scene make_solids();
 Scene make_debris(int pieces);
+Scene make_mirror_hall();
+Scene make_blocks(int triangles);  ///< of the whole scene
 
 }  // namespace lucarium

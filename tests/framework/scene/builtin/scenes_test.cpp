@@ -168,3 +168,60 @@ TEST_CASE("lamps share out the same emitting area") {
   CHECK(emitting_area("lamps-10") == test::relative(one, 1e-5));
   CHECK(emitting_area("lamps-100") == test::relative(one, 1e-5));
 }
+
+TEST_CASE("blocks: as many triangles as asked for, of the same area, none of two blocks inside one another") {
+  for (const int triangles : {100, 118, 1000, 30'011, 100'000}) {
+    CAPTURE(triangles);
+    const Scene scene = make_builtin_scene("blocks:triangles=" + std::to_string(triangles));
+    CHECK(scene.triangle_count() == static_cast<uint64_t>(triangles));
+    double area = 0;
+    std::vector<Bounds> blocks;
+    const auto is_block = [](const Mesh& m) { return m.name.find("blocks") != std::string::npos; };
+    for (const Mesh& mesh : scene.meshes) {
+      CHECK(count_bad_triangles(mesh) == 0);
+      if (!is_block(mesh)) continue;
+      for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+        if (i % 12 == 0) blocks.emplace_back();
+        area += triangle_area(mesh, mesh.triangles[i]);
+        for (int k = 0; k < 3; ++k) blocks.back().add(mesh.positions[mesh.triangles[i][k]]);
+      }
+    }
+    CHECK(area == test::relative(16.0, 1e-4));
+    CHECK(signed_volume(scene, is_block) > 0);
+    CHECK(blocks.size() == static_cast<size_t>((triangles - 14) / 12));
+    // The spheres about blocks keep apart, and from walls and lamp.
+    const double radius = 0.5 * std::sqrt(3 * area / (6.0 * static_cast<double>(blocks.size())));
+    size_t close = 0;
+    for (size_t i = 0; i < blocks.size(); ++i) {
+      const glm::vec3 c = blocks[i].center();
+      close += std::min({c.x + 2, 2 - c.x, c.y, 2.99f - c.y, c.z + 2, 2 - c.z}) <= radius;
+      for (size_t j = i + 1; j < std::min(blocks.size(), i + 500); ++j)
+        close += glm::distance(c, blocks[j].center()) <= 2 * radius;
+    }
+    CHECK(close == 0);
+  }
+}
+
+TEST_CASE("the mirror hall: about 9400 triangles, one wall half mirror and half diffuse without a coat") {
+  const Scene scene = make_builtin_scene("mirror-hall");
+  CHECK(scene.triangle_count() > 9300);
+  CHECK(scene.triangle_count() < 9500);
+  size_t half = 0;
+  for (const SceneInstance& instance : scene.instances) {
+    const SceneMaterial& material = scene.materials[instance.material];
+    if (material.metallic != 0.5f) continue;
+    CHECK(material.roughness == 0);
+    CHECK(material.ior == 1);
+    for (const glm::vec3& p : scene.meshes[instance.mesh].positions) CHECK(p.x == -3);
+    ++half;
+  }
+  CHECK(half == 1);
+  const auto is_wall = [](const Mesh& m) {
+    return m.name.find("wall") != std::string::npos || m.name == "mirror" || m.name == "floor" || m.name == "ceiling";
+  };
+  CHECK(test::count_edges(scene, is_wall).second == 0);
+  CHECK(signed_volume(scene, is_wall) == test::relative(-6 * 3.6 * 8, 1e-5));
+  const auto is_figure = [](const Mesh& m) { return m.name == "figure"; };
+  CHECK(test::count_edges(scene, is_figure).second == 0);
+  CHECK(signed_volume(scene, is_figure) > 0.1);
+}
