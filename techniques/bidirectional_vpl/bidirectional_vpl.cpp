@@ -21,15 +21,33 @@
 //
 // Error. None but noise, except with reuse=shared, whose directions depend on each other.
 //
-// Where the paper stands in the source (below this folder):
+// Where the paper stands in the source (files below this folder; light_paths/ is a service of the framework, lucarium/
+// the kernel library in kernels/):
 //
-//   section 3.2, directions shared by pixels   eye/shade_eye_vertices.cl: choose_bundle()
-//   section 3.3, density of both directions    base/eye_directions.clh: bundle_pdf()
-//   section 4.1, VPLs                          light/store_light_vertices.cl: take_light_vertex()
-//   section 4.2, connections                   eye/connect.clh: connected_light()
+//   section 3.1, equation 1, path tracing    eye/shade_eye_vertices.cl: sample_direction(), shade_eye_vertices()
+//   section 3.2, global ray-bundles          eye/shade_eye_vertices.cl: choose_bundle(): their directions only, which
+//                                            all pixels of an iteration share (directions=bundle); visibility by rays
+//   section 3.3, equation 2, density p_r     base/eye_directions.clh: bundle_pdf(): of w and -w, uniform or after an
+//                                            environment map (dir_pdf)
+//   section 4, figure 3, combined paths      eye/shade_eye_vertices.cl: shade_eye_vertices();
+//                                            strategies: lucarium/path_mis.clh
+//   section 4.1, creating VPLs, p_e          light_paths/light_paths.clh: emit_light_paths(); lucarium/emission.clh:
+//                                            sample_emission(); light/store_light_vertices.cl: take_light_vertex()
+//   section 4.2, equation 3, via VPL         eye/connect.clh: connected_light()
+//   section 4.2, equation 3, via ray-bundle  eye/find_lights.clh: connect_light_sample(), at the next vertex
+//   section 4.2, equation 4, density p_1     light_paths/light_paths.clh: arrive_light_path_mis(); by area
+//   section 4.2, equation 5, density p_2     eye/eye_path.clh: arrive_eye_mis(); by area
+//   section 4.2, equation 6, weights, β      lucarium/path_mis.clh: path_mis_sum(), path_mis_power() (beta)
+//   section 4.3, equation 7, two-bounce      eye/connect.clh: connected_light(), at later vertices of a camera path,
+//                                            with weights (equation 6) in place of the paper's clamp
+//   section 4.3, equation 8, density p_1,2   the product of both sides: lucarium/path_mis.clh
+//   section 7, multi-bounce, reuse           eye/shade_eye_vertices.cl: choose_bundle() (reuse)
 //
-// Equations 3 to 6 of section 4.2, the weights, are a part of the kernel library: path_mis_sum() in
-// kernels/lucarium/path_mis.clh.
+// Not in the source: shadow maps and reflective shadow maps (sections 3.2 and 4.1; rays instead), clamps of two bounces
+// (section 4.3), clamped roughness (section 5, equations 9 to 17), interleaving and filters (section 6).
+//
+// Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
+// strategies, the choice among candidates (light/candidates.clh).
 
 #include <memory>
 

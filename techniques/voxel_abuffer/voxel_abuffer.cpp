@@ -25,15 +25,42 @@
 // Error. Exact search finds the hits of a hierarchy, to the bit. Search by parity loses what is thinner than a pixel,
 // and the common wall of solids that touch; hits lie in the planes of their triangles.
 //
-// Where the paper stands in the source (below this folder):
+// Where the paper stands in the source (files below this folder; layered_raster/ is a service of the framework):
 //
-//   section 3.1, three A-buffers            structure/abuffer_lists.cpp: record()
-//   section 3.1, voxels                     structure/mark_voxels.cl: abuffer_mark_voxels()
-//   section 3.2, size of the grid           structure/grid_layout.cpp: choose_grid_size()
-//   section 3, first visibility             modes/primary_raster.cpp: PrimaryRaster::rasterize()
-//   section 3.3, ray casting, Whitted       modes/shade_tree_rays.cl: shade_tree_rays()
-//   section 3.3, ambient occlusion          modes/occlusion.cl: begin_occlusion_rays()
-//   algorithm 1, sum over passes            modes/add_pass.cl: add_pass()
+//   section 3, figure 2, two levels          structure/record_build.cpp: record_build(); structure/state.h
+//   section 3.1, three A-buffers             structure/abuffer_lists.cpp: record(), record_packed();
+//                                            structure/grid_layout.cpp: axis_view()
+//   section 3.1, linked lists, sorting       layered_raster/lists.cl (list=linked); structure/pack_lists.cl
+//   section 3.1, attributes of fragments     structure/store_attributes.cl: abuffer_store_attributes()
+//                                            (attributes=stored)
+//   section 3.1, voxels from fragments       structure/mark_fragments.cl: abuffer_mark_fragment_voxels()
+//                                            (conservative_voxels=off); by triangles: structure/mark_voxels.cl
+//   section 3.1, average normal of a voxel   structure/pack_lists.cl: abuffer_pack_parity() (sums);
+//                                            structure/mark_voxels.cl: abuffer_choose_axes() (axis_rule=average)
+//   section 3.2, figure 3, 3D-DDA            search/grid_ray.clh: abuffer_leave(), abuffer_enter()
+//   section 3.2, entry and exit P_in, P_out  search/parity_columns.clh: abuffer_trace_parity()
+//   section 3.2, inside or outside           search/winding.clh: abuffer_winding()
+//   section 3.2, 2D-DDA                      search/parity_columns.clh: abuffer_walk_columns() (search=2d)
+//   section 3.2, figure 4, three-step        search/parity_columns.clh: abuffer_step_voxel() (search=3): linear
+//                                            search, then binary search between P_k-1 and P_k
+//   section 3.2, figure 5, one-step          the same with search=1
+//   section 3.2, shadow rays                 search/parity_hit.clh: abuffer_must_look() (no binary search)
+//   section 4, deferred shading              modes/primary_raster.cpp: rasterize() (primary=raster)
+//   section 4, ray casting, multi-layer      modes/shade_tree_rays.cl: shade_tree_rays() (mode=cast)
+//   section 4, Whitted, reflection rays,     modes/shade_tree_rays.cl: branch_at_lobe() (mode=whitted); the loop over
+//                       refraction rays      levels: modes/eye_trees.cpp: grow(); shadow rays: the service direct_light
+//   section 4, ambient occlusion             modes/occlusion.cl: begin_occlusion_rays() (mode=ao)
+//   section 4, path tracing                  modes/path_mode.h (mode=path): the framework's integrator
+//   algorithm 1, passes of λ samples         modes/pass_sums.cpp: begin(), commit(); modes/add_pass.cl: add_pass()
+//   algorithm 1, progressive, general        voxel_abuffer.cpp: step(), begin_frame() (progressive, passes, rebuild)
+//   section 5, grid of (√(3n))³ voxels       structure/grid_layout.cpp: choose_grid_size()
+//   section 5.2, regular voxels              compared/trace_voxel.cl (structure=voxel)
+//   section 5.2, table 1, octree (SVO)       compared/build_octree.cl, compared/trace_octree.cl (structure=octree)
+//   section 6, static and dynamic buffers    structure/moving_set.h (static_set)
+//
+// Not in the paper: exact search (search/exact_flights.clh), search by planes (search/plane_columns.clh), hits moved
+// into their triangles' planes (search/parity_hit.clh), the number of surfaces around a point instead of its parity,
+// ends of rays moved off their surfaces (search/parity_ray.clh), classes of triangles (structure/triangle_classes.h).
 
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"

@@ -11,10 +11,10 @@
   links     every relative link of a page and every path of a file or folder that a page or comment names exists
   pages     pages but those of measurements have at most 5 numbers in 100 words of their sentences; a technique's page
             has at most 120 lines
-  citations every section, equation, figure and table of a paper of CITATIONS that the sources cite is in that list, in
-            full words ("section 2.3", "equation 4") so that a search finds it, beside which the head of the technique
-            may have "Eq. 4"; what the list calls cited is cited at the code too; "FILE: function()" in comments names
-            what exists
+  citations every section, equation, figure, table and algorithm of a paper of CITATIONS that the sources cite is in
+            that list, in full words ("section 2.3", "equation 4") so that a search finds it, beside which the head of
+            the technique may have "Eq. 4"; what the list calls cited is cited at the code too; "FILE: function()" in
+            comments names what exists
   mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed;
             every kernel file has a planted fault, or stands in UNPLANTED with the reason why no fault of it shows
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
@@ -247,9 +247,10 @@ def glob_exists(pattern):
 
 
 NUMBER = r'\d+(?:\.\d+)*'
-CITATION = re.compile(rf'(§+|\b(?:section|equation|figure|table)s?(?=\s)|\b(?:sec|sect|eq|eqn|fig|tab)s?\.)\s*'
+CITATION = re.compile(r'(§+|\b(?:section|equation|figure|table|algorithm)s?(?=\s)|'
+                      r'\b(?:sec|sect|eq|eqn|fig|tab|alg)s?\.)\s*'
                       rf'({NUMBER}(?:(?:,? and |,? to |, ){NUMBER})*)', re.I)
-KINDS = {'§': 'section', 's': 'section', 'e': 'equation', 'f': 'figure', 't': 'table'}
+KINDS = {'§': 'section', 's': 'section', 'e': 'equation', 'f': 'figure', 't': 'table', 'a': 'algorithm'}
 WORK = re.compile(r'\b([A-Z][\w\-]+)(?: et al\.| and [A-Z][\w\-]+|, [A-Z][^.;]{0,80}?)?,? \(?(?:19|20)\d\d\b')
 # "folder/file.cl: one(), two()", beginning anywhere in a folder's path
 PLACE = re.compile(r'([\w/]+\.(?:clh|cl|cpp|h)):\s+(\w+\(\)(?:,\s+\w+\(\))*)')
@@ -293,8 +294,8 @@ def check_table_rows(file):
     """clang-format may join the rows of a table of the paper; a joined row begins with a word of the one before."""
     for number, line in enumerate(read(file).splitlines(), 1):
         row = re.match(r'//   \S.*\S {3,}\S.*\.(cl|clh|cpp|h)\b', line)
-        if row and not re.match(r'//   (section|equation|figure|table) ', line):
-            yield f'{file}:{number}: a row of the table of the paper begins with section, equation, figure or table'
+        if row and not re.match(r'//   (section|equation|figure|table|algorithm) ', line):
+            yield f'{file}:{number}: a row of the table of the paper begins with what is cited: a section, an equation'
 
 
 def check_citations():

@@ -11,7 +11,8 @@
 #define CONNECTION_STREAM 0x76706c73u
 #define BUNDLE_STREAM 0x62756e64u
 
-// Section 3.2: the bundle that a path takes at a depth: a set of directions, and which of them.
+// The bundle that a path takes at a depth (Tokuyoshi and Ogaki 2012, sections 3.2 and 7: reuse for multi-bounce): a set
+// of directions, and which of them.
 Sampler choose_bundle(BidirectionalSettings settings, uint seed, uint sample_index, const EyeWalk* walk) {
   const uint depth = walk->state.segment;
   const uint choice = hash_uint3(seed ^ BUNDLE_STREAM, sample_index, walk->path);
@@ -56,16 +57,17 @@ bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk,
   return true;
 }
 
-// The BSDF sample. False when the path ends here.
+// The next direction of the path (equation 1). False when the path ends here.
 bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, const Surface* surface,
                       const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe, Ray* ray,
                       RayEnds* ends) {
   const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
   const Sampler bundle = choose_bundle(settings, seed, sampler->index, walk);
+  // Choose a direction.
   const BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle);
   if (is_black(sample.weight)) return false;
   if (!count_scattering(settings, walk, sample.delta)) return false;
-  // Weights of what lies ahead.
+  // Carry weights and throughput on.
   const Bsdf turned = turn_bsdf(bsdf, sample.direction);
   if (sample.delta)
     leave_eye_mis_ideal(walk, mis, ideal_lobe_back(bsdf, &turned, sample.transmitted));
@@ -137,6 +139,8 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
     states[walk.path].flags = walk.state.flags;
     return;
   }
+
+  // Prepare weights and random numbers.
   const EyeMis mis = arrive_eye_mis(&walk, &surface, hit.distance);
   const Sampler sampler = make_pixel_sampler(seed, walk.path, sample_index);
   const LightChoiceSample u = sample_light_dimensions(&sampler, walk.state.segment);
@@ -167,8 +171,10 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
     float3 light = (float3)(0.0f), towards = surface.n_s;
     PathVertex vertex;
     if (settings.flags & BIDIRECTIONAL_OWN_VERTICES) {
+      // One of the light path of the same number.
       light = choose_own(&scene, settings, &walk, &surface, &bsdf, &mis, vertices, v.x, &vertex, &towards);
     } else {
+      // One of all, by resampling.
       const uint last = LIGHT_VERTICES - 1u;
       const float camera_side =
           mis.fixed + path_mis_power(fabs(dot(bsdf.n_s, bsdf.view)) * M_1_PI_F) * mis.turning[last];
@@ -180,6 +186,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
       if (scale > 0.0f)
         light = scale * connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex, &towards);
     }
+    // Aim a shadow ray at it.
     light *= walk.state.throughput.xyz;
     if (!is_contribution(light)) {
       walk.state.flags |= EYE_PATH_BAD;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Section 4.1: vertices of light paths, kept with their BSDFs: the virtual lights.
+// Vertices of light paths, kept with their BSDFs: the virtual lights, VPLs (Tokuyoshi and Ogaki 2012, section 4.1).
 #include "bidirectional_vpl/base/eye_directions.clh"
 #include "lucarium/path_vertex.clh"
 #define LIGHT_PATH_EYE_PDF(scene, bsdf, direction) eye_direction_pdf(scene, bsdf, direction)

@@ -82,6 +82,7 @@ __kernel void compared_fill_blocks(__global const Vertex* scene_vertices, __glob
   const uint first = compared_brick_first[b], words = LUCARIUM_BVH_BLOCK_WORDS(COMPARED_LANES);
   uint filled[64];
   for (uint i = 0u; i < 64u; ++i) filled[i] = 0u;
+  // Give each triangle the next lane of its voxel's blocks.
   for (uint i = begin; i < end; ++i) {
     const uint pair = compared_order[i], triangle = compared_triangles[pair];
     const uint voxel = compared_rank(mask, compared_within_brick[pair]), slot = filled[voxel]++;

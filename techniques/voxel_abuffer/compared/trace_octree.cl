@@ -59,11 +59,13 @@ static bool compared_trace(const ComparedContext* context, AbufferRay* r, const 
   path.node[0] = 0u;
   path.depth = 0u;
   for (;;) {
+    // Descend to the leaf, or to the largest empty cube around the voxel.
     const uint4 voxel = as_uint4(r->voxel);
     const uint empty = compared_descend(context, &path, voxel);
     const int edge = (int)max(empty, 1u);
     int4 axes;
     const float leaves = abuffer_leave(grid, r, edge, &axes);
+    // Hit the leaf.
     if (!empty) {
 #ifndef BVH_ALPHA
       if (any) return true;
@@ -74,7 +76,7 @@ static bool compared_trace(const ComparedContext* context, AbufferRay* r, const 
       if (compared_hit(context->scene, grid, ray, moved, context->leaves[leaf], r->distance, leaves, hit)) return true;
     }
     if (leaves >= r->end || !abuffer_enter(grid, r, edge, axes, leaves)) return false;
-    // Up to the lowest node that holds both voxels.
+    // Go back up to the lowest node that holds both voxels.
     const uint4 differ = voxel ^ as_uint4(r->voxel);
     const uint highest = 31u - clz(differ.x | differ.y | differ.z);
     path.depth = highest > context->levels + 1u ? 0u : min(path.depth, context->levels + 1u - highest);

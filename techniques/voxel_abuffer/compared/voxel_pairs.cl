@@ -50,6 +50,7 @@ static bool compared_touches(const ComparedEdges* edges, float x, float y) {
 
 static ComparedTriangle compared_load(__global const Vertex* vertices, Triangle triangle, const AbufferGrid* grid,
                                       float pad) {
+  // Find the voxels of its box.
   ComparedTriangle t;
   float4 corners[3];
   corners[0] = abuffer_position(grid, vertices[triangle.v0].position);
@@ -61,6 +62,7 @@ static ComparedTriangle compared_load(__global const Vertex* vertices, Triangle 
   t.possible = fabs(sum.x) + fabs(sum.y) + fabs(sum.z) < 1e15f;
   t.first = abuffer_clamped_voxel(grid, low);
   t.size = abuffer_clamped_voxel(grid, high) - t.first;
+  // Move the corners into units of voxels, from the box's first on.
   const float per_voxel = 1.0f / (float)grid->voxels.w;
   for (uint i = 0u; i < 3u; ++i) {
     corners[i] = corners[i] * per_voxel - convert_float4(t.first);
@@ -68,6 +70,7 @@ static ComparedTriangle compared_load(__global const Vertex* vertices, Triangle 
   }
   t.anchor = corners[0];
 
+  // Follow it along the axis where its plane is flattest.
   const float4 ab = corners[1] - corners[0], ac = corners[2] - corners[0], bc = ac - ab;
   const float4 n = (float4)(cross(ab.xyz, ac.xyz), 0.0f);
   t.axis = compared_largest(fabs(n));
@@ -80,6 +83,7 @@ static ComparedTriangle compared_load(__global const Vertex* vertices, Triangle 
   const float error = 2.0f * COMPARED_NORMAL_ERROR * square * fabs(scale) * sqrt(square);
   const float steepness = fabs(t.slope.x) + fabs(t.slope.y), margin = pad * per_voxel;
   t.half_range = needle ? INFINITY : 0.5f * steepness + margin * (1.0f + steepness) + error;
+  // Its edges, projected along all three axes.
   t.edges[0] = compared_edges(corners, n, t.axis, 0.5f + margin);
   t.edges[1] = compared_edges(corners, n, abuffer_axis_x(t.axis), 0.5f + margin);
   t.edges[2] = compared_edges(corners, n, abuffer_axis_y(t.axis), 0.5f + margin);
@@ -105,8 +109,10 @@ static uint compared_visit(const ComparedTriangle* t, const AbufferGrid* grid, u
   const uint begin = place;
   for (int y = 0; y <= height; ++y)
     for (int x = 0; x <= width; ++x) {
+      // Leave out columns beside the triangle.
       const float center_x = (float)x + 0.5f, center_y = (float)y + 0.5f;
       if (!compared_touches(&t->edges[0], center_x, center_y)) continue;
+      // Visit the depths that its plane has in the column, where the other two projections touch it, too.
       const float depth = depth_of_anchor + (center_x - anchor_x) * t->slope.x + (center_y - anchor_y) * t->slope.y;
       const int last = convert_int(clamp(floor(depth + t->half_range), 0.0f, deepest));
       for (int z = convert_int(clamp(floor(depth - t->half_range), 0.0f, deepest)); z <= last; ++z) {

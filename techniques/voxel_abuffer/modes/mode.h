@@ -22,7 +22,7 @@ struct ModeContext {
   uint32_t pixels() const { return frame.width * frame.height; }
 };
 
-/// A way of light transport over an intersector (Hu et al. 2014, section 3.3): an image that grows by passes of λ
+/// A way of light transport over an intersector (Hu et al. 2014, section 4): an image that grows by passes of λ
 /// samples per pixel (algorithm 1 there).
 class Mode {
  public:

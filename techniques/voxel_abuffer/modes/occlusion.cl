@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ambient occlusion of what pixels see (Zhukov, Iones and Kronin 1998, with a step as falloff).
+// Ambient occlusion of what pixels see (Zhukov, Iones and Kronin 1998, with a step as falloff; Hu et al. 2014, section
+// 4).
 #include "lucarium/gbuffer.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/sobol.clh"

@@ -5,7 +5,7 @@
 
 namespace lucarium::abuffer {
 
-/// Path tracing by the framework's integrator: layers `emission`, `direct`, `indirect`.
+/// Path tracing by the framework's integrator (Hu et al. 2014, section 4): layers `emission`, `direct`, `indirect`.
 class PathMode : public Mode {
  public:
   PathMode(const ModeContext& context, const PathSet& path_set, uint32_t samples);

@@ -9,7 +9,7 @@
 
 namespace lucarium::abuffer {
 
-/// First visibility by rasterization (deferred shading: Hu et al. 2014, section 3): knows what rays through the centres
+/// First visibility by rasterization (deferred shading: Hu et al. 2014, section 4): knows what rays through the centres
 /// of pixels of a perspective camera meet, and leaves all others to another intersector; those, too, whose first
 /// surface lets them pass (MASK, BLEND). Their origin and direction show which these are, so that any service may run
 /// over it.

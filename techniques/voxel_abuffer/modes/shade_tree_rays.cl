@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What rays of trees have met: a point to be lit, what it emits, and the rays that go on from there.
 //
-// Straight on (ray casting, Hu et al. 2014, section 3.3): a surface of alpha a is seen with the share T a, and T (1 -
-// a) is left behind it. Branching (Whitted 1980): both ideal lobes of a surface are followed, weighted by Fresnel's
-// factor.
+// Straight on (ray casting, Hu et al. 2014, section 4): a surface of alpha a is seen with the share T a, and T (1 - a)
+// is left behind it. Branching (Whitted 1980; reflection and refraction rays of section 4): both ideal lobes of
+// a surface are followed, weighted by Fresnel's factor.
 #include "lucarium/lights.clh"
 #include "lucarium/medium.clh"
 #include "lucarium/scene.clh"
@@ -80,6 +80,7 @@ __kernel void shade_tree_rays(LUCARIUM_SCENE_PARAMETERS TreeRules rules, uint pl
   float3 throughput = tree_ray.throughput.xyz;
   Branch branches[2] = {no_branch(tree_ray), no_branch(tree_ray)};
   if (hit.triangle == LUCARIUM_NO_HIT) {
+    // Behind all surfaces is the environment.
     if (scene.scene_info->environment_light != LUCARIUM_NONE)
       point.emission.xyz = throughput * environment_radiance(&scene, direction);
   } else {
@@ -87,24 +88,27 @@ __kernel void shade_tree_rays(LUCARIUM_SCENE_PARAMETERS TreeRules rules, uint pl
     const uint medium = medium_at(&scene, &surface, tree_ray.medium);
     const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
     if (rules.straight) {
-      // What is seen of the surface, through all before it, and what is left behind it.
+      // Ray casting: see alpha of the surface, through all before it, and leave the rest to the ray behind it.
       const float alpha = coverage_at(&scene, hit.triangle, hit.u, hit.v);
       TreeRay behind = tree_ray;
       behind.throughput.w += hit.distance;
       branches[0] = branch_along(&surface, direction, seed, throughput * (1.0f - alpha), behind);
       throughput *= alpha * medium_transmittance(&scene, medium, behind.throughput.w);
     } else {
+      // Whitted: follow both ideal lobes.
       throughput *= medium_transmittance(&scene, medium, hit.distance);
       for (uint lobe = 0u; lobe < 2u && rules.level < rules.last_level; ++lobe)
         branches[lobe] =
             branch_at_lobe(&scene, &surface, &bsdf, lobe == 1u, throughput, medium,
                            make_ray_seed(hash_uint3(seed, tree_ray.pixel, 2u * rules.level + lobe)), tree_ray);
     }
+    // Keep the point for direct light, with what it emits.
     point.throughput.xyz = throughput;
     point.emission.xyz = throughput * emitted_radiance(&scene, &surface);
     keep_surface(&scene, &surface, &bsdf, hit, medium, 1.0f, &point);
   }
   points[i] = point;
+  // Put the rays that go on where they are compacted from.
   for (uint lobe = 0u; lobe < 2u; ++lobe) {
     const uint place = 2u * i + lobe;
     next_rays[place] = branches[lobe].ray;

@@ -79,6 +79,7 @@ __kernel void abuffer_fill_touched(LAYERED_TILE_PARAMETERS __global const Abuffe
   const uint base = abuffer_counts[first + axis];
   __global uint* start = abuffer_start + axis * abuffer_grid[0].bricks.w;
   ABUFFER_EACH_TILE {
+    // Find where the lists of the tile's columns begin.
     uint places[LAYERED_TILE_ROWS][LAYERED_LANES];
     const uint lanes = min((uint)LAYERED_LANES, width - px);
     uint in_row[LAYERED_LANES];
@@ -92,6 +93,7 @@ __kernel void abuffer_fill_touched(LAYERED_TILE_PARAMETERS __global const Abuffe
     for (uint i = layered_starts[row_of_tiles * tiles_x + tile]; i < end; ++i) {
       const LayeredRecord r = layered_record(&tiles, layered_pairs[i]);
       LayeredWalk walk = layered_walk(&tiles, &r, (int)px, (int)py);
+      // Walk over the rows that the triangle touches.
       const uint triangle = r.triangle & ~LAYERED_AWAY;
       const AbufferPlane plane = abuffer_planes[triangle];
       for (uint row = walk.first; row <= walk.last; ++row) {
@@ -100,6 +102,7 @@ __kernel void abuffer_fill_touched(LAYERED_TILE_PARAMETERS __global const Abuffe
         walk.e1 += walk.step_y.y;
         walk.e2 += walk.step_y.z;
         if (!mask) continue;
+        // Write a fragment into every column that it touches.
         const LayeredUint intervals =
             abuffer_intervals(&plane, LAYERED_LANE_FLOAT + ((float)px + 0.5f), (float)(py + row) + 0.5f, grid.slack);
         for (; mask; mask &= mask - 1u) {

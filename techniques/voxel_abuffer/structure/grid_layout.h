@@ -14,7 +14,7 @@ struct GridSize {
   uint32_t voxels = 64;    ///< N
 };
 
-/// N = √(3n) rounded up to a multiple of 16 where `voxels` is 0 (Hu et al. 2014, section 3.2); n rounded up to a
+/// N = √(3n) rounded up to a multiple of 16 where `voxels` is 0 (Hu et al. 2014, section 5); n rounded up to a
 /// multiple of N, or down where it would exceed what can be rasterized, so that voxel faces are pixel edges. Throws
 /// Error{usage} naming `abuffer_size` and `grid_size` where N > n.
 GridSize choose_grid_size(uint32_t pixels, uint32_t voxels);

@@ -66,11 +66,13 @@ __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid
   uint places[ABUFFER_MAX_VOXELS];
   __global const uint* start = abuffer_start + axis * grid.bricks.w + row * columns * edge * edge;
   for (uint voxel = 0u; voxel < columns; ++voxel) {
+    // Pass over voxel columns without fragments.
     if (start[0] == start[edge * edge]) {
       start += edge * edge;
       continue;
     }
     abuffer_cells_of_column(&grid, abuffer_voxels, axis, voxel, row, depth, places);
+    // Mark the cells of every fragment, column by column.
     AbufferCellSpan y_cells = abuffer_first_span(edge);
     for (uint y = 0u; y < edge; ++y, abuffer_next_span(&y_cells, edge)) {
       AbufferCellSpan x_cells = abuffer_first_span(edge);

@@ -10,7 +10,7 @@ namespace lucarium::abuffer {
 
 /// Two structures: what rests, and what animations move. A motion builds the second one alone, within its own bounds;
 /// rays are traced through both, each with its own states of points, and the nearer hit counts. The paper leaves that
-/// to future work (Hu et al. 2014, section 5). Hits are those of one structure where search is exact.
+/// to future work (Hu et al. 2014, section 6). Hits are those of one structure where search is exact.
 class MovingSet : public Intersector {
  public:
   MovingSet(KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,

@@ -48,8 +48,9 @@ __kernel void abuffer_pack_exact(__global const AbufferGrid* abuffer_grid, __glo
   });
 }
 
-// abuffer_facing: per voxel and axis, its fragments, and those that face against the axis less those along it. They are
-// the sums of |n| and n over the voxel's surface in units of pixels (cleared before).
+// Lists come sorted by depth. abuffer_facing, for the average normal of a voxel (Hu et al. 2014, section 3.1): per
+// voxel and axis, its fragments, and those that face against the axis less those along it. They are the sums of |n| and
+// n over the voxel's surface in units of pixels (cleared before).
 __kernel void abuffer_pack_parity(__global const AbufferGrid* abuffer_grid, __global const uint* pixel_start,
                                   __global const LayeredFragment* fragments, __global const uint* abuffer_counts,
                                   uint axis, uint first, uint capacity, __global uint* abuffer_start,

@@ -55,6 +55,7 @@ __kernel void abuffer_prepare_triangles(__global const Vertex* scene_vertices, _
   const Triangle triangle = scene_triangles[i];
   const float4 corners[3] = {scene_vertices[triangle.v0].position, scene_vertices[triangle.v1].position,
                              scene_vertices[triangle.v2].position};
+  // Keep the corners, in world space; p: in grid coordinates.
   __global float* words = abuffer_triangles + i * ABUFFER_TRIANGLE_WORDS;
   float4 p[3];
   for (uint k = 0u; k < 3u; ++k) {
@@ -62,9 +63,11 @@ __kernel void abuffer_prepare_triangles(__global const Vertex* scene_vertices, _
     p[k] = abuffer_position(&grid, corners[k]);
   }
   ((__global uint*)words)[9] = i;
+  // Compute the plane over the columns.
   uint axis;
   const AbufferPlane plane = abuffer_plane(p, &axis);
   abuffer_planes[i] = plane;
+  // Choose the class: absent, parity, or exact along the dominant axis.
   const uchar parity = abuffer_component_class[abuffer_component_of[i]];
   if (parity == ABUFFER_ABSENT) {
     abuffer_classes[i] = 0;
@@ -72,6 +75,7 @@ __kernel void abuffer_prepare_triangles(__global const Vertex* scene_vertices, _
     return;
   }
   abuffer_classes[i] = parity ? parity : (uchar)ABUFFER_EXACT(axis);
+  // Expect fragments.
   const float4 areas = abuffer_areas(p), size = fmax(p[0], fmax(p[1], p[2])) - fmin(p[0], fmin(p[1], p[2]));
   const float all = areas.x + areas.y + areas.z;
   const float touched =
