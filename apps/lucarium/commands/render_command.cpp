@@ -138,8 +138,10 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
   if (has_profile_file(arguments)) check_output(arguments.profile, arguments.overwrite);
   if (arguments.watch)
     return render_and_watch(watched_inputs(arguments), !arguments.files.empty() || !arguments.profile.empty());
+  UsedInputs used;
   const TechniqueRegistry registry(arguments.technique.folders);
   const TechniqueType& type = registry.find(spec.name);
+  used.set_plugin(type.file(), registry.searched());
   check_parameters(type, spec);
 
   const Stopwatch loading;

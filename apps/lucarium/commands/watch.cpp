@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <thread>
@@ -16,6 +18,7 @@
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/base/text/text_values.h"
+#include "lucarium/compute/program/source_library.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -23,6 +26,10 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::chrono::milliseconds poll_interval{200};
+
+// How a render reports what it has used: as lines of its standard error, where this variable is set.
+const char* const watched_variable = "LUCARIUM_WATCHED";
+constexpr std::string_view plugin_line = "lucarium used plug-in ", kernel_line = "lucarium used kernel ";
 
 struct Stamp {
   fs::file_time_type time;
@@ -40,7 +47,11 @@ void add_file(Snapshot& snapshot, const fs::path& file) {
 Snapshot take_snapshot(const WatchedInputs& inputs) {
   Snapshot snapshot;
   std::error_code failure;
-  for (const fs::path& file : inputs.files) add_file(snapshot, file);
+  for (const auto* paths : {&inputs.scene, &inputs.plugins, &inputs.kernels}) {
+    for (const fs::path& path : *paths) {
+      if (!fs::is_directory(path, failure)) add_file(snapshot, path);
+    }
+  }
   for (const fs::path& folder : inputs.plugins) {
     for (const fs::directory_entry& entry : list_folder(folder, failure)) {
       if (entry.path().extension() == ".so") add_file(snapshot, entry.path());
@@ -48,10 +59,39 @@ Snapshot take_snapshot(const WatchedInputs& inputs) {
   }
   for (const fs::path& folder : inputs.kernels) {
     for (const fs::directory_entry& entry : list_folder<fs::recursive_directory_iterator>(folder, failure)) {
-      if (entry.is_regular_file(failure)) add_file(snapshot, entry.path());
+      if (entry.is_regular_file(failure)) add_file(snapshot, entry.path().lexically_normal());
     }
   }
   return snapshot;
+}
+
+/// Whether a file is one of the paths, or below one.
+bool is_among(const fs::path& file, const std::vector<fs::path>& paths) {
+  return std::any_of(paths.begin(), paths.end(), [&](const fs::path& path) {
+    const auto [end, differs] = std::mismatch(path.begin(), path.end(), file.begin(), file.end());
+    return end == path.end() || end->empty();  // an ending slash
+  });
+}
+
+/// What is left of a snapshot of more inputs.
+Snapshot only(Snapshot snapshot, const WatchedInputs& inputs) {
+  std::erase_if(snapshot, [&](const auto& entry) {
+    const fs::path& file = entry.first;
+    return !is_among(file, inputs.scene) && !is_among(file, inputs.plugins) && !is_among(file, inputs.kernels);
+  });
+  return snapshot;
+}
+
+/// The paths that the lines name, if any does.
+void take_reported(const std::vector<fs::path>& reported, std::vector<fs::path>& paths) {
+  if (!reported.empty()) paths = reported;
+}
+
+void report(std::string_view line, const std::vector<fs::path>& paths) {
+  const bool all_printable = std::all_of(
+      paths.begin(), paths.end(), [](const fs::path& path) { return printable_line(path.string()) == path.string(); });
+  if (!all_printable) return;  // then everything is watched
+  for (const fs::path& path : paths) print_note("{}{}\n", line, path.string());
 }
 
 /// The first file that is new, gone or different.
@@ -105,6 +145,25 @@ void add_sidecar_environment(const std::string& scene, std::vector<fs::path>& fi
 
 }  // namespace
 
+UsedInputs::~UsedInputs() {
+  if (!std::getenv(watched_variable)) return;
+  report(plugin_line, plugins_);
+  std::vector<fs::path> kernels;
+  for (const fs::path& root : kernel_path_roots()) {
+    for (const std::string& name : asked_sources()) kernels.push_back((root / name).lexically_normal());
+  }
+  report(kernel_line, kernels);
+}
+
+void UsedInputs::set_plugin(const fs::path& file, const std::vector<fs::path>& searched) {
+  // One of the same name in an earlier folder would be used instead.
+  for (const fs::path& folder : searched) {
+    if ((folder / file.filename()) == file) break;
+    plugins_.push_back(folder / file.filename());
+  }
+  plugins_.push_back(file);
+}
+
 std::vector<fs::path> scene_files(const std::string& scene, const std::string& environment) {
   std::vector<fs::path> files;
   if (!environment.empty()) files.emplace_back(environment.substr(0, environment.find_first_of("*@")));
@@ -128,23 +187,36 @@ std::vector<fs::path> scene_files(const std::string& scene, const std::string& e
 
 int render_and_watch(const WatchedInputs& inputs, bool has_outputs) {
   const std::vector<std::string> words = render_words(has_outputs);
+  ::setenv(watched_variable, "1", 1);
   bool rendered = false;
   const auto end = [&rendered] { return rendered ? 0 : static_cast<int>(ErrorClass::interrupted); };
   const KeepOnInterrupt end_the_loop;
   while (true) {
-    const Snapshot before = take_snapshot(inputs);
-    const ChildResult result = run_child(words, [](std::string_view line) { print_note("{}\n", line); });
+    const Snapshot all = take_snapshot(inputs);
+    std::vector<fs::path> plugins, kernels;
+    const ChildResult result = run_child(words, [&](std::string_view line) {
+      if (line.starts_with(plugin_line))
+        plugins.emplace_back(line.substr(plugin_line.size()));
+      else if (line.starts_with(kernel_line))
+        kernels.emplace_back(line.substr(kernel_line.size()));
+      else
+        print_note("{}\n", line);
+    });
     print_result("{}", result.out);
     flush_results();
     rendered |= result.exit_code == 0;
     if (interrupt_requested()) return end();
+    WatchedInputs used = inputs;
+    take_reported(plugins, used.plugins);
+    take_reported(kernels, used.kernels);
+    const Snapshot before = only(all, used);
     if (result.exit_code == 0) {
       print_note("rendered in {:.1f} s; watching {}, Ctrl-C ends\n", result.seconds, counted(before.size(), "file"));
     } else {
       print_note("not rendered ({}): the last image is kept; watching {}, Ctrl-C ends\n", describe_end(result),
                  counted(before.size(), "file"));
     }
-    const fs::path file = wait_for_change(inputs, before);
+    const fs::path file = wait_for_change(used, before);
     if (file.empty()) return end();
     print_note("{} changed\n", file.string());
   }

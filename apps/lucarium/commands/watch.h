@@ -6,11 +6,26 @@
 
 namespace lucarium::app {
 
-/// What makes a picture stale when it changes.
+/// What makes a picture stale when it changes: files, which need not exist, or folders.
 struct WatchedInputs {
-  std::vector<std::filesystem::path> files;    ///< need not exist
+  std::vector<std::filesystem::path> scene;
   std::vector<std::filesystem::path> plugins;  ///< folders: every .so in them
   std::vector<std::filesystem::path> kernels;  ///< folders: everything below them
+};
+
+/// In a render that render_and_watch() has started: reports to that process, when this object ends, which kernels were
+/// used, and which plug-in if that was found. In another process it does nothing.
+class UsedInputs {
+ public:
+  UsedInputs() = default;
+  ~UsedInputs();
+  UsedInputs(const UsedInputs&) = delete;
+  UsedInputs& operator=(const UsedInputs&) = delete;
+  /// `searched`: the folders of plug-ins, in their order.
+  void set_plugin(const std::filesystem::path& file, const std::vector<std::filesystem::path>& searched);
+
+ private:
+  std::vector<std::filesystem::path> plugins_;
 };
 
 /// The files of a scene: itself, its sidecar, the buffers and images it names, and an environment file as --environment
@@ -18,9 +33,10 @@ struct WatchedInputs {
 std::vector<std::filesystem::path> scene_files(const std::string& scene, const std::string& environment);
 
 /// Renders in a process of its own, then again whenever an input changes, until interrupted; returns 0, or the code of
-/// ErrorClass::interrupted when no picture was finished. A render that fails, or dies, says why and leaves the files of
-/// the last good one. The process is this one's command line without --watch and, where it has outputs, with
-/// --overwrite, so that plug-ins are loaded again.
+/// ErrorClass::interrupted when no picture was finished. Of `inputs` those count that the last render has used, or all
+/// where it did not report them. A render that fails, or dies, says why and leaves the files of the last good one. The
+/// process is this one's command line without --watch and, where it has outputs, with --overwrite, so that plug-ins are
+/// loaded again.
 int render_and_watch(const WatchedInputs& inputs, bool has_outputs);
 
 }  // namespace lucarium::app

@@ -5,6 +5,7 @@
 
 #include <cctype>
 #include <cstdlib>
+#include <mutex>
 #include <set>
 
 #include "lucarium/base/error.h"
@@ -173,7 +174,27 @@ class Preprocessor {
   std::map<std::string, int, std::less<>> ids_;
 };
 
+/// What asked_sources() returns.
+struct AskedSources {
+  std::mutex mutex;
+  std::set<std::string, std::less<>> names;
+  void add(std::string_view name) {
+    const std::lock_guard lock(mutex);
+    if (!names.contains(name)) names.emplace(name);
+  }
+  static AskedSources& all() {
+    static AskedSources sources;
+    return sources;
+  }
+};
+
 }  // namespace
+
+std::vector<std::string> asked_sources() {
+  AskedSources& asked = AskedSources::all();
+  const std::lock_guard lock(asked.mutex);
+  return {asked.names.begin(), asked.names.end()};
+}
 
 std::vector<fs::path> kernel_path_roots() {
   std::vector<fs::path> roots;
@@ -196,6 +217,7 @@ SourceLibrary::SourceLibrary() : tables_{&lucarium_kernels()}, roots_(kernel_pat
 void SourceLibrary::add(const EmbeddedSources& sources) { tables_.push_back(&sources); }
 
 bool SourceLibrary::contains(std::string_view virtual_name) const {
+  AskedSources::all().add(virtual_name);
   std::error_code ignored;
   for (const fs::path& root : roots_) {
     if (fs::is_regular_file(root / virtual_name, ignored)) return true;
@@ -207,6 +229,7 @@ bool SourceLibrary::contains(std::string_view virtual_name) const {
 }
 
 SourceLibrary::File SourceLibrary::find(std::string_view virtual_name, std::string_view included_from) const {
+  AskedSources::all().add(virtual_name);
   std::error_code ignored;
   for (const fs::path& root : roots_) {
     const fs::path path = root / virtual_name;

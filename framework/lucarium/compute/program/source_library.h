@@ -40,4 +40,8 @@ class SourceLibrary {
   std::vector<std::filesystem::path> roots_;
 };
 
+/// The virtual names that all libraries of this process were asked for, whether they had them or not: below a root of
+/// LUCARIUM_KERNEL_PATH, no other file can change its programs.
+std::vector<std::string> asked_sources();
+
 }  // namespace lucarium

@@ -114,6 +114,37 @@ TEST_CASE("the picture follows the scene, the kernel and the plug-in; a kernel t
   CHECK(contains(watcher.log(), "constant.so changed"));
 }
 
+TEST_CASE("--watch renders again for what the picture was made from only: no other plug-in, no other kernel") {
+  const TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
+  for (const char* name : {"first", "plugins", "kernels/constant", "kernels/another"})
+    fs::create_directories(folder / name);
+  const fs::path constant = environment("LUCARIUM_TEST_PLUGINS") + "/constant/constant.so";
+  fs::copy_file(constant, folder / "plugins" / "constant.so");
+  Watcher watcher(folder, "LUCARIUM_KERNEL_PATH=" + (folder / "kernels").string(),
+                  "builtin:cornell --technique-path first --technique-path plugins -t constant --max-bounces 1 "
+                  "--size 16x8 --iterations 1 -o a.png");
+  REQUIRE(watcher.rendered(1));
+
+  // Of several changes the first by name is reported. The last one here is of a file in use, and the only such one.
+  std::ofstream(folder / "kernels/another/noise.cl") << "kernel void noise() {}\n";
+  std::ofstream(folder / "kernels/constant/a_note.txt") << "to do\n";
+  std::ofstream(folder / "kernels/constant/fill_constant.cl") << brighter_kernel;
+  REQUIRE(watcher.rendered(2));
+  CHECK(contains(watcher.log(), "fill_constant.cl changed"));
+
+  // A plug-in of the same file name, in a folder that is searched before.
+  fs::copy_file(constant, folder / "first" / "another.so");
+  fs::copy_file(constant, folder / "first" / "constant.so");
+  REQUIRE(watcher.rendered(3));
+  const std::string log = watcher.log();
+  CAPTURE(log);
+  CHECK(contains(log, "first/constant.so changed"));
+  CHECK(occurrences(log, " changed\n") == 2);
+  CHECK_FALSE(contains(log, "lucarium used"));  // what a render reports to the watching process only
+  CHECK(watcher.end());
+}
+
 TEST_CASE("--watch does not replace what was there before it began") {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "a.png").string();
