@@ -171,7 +171,7 @@ void add_options(Command command, const std::shared_ptr<CompareArguments>& argum
   arguments->overrides.add_exposure_to(command);
   arguments->overrides.add_to(command);
   command.option("--fallback-environment", arguments->spec.fallback_environment).default_text("none");
-  arguments->technique.add_to(command, "none");
+  arguments->technique.add_to(command, "none", true);
   arguments->device.add_to(command, true);
 }
 

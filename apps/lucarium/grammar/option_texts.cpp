@@ -26,7 +26,7 @@ const OptionText entries[] = {
     {"--overwrite", "Output", "", "replace what is there"},
     {"--half", "Output", "", "16-bit floats in .exr files"},
     {"--profile", "Output", "[=FILE]", "time per pass: a table, or FILE.json, FILE.trace.json (Perfetto)"},
-    {"--watch", "Output", "", "render again when the scene, any plug-in or any kernel changes"},
+    {"--watch", "Output", "", "render again when the scene, the plug-in or a kernel in use changes"},
     {"--export", "Output", "FILE.glb", "write the scene as it is understood"},
     {"--link-images", "Output", "", "report with images beside it, in full precision"},
     {"--resume", "Output", "", "continue what was interrupted in the same folder"},
@@ -77,7 +77,7 @@ const OptionText entries[] = {
     {"--atlas-edge", "Atlas", "METRES", "wanted texel edge, instead of a number"},
     {"--atlas-texcoord1", "Atlas", "", "lay the atlas out by TEXCOORD_1 where there is one"},
 
-    {"-t,--technique", "Technique", "NAME[:KEY=VALUE,…]", "technique with parameters (see lucarium techniques)"},
+    {"-t,--technique", "Technique", "NAME[:KEY=VALUE,…]", "technique with parameters; see lucarium techniques"},
     {"-p,--parameter", "Technique", "KEY=VALUE,…", "parameters of the technique named before"},
     {"--technique-path", "Technique", "FOLDER", "folder of plug-ins, searched first"},
     {"--path-set", "Technique", "KEY=VALUE,…", "light paths, instead of a technique's"},

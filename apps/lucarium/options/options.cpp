@@ -192,10 +192,12 @@ const std::vector<TechniqueArguments::Spec>& TechniqueArguments::all() const {
   return specs;
 }
 
-void TechniqueArguments::add_to(Command command, const std::string& default_technique) {
-  command.option_function("--technique", [this](const std::string& text) { specs.push_back(parse(text)); })
-      .trigger_on_parse()
-      .default_text(default_technique);
+void TechniqueArguments::add_to(Command command, const std::string& default_technique, bool several) {
+  Option technique =
+      command.option_function("--technique", [this](const std::string& text) { specs.push_back(parse(text)); })
+          .trigger_on_parse()
+          .default_text(default_technique);
+  if (several) technique.repeatable();
   command
       .option_function("--parameter",
                        [this](const std::string& text) {
@@ -203,6 +205,7 @@ void TechniqueArguments::add_to(Command command, const std::string& default_tech
                          for (auto& parameter : parse_parameters(text)) all.push_back(std::move(parameter));
                        })
       .trigger_on_parse()
+      .repeatable()
       .default_text("the technique's");
   add_technique_path(command, folders);
 }

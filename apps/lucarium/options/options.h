@@ -68,7 +68,8 @@ struct TechniqueArguments {
   std::vector<Spec> specs;
   Parameters leading;                          ///< of -p before any -t
   std::vector<std::filesystem::path> folders;  ///< --technique-path
-  void add_to(Command command, const std::string& default_technique);
+  /// `several`: the command takes more than one.
+  void add_to(Command command, const std::string& default_technique, bool several = false);
   /// The one that a command takes; `otherwise` where none is named. Throws Error{usage} for several.
   Spec single(const std::string& command, const std::string& otherwise) const;
   /// All that are named. Throws Error{usage} for parameters of none.

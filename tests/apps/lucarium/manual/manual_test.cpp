@@ -71,6 +71,17 @@ TEST_CASE("options have a text and a group, values a name and what holds without
   }
 }
 
+TEST_CASE("--parameter may be repeated everywhere, --technique where a command takes several") {
+  for (const json& command : commands()) {
+    for (const json& option : declared(command)) {
+      const std::string name = option.at("name");
+      CAPTURE(command.at("name"));
+      if (name == "--parameter") CHECK(option.at("repeatable") == true);
+      if (name == "--technique") CHECK(option.at("repeatable") == (command.at("name") == "compare"));
+    }
+  }
+}
+
 TEST_CASE("every command has two examples that name it, and a page that exists") {
   const std::string source = environment("LUCARIUM_TEST_SOURCE");
   for (const json& command : commands()) {
