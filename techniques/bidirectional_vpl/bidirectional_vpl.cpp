@@ -35,16 +35,19 @@
 //                                            sample_emission(); light/store_light_vertices.cl: take_light_vertex()
 //   section 4.2, equation 3, via VPL         eye/connect.clh: connected_light()
 //   section 4.2, equation 3, via ray-bundle  eye/find_lights.clh: connect_light_sample(), at the next vertex
-//   section 4.2, equation 4, density p_1     light_paths/light_paths.clh: arrive_light_path_mis(); by area
-//   section 4.2, equation 5, density p_2     eye/eye_path.clh: arrive_eye_mis(); by area
+//   section 4.2, equation 4, density p_1     light_paths/light_paths.clh: arrive_light_path_mis()
+//   section 4.2, equation 5, density p_2     eye/eye_path.clh: arrive_eye_mis(). Both are by area here; the paper's are
+//                                            these over |cos| / d^2 of both edges, so that their ratio is the same
 //   section 4.2, equation 6, weights, β      lucarium/path_mis.clh: path_mis_sum(), path_mis_power() (beta)
 //   section 4.3, equation 7, two-bounce      eye/connect.clh: connected_light(), at later vertices of a camera path,
 //                                            with weights (equation 6) in place of the paper's clamp
-//   section 4.3, equation 8, density p_1,2   the product of both sides: lucarium/path_mis.clh
+//   section 4.3, equation 8, density p_1,2   the product of both sides, carried along: lucarium/path_mis.clh:
+//                                            path_mis_leave(), path_mis_arrive()
 //   section 7, multi-bounce, reuse           eye/shade_eye_vertices.cl: choose_bundle() (reuse)
 //
-// Not in the source: shadow maps and reflective shadow maps (sections 3.2 and 4.1; rays instead), clamps of two bounces
-// (section 4.3), clamped roughness (section 5, equations 9 to 17), interleaving and filters (section 6).
+// Not in the source: rasterized bundles, shadow maps and reflective shadow maps (sections 3.2 and 4.1; rays instead),
+// clamps of two bounces (section 4.3), artifact suppression by clamped roughness and density estimation (section 5,
+// equations 9 to 17), interleaving and filters (section 6).
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
 // strategies, the choice among candidates (light/candidates.clh).

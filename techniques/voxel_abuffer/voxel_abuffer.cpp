@@ -28,8 +28,10 @@
 // Where the paper stands in the source (files below this folder; layered_raster/ is a service of the framework):
 //
 //   section 3, figure 2, two levels          structure/record_build.cpp: record_build(); structure/state.h
-//   section 3.1, three A-buffers             structure/abuffer_lists.cpp: record(), record_packed();
-//                                            structure/grid_layout.cpp: axis_view()
+//   section 3.1, three A-buffers             structure/abuffer_lists.cpp: record(), record_packed()
+//   section 3.1, geometry shader             structure/grid_layout.cpp: axis_view(): three projections, since a
+//   triangle
+//                                            is degenerate in a view across its normal
 //   section 3.1, linked lists, sorting       layered_raster/lists.cl (list=linked); structure/pack_lists.cl
 //   section 3.1, attributes of fragments     structure/store_attributes.cl: abuffer_store_attributes()
 //                                            (attributes=stored)
@@ -43,12 +45,13 @@
 //   section 3.2, 2D-DDA                      search/parity_columns.clh: abuffer_walk_columns() (search=2d)
 //   section 3.2, figure 4, three-step        search/parity_columns.clh: abuffer_step_voxel() (search=3): linear
 //                                            search, then binary search between P_k-1 and P_k
-//   section 3.2, figure 5, one-step          the same with search=1
+//   section 3.2, figure 5, one-step          search/parity_columns.clh: abuffer_step_voxel() (search=1)
 //   section 3.2, shadow rays                 search/parity_hit.clh: abuffer_must_look() (no binary search)
 //   section 4, deferred shading              modes/primary_raster.cpp: rasterize() (primary=raster)
 //   section 4, ray casting, multi-layer      modes/shade_tree_rays.cl: shade_tree_rays() (mode=cast)
-//   section 4, Whitted, reflection rays,     modes/shade_tree_rays.cl: branch_at_lobe() (mode=whitted); the loop over
-//                       refraction rays      levels: modes/eye_trees.cpp: grow(); shadow rays: the service direct_light
+//   section 4, Whitted, its rays             reflection rays, refraction rays: modes/shade_tree_rays.cl:
+//                                            branch_at_lobe() (mode=whitted); shadow rays: the service direct_light
+//   section 4, Whitted, loop for recursion   modes/eye_trees.cpp: grow()
 //   section 4, ambient occlusion             modes/occlusion.cl: begin_occlusion_rays() (mode=ao)
 //   section 4, path tracing                  modes/path_mode.h (mode=path): the framework's integrator
 //   algorithm 1, passes of λ samples         modes/pass_sums.cpp: begin(), commit(); modes/add_pass.cl: add_pass()
