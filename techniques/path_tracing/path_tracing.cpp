@@ -96,7 +96,7 @@ struct PathTracingParameters {
     v.flag("emissive_triangles", set.emissive_triangles, "include emissive surfaces");
     v.flag("environment", set.environment, "include the environment");
     v.number("eye_deltas", set.eye_deltas, -1, PathSet::kMaxEyeDeltas, "events",
-             "most mirrors and ideal refractions between the eye and the first other surface; -1: unlimited");
+             "maximum mirrors and ideal refractions between the eye and the first other surface; -1: unlimited");
     v.flag("light_delta", set.light_delta, "include mirrors and ideal refraction behind the first counted scattering");
     v.flag("secondary_lambert_only", set.secondary_lambert_only,
            "keep only diffuse lobes behind the first non-delta vertex");

@@ -147,7 +147,7 @@ void check_primary(const RenderSettings& settings) {
   if (settings.pixel_sampling != LUCARIUM_PIXEL_CENTRE)
     throw_error(ErrorClass::usage,
                 "voxel_abuffer: primary=raster with --pixel-sampling {}: pixels are rasterized at their centres; set "
-                "--pixel-sampling centre",
+                "--pixel-sampling center",
                 settings.pixel_sampling == LUCARIUM_PIXEL_JITTER ? "jitter" : std::to_string(settings.pixel_sampling));
   if (std::max(settings.width, settings.height) > LAYERED_MAX_EDGE)
     throw_error(ErrorClass::usage, "voxel_abuffer: primary=raster with an image of {}x{} pixels; {} are the most",

@@ -68,7 +68,7 @@ void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
   if (std::find(can.pixel_sampling.begin(), can.pixel_sampling.end(), settings.pixel_sampling) ==
       can.pixel_sampling.end()) {
     throw_error(ErrorClass::technique,
-                "{} cannot sample pixels in mode {} (0 jitter, 1 centre, n grid); it supports {}", info.name,
+                "{} cannot sample pixels in mode {} (0 jitter, 1 center, n grid); it supports {}", info.name,
                 settings.pixel_sampling, fmt::join(can.pixel_sampling, ", "));
   }
 }

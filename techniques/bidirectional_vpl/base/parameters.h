@@ -24,22 +24,24 @@ struct BidirectionalParameters {
     v.number("light_vertices", light_vertices, 1, 16, "vertices", "maximum vertices of a light path");
     v.number("light_paths", light_paths, 0, 1 << 22, "paths",
              "light paths per iteration; 0: one for 8 pixels, or one per pixel with vpl_choice=own");
-    v.choice("vpl_choice", vpl_choice, {{"resample", VplChoice::resample}, {"own", VplChoice::own}},
-             "virtual light that a camera path's vertex is connected to: the best of several candidates, or a vertex "
-             "of one light path of its own");
-    v.number("candidates", candidates, 1, 256, "virtual lights", "candidates that vpl_choice=resample compares");
+    v.choice(
+        "vpl_choice", vpl_choice, {{"resample", VplChoice::resample}, {"own", VplChoice::own}},
+        "virtual light that a vertex of a camera path is connected to: chosen among candidates (resample), or from "
+        "the light path of the pixel's own number (own)");
+    v.number("candidates", candidates, 1, 256, "virtual lights", "candidates per connection (vpl_choice=resample)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
     v.number("camera_edges", camera_edges, 1, 64, "scatterings",
-             "scatterings of a camera path after which half of the paths end each time");
+             "scatterings of a camera path before roulette ends half of the paths at each further one");
     v.choice("directions", directions, {{"bsdf", Directions::bsdf}, {"bundle", Directions::bundle}},
-             "where camera paths go on: by their surfaces' BSDF, or along bundles of directions that pixels share");
-    v.number("bundles", bundles, 1, 4096, "directions", "bundles of an iteration, with directions=bundle");
+             "directions of camera paths: by BSDF samples, or from a set that all pixels share (bundle)");
+    v.number("bundles", bundles, 1, 4096, "directions",
+             "number of shared directions per iteration (directions=bundle)");
     v.choice("dir_pdf", dir_pdf, {{"uniform", DirectionPdf::uniform}, {"env", DirectionPdf::environment}},
-             "density of bundles over the sphere: uniform, or after the environment");
-    v.choice("reuse", reuse,
-             {{"per_depth", Reuse::per_depth}, {"distinct", Reuse::distinct}, {"shared", Reuse::shared}},
-             "bundles of deeper scatterings: a set for each depth, independent different ones, or the same set, which "
-             "is biased");
+             "density of shared directions: uniform, or mostly by the luminance of the environment (env)");
+    v.choice(
+        "reuse", reuse, {{"per_depth", Reuse::per_depth}, {"distinct", Reuse::distinct}, {"shared", Reuse::shared}},
+        "shared directions at later scatterings: from a set per depth, distinct independent ones, or the first set "
+        "again (shared, biased)");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,
              {{"all", Strategy::all},
@@ -50,7 +52,7 @@ struct BidirectionalParameters {
              "strategies that are run: all, or one alone, which finds only a part of the paths");
     v.flag("show_strategies", show_strategies, "write a layer of each strategy's light");
     v.presets({{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}}}},
-              "bdpt: bidirectional path tracing with one light path per pixel");
+              "set of values; bdpt: bidirectional path tracing with one light path per pixel");
     v.basic({"preset", "light_vertices", "light_paths", "candidates", "splat", "strategy", "show_strategies"});
   }
 };

@@ -26,7 +26,7 @@ class EyeTrees : public Mode {
  public:
   struct Options {
     bool straight = false;  ///< rays go on behind every surface by its alpha, else they branch at ideal lobes
-    uint32_t depth = 3;     ///< most ideal reflections and refractions of a branch
+    uint32_t depth = 3;     ///< maximum ideal reflections and refractions of a branch
     float ambient = 0;      ///< constant light that every surface reflects, never in shadow [cd/m²]
     uint32_t samples = 1;   ///< λ
   };

@@ -76,7 +76,7 @@ void PrimaryRaster::record() {
 void PrimaryRaster::rasterize(const Frame& frame) {
   if (!possible(frame))
     throw Error(ErrorClass::usage,
-                "voxel_abuffer: primary=raster needs a perspective camera and --pixel-sampling centre; set "
+                "voxel_abuffer: primary=raster needs a perspective camera and --pixel-sampling center; set "
                 "primary=trace");
   scheduler_->finish();
   const SceneInfo& info = scene_->info();

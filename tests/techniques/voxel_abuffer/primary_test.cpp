@@ -181,7 +181,7 @@ TEST_CASE("primary: what cannot be rasterized is refused in one line, and auto t
   settings.max_bounces = 0;
   CHECK_THROWS_WITH_AS(render(scene, settings, {{"primary", "raster"}}),
                        "voxel_abuffer: primary=raster with --pixel-sampling jitter: pixels are rasterized at their "
-                       "centres; set --pixel-sampling centre",
+                       "centres; set --pixel-sampling center",
                        Error);
   settings.pixel_sampling = 4;
   CHECK_THROWS_WITH_AS(render(scene, settings, {{"primary", "raster"}}),
