@@ -14,7 +14,7 @@ uint kinds;           // of lights, bits 1 << LUCARIUM_LIGHT_*
 uint roulette_start;  // scatterings before Russian roulette; LUCARIUM_NONE: none
 // Samples of the strategies -1, 0 and all between, for weights (path_mis.clh):
 float hit_samples, light_samples, connection_samples;
-uint pad;
+uint vertices;  // of a path at most
 LUCARIUM_STRUCT_END(LightPathRules, 32)
 
 #define LIGHT_MAX_PHOTONS 256  // that a density may be estimated from
@@ -22,12 +22,11 @@ LUCARIUM_STRUCT_END(LightPathRules, 32)
 // A path between two vertices.
 LUCARIUM_STRUCT_BEGIN(LightPathState)
 float4 flux;         // xyz: along the ray [lm]; w: density of its direction [1/sr]
-float origin_pdf;    // density of where the path began, the choice of the light included (emission.clh)
+float2 mis;          // what path_mis.clh carries along the ray
 float start_cosine;  // of the ray to the geometric normal where it begins; 1 where there is none
 uint light;          // where the path began, into scene_lights
 uint medium;         // that the ray runs through (medium.clh)
-float2 mis;          // what path_mis.clh carries along the ray
-float2 pad;
+uint pad0, pad1, pad2;
 LUCARIUM_STRUCT_END(LightPathState, 48)
 
 // A point from which the light of one path is reflected diffusely, or at which it arrives (a photon).

@@ -21,6 +21,7 @@ LightPathRules rules_of(const LightPathOptions& options) {
   rules.hit_samples = options.hit_samples;
   rules.light_samples = options.light_samples;
   rules.connection_samples = options.connection_samples;
+  rules.vertices = options.vertices;
   return rules;
 }
 
