@@ -32,7 +32,11 @@ TechniqueInfo technique_info() {
   const BidirectionalParameters defaults;
   for (int s = 1; s <= defaults.light_vertices; ++s) strategies.names.push_back("vpl" + std::to_string(s));
   strategies.names.push_back("splat");
-  info.optional_layers = {strategies};
+  OptionalLayers further;
+  further.parameters = "show_strategies=on and as many light_vertices";
+  for (int s = defaults.light_vertices + 1; s <= BidirectionalParameters::kMaxLightVertices; ++s)
+    further.names.push_back("vpl" + std::to_string(s));
+  info.optional_layers = {strategies, further};
   return info;
 }
 
@@ -75,7 +79,7 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
   if (plan.bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
     list.push_back("reuse=distinct has nothing to choose from with one bundle (bundles)");
-  if (plan.own && parameters.light_paths > 0)
+  if (plan.choice == VplChoice::own && parameters.light_paths > 0)
     list.push_back("light_paths has no effect: vpl_choice=own takes one per pixel");
   return list;
 }

@@ -3,13 +3,14 @@
 
 namespace lucarium::bidirectional {
 
-enum class VplChoice { resample, own };
-enum class Directions { bsdf, bundle };
+enum class VplChoice { resample, all, own, pair };
+enum class Directions { bsdf, bundle, both };
 enum class DirectionPdf { uniform, environment };
 enum class Reuse { per_depth, distinct, shared };
 enum class Strategy { all, hit, nee, vpl, splat };
 
 struct BidirectionalParameters {
+  static constexpr int kMaxLightVertices = 16;
   int light_vertices = 4, light_paths = 0, candidates = 32, camera_edges = 2, beta = 1;
   int bundles = 21;
   Directions directions = Directions::bsdf;
@@ -21,21 +22,28 @@ struct BidirectionalParameters {
 
   template <class V>
   void describe(V& v) {
-    v.number("light_vertices", light_vertices, 1, 16, "vertices", "maximum vertices of a light path");
+    v.number("light_vertices", light_vertices, 1, kMaxLightVertices, "vertices", "maximum vertices of a light path");
     v.number("light_paths", light_paths, 0, 1 << 22, "paths",
-             "light paths per iteration; 0: one for 8 pixels, or one per pixel with vpl_choice=own");
-    v.choice(
-        "vpl_choice", vpl_choice, {{"resample", VplChoice::resample}, {"own", VplChoice::own}},
-        "virtual light that a vertex of a camera path is connected to: chosen among candidates (resample), or from "
-        "the light path of the pixel's own number (own)");
+             "light paths per iteration; 0: one for 8 pixels, with vpl_choice=own one per pixel, with all and pair as "
+             "many as bundles");
+    v.choice("vpl_choice", vpl_choice,
+             {{"resample", VplChoice::resample},
+              {"all", VplChoice::all},
+              {"own", VplChoice::own},
+              {"pair", VplChoice::pair}},
+             "virtual lights that a vertex of a camera path is connected to: one chosen among candidates (resample), "
+             "all, or one of a light path: that of the pixel's own number (own) or of its bundle's (pair)");
     v.number("candidates", candidates, 1, 256, "virtual lights", "candidates per connection (vpl_choice=resample)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
     v.number("camera_edges", camera_edges, 1, 64, "scatterings",
              "scatterings of a camera path before roulette ends half of the paths at each further one");
-    v.choice("directions", directions, {{"bsdf", Directions::bsdf}, {"bundle", Directions::bundle}},
-             "directions of camera paths: by BSDF samples, or from a set that all pixels share (bundle)");
+    v.choice("directions", directions,
+             {{"bsdf", Directions::bsdf}, {"bundle", Directions::bundle}, {"both", Directions::both}},
+             "directions of camera paths: by BSDF samples, from a set that all pixels share (bundle), or in turn at "
+             "the first surface and by BSDF samples from there on (both)");
     v.number("bundles", bundles, 1, 4096, "directions",
-             "number of shared directions per iteration (directions=bundle)");
+             "number of shared directions per iteration (directions=bundle, both), and of light paths (vpl_choice=all, "
+             "pair)");
     v.choice("dir_pdf", dir_pdf, {{"uniform", DirectionPdf::uniform}, {"env", DirectionPdf::environment}},
              "density of shared directions: uniform, or mostly by the luminance of the environment (env)");
     v.choice(

@@ -34,9 +34,10 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.beta = static_cast<uint32_t>(parameters.beta);
   s.bundles = static_cast<uint32_t>(parameters.bundles);
   s.reuse = static_cast<uint32_t>(parameters.reuse);
-  plan.bundles = parameters.directions == Directions::bundle;
+  plan.bundles = parameters.directions != Directions::bsdf;
+  plan.bundles_and_bsdf = parameters.directions == Directions::both;
   plan.bundles_follow_sky = plan.bundles && parameters.dir_pdf == DirectionPdf::environment;
-  plan.own = parameters.vpl_choice == VplChoice::own;
+  plan.choice = parameters.vpl_choice;
   plan.shows_strategies = parameters.show_strategies;
 
   // Choose the strategies.
@@ -49,22 +50,27 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.vpl = plan.vpl && plan.light_vertices > 0;
   plan.splat = plan.splat && plan.light_vertices >= 2;
   if (plan.light_vertices > 0) {
-    const uint32_t automatic = std::max(s.pixels / kPixelsPerLightPath, 1u);
-    s.light_paths = plan.own                     ? s.pixels
-                    : parameters.light_paths > 0 ? static_cast<uint32_t>(parameters.light_paths)
-                                                 : automatic;
+    const bool few = plan.choice == VplChoice::all || plan.choice == VplChoice::pair;
+    const uint32_t automatic = few ? s.bundles : std::max(s.pixels / kPixelsPerLightPath, 1u);
+    s.light_paths = plan.choice == VplChoice::own ? s.pixels
+                    : parameters.light_paths > 0  ? static_cast<uint32_t>(parameters.light_paths)
+                                                  : automatic;
   }
 
   // Count their samples for the weights. A connection is worth half as many as it compares, at the number of vertices
-  // that light paths have on average if they end at any of them alike.
+  // that light paths have on average if they end at any of them alike. One light path is one sample of its vertices.
   s.hit_samples = all || parameters.strategy == Strategy::hit ? 1.0f : 0.0f;
   s.light_samples = plan.lights ? 1.0f : 0.0f;
-  const float compared =
-      plan.own ? 1.0f
-               : std::max(1.0f, static_cast<float>(s.candidates) / (static_cast<float>(plan.light_vertices) + 1.0f));
+  float compared = 1.0f;
+  if (plan.choice == VplChoice::resample)
+    compared = std::max(compared, static_cast<float>(s.candidates) / (static_cast<float>(plan.light_vertices) + 1.0f));
+  if (plan.choice == VplChoice::all) compared = static_cast<float>(s.light_paths);
   s.connection_samples = plan.vpl ? compared : 0.0f;
   s.splat_samples = plan.splat ? static_cast<float>(s.light_paths) : 0.0f;
-  s.flags = (plan.own ? BIDIRECTIONAL_OWN_VERTICES : 0u) | (plan.shows_strategies ? BIDIRECTIONAL_STRATEGIES : 0u);
+  s.flags = (plan.choice == VplChoice::own ? BIDIRECTIONAL_OWN_VERTICES : 0u) |
+            (plan.choice == VplChoice::pair ? BIDIRECTIONAL_PAIRED_VERTICES : 0u) |
+            (plan.choice == VplChoice::all ? BIDIRECTIONAL_ALL_VERTICES : 0u) |
+            (plan.shows_strategies ? BIDIRECTIONAL_STRATEGIES : 0u);
   return plan;
 }
 
@@ -72,6 +78,7 @@ std::map<std::string, std::string> plan_defines(const Plan& plan) {
   std::map<std::string, std::string> defines;
   defines["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan.beta);
   if (plan.bundles) defines["EYE_BUNDLES"] = "1";
+  if (plan.bundles_and_bsdf) defines["EYE_BUNDLES_AND_BSDF"] = "1";
   if (plan.bundles_follow_sky) defines["EYE_BUNDLES_FOLLOW_SKY"] = "1";
   return defines;
 }

@@ -16,12 +16,16 @@ struct Plan {
   uint32_t light_vertices = 0;  ///< of a light path; 0: no light paths
   uint32_t beta = 1;
   bool bundles = false, bundles_follow_sky = false;  ///< directions of camera paths
-  bool own = false;                                  ///< camera paths have light paths of their own
-  bool vpl = false;                                  ///< camera paths are connected to light vertices
-  bool splat = false;                                ///< light vertices are connected to the camera
-  bool lights = false;                               ///< light samples are taken
+  bool bundles_and_bsdf = false;                     ///< both, at first surfaces
+  VplChoice choice = VplChoice::resample;
+  bool vpl = false;     ///< camera paths are connected to light vertices
+  bool splat = false;   ///< light vertices are connected to the camera
+  bool lights = false;  ///< light samples are taken
   bool shows_strategies = false;
 
+  /// Whether connections compare candidates from a table.
+  bool has_table() const { return vpl && choice == VplChoice::resample; }
+  bool connects_to_all() const { return vpl && choice == VplChoice::all; }
   size_t vertex_slots() const { return size_t{settings.light_paths} * light_vertices; }
   /// Layers of a sample, strategies behind them: hit, nee, vpl1 …, splat.
   uint32_t layers() const { return BIDIRECTIONAL_LAYERS + (shows_strategies ? light_vertices + 3 : 0); }

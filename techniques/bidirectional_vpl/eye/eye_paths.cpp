@@ -47,9 +47,9 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       owner_(owner),
       primitives_(device),
       program_(make_program(device, bidirectional_vpl_kernels(),
-                            {"bidirectional_vpl/eye/begin_eye_paths", "bidirectional_vpl/eye/shade_eye_vertices",
-                             "bidirectional_vpl/eye/add_eye_light", "bidirectional_vpl/eye/add_iteration",
-                             "lucarium/services/path_integrator/advance_paths"},
+                            {"bidirectional_vpl/eye/begin_eye_paths", "bidirectional_vpl/eye/connect_to_all",
+                             "bidirectional_vpl/eye/shade_eye_vertices", "bidirectional_vpl/eye/add_eye_light",
+                             "bidirectional_vpl/eye/add_iteration", "lucarium/services/path_integrator/advance_paths"},
                             defines())),
       rays_(device, owner, "rays of camera paths", plan.settings.pixels, kRemedy),
       ends_(make_ray_ends(device, intersector, owner, "ends of rays of camera paths", plan.settings.pixels, kRemedy)),
@@ -60,6 +60,7 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       mis_(device, owner, "weights of camera paths", size_t{plan.settings.pixels} * std::max(plan.light_vertices, 1u),
            kRemedy),
       sample_(device, owner, "light of a sample", size_t{plan.settings.pixels} * plan.layers(), kRemedy),
+      hits_(device, owner, "hits of camera paths", plan.connects_to_all() ? plan.settings.pixels : 1, kRemedy),
       no_vertices_(device, owner, "no light vertices", 1),
       no_list_(device, owner, "no list", std::vector<uint32_t>{0}),
       no_table_(device, owner, "no candidates", 1),
@@ -67,6 +68,10 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       strategy_sums_(device, owner, plan.settings.pixels, strategy_names(plan)) {
   bad_.fill_zero();
   record_begin();
+  if (plan.connects_to_all()) {
+    record_closest();
+    record_connect_to_all();
+  }
   record_bounce();
   record_add();
 }
@@ -96,6 +101,60 @@ void EyePaths::record_begin() {
   begin_ = recorder.compile();
 }
 
+void EyePaths::add_shadowed(ScheduleRecorder& recorder, const std::string& name, const std::string& kernel,
+                            const BufferRef& rays, const BufferRef& values, const BufferRef& blocked) const {
+  recorder.pass(name, program_, kernel)
+      .global_by(active_)
+      .arg("settings", plan_.settings)
+      .arg("queue", queue_)
+      .arg("active", active_)
+      .arg("rays", rays)
+      .arg("light", values)
+      .arg("occluded", blocked)
+      .arg("sample", sample_);
+}
+
+void EyePaths::record_closest() {
+  ScheduleRecorder recorder = scheduler_.record("surfaces of camera paths", owner_);
+  intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, plan_.settings.pixels, ends_}, hits_);
+  closest_ = recorder.compile();
+}
+
+void EyePaths::record_connect_to_all() {
+  ScheduleRecorder recorder = scheduler_.record("connections to a virtual light", owner_);
+  connect_seed_ = recorder.variable("seed", 0u);
+  connect_index_ = recorder.variable("sample", 0u);
+  connect_number_ = recorder.variable("virtual light", 0u);
+  const uint32_t capacity = plan_.settings.pixels;
+  const BufferRef rays = recorder.transient<Ray>("shadow rays of connections", capacity, kRemedy);
+  const BufferRef ends =
+      transient_ray_ends(recorder, intersector_, "ends of shadow rays of connections", capacity, kRemedy);
+  const BufferRef connections = recorder.transient<float4>("connections", capacity, kRemedy);
+  const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
+  PassBuilder connect = recorder.pass("connect camera paths", program_, "connect_to_all");
+  scene_.bind(connect);
+  connect.global_by(active_)
+      .slice(kSlice)
+      .arg("seed", connect_seed_)
+      .arg("settings", plan_.settings)
+      .arg("sample_index", connect_index_)
+      .arg("number", connect_number_)
+      .arg("vertices", vertices_->vertices())
+      .arg("vertex_list", vertices_->list())
+      .arg("rays", rays_)
+      .arg("hits", hits_)
+      .arg("queue", queue_)
+      .arg("active", active_)
+      .arg("states", states_)
+      .arg("eye_mis", mis_)
+      .arg_if_present("connection_ends", ends)
+      .arg("connection_rays", rays)
+      .arg("connections", connections);
+  intersector_.record_any(recorder, "shadow rays of connections", {rays, active_, 0, capacity, ends}, hidden);
+  add_shadowed(recorder, "add connections", "add_connections", rays, connections, hidden);
+  connect_ = recorder.compile();
+}
+
 void EyePaths::record_bounce() {
   ScheduleRecorder recorder = scheduler_.record("bounce of camera paths", owner_);
   bounce_seed_ = recorder.variable("seed", 0u);
@@ -104,7 +163,8 @@ void EyePaths::record_bounce() {
   const auto ends_of = [&](const std::string& name) {
     return transient_ray_ends(recorder, intersector_, "ends of " + name, capacity, kRemedy);
   };
-  const BufferRef hits = recorder.transient<Hit>("hits", capacity, kRemedy);
+  BufferRef hits = hits_;
+  if (!plan_.connects_to_all()) hits = recorder.transient<Hit>("hits", capacity, kRemedy);
   const BufferRef next_rays = recorder.transient<Ray>("next rays", capacity, kRemedy);
   const BufferRef next_ends = ends_of("next rays");
   const BufferRef next_queue = recorder.transient<uint32_t>("next queue", capacity, kRemedy);
@@ -120,7 +180,8 @@ void EyePaths::record_bounce() {
   const BufferRef occluded = recorder.transient<uint32_t>("occluded", capacity, kRemedy);
   const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
 
-  intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
+  if (!plan_.connects_to_all())
+    intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
   PassBuilder shade = recorder.pass("shade camera paths", program_, "shade_eye_vertices");
   scene_.bind(shade);
   shade.global_by(active_)
@@ -150,27 +211,15 @@ void EyePaths::record_bounce() {
       .arg("light_samples", light)
       .arg("connection_rays", connection_rays)
       .arg("connections", connections);
-  const auto add = [&](const std::string& name, const std::string& kernel, const BufferRef& shadow_rays,
-                       const BufferRef& values, const BufferRef& blocked) {
-    recorder.pass(name, program_, kernel)
-        .global_by(active_)
-        .arg("settings", plan_.settings)
-        .arg("queue", queue_)
-        .arg("active", active_)
-        .arg("rays", shadow_rays)
-        .arg("light", values)
-        .arg("occluded", blocked)
-        .arg("sample", sample_);
-  };
   if (plan_.lights) {
     intersector_.record_any(recorder, "shadow rays of light samples", {light_rays, active_, 0, capacity, light_ends},
                             occluded);
-    add("add light samples", "add_eye_light_samples", light_rays, light, occluded);
+    add_shadowed(recorder, "add light samples", "add_eye_light_samples", light_rays, light, occluded);
   }
-  if (plan_.vpl) {
+  if (plan_.vpl && !plan_.connects_to_all()) {
     intersector_.record_any(recorder, "shadow rays of connections",
                             {connection_rays, active_, 0, capacity, connection_ends}, hidden);
-    add("add connections", "add_connections", connection_rays, connections, hidden);
+    add_shadowed(recorder, "add connections", "add_connections", connection_rays, connections, hidden);
   }
   primitives_.record_compact(recorder, "compact camera paths", alive, survivors, next_active, 0, active_, 0, capacity);
   recorder.pass("advance camera paths", program_, "advance_paths")
@@ -227,14 +276,28 @@ bool EyePaths::begin(uint32_t index) {
 bool EyePaths::trace(uint32_t index) {
   bounce_.set(bounce_seed_, frame_.seed);
   bounce_.set(bounce_index_, index);
+  if (plan_.connects_to_all()) {
+    connect_.set(connect_seed_, frame_.seed);
+    connect_.set(connect_index_, index);
+  }
   remaining_ = plan_.settings.pixels;
   double segments = 0;
   while (remaining_ > 0) {
     segments += remaining_;
+    if (plan_.connects_to_all() && !connect_to_all()) return false;
     if (scheduler_.run(bounce_) == RunResult::cancelled) return false;
   }
   segments_ += segments;
   paths_ += plan_.settings.pixels;
+  return true;
+}
+
+bool EyePaths::connect_to_all() {
+  if (scheduler_.run(closest_) == RunResult::cancelled) return false;
+  for (uint32_t number = 0; number < vertices_->vertex_count(); ++number) {
+    connect_.set(connect_number_, number);
+    if (scheduler_.run(connect_) == RunResult::cancelled) return false;
+  }
   return true;
 }
 
@@ -256,6 +319,8 @@ void EyePaths::clear() {
 
 void EyePaths::warm_up() {
   for (Schedule* schedule : {&begin_, &bounce_, &add_}) scheduler_.warm_up(*schedule);
+  if (plan_.connects_to_all())
+    for (Schedule* schedule : {&closest_, &connect_}) scheduler_.warm_up(*schedule);
 }
 
 void EyePaths::write(Film& film) const {

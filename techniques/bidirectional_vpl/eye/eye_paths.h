@@ -13,7 +13,8 @@ namespace lucarium::bidirectional {
 ///
 ///   begin     begin_eye_paths                            rays, empty sample
 ///   bounce    closest hit           Intersector          rays -> hits
-///     ^       shade_eye_vertices    hits of lights, light sample, connection, BSDF sample
+///     ^       vpl_choice=all: connect_to_all, shadow rays, add_connections, for each virtual light
+///     |       shade_eye_vertices    hits of lights, light sample, connection, BSDF sample
 ///     |       shadow rays, twice    Intersector (any hit)
 ///     |       add_eye_light_samples, add_connections
 ///     +------ compact, advance_paths, and the number of paths left is read back
@@ -42,8 +43,13 @@ class EyePaths {
 
  private:
   void record_begin();
+  void record_closest();
+  void record_connect_to_all();
   void record_bounce();
+  void add_shadowed(ScheduleRecorder& recorder, const std::string& name, const std::string& kernel,
+                    const BufferRef& rays, const BufferRef& values, const BufferRef& blocked) const;
   void record_add();
+  bool connect_to_all();
   std::map<std::string, std::string> defines() const;
 
   KernelScheduler& scheduler_;
@@ -61,13 +67,14 @@ class EyePaths {
   TypedBuffer<EyePathState> states_;
   TypedBuffer<float> mis_;
   TypedBuffer<float4> sample_;
+  TypedBuffer<Hit> hits_;  ///< of one pass, with vpl_choice=all, which looks at them once for every virtual light
   TypedBuffer<PathVertex> no_vertices_;  ///< bound where there are no light paths
   TypedBuffer<uint32_t> no_list_;
   TypedBuffer<float> no_table_;
   LayerSums sums_, strategy_sums_;
-  Schedule begin_, bounce_, add_;
+  Schedule begin_, closest_, connect_, bounce_, add_;
   Variable<Frame> begin_frame_;
-  Variable<uint32_t> begin_index_, bounce_seed_, bounce_index_;
+  Variable<uint32_t> begin_index_, bounce_seed_, bounce_index_, connect_seed_, connect_index_, connect_number_;
   uint32_t remaining_ = 0;  ///< read back after every segment
   uint32_t bad_paths_ = 0;  ///< and this after every iteration
   double paths_ = 0, segments_ = 0;

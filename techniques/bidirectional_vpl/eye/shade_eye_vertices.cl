@@ -8,26 +8,38 @@
 #include "lucarium/shared/path_settings.h"
 
 // Apart from the numbers of the path itself:
-#define CONNECTION_STREAM 0x76706c73u
 #define BUNDLE_STREAM 0x62756e64u
+#define TURN_STREAM 0x7475726eu
+
+// Number of the bundle that a path takes at a depth, modulo that of all. Depths of one path take different ones that
+// follow each other with reuse=distinct.
+uint choose_number(BidirectionalSettings settings, uint seed, uint sample_index, uint path, uint depth) {
+  const uint choice = hash_uint3(seed ^ BUNDLE_STREAM, sample_index, path);
+  return settings.reuse == BIDIRECTIONAL_REUSE_DISTINCT ? choice + depth : hash_uint2(choice, depth);
+}
 
 // The bundle that a path takes at a depth (Tokuyoshi and Ogaki 2012, sections 3.2 and 7: reuse for multi-bounce): a set
 // of directions, and which of them.
 Sampler choose_bundle(BidirectionalSettings settings, uint seed, uint sample_index, const EyeWalk* walk) {
   const uint depth = walk->state.segment;
-  const uint choice = hash_uint3(seed ^ BUNDLE_STREAM, sample_index, walk->path);
+  const uint number = choose_number(settings, seed, sample_index, walk->path, depth) % settings.bundles;
   Sampler set = make_sampler(BUNDLE_STREAM, 0u, seed, 0u, LUCARIUM_SAMPLER_SOBOL);
   if (settings.reuse == BIDIRECTIONAL_REUSE_DISTINCT) {
-    // Independent directions; depths take ones that follow each other from a random place: all different.
+    // Independent directions.
     set.mode = LUCARIUM_SAMPLER_RANDOM;
     set.seed = hash_uint2(set.seed, depth / settings.bundles);  // when all are used, others
-    set.index = sample_index * settings.bundles + (choice + depth) % settings.bundles;
+    set.index = sample_index * settings.bundles + number;
     return set;
   }
   const uint scramble = settings.reuse == BIDIRECTIONAL_REUSE_SHARED ? 0u : depth;
   set.seed = hash_uint3(set.seed, scramble, settings.reuse == BIDIRECTIONAL_REUSE_SHARED ? sample_index : 0u);
-  set.index = sample_index * settings.bundles + hash_uint2(choice, depth) % settings.bundles;
+  set.index = sample_index * settings.bundles + number;
   return set;
+}
+
+// Whether bundles have their turn (directions=both): in one of two samples that follow each other, in random order.
+bool takes_turn(uint seed, uint sample_index, uint path) {
+  return (sample_index ^ hash_uint3(seed ^ TURN_STREAM, sample_index >> 1, path)) & 1u;
 }
 
 // Counts the event; false when there are no such paths in the path set.
@@ -64,7 +76,9 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
   const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
   const Sampler bundle = choose_bundle(settings, seed, sampler->index, walk);
   // Choose a direction.
-  const BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle);
+  const bool first = walk->state.scatterings == 0u;
+  const BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle, first,
+                                                 takes_turn(seed, sampler->index, walk->path));
   if (is_black(sample.weight)) return false;
   if (!count_scattering(settings, walk, sample.delta)) return false;
   // Carry weights and throughput on.
@@ -88,8 +102,8 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 }
 
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i].
-// Light that still waits for its shadow ray: light_samples[i] and connections[i], w: bits of the scatterings of the
-// whole path, and from bit 16 the light vertices of the connection; the rays are inactive where there is none.
+// Light that still waits for its shadow ray: light_samples[i], w: bits of the scatterings of the whole path, and
+// connections[i], w: connection_path(); the rays are inactive where there is none.
 __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
                                  uint sample_index, __global const PathVertex* restrict vertices,
                                  __global const uint* restrict vertex_list, __global const uint* restrict vertex_count,
@@ -166,13 +180,19 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 
 #if LIGHT_VERTICES > 0
   // Connect to a virtual light.
-  if (smooth && settings.connection_samples > 0.0f && scatterings < settings.max_scatterings && vertex_count[0] > 0u) {
+  const bool chooses = !(settings.flags & BIDIRECTIONAL_ALL_VERTICES);  // else connect_to_all.cl has connected it
+  if (chooses && smooth && settings.connection_samples > 0.0f && scatterings < settings.max_scatterings &&
+      vertex_count[0] > 0u) {
     const float4 v = random_float4(sampler.seed ^ CONNECTION_STREAM, sampler.index, walk.state.segment);
     float3 light = (float3)(0.0f), towards = surface.n_s;
     PathVertex vertex;
-    if (settings.flags & BIDIRECTIONAL_OWN_VERTICES) {
-      // One of the light path of the same number.
-      light = choose_own(&scene, settings, &walk, &surface, &bsdf, &mis, vertices, v.x, &vertex, &towards);
+    if (settings.flags & (BIDIRECTIONAL_OWN_VERTICES | BIDIRECTIONAL_PAIRED_VERTICES)) {
+      // One of a light path: of the same number, or of the bundle's.
+      uint light_path = walk.path;
+      if (settings.flags & BIDIRECTIONAL_PAIRED_VERTICES)
+        light_path = choose_number(settings, seed, sample_index, walk.path, 0u) % settings.light_paths;
+      light =
+          choose_of_path(&scene, settings, &walk, &surface, &bsdf, &mis, vertices, light_path, v.x, &vertex, &towards);
     } else {
       // One of all, by resampling.
       const uint last = LIGHT_VERTICES - 1u;
@@ -193,14 +213,10 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
     } else if (!is_black(light)) {
       Ray ray;
       RayEnds ends;
-      aim_connection(&surface, &vertex, towards, ray_seed, &ray, &ends);
-      const bool through = dot(surface.n_g, towards) < 0.0f;
-      const uint medium = through ? medium_behind(&scene, &surface, walk.state.medium) : walk.state.medium;
-      const uint number = path_vertex_number(&vertex);
-      light *= medium_transmittance(&scene, medium, fmax(ray.direction.w, 0.0f));
+      light = aim_connection(&scene, &walk, &surface, &vertex, towards, ray_seed, light, &ray, &ends);
       connection_rays[i] = ray;
       LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
-      connections[i] = (float4)(light, as_float((scatterings + number) | (number << 16)));
+      connections[i] = (float4)(light, connection_path(&walk, &vertex));
     }
   }
 #endif

@@ -36,8 +36,6 @@ LightPathOptions path_options(const Plan& plan) {
   return options;
 }
 
-bool has_table(const Plan& plan) { return plan.vpl && !plan.own; }
-
 int bits_of(uint32_t pixels) {
   int bits = 1;
   while (bits < 32 && (1ull << bits) <= pixels) ++bits;  // one value above the last pixel
@@ -65,7 +63,7 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
       splat_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/splats"},
                                   with_mis(ray_end_defines(intersector), plan))),
       vertices_(device, owner, "light vertices", plan.vertex_slots(), kRemedy),
-      table_(device, owner, "table of virtual lights", has_table(plan) ? size_t{table_capacity_} * kTableArrays : 1,
+      table_(device, owner, "table of virtual lights", plan.has_table() ? size_t{table_capacity_} * kTableArrays : 1,
              kRemedy),
       list_(device, owner, "list of virtual lights", plan.vertex_slots(), kRemedy),
       count_(device, owner, "number of virtual lights", 1),
@@ -96,7 +94,7 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
       .arg("count", slots)
       .arg("present", present);
   primitives_.record_compact(recorder, "list light vertices", present, list_, count_, 0, slot_count_, 0, slots);
-  if (has_table(plan_))
+  if (plan_.has_table())
     recorder.pass("list candidates", list_program_, "list_candidates")
         .global(table_capacity_)
         .slice(kSlice)
@@ -168,7 +166,7 @@ bool LightVertices::trace(uint32_t index) {
 size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
   const size_t slots = plan.vertex_slots(), splats = plan.splat ? slots - plan.settings.light_paths : 0;
   const size_t ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
-  const size_t table = has_table(plan) ? (slots + kRepeated + 8) * kTableArrays * sizeof(float) : 0;
+  const size_t table = plan.has_table() ? (slots + kRepeated + 8) * kTableArrays * sizeof(float) : 0;
   const size_t transients =
       std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
                 splats * (ray + sizeof(float4) + 5 * sizeof(uint32_t)), slots * 3 * sizeof(uint32_t)});

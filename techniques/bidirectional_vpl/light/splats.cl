@@ -24,7 +24,7 @@ bool aim_splat(const Scene* scene, const Frame* frame, BidirectionalSettings set
   const Bsdf bsdf = path_vertex_bsdf(vertex), turned = turn_bsdf(&bsdf, seen.direction);
   if (bsdf_is_black(&turned)) return false;
   float back;
-  const float3 value = eval_bsdf_eye_pdf(scene, &turned, bsdf.view, &back);
+  const float3 value = eval_bsdf_eye_pdf(scene, &turned, bsdf.view, true, &back);
   const float p_eye = seen.density * fabs(dot(bsdf.n_g, seen.direction));
   *light = vertex->flux.xyz * value * p_eye;
   if (is_black(*light)) return false;

@@ -2,7 +2,8 @@
 // Vertices of light paths, kept with their BSDFs: the virtual lights, VPLs (Tokuyoshi and Ogaki 2012, section 4.1).
 #include "bidirectional_vpl/base/eye_directions.clh"
 #include "lucarium/path_vertex.clh"
-#define LIGHT_PATH_EYE_PDF(scene, bsdf, direction) eye_direction_pdf(scene, bsdf, direction)
+// Light goes on behind these vertices, so that they are not the first of a camera path.
+#define LIGHT_PATH_EYE_PDF(scene, bsdf, direction) eye_direction_pdf(scene, bsdf, direction, false)
 #define LIGHT_VERTEX_PARAMETERS __global PathVertex *restrict vertices, const uint vertices_per_path,
 #define LIGHT_VERTEX_ARGUMENTS vertices, vertices_per_path,
 #include "lucarium/services/light_paths/light_paths.clh"

@@ -4,8 +4,10 @@
 #define BIDIRECTIONAL_VPL_SHARED_SETTINGS_H
 #include "lucarium/shared/dialect.h"
 
-#define BIDIRECTIONAL_OWN_VERTICES 1u  // a camera path is connected to the light path of its own number
-#define BIDIRECTIONAL_STRATEGIES 2u    // light is summed by strategy, too
+#define BIDIRECTIONAL_OWN_VERTICES 1u     // a camera path is connected to the light path of its own number
+#define BIDIRECTIONAL_STRATEGIES 2u       // light is summed by strategy, too
+#define BIDIRECTIONAL_PAIRED_VERTICES 4u  // a camera path is connected to the light path of its bundle's number
+#define BIDIRECTIONAL_ALL_VERTICES 8u     // a camera path is connected to all light vertices
 
 // Layers of a sample, and behind them its strategies: hit, nee, vpl1 ..., splat last.
 #define BIDIRECTIONAL_EMISSION 0u

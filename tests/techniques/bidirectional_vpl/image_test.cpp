@@ -51,6 +51,15 @@ TEST_CASE("bidirectional path tracing with light paths of its own agrees, and so
                   2 * kSeeds);
 }
 
+TEST_CASE("camera paths connected to all virtual lights, or to those of their bundle's number, agree") {
+  // All pixels share few light paths: see above.
+  const Picture picture = picture_of(3);
+  const Scene scene = load_scene("builtin:cornell-glossy");
+  check_agreement("all", scene, picture, {{"vpl_choice", "all"}}, {}, 2 * kSeeds);
+  check_agreement("pairs", scene, picture, {{"vpl_choice", "pair"}, {"directions", "bundle"}, {"light_vertices", "2"}},
+                  {}, 2 * kSeeds);
+}
+
 TEST_CASE("splats alone show indirect light where camera paths see it") {
   check_agreement("splats", load_scene("builtin:cornell"), picture_of(2), {{"strategy", "splat"}}, {{"direct", "off"}},
                   kSeeds);
@@ -71,6 +80,14 @@ TEST_CASE("camera paths along ray-bundles agree with path tracing, uniform and a
   Scene open = load_scene("builtin:cornell");
   open.environment = Environment{};
   check_agreement("sky", open, picture, {{"directions", "bundle"}, {"dir_pdf", "env"}}, {}, kSeeds);
+}
+
+TEST_CASE("camera paths along ray-bundles and the BSDF in turn agree with path tracing, after odd numbers of samples") {
+  Picture picture = picture_of(3);
+  picture.iterations += 1;
+  check_agreement("both", load_scene("builtin:cornell-glossy"), picture, {{"directions", "both"}}, {}, kSeeds);
+  check_agreement("both, power heuristic", load_scene("builtin:cornell-mirror"), picture,
+                  {{"directions", "both"}, {"beta", "2"}, {"light_vertices", "2"}}, {}, kSeeds);
 }
 
 TEST_CASE("one stratified set of bundles shared between depths is biased, and a set for each depth is not") {

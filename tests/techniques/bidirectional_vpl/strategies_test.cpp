@@ -91,6 +91,8 @@ TEST_CASE("each strategy alone finds the paths that it can find") {
   indirect.check("nee", {{"strategy", "nee"}});
   indirect.check("vpl", {{"strategy", "vpl"}});
   indirect.check("vpl of one vertex", {{"strategy", "vpl"}, {"light_vertices", "1"}});
+  indirect.check("all virtual lights", {{"strategy", "vpl"}, {"vpl_choice", "all"}});
+  indirect.check("virtual lights in pairs", {{"strategy", "vpl"}, {"vpl_choice", "pair"}, {"light_paths", "96"}}, 4);
   indirect.check("splat", {{"strategy", "splat"}});
 }
 
