@@ -26,13 +26,14 @@ struct BidirectionalParameters {
     v.number("light_paths", light_paths, 0, 1 << 22, "paths",
              "light paths per iteration; 0: one for 8 pixels, with vpl_choice=own one per pixel, with all and pair as "
              "many as bundles");
-    v.choice("vpl_choice", vpl_choice,
-             {{"resample", VplChoice::resample},
-              {"all", VplChoice::all},
-              {"own", VplChoice::own},
-              {"pair", VplChoice::pair}},
-             "virtual lights that a vertex of a camera path is connected to: one chosen among candidates (resample), "
-             "all, or one of a light path: that of the pixel's own number (own) or of its bundle's (pair)");
+    v.choice(
+        "vpl_choice", vpl_choice,
+        {{"resample", VplChoice::resample},
+         {"all", VplChoice::all},
+         {"own", VplChoice::own},
+         {"pair", VplChoice::pair}},
+        "virtual lights that a camera path's vertex is connected to: one of many candidates (resample), all, or one "
+        "of the light path of its pixel (own) or bundle (pair)");
     v.number("candidates", candidates, 1, 256, "virtual lights", "candidates per connection (vpl_choice=resample)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
     v.number("camera_edges", camera_edges, 1, 64, "scatterings",
