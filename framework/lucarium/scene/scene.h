@@ -10,19 +10,11 @@
 #include <vector>
 
 #include "lucarium/base/hash.h"
+#include "lucarium/scene/bounds.h"
 
 namespace lucarium {
 
 inline constexpr int none = -1;  ///< "no such index" in the host scene
-
-struct Bounds {
-  glm::vec3 min{1e30f}, max{-1e30f};
-  bool empty() const { return min.x > max.x; }
-  void add(const glm::vec3& p) { min = glm::min(min, p), max = glm::max(max, p); }
-  void add(const Bounds& b) { min = glm::min(min, b.min), max = glm::max(max, b.max); }
-  glm::vec3 center() const { return 0.5f * (min + max); }
-  float radius() const { return empty() ? 0.f : 0.5f * glm::length(max - min); }
-};
 
 /// Declares the special members of a large struct; scene.cpp defaults them. Implicit, they would be compiled in every
 /// source that holds one.

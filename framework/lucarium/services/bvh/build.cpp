@@ -17,7 +17,7 @@ constexpr int max_sah_depth = 48;          // deeper nodes are halved by count, 
 constexpr uint32_t parallel_grain = 4096;  // triangles below which a thread is not worth its start
 
 /// Twice the centre: sorting by it needs no division.
-float centre2(const BoundedTriangle& triangle, int axis) { return triangle.box.lower[axis] + triangle.box.upper[axis]; }
+float centre2(const BoundedTriangle& triangle, int axis) { return triangle.box.min[axis] + triangle.box.max[axis]; }
 
 /// Maps twice the centre to a bin; the same expression bins and partitions.
 struct BinMap {
@@ -56,7 +56,7 @@ struct LaneBox {
     lower = other.lower < lower ? other.lower : lower;
     upper = other.upper > upper ? other.upper : upper;
   }
-  Box box() const { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
+  Bounds box() const { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
   float half_area() const { return box().half_area(); }
 };
 
@@ -83,7 +83,7 @@ class Builder {
       centre_box.add(centre);
     }
     result.box = box.box();
-    const Box centres = centre_box.box();
+    const Bounds centres = centre_box.box();
     if (count == 1) return;
     const uint32_t left = count == 2              ? 1
                           : depth < max_sah_depth ? split(first, count, centres)
@@ -95,14 +95,14 @@ class Builder {
 
  private:
   /// Partitions the range by the cheapest binned split; returns the size of the left part.
-  uint32_t split(uint32_t first, uint32_t count, const Box& centres) {
+  uint32_t split(uint32_t first, uint32_t count, const Bounds& centres) {
     std::array<BinMap, 3> maps;
     const int bins = std::clamp(static_cast<int>(std::min<uint32_t>(count, max_bins)), 4, max_bins);
     for (int axis = 0; axis < 3; ++axis) {
-      const float extent = centres.upper[axis] - centres.lower[axis];
+      const float extent = centres.max[axis] - centres.min[axis];
       // The scale stays finite: extents so small that bins / extent overflows are treated as none.
       const bool usable = extent > 1e-30f;
-      maps[axis] = {centres.lower[axis], usable ? static_cast<float>(bins) * 0.99999f / extent : 0.f, bins - 1};
+      maps[axis] = {centres.min[axis], usable ? static_cast<float>(bins) * 0.99999f / extent : 0.f, bins - 1};
     }
     const Split best = find_split(first, count, maps, bins);
     if (best.axis < 0) return count / 2;
@@ -150,10 +150,10 @@ class Builder {
   }
 
   /// Halves the range at the median of the widest axis.
-  uint32_t halve(uint32_t first, uint32_t count, const Box& centres) {
+  uint32_t halve(uint32_t first, uint32_t count, const Bounds& centres) {
     int axis = 0;
     for (int other = 1; other < 3; ++other)
-      if (centres.upper[other] - centres.lower[other] > centres.upper[axis] - centres.lower[axis]) axis = other;
+      if (centres.max[other] - centres.min[other] > centres.max[axis] - centres.min[axis]) axis = other;
     const auto begin = triangles_.begin() + first;
     std::nth_element(begin, begin + count / 2, begin + count, [&](const BoundedTriangle& a, const BoundedTriangle& b) {
       const float x = centre2(a, axis), y = centre2(b, axis);
@@ -169,16 +169,15 @@ class Builder {
 
 }  // namespace
 
-bool bound_triangle(std::span<const Vertex> vertices, const Triangle& triangle, Box& box) {
+bool bound_triangle(std::span<const Vertex> vertices, const Triangle& triangle, Bounds& box) {
   box = {};
   for (const uint32_t index : {triangle.v0, triangle.v1, triangle.v2}) {
     if (index >= vertices.size()) return false;
     const float4& p = vertices[index].position;
-    const std::array<float, 3> point = {p.x, p.y, p.z};
-    for (const float coordinate : point) {
+    for (const float coordinate : {p.x, p.y, p.z}) {
       if (!(std::fabs(coordinate) <= bvh_coordinate_limit)) return false;
     }
-    box.add(Box{point, point});
+    box.add(p.xyz());
   }
   return !is_degenerate(vertices[triangle.v0], vertices[triangle.v1], vertices[triangle.v2]);
 }

@@ -61,7 +61,7 @@ void TwoLevelBvh::rebuild(size_t part, std::span<const Vertex> vertices, std::sp
 
 bool TwoLevelBvh::refit(size_t part, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
   Tree& tree = trees_[part];
-  Box unused;
+  Bounds unused;
   for (const uint32_t triangle : tree.ignored) {
     if (bound_triangle(vertices, triangles[triangle], unused)) return false;
   }
@@ -142,14 +142,14 @@ void TwoLevelBvh::write(std::span<const size_t> parts) {
     build_top();
     copy_top();
   }
-  const Box& bounds = has_top() ? top_.bounds() : trees_[0].tree.bounds();
+  const Bounds& bounds = has_top() ? top_.bounds() : trees_[0].tree.bounds();
   nodes_[LUCARIUM_BVH_HEADER_EXTENT] = std::bit_cast<uint32_t>(bounds.extent());
-  nodes_[LUCARIUM_BVH_HEADER_SIZE] = std::bit_cast<uint32_t>(bounds.size());
+  nodes_[LUCARIUM_BVH_HEADER_SIZE] = std::bit_cast<uint32_t>(bounds.longest_side());
   changed_nodes_.emplace_back(0, LUCARIUM_BVH_HEADER_WORDS);
 }
 
 void TwoLevelBvh::build_top() {
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   std::vector<BoundedTriangle> items;
   for (uint32_t part = 0; part < trees_.size(); ++part) {
     boxes.push_back(trees_[part].tree.bounds());

@@ -124,8 +124,8 @@ class WideBvh::Collapse {
   }
 
   float centre2(uint32_t root, int axis) const {
-    const Box& box = binary_.nodes[root].box;
-    return box.lower[axis] + box.upper[axis];
+    const Bounds& box = binary_.nodes[root].box;
+    return box.min[axis] + box.max[axis];
   }
 
   /// Sorts [begin, end) along an axis, high to low, and returns how far its halves lie apart.
@@ -209,20 +209,20 @@ WideBvh::WideBvh(const BinaryBvh& binary, int width, int leaf_size, unsigned thr
   collapse.run();
 }
 
-void WideBvh::set_child_box(uint32_t node_index, int slot, const Box& box) {
+void WideBvh::set_child_box(uint32_t node_index, int slot, const Bounds& box) {
   uint32_t* words = node(node_index) + slot;
   for (int axis = 0; axis < 3; ++axis) {
-    words[axis * width_] = std::bit_cast<uint32_t>(box.lower[axis]);
-    words[LUCARIUM_BVH_UPPER(width_) + axis * width_] = std::bit_cast<uint32_t>(box.upper[axis]);
+    words[axis * width_] = std::bit_cast<uint32_t>(box.min[axis]);
+    words[LUCARIUM_BVH_UPPER(width_) + axis * width_] = std::bit_cast<uint32_t>(box.max[axis]);
   }
 }
 
-Box WideBvh::fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
+Bounds WideBvh::fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles) {
   uint32_t* words = &blocks_[block_word(block)];
   const uint32_t* ids = words + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_);
-  Box bounds;
+  Bounds bounds;
   for (int slot = 0; slot < leaf_size_; ++slot) {
-    Box box;
+    Bounds box;
     const bool usable = ids[slot] != LUCARIUM_NO_HIT && bound_triangle(vertices, triangles[ids[slot]], box);
     if (usable) bounds.add(box);
     if (!usable && ids[slot] != LUCARIUM_NO_HIT) ++dead_count_;
@@ -240,13 +240,13 @@ Box WideBvh::fit_block(uint32_t block, std::span<const Vertex> vertices, std::sp
 
 template <class LeafBox>
 void WideBvh::fit_boxes(LeafBox&& leaf_box) {
-  std::vector<Box> boxes(node_count_);
+  std::vector<Bounds> boxes(node_count_);
   double cost = 0;
   // Children follow their parents, so that backwards every child is ready before its parent needs it.
   for (uint32_t index = node_count_; index-- > 0;) {
     for (int slot = 0; slot < width_; ++slot) {
       const uint32_t reference = node(index)[LUCARIUM_BVH_NODE_REFERENCES(width_) + slot];
-      Box box;
+      Bounds box;
       if (reference != no_child)
         box = reference & LUCARIUM_BVH_LEAF ? leaf_box(reference & ~LUCARIUM_BVH_LEAF) : boxes[reference];
       set_child_box(index, slot, box);
@@ -264,7 +264,7 @@ void WideBvh::fit(std::span<const Vertex> vertices, std::span<const Triangle> tr
   fit_boxes([&](uint32_t block) { return fit_block(block, vertices, triangles); });
 }
 
-void WideBvh::fit_items(std::span<const Box> boxes) {
+void WideBvh::fit_items(std::span<const Bounds> boxes) {
   fit_boxes(
       [&](uint32_t block) { return boxes[blocks_[block_word(block) + LUCARIUM_BVH_BLOCK_TRIANGLES(leaf_size_)]]; });
 }

@@ -24,7 +24,7 @@ class WideBvh {
   /// Recomputes all boxes, leaf vertices and the cost.
   void fit(std::span<const Vertex> vertices, std::span<const Triangle> triangles);
   /// The same where the leaves hold, one each, items with these boxes instead of triangles.
-  void fit_items(std::span<const Box> boxes);
+  void fit_items(std::span<const Bounds> boxes);
 
   int width() const { return width_; }
   int leaf_size() const { return leaf_size_; }
@@ -36,7 +36,7 @@ class WideBvh {
   double sah_cost() const { return sah_cost_; }
   /// Triangles in the leaves that nothing could hit at the last fit().
   uint32_t dead_count() const { return dead_count_; }
-  const Box& bounds() const { return bounds_; }
+  const Bounds& bounds() const { return bounds_; }
 
   const std::vector<uint32_t>& node_words() const { return nodes_; }
   const std::vector<uint32_t>& block_words() const { return blocks_; }
@@ -63,13 +63,13 @@ class WideBvh {
   /// Fills in all boxes, those of leaf blocks from leaf_box(block).
   template <class LeafBox>
   void fit_boxes(LeafBox&& leaf_box);
-  Box fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
-  void set_child_box(uint32_t node_index, int slot, const Box& box);
+  Bounds fit_block(uint32_t block, std::span<const Vertex> vertices, std::span<const Triangle> triangles);
+  void set_child_box(uint32_t node_index, int slot, const Bounds& box);
 
   int width_ = 0, leaf_size_ = 0;
   uint32_t node_count_ = 0, block_count_ = 0, stack_size_ = 0, dead_count_ = 0;
   double sah_cost_ = 0;
-  Box bounds_;
+  Bounds bounds_;
   std::vector<uint32_t> nodes_, blocks_;
 };
 

@@ -32,44 +32,45 @@ struct Walk {
   std::set<uint32_t> found = {};
   uint32_t references = 0;
 
-  Box visit(uint32_t node) {
+  Bounds visit(uint32_t node) {
     const auto width = static_cast<uint32_t>(tree.width());
     const uint32_t* words = &tree.node_words()[LUCARIUM_BVH_HEADER_WORDS + node * LUCARIUM_BVH_NODE_WORDS(width)];
-    Box all;
+    Bounds all;
     for (uint32_t slot = 0; slot < width; ++slot) {
-      Box stored;
+      Bounds stored;
       for (uint32_t axis = 0; axis < 3; ++axis) {
-        stored.lower[axis] = std::bit_cast<float>(words[axis * width + slot]);
-        stored.upper[axis] = std::bit_cast<float>(words[LUCARIUM_BVH_UPPER(width) + axis * width + slot]);
+        stored.min[axis] = std::bit_cast<float>(words[axis * width + slot]);
+        stored.max[axis] = std::bit_cast<float>(words[LUCARIUM_BVH_UPPER(width) + axis * width + slot]);
       }
       const uint32_t reference = words[LUCARIUM_BVH_NODE_REFERENCES(width) + slot];
-      if (stored.lower[0] > stored.upper[0]) {
+      if (stored.min[0] > stored.max[0]) {
         CHECK(reference == 0xffffffffu);
         continue;
       }
       ++references;
-      const Box below = reference & LUCARIUM_BVH_LEAF ? leaf(reference & ~LUCARIUM_BVH_LEAF) : inner(node, reference);
-      CHECK(below.lower == stored.lower);
-      CHECK(below.upper == stored.upper);
+      const uint32_t block = reference & ~LUCARIUM_BVH_LEAF;
+      const Bounds below = block != reference ? leaf(block) : inner(node, reference);
+      CHECK(below.min == stored.min);
+      CHECK(below.max == stored.max);
       all.add(stored);
     }
     return all;
   }
 
-  Box inner(uint32_t parent, uint32_t node) {
+  Bounds inner(uint32_t parent, uint32_t node) {
     CHECK(node > parent);
     return visit(node);
   }
 
-  Box leaf(uint32_t block) {
+  Bounds leaf(uint32_t block) {
     const auto size = static_cast<uint32_t>(tree.leaf_size());
     const uint32_t* words = &tree.block_words()[block * LUCARIUM_BVH_BLOCK_WORDS(size)];
-    Box box;
+    Bounds box;
     for (uint32_t slot = 0; slot < size; ++slot) {
       const uint32_t triangle = words[LUCARIUM_BVH_BLOCK_TRIANGLES(size) + slot];
       if (triangle == LUCARIUM_NO_HIT) continue;
       CHECK(found.insert(triangle).second);
-      Box own;
+      Bounds own;
       CHECK(bound_triangle(soup.vertices, soup.triangles[triangle], own));
       box.add(own);
       CHECK(std::bit_cast<float>(words[slot]) == soup.corner(soup.triangles[triangle].v0).x);
