@@ -120,7 +120,6 @@ TechniqueInfo path_tracing_info() {
   info.capabilities.lights = all_kinds<LightKind>();
   info.capabilities.materials = all_kinds<MaterialKind>();
   info.capabilities.changes = all_kinds<ChangeKind>();
-  info.capabilities.sample_streams = true;
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);
   info.layers = {"emission", "direct", "indirect", "Variance"};

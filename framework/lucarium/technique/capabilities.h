@@ -56,7 +56,6 @@ struct Capabilities {
   bool progressive = true;          ///< iterations converge; false: one iteration is the result
   bool view_independent = false;    ///< a camera change keeps its data
   bool uses_bvh = true;             ///< may call context.bvh(); if not, none is counted in the memory that is needed
-  bool sample_streams = false;      ///< independent replicates may be merged by sample count
   double bias = 0;                  ///< upper bound of its systematic error: root mean square over 8×8 pixel blocks,
                                     ///< relative to the image's; 0: none. `lucarium check` holds it to that. Where it
                                     ///< depends on parameters, Technique::admitted_bias() says so.

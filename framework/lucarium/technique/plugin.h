@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 10u
+#define LUCARIUM_ABI_VERSION 11u
 
 namespace lucarium {
 
