@@ -2,19 +2,18 @@
 #include "bundle_exchange/bundle_parts.h"
 
 #include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/base/name.h"
 #include "lucarium/base/error.h"
 #include "lucarium/services/bvh/bvh.h"
 
 namespace lucarium::bundle {
 namespace {
 
-const char* const kOwner = "bundle_exchange";
-
 std::unique_ptr<SurfaceAtlas> make_atlas(const TechniqueContext& c, SurfaceAtlasOptions options) {
   options.progress = [report = c.progress](double fraction, const std::string& stage) {
     report(fraction, "surface atlas, " + stage);
   };
-  return std::make_unique<SurfaceAtlas>(*c.device, c.scheduler, c.scene, c.scene_buffers, options, kOwner);
+  return std::make_unique<SurfaceAtlas>(*c.device, c.scheduler, c.scene, c.scene_buffers, options, technique_name);
 }
 
 }  // namespace
@@ -24,7 +23,7 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       program(make_technique_program(*c.device, plan.channels.defines())),
       interior(kept.interior ? std::move(kept.interior)
                              : std::make_unique<TexelInterior>(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas,
-                                                               kOwner, "lower texels")),
+                                                               technique_name, "lower texels")),
       accessibility(kept.accessibility ? std::move(kept.accessibility)
                                        : std::make_unique<SideAccessibility>(
                                              *c.device, c.scene_buffers, *atlas,

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 
+#include "bundle_exchange/base/name.h"
+
 namespace lucarium::bundle {
 
 TechniqueInfo technique_info() {
   TechniqueInfo info;
-  info.name = "bundle_exchange";
+  info.name = technique_name;
   info.version = "1.0";
   info.summary = "radiance exchange along global parallel ray-bundles into a surface atlas";
   info.citation =

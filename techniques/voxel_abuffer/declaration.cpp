@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
+#include "voxel_abuffer/base/name.h"
 #include "voxel_abuffer/modes/eye_trees.h"
 #include "voxel_abuffer/modes/occlusion_mode.h"
 #include "voxel_abuffer/modes/path_mode.h"
@@ -23,7 +24,7 @@ constexpr double max_bias = 0.5;
 
 TechniqueInfo technique_info() {
   TechniqueInfo info;
-  info.name = "voxel_abuffer";
+  info.name = technique_name;
   info.version = "1.0";
   info.summary = "ray casting, Whitted's ray tracing, ambient occlusion and path tracing through voxels and A-buffers";
   info.citation =

@@ -4,11 +4,10 @@
 #include <algorithm>
 
 #include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/base/name.h"
 
 namespace lucarium::bundle {
 namespace {
-
-const char* const kOwner = "bundle_exchange";
 
 LayeredRasterOptions raster_options(uint32_t edge) {
   LayeredRasterOptions options;
@@ -36,9 +35,9 @@ BundleTransfer::BundleTransfer(Device& device, KernelScheduler& scheduler, const
       bounds_(scene.bounds()),
       pixel_(usable_pixel(options, atlas, accessibility)),
       image_edge_(bundle_side(bounds_, pixel_)),
-      raster_(scheduler, buffers, raster_options(image_edge_), kOwner),
-      views_(device, kOwner, "view of a direction", 1),
-      ends_(device, kOwner, "ends of rays", 2) {
+      raster_(scheduler, buffers, raster_options(image_edge_), technique_name),
+      views_(device, technique_name, "view of a direction", 1),
+      ends_(device, technique_name, "ends of rays", 2) {
   all_ = record(device, buffers, atlas, records, interior, accessibility, What::all);
   if (channels.exchanged() && channels.reflected() > 0)
     emission_ = record(device, buffers, atlas, records, interior, accessibility, What::emission);
@@ -52,7 +51,7 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
   const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
   const bool by_texels = options_.transfer == Transfer::texel;
   Recorded result;
-  ScheduleRecorder recorder = scheduler_->record(names[static_cast<int>(what)], kOwner);
+  ScheduleRecorder recorder = scheduler_->record(names[static_cast<int>(what)], technique_name);
   result.view = recorder.variable("view", LayeredView{});
   result.omega = recorder.variable("omega", float4(0, 0, 1, 0));
   result.weight = recorder.variable("weight", 1.f);

@@ -5,12 +5,12 @@
 
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/late_weight.h"
+#include "bundle_exchange/base/name.h"
 #include "lucarium/base/seed.h"
 
 namespace lucarium::bundle {
 namespace {
 
-const char* const kOwner = "bundle_exchange";
 const char* const kLowerSize = "lower --size";
 
 }  // namespace
@@ -22,13 +22,13 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
       options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      eye_(device, scheduler, scene, intersector, frame, kOwner,
+      eye_(device, scheduler, scene, intersector, frame, technique_name,
            !options.exchanged ? DirectLight::kAllLights
            : options.punctual ? DirectLight::kPunctualLights
                               : 0u),
-      atlas_light_(device, kOwner, pixels_, {"direct", "indirect"}),
-      no_contributions_(device, kOwner, "nothing gathered", 2 * size_t{pixels_}, kLowerSize) {
-  if (preview) smooth_light_ = LayerSums(device, kOwner, pixels_, {"direct", "indirect"});
+      atlas_light_(device, technique_name, pixels_, {"direct", "indirect"}),
+      no_contributions_(device, technique_name, "nothing gathered", 2 * size_t{pixels_}, kLowerSize) {
+  if (preview) smooth_light_ = LayerSums(device, technique_name, pixels_, {"direct", "indirect"});
   if (options.gather != FinalGather::off && options.by_bundles)
     bundles_ = std::make_unique<PixelGather>(device, scheduler, program, scene, intersector, atlas, means,
                                              eye_.points(), PixelGather::Options{pixels_, whole(), options.min_alpha});
@@ -56,7 +56,7 @@ size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather 
 
 void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
                          const SideMeans& means, const SidePreview* preview) {
-  ScheduleRecorder recorder = scheduler_->record("add light of the atlas", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("add light of the atlas", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
   record_atlas_light(recorder, program, scene, atlas, means.shown(), means.shown_direct(), atlas_light_);
   if (preview)
@@ -82,7 +82,7 @@ void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& 
 }
 
 void CameraLight::record_chains(const Program& program, const SceneBuffers& scene) {
-  ScheduleRecorder recorder = scheduler_->record("begin chains of pixels", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("begin chains of pixels", technique_name);
   settings_ = recorder.variable("settings", ChainSettings{});
   PassBuilder begin = recorder.pass("begin chains of pixels", program, "begin_pixel_chains");
   scene.bind(begin);

@@ -2,11 +2,11 @@
 #include "bundle_exchange/pixels/debug_layers.h"
 
 #include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/base/name.h"
 
 namespace lucarium::bundle {
 namespace {
 
-const char* const kOwner = "bundle_exchange";
 const char* const kRemedy = "set debug_layers=off";
 
 }  // namespace
@@ -18,7 +18,7 @@ DebugLayers::DebugLayers(Device& device, KernelScheduler& scheduler, const Scene
   const std::vector<std::string> parts = {"exchanged_direct", "diffuse_exchange", "specular_chains", "bundle_gather"};
   parts_ = make_images(device, parts);
   const Program program = make_bundle_program(device, "pixels/add_light_parts", means.channels().defines());
-  ScheduleRecorder recorder = scheduler.record("add debug layers", kOwner);
+  ScheduleRecorder recorder = scheduler.record("add debug layers", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
   record_parts(recorder, program, scene, atlas, means.shown(), means.shown_direct(), parts_);
   if (preview) {
@@ -49,7 +49,7 @@ DebugLayers::Images DebugLayers::make_images(Device& device, const std::vector<s
   Images result;
   result.names = names;
   for (const std::string& name : names)
-    result.means.emplace_back(device, kOwner, "layer " + name, camera_->pixels(), kRemedy);
+    result.means.emplace_back(device, technique_name, "layer " + name, camera_->pixels(), kRemedy);
   return result;
 }
 

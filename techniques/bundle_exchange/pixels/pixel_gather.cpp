@@ -2,11 +2,11 @@
 #include "bundle_exchange/pixels/pixel_gather.h"
 
 #include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/base/name.h"
 
 namespace lucarium::bundle {
 namespace {
 
-const char* const kOwner = "bundle_exchange";
 const char* const kLowerSize = "lower --size";
 
 }  // namespace
@@ -22,12 +22,12 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Progr
       options_(options),
       points_(points),
       records_(means.records()),
-      contribution_(device, kOwner, "gathered in a batch", 2 * size_t{options.pixels}, kLowerSize),
-      gathered_(device, kOwner, "gathered by bundles", 2 * size_t{options.pixels}, kLowerSize),
-      shares_(device, kOwner, "shares of gathered light", options.pixels, kLowerSize),
-      rays_(device, kOwner, "rays of pixels not found", options.pixels, kLowerSize),
-      count_(device, kOwner, "number of pixels", std::vector<uint32_t>{options.pixels}) {
-  ScheduleRecorder recorder = scheduler_->record("add gathered light", kOwner);
+      contribution_(device, technique_name, "gathered in a batch", 2 * size_t{options.pixels}, kLowerSize),
+      gathered_(device, technique_name, "gathered by bundles", 2 * size_t{options.pixels}, kLowerSize),
+      shares_(device, technique_name, "shares of gathered light", options.pixels, kLowerSize),
+      rays_(device, technique_name, "rays of pixels not found", options.pixels, kLowerSize),
+      count_(device, technique_name, "number of pixels", std::vector<uint32_t>{options.pixels}) {
+  ScheduleRecorder recorder = scheduler_->record("add gathered light", technique_name);
   directions_ = recorder.variable("directions", 0u);
   recorder.pass("add gathered light", program_, "add_gathered")
       .global(options_.pixels)

@@ -3,11 +3,11 @@
 
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/late_weight.h"
+#include "bundle_exchange/base/name.h"
 
 namespace lucarium::bundle {
 namespace {
 
-const char* const kOwner = "bundle_exchange";
 const char* const kRemedy = "set debug_layers=off";
 
 }  // namespace
@@ -17,11 +17,11 @@ SideState::SideState(Device& device, KernelScheduler& scheduler, const SideMeans
     : scheduler_(&scheduler),
       accessibility_(&shares),
       has_history_(specular && specular->has_history()),
-      balance_(device, kOwner, "balance of texel sides", shares.count(), kRemedy),
-      history_(device, kOwner, "light of direction histories", shares.count(), kRemedy),
-      no_light_(device, kOwner, "no light samples", 1) {
+      balance_(device, technique_name, "balance of texel sides", shares.count(), kRemedy),
+      history_(device, technique_name, "light of direction histories", shares.count(), kRemedy),
+      no_light_(device, technique_name, "no light samples", 1) {
   const Program program = make_bundle_program(device, "pixels/mix_side_state", means.channels().defines());
-  ScheduleRecorder balance = scheduler.record("add balance of texel sides", kOwner);
+  ScheduleRecorder balance = scheduler.record("add balance of texel sides", technique_name);
   batch_weight_ = balance.variable("weight", 1.f);
   balance.pass("mix balance", program, "mix_balance")
       .global(shares.count())
@@ -34,7 +34,7 @@ SideState::SideState(Device& device, KernelScheduler& scheduler, const SideMeans
   add_balance_ = balance.compile();
   if (has_history_) {
     const TypedBuffer<float4>* light = specular->history_light();
-    ScheduleRecorder history = scheduler.record("add light of direction histories", kOwner);
+    ScheduleRecorder history = scheduler.record("add light of direction histories", technique_name);
     direction_weight_ = history.variable("weight", 1.f);
     history.pass("mix history", program, "mix_history")
         .global(specular->history_sides().count())

@@ -4,11 +4,11 @@
 #include <algorithm>
 
 #include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/base/name.h"
 
 namespace lucarium::bundle {
 namespace {
 
-const char* const kOwner = "bundle_exchange";
 const char* const kSmaller = "lower texels or glossy_window";
 
 }  // namespace
@@ -20,11 +20,11 @@ DirectionHistory::DirectionHistory(Device& device, KernelScheduler& scheduler, c
       options_(options),
       count_(static_cast<uint32_t>(sides.size())),
       length_(options.window + options.batch),  // a batch that is begun again needs what came before it
-      list_(device, kOwner, "glossy texel sides", sides, kSmaller),
-      directions_(device, kOwner, "directions of the history", length_),
-      before_(device, kOwner, "received before", size_t{count_} * means.channels().reflected(), kSmaller),
-      history_(device, kOwner, "history of glossy texel sides", size_t{length_} * count_ * means.channels().reflected(),
-               kSmaller) {
+      list_(device, technique_name, "glossy texel sides", sides, kSmaller),
+      directions_(device, technique_name, "directions of the history", length_),
+      before_(device, technique_name, "received before", size_t{count_} * means.channels().reflected(), kSmaller),
+      history_(device, technique_name, "history of glossy texel sides",
+               size_t{length_} * count_ * means.channels().reflected(), kSmaller) {
   record(program, scene, atlas, means);
 }
 
@@ -35,7 +35,7 @@ size_t DirectionHistory::estimate_bytes(size_t sides, const Channels& channels, 
 
 void DirectionHistory::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
                               const SideMeans& means) {
-  ScheduleRecorder sending = scheduler_->record("send glossy light", kOwner);
+  ScheduleRecorder sending = scheduler_->record("send glossy light", technique_name);
   send_step_ = sending.variable("step", HistoryStep{});
   omega_ = sending.variable("omega", float4{});
   PassBuilder send = surface_pass(sending, "send glossy light", program, "send_history", scene, atlas);
@@ -50,7 +50,7 @@ void DirectionHistory::record(const Program& program, const SceneBuffers& scene,
       .arg("albedo", means.albedo())
       .arg("records", means.records());
   send_ = sending.compile();
-  ScheduleRecorder receiving = scheduler_->record("receive glossy light", kOwner);
+  ScheduleRecorder receiving = scheduler_->record("receive glossy light", technique_name);
   receive_step_ = receiving.variable("step", HistoryStep{});
   receiving.pass("receive glossy light", program, "receive_history")
       .global(count_)

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "bundle_exchange/base/name.h"
 #include "bundle_exchange/shared/texel_sides.h"
 
 namespace lucarium::bundle {
@@ -15,7 +16,6 @@ constexpr uint64_t kErrorBatches = 16;  // between two measurements of the error
 constexpr double kIndirectPart =
     0.7071;  // of the wanted error: half of its variance, the other half is for direct light
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
-const char* const kOwner = "bundle_exchange";
 const char* const kFewerTexels = "lower texels";
 
 }  // namespace
@@ -40,26 +40,27 @@ SideMeans::SideMeans(Device& device, KernelScheduler& scheduler, const Program& 
       chunks_((sides_ + BALANCE_CHUNK - 1) / BALANCE_CHUNK),
       light_samples_(light_samples),
       accessibility_(accessibility),
-      albedo_(device, kOwner, "albedo of texel sides", sides_, kFewerTexels),
-      emission_(device, kOwner, "emission of texel sides", sides_, kFewerTexels),
-      records_(device, kOwner, "exchange records", size_t{sides_} * 2 * channels.count, kFewerTexels),
-      senders_(device, kOwner, "sender means", size_t{sides_} * channels.reflected(), kFewerTexels),
-      display_(device, kOwner, "display means", size_t{sides_} * channels.count, kFewerTexels),
-      finished_(device, kOwner, "finished bounces", one_by_one() ? sides_ : 1, kFewerTexels),
-      statistics_(device, kOwner, "batch statistics", size_t{sides_} * (channels.exchanged() ? 2 : 1), kFewerTexels),
-      shown_(device, kOwner, "displayed texel sides", sides_, kFewerTexels),
-      shown_direct_(device, kOwner, "displayed direct light", channels.exchanged() ? sides_ : 1, kFewerTexels),
-      diffuse_(device, kOwner, "diffuse senders", channels.chains ? size_t{sides_} * channels.reflected() : 1,
+      albedo_(device, technique_name, "albedo of texel sides", sides_, kFewerTexels),
+      emission_(device, technique_name, "emission of texel sides", sides_, kFewerTexels),
+      records_(device, technique_name, "exchange records", size_t{sides_} * 2 * channels.count, kFewerTexels),
+      senders_(device, technique_name, "sender means", size_t{sides_} * channels.reflected(), kFewerTexels),
+      display_(device, technique_name, "display means", size_t{sides_} * channels.count, kFewerTexels),
+      finished_(device, technique_name, "finished bounces", one_by_one() ? sides_ : 1, kFewerTexels),
+      statistics_(device, technique_name, "batch statistics", size_t{sides_} * (channels.exchanged() ? 2 : 1),
+                  kFewerTexels),
+      shown_(device, technique_name, "displayed texel sides", sides_, kFewerTexels),
+      shown_direct_(device, technique_name, "displayed direct light", channels.exchanged() ? sides_ : 1, kFewerTexels),
+      diffuse_(device, technique_name, "diffuse senders", channels.chains ? size_t{sides_} * channels.reflected() : 1,
                kFewerTexels),
-      radiance_(device, kOwner, "diffuse radiance", diffuse_.count(), kFewerTexels),
-      chunk_sums_(device, kOwner, "balance of chunks", 2 * size_t{chunks_}),
-      scale_(device, kOwner, "sender scale", std::vector<float4>{{1, 1, 1, 0}}),
-      specular_(device, kOwner, "light of specular lobes", 1),
-      visible_(device, kOwner, "visible shares", sides_, kFewerTexels),
-      errors_(device, kOwner, "errors of texel sides", sides_, kFewerTexels),
-      indirect_errors_(device, kOwner, "errors of texel sides' indirect light", sides_, kFewerTexels),
-      values_(device, kOwner, "values of texel sides", sides_, kFewerTexels),
-      sums_(device, kOwner, "sums of errors and values", 3) {
+      radiance_(device, technique_name, "diffuse radiance", diffuse_.count(), kFewerTexels),
+      chunk_sums_(device, technique_name, "balance of chunks", 2 * size_t{chunks_}),
+      scale_(device, technique_name, "sender scale", std::vector<float4>{{1, 1, 1, 0}}),
+      specular_(device, technique_name, "light of specular lobes", 1),
+      visible_(device, technique_name, "visible shares", sides_, kFewerTexels),
+      errors_(device, technique_name, "errors of texel sides", sides_, kFewerTexels),
+      indirect_errors_(device, technique_name, "errors of texel sides' indirect light", sides_, kFewerTexels),
+      values_(device, technique_name, "values of texel sides", sides_, kFewerTexels),
+      sums_(device, technique_name, "sums of errors and values", 3) {
   record_materials(program, atlas, accessibility);
   record_senders(program);
   record_accumulation(program);
@@ -76,7 +77,7 @@ size_t SideMeans::estimate_bytes(size_t sides, const Channels& channels, const P
 
 void SideMeans::record_materials(const Program& program, const SurfaceAtlas& atlas,
                                  const TypedBuffer<float>& accessibility) {
-  ScheduleRecorder recorder = scheduler_->record("texel side materials", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("texel side materials", technique_name);
   PassBuilder pass = recorder.pass("copy materials", program, "copy_materials");
   atlas.bind(pass);
   pass.global(sides_).arg("sides", sides_).arg("accessibility", accessibility);
@@ -85,7 +86,7 @@ void SideMeans::record_materials(const Program& program, const SurfaceAtlas& atl
 }
 
 void SideMeans::record_senders(const Program& program) {
-  ScheduleRecorder recorder = scheduler_->record("senders", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("senders", technique_name);
   direct_share_ = recorder.variable("direct share", 1.f);
   feedback_share_ = recorder.variable("feedback share", 1.f);
   if (balanced()) {
@@ -124,7 +125,7 @@ void SideMeans::record_senders(const Program& program) {
 }
 
 void SideMeans::record_accumulation(const Program& program) {
-  ScheduleRecorder recorder = scheduler_->record("accumulate batch", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("accumulate batch", technique_name);
   sender_scale_ = recorder.variable("sender scale", 1.f);
   sender_weight_ = recorder.variable("sender weight", 1.f);
   display_weight_ = recorder.variable("display weight", 1.f);
@@ -173,7 +174,7 @@ void SideMeans::record_accumulation(const Program& program) {
       .discards("shown");
   accumulate_ = recorder.compile();
   if (!one_by_one()) return;
-  ScheduleRecorder finish = scheduler_->record("finish bounce", kOwner);
+  ScheduleRecorder finish = scheduler_->record("finish bounce", technique_name);
   finish.pass("finish bounce", program, "finish_bounce")
       .global(sides_)
       .arg("sides", sides_)
@@ -184,7 +185,7 @@ void SideMeans::record_accumulation(const Program& program) {
 }
 
 void SideMeans::record_errors(const Program& program) {
-  ScheduleRecorder recorder = scheduler_->record("measure error", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("measure error", technique_name);
   const BufferRef error = recorder.transient<float>("error", 1), value = recorder.transient<float>("value", 1);
   const BufferRef indirect_error = recorder.transient<float>("error of indirect light", 1);
   recorder.pass("errors of texel sides", program, "measure_errors")

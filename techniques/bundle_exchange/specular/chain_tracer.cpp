@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_exchange/specular/chain_tracer.h"
 
+#include "bundle_exchange/base/name.h"
+
 namespace lucarium::bundle {
-namespace {
-
-const char* const kOwner = "bundle_exchange";
-
-}  // namespace
 
 ChainTracer::ChainTracer(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
                          const Intersector& intersector, const SurfaceAtlas& atlas, const TypedBuffer<float4>& diffuse,
                          const Options& options)
-    : contribution_(device, kOwner, "found for " + options.what, size_t{options.targets} * options.contributions),
-      chains_(device, scheduler, scene, intersector, {options.targets, options.punctual, kOwner, options.what},
+    : contribution_(device, technique_name, "found for " + options.what,
+                    size_t{options.targets} * options.contributions),
+      chains_(device, scheduler, scene, intersector, {options.targets, options.punctual, technique_name, options.what},
               {.program = program,
                .advance = "advance_texel_chains",
                .add_light = "add_punctual",

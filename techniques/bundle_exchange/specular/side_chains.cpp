@@ -4,12 +4,11 @@
 #include <algorithm>
 
 #include "bundle_exchange/base/bundle_program.h"
+#include "bundle_exchange/base/name.h"
 #include "lucarium/base/luminance.h"
 
 namespace lucarium::bundle {
 namespace {
-
-const char* const kOwner = "bundle_exchange";
 
 ChainTracer::Options tracer_options(uint32_t count, const Channels& channels, const SideChains::Options& options) {
   ChainTracer::Options result;
@@ -49,9 +48,9 @@ SideChains::SideChains(Device& device, KernelScheduler& scheduler, const Program
       options_(options),
       count_(static_cast<uint32_t>(list.sides.size())),
       primitives_(device),
-      list_(device, kOwner, "specular texel sides", list.sides),
-      size_(device, kOwner, "number of specular texel sides", std::vector<uint32_t>{count_}),
-      probabilities_(device, kOwner, "probabilities of chains", count_),
+      list_(device, technique_name, "specular texel sides", list.sides),
+      size_(device, technique_name, "number of specular texel sides", std::vector<uint32_t>{count_}),
+      probabilities_(device, technique_name, "probabilities of chains", count_),
       tracer_(device, scheduler, program, scene, intersector, atlas, means.diffuse_sent(),
               tracer_options(count_, means.channels(), options)) {
   std::vector<float> probabilities = list.reflectance;
@@ -66,7 +65,7 @@ size_t SideChains::estimate_bytes(size_t sides, const Channels& channels) {
 }
 
 void SideChains::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, const SideMeans& means) {
-  ScheduleRecorder recorder = scheduler_->record("begin chains of texel sides", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("begin chains of texel sides", technique_name);
   omega_ = recorder.variable("omega", float4{});
   settings_ = recorder.variable("settings", ChainSettings{});
   const BufferRef shadow_rays = recorder.transient<Ray>("shadow rays", count_);
@@ -96,7 +95,7 @@ void SideChains::record(const SceneBuffers& scene, const SurfaceAtlas& atlas, co
       .arg("shadow_light", shadow_light);
   tracer_.chains().record_light(recorder, shadow_rays, shadow_light);
   begin_ = recorder.compile();
-  ScheduleRecorder apply = scheduler_->record("send chains' light", kOwner);
+  ScheduleRecorder apply = scheduler_->record("send chains' light", technique_name);
   apply.pass("send chains' light", program_, "apply_contributions")
       .global(count_)
       .arg("count", count_)

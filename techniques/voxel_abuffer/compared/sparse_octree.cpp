@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "lucarium/compute/program/source_library.h"
+#include "voxel_abuffer/base/name.h"
 #include "voxel_abuffer/shared/octree_layout.h"
 #include "voxel_abuffer/structure/grid_layout.h"
 
@@ -24,7 +25,7 @@ SparseOctree::SparseOctree(KernelScheduler& scheduler, const SceneBuffers& buffe
   statistics_.voxels = 1u << depth();
   for (uint32_t level = 0; level < levels_; ++level) {
     codes_.emplace_back();
-    counts_.emplace_back(scheduler.device(), "voxel_abuffer", "number of nodes", 1);
+    counts_.emplace_back(scheduler.device(), technique_name, "number of nodes", 1);
   }
   rebuild();
 }
@@ -80,7 +81,7 @@ void SparseOctree::record_levels(ScheduleRecorder& recorder) {
 void SparseOctree::fill() {
   const VoxelPairs& p = pairs();
   make_room(leaves_, "triangles of leaves", p.voxels());
-  ScheduleRecorder recorder = scheduler().record("voxel_abuffer octree", "voxel_abuffer");
+  ScheduleRecorder recorder = scheduler().record("voxel_abuffer octree", technique_name);
   record_levels(recorder);
   p.record_leaves(recorder, fill_program_, leaves_);
   Schedule fill = recorder.compile();

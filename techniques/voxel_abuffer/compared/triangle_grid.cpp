@@ -3,6 +3,7 @@
 
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/bvh_layout.h"
+#include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
@@ -21,7 +22,7 @@ TriangleGrid::TriangleGrid(KernelScheduler& scheduler, const SceneBuffers& buffe
       size_(choose_grid_size(abuffer_size, grid_size)),
       fill_program_(
           make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/compared/fill_structures"})),
-      block_count_(scheduler.device(), "voxel_abuffer", "number of blocks", 1) {
+      block_count_(scheduler.device(), technique_name, "number of blocks", 1) {
   statistics_.voxels = size_.voxels;
   rebuild();
 }
@@ -33,7 +34,7 @@ void TriangleGrid::fill() {
   make_room(bricks_, "bricks", VoxelPairs::brick_slots(layout()));
   make_room(first_of_brick_, "first voxels of bricks", VoxelPairs::brick_slots(layout()));
   make_room(block_start_, "first blocks of voxels", p.voxels() + 1);
-  ScheduleRecorder recorder = scheduler().record("voxel_abuffer grid", "voxel_abuffer");
+  ScheduleRecorder recorder = scheduler().record("voxel_abuffer grid", technique_name);
   recorder.fill_zero("clear_bricks", bricks_);
   recorder.pass("place_bricks", fill_program_, "compared_place_bricks")
       .global(std::max(1u, p.bricks()))
@@ -57,7 +58,7 @@ void TriangleGrid::fill() {
   scheduler().finish();
 
   make_room(blocks_, "blocks of triangles", size_t{LUCARIUM_BVH_BLOCK_WORDS(lanes)} * block_count_.download()[0]);
-  ScheduleRecorder filler = scheduler().record("voxel_abuffer grid", "voxel_abuffer");
+  ScheduleRecorder filler = scheduler().record("voxel_abuffer grid", technique_name);
   PassBuilder pass = p.bind_runs(filler.pass("fill_blocks", fill_program_, "compared_fill_blocks"));
   bind_scene(pass);
   pass.arg("compared_triangles", p.triangles())

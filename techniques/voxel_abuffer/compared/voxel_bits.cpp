@@ -2,6 +2,7 @@
 #include "voxel_abuffer/compared/voxel_bits.h"
 
 #include "lucarium/compute/program/source_library.h"
+#include "voxel_abuffer/base/name.h"
 #include "voxel_abuffer/structure/grid_layout.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
@@ -25,7 +26,7 @@ void VoxelBits::fill() {
   const VoxelPairs& p = pairs();
   make_room(bricks_, "voxels", VoxelPairs::brick_slots(layout()));
   make_room(leaves_, "triangles of voxels", p.voxels());
-  ScheduleRecorder recorder = scheduler().record("voxel_abuffer voxels", "voxel_abuffer");
+  ScheduleRecorder recorder = scheduler().record("voxel_abuffer voxels", technique_name);
   recorder.fill_zero("clear_voxels", bricks_);
   recorder.pass("place_bricks", fill_program_, "compared_place_bricks")
       .global(std::max(1u, p.bricks()))

@@ -6,6 +6,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/compute/program/source_library.h"
+#include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
@@ -13,7 +14,6 @@ namespace lucarium::abuffer {
 
 namespace {
 
-constexpr const char* owner = "voxel_abuffer";
 constexpr double max_pairs = 4e9;  // indices are 32 bits wide
 
 std::map<std::string, std::string> defines(bool morton) {
@@ -38,11 +38,11 @@ VoxelPairs::VoxelPairs(KernelScheduler& scheduler, const SceneBuffers& buffers, 
                             defines(morton))),
       primitives_(scheduler.device()),
       morton_(morton),
-      grid_(scheduler.device(), owner, "grid", 1),
-      total_(scheduler.device(), owner, "number of pairs", 1),
-      float_total_(scheduler.device(), owner, "number of pairs, rounded", 1),
-      brick_counter_(scheduler.device(), owner, "number of bricks", 1),
-      voxel_counter_(scheduler.device(), owner, "number of voxels", 1) {}
+      grid_(scheduler.device(), technique_name, "grid", 1),
+      total_(scheduler.device(), technique_name, "number of pairs", 1),
+      float_total_(scheduler.device(), technique_name, "number of pairs, rounded", 1),
+      brick_counter_(scheduler.device(), technique_name, "number of bricks", 1),
+      voxel_counter_(scheduler.device(), technique_name, "number of voxels", 1) {}
 
 size_t VoxelPairs::bytes() const {
   size_t sum = 0;
@@ -58,7 +58,7 @@ void VoxelPairs::count(const std::string& remedy) {
     scene_generation_ = buffers_->generation();
     make_compared_room(scheduler_->device(), counts_, "pairs of triangles", triangles, remedy);
     make_compared_room(scheduler_->device(), float_counts_, "pairs of triangles, rounded", triangles, remedy);
-    ScheduleRecorder recorder = scheduler_->record("voxel_abuffer pairs", owner);
+    ScheduleRecorder recorder = scheduler_->record("voxel_abuffer pairs", technique_name);
     PassBuilder pass = recorder.pass("count_pairs", program_, "compared_count_pairs");
     buffers_->bind(pass);
     pass.global(std::max(1u, triangles))
@@ -141,7 +141,7 @@ void VoxelPairs::sort(const std::string& remedy) {
     replaced |= make_compared_room(device, *buffer, name, pair_count_, remedy);
   const uint32_t bits = key_bits(layout_, morton_);
   if (!sort_schedule_ || replaced || bits != recorded_bits_) {
-    ScheduleRecorder recorder = scheduler_->record("voxel_abuffer sorted pairs", owner);
+    ScheduleRecorder recorder = scheduler_->record("voxel_abuffer sorted pairs", technique_name);
     record_sort(recorder);
     sort_schedule_ = recorder.compile();
     brick_schedule_ = {};
@@ -165,7 +165,7 @@ void VoxelPairs::build(const AbufferGrid& grid, float pad, const std::string& re
   replaced |= make_compared_room(device, brick_first_, "first voxels of bricks", brick_count_, remedy);
   generation_ += replaced;
   if (!brick_schedule_ || replaced) {
-    ScheduleRecorder recorder = scheduler_->record("voxel_abuffer bricks", owner);
+    ScheduleRecorder recorder = scheduler_->record("voxel_abuffer bricks", technique_name);
     record_bricks(recorder);
     brick_schedule_ = recorder.compile();
   }

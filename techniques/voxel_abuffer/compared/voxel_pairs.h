@@ -5,6 +5,7 @@
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/services/primitives/primitives.h"
+#include "voxel_abuffer/base/name.h"
 #include "voxel_abuffer/shared/abuffer_layout.h"
 
 namespace lucarium::abuffer {
@@ -15,7 +16,7 @@ bool make_compared_room(Device& device, TypedBuffer<T>& buffer, const std::strin
                         const std::string& remedy) {
   if (buffer && buffer.count() >= count) return false;
   buffer = {};
-  buffer = TypedBuffer<T>(device, "voxel_abuffer", name, count + count / 8 + 1, remedy);
+  buffer = TypedBuffer<T>(device, technique_name, name, count + count / 8 + 1, remedy);
   return true;
 }
 

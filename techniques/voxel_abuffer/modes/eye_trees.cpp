@@ -6,13 +6,13 @@
 
 #include "lucarium/base/seed.h"
 #include "lucarium/services/ray_ends.h"
+#include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
 namespace lucarium::abuffer {
 namespace {
 
-const char* const kOwner = "voxel_abuffer";
 const char* const kLowerSize = "lower --size";
 constexpr uint32_t kChunk = 1 << 16;  // rays that are traced at once
 enum Layer { emission, direct, ambient, crossings };
@@ -28,11 +28,11 @@ EyeTrees::EyeTrees(const ModeContext& context, const Options& options)
       chunk_(chunk_size(pixels_)),
       frame_(context.frame),
       primitives_(context.scheduler.device()),
-      direct_light_(context.scheduler.device(), context.scheduler, context.scene, context.intersector, kOwner),
+      direct_light_(context.scheduler.device(), context.scheduler, context.scene, context.intersector, technique_name),
       sums_(context.scheduler, pixels_, {"emission", "direct", "ambient", "crossings"}, options.samples) {
   Device& device = scheduler_->device();
   const auto make = [&]<class T>(TypedBuffer<T>& buffer, const char* name, size_t count) {
-    buffer = TypedBuffer<T>(device, kOwner, name, count, kLowerSize);
+    buffer = TypedBuffer<T>(device, technique_name, name, count, kLowerSize);
   };
   const size_t queued = size_t{2} * chunk_ * queues();
   make(rays_, "rays of a chunk", chunk_);
@@ -43,8 +43,8 @@ EyeTrees::EyeTrees(const ModeContext& context, const Options& options)
   make(next_count_, "number of rays that go on", 1);
   make(queued_rays_, "queues of rays", queued);
   make(queued_tree_rays_, "queues of trees", queued);
-  ends_ = make_ray_ends(device, context.intersector, kOwner, "ends of a chunk's rays", chunk_, kLowerSize);
-  queued_ends_ = make_ray_ends(device, context.intersector, kOwner, "ends of queued rays", queued, kLowerSize);
+  ends_ = make_ray_ends(device, context.intersector, technique_name, "ends of a chunk's rays", chunk_, kLowerSize);
+  queued_ends_ = make_ray_ends(device, context.intersector, technique_name, "ends of queued rays", queued, kLowerSize);
   record(context);
 }
 
@@ -58,7 +58,7 @@ void EyeTrees::record(const ModeContext& context) {
       scheduler_->device(), voxel_abuffer_kernels(),
       {"voxel_abuffer/modes/begin_trees", "voxel_abuffer/modes/shade_tree_rays", "voxel_abuffer/modes/add_tree_light"},
       ray_end_defines(context.intersector));
-  ScheduleRecorder camera = scheduler_->record("begin trees", kOwner);
+  ScheduleRecorder camera = scheduler_->record("begin trees", technique_name);
   camera_frame_ = camera.variable("frame", frame_);
   camera_rules_ = camera.variable("rules", TreeRules{});
   camera.pass("camera rays", program, "begin_camera_rays")
@@ -71,7 +71,7 @@ void EyeTrees::record(const ModeContext& context) {
       .arg("counts", counts_);
   camera_ = camera.compile();
 
-  ScheduleRecorder load = scheduler_->record("load rays of trees", kOwner);
+  ScheduleRecorder load = scheduler_->record("load rays of trees", technique_name);
   load_rules_ = load.variable("rules", TreeRules{});
   load.pass("load rays", program, "load_rays")
       .global(chunk_)
@@ -86,7 +86,7 @@ void EyeTrees::record(const ModeContext& context) {
   load_ = load.compile();
 
   const uint32_t places = 2 * chunk_;
-  ScheduleRecorder shade = scheduler_->record("grow trees", kOwner);
+  ScheduleRecorder shade = scheduler_->record("grow trees", technique_name);
   shade_rules_ = shade.variable("rules", TreeRules{});
   const BufferRef hits = shade.transient<Hit>("hits", chunk_, kLowerSize),
                   next_rays = shade.transient<Ray>("next rays", places, kLowerSize),
@@ -126,7 +126,7 @@ void EyeTrees::record(const ModeContext& context) {
   });
   shade_ = shade.compile();
 
-  ScheduleRecorder add = scheduler_->record("add light of trees", kOwner);
+  ScheduleRecorder add = scheduler_->record("add light of trees", technique_name);
   add_rules_ = add.variable("rules", TreeRules{});
   add.pass("add light of trees", program, "add_tree_light")
       .global(chunk_)

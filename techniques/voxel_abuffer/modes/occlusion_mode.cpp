@@ -3,13 +3,13 @@
 
 #include "lucarium/base/seed.h"
 #include "lucarium/services/ray_ends.h"
+#include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
 namespace lucarium::abuffer {
 namespace {
 
-const char* const kOwner = "voxel_abuffer";
 const char* const kLowerSize = "lower --size";
 
 }  // namespace
@@ -18,9 +18,10 @@ OcclusionMode::OcclusionMode(const ModeContext& context, uint32_t samples, std::
     : scheduler_(&context.scheduler),
       samples_(samples),
       radius_(std::move(radius)),
-      gbuffer_(context.scheduler.device(), context.scheduler, context.scene, context.primary, context.frame, kOwner),
+      gbuffer_(context.scheduler.device(), context.scheduler, context.scene, context.primary, context.frame,
+               technique_name),
       sums_(context.scheduler, context.pixels(), {"ambient_occlusion"}, samples),
-      count_(context.scheduler.device(), kOwner, "pixels", std::vector<uint32_t>{context.pixels()}) {
+      count_(context.scheduler.device(), technique_name, "pixels", std::vector<uint32_t>{context.pixels()}) {
   record(context);
 }
 
@@ -28,7 +29,7 @@ void OcclusionMode::record(const ModeContext& context) {
   const uint32_t pixels = context.pixels();
   const Program program = make_program(scheduler_->device(), voxel_abuffer_kernels(), {"voxel_abuffer/modes/occlusion"},
                                        ray_end_defines(context.intersector));
-  ScheduleRecorder recorder = scheduler_->record("occlusion", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("occlusion", technique_name);
   sample_index_ = recorder.variable("sample_index", 0u);
   seed_ = recorder.variable("seed", 0u);
   reach_ = recorder.variable("reach", 0.f);

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_abuffer/modes/pass_sums.h"
 
+#include "voxel_abuffer/base/name.h"
+
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
 namespace lucarium::abuffer {
-namespace {
-
-const char* const kOwner = "voxel_abuffer";
-
-}  // namespace
 
 PassSums::PassSums(KernelScheduler& scheduler, size_t pixels, const std::vector<std::string>& layers, uint32_t samples)
-    : scheduler_(&scheduler), names_(layers), sums_(scheduler.device(), kOwner, pixels, layers) {
+    : scheduler_(&scheduler), names_(layers), sums_(scheduler.device(), technique_name, pixels, layers) {
   const Program program = make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/modes/add_pass"});
-  ScheduleRecorder begin = scheduler.record("begin pass", kOwner), commit = scheduler.record("add pass", kOwner);
+  ScheduleRecorder begin = scheduler.record("begin pass", technique_name),
+                   commit = scheduler.record("add pass", technique_name);
   for (const std::string& name : names_) {
-    pass_.emplace_back(scheduler.device(), kOwner, "pass of " + name, pixels, "lower --size");
+    pass_.emplace_back(scheduler.device(), technique_name, "pass of " + name, pixels, "lower --size");
     begin.fill_zero("clear pass of " + name, pass_.back());
     commit.pass("add pass of " + name, program, "add_pass")
         .global(pixels)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_abuffer/modes/path_mode.h"
 
+#include "voxel_abuffer/base/name.h"
+
 namespace lucarium::abuffer {
 namespace {
 
@@ -15,7 +17,7 @@ PathIntegratorOptions integrator_options(const PathSet& path_set, uint32_t sampl
 
 PathMode::PathMode(const ModeContext& context, const PathSet& path_set, uint32_t samples)
     : integrator_(context.scheduler.device(), context.scheduler, context.scene, context.primary, context.frame,
-                  integrator_options(path_set, samples), "voxel_abuffer") {}
+                  integrator_options(path_set, samples), technique_name) {}
 
 void PathMode::restart(const Frame& frame, uint64_t seed) {
   integrator_.set_frame(frame);

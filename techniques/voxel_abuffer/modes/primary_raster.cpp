@@ -4,13 +4,13 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
 namespace lucarium::abuffer {
 namespace {
 
-const char* const kOwner = "voxel_abuffer";
 const char* const kRemedy = "set primary=trace, or lower --size";
 
 LayeredRasterOptions raster_options(uint32_t width, uint32_t height) {
@@ -53,12 +53,12 @@ PrimaryRaster::PrimaryRaster(KernelScheduler& scheduler, const SceneBuffers& sce
     : scheduler_(&scheduler),
       scene_(&scene),
       others_(&others),
-      raster_(scheduler, scene, raster_options(width, height), kOwner),
+      raster_(scheduler, scene, raster_options(width, height), technique_name),
       program_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/modes/primary_raster"})),
-      view_(scheduler.device(), kOwner, "camera view", 1),
-      eye_(scheduler.device(), kOwner, "eye", 1),
-      depth_(scheduler.device(), kOwner, "depths of pixels", size_t{width} * height, kRemedy),
-      triangle_(scheduler.device(), kOwner, "triangles of pixels", size_t{width} * height, kRemedy) {}
+      view_(scheduler.device(), technique_name, "camera view", 1),
+      eye_(scheduler.device(), technique_name, "eye", 1),
+      depth_(scheduler.device(), technique_name, "depths of pixels", size_t{width} * height, kRemedy),
+      triangle_(scheduler.device(), technique_name, "triangles of pixels", size_t{width} * height, kRemedy) {}
 
 bool PrimaryRaster::possible(const Frame& frame) {
   const glm::vec3 x = frame.camera.origin_dx.xyz(), y = frame.camera.origin_dy.xyz();
@@ -67,7 +67,7 @@ bool PrimaryRaster::possible(const Frame& frame) {
 }
 
 void PrimaryRaster::record() {
-  ScheduleRecorder recorder = scheduler_->record("rasterize primary", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("rasterize primary", technique_name);
   raster_.record_nearest(recorder, "primary", {view_, recorder.variable("primary.view", 0u), {}}, depth_, triangle_);
   schedule_ = recorder.compile();
   recorded_ = raster_.generation();

@@ -2,6 +2,7 @@
 #include "voxel_abuffer/structure/abuffer_lists.h"
 
 #include "lucarium/compute/program/source_library.h"
+#include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
@@ -9,7 +10,6 @@ namespace lucarium::abuffer {
 
 namespace {
 
-constexpr const char* owner = "voxel_abuffer";
 constexpr const char* remedy = "lower abuffer_size";
 
 uint32_t axis_rows(const AbufferGrid& grid, int k) {
@@ -40,7 +40,7 @@ AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffe
                .conservative = kind == Kind::exact,
                .classes = true,
                .keep_alpha = true},
-              owner),
+              technique_name),
       primitives_(scheduler.device()),
       buffers_(&buffers),
       pack_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
@@ -57,17 +57,17 @@ size_t AbufferLists::estimate_bytes(const AbufferGrid& grid, size_t fragments, b
 void AbufferLists::reserve(const AbufferGrid& grid, size_t fragments) {
   if (start_.count() < start_count(grid) || !start_) {
     start_ = {};
-    start_ = TypedBuffer<uint32_t>(*device_, owner, "starts of columns", start_count(grid), remedy);
+    start_ = TypedBuffer<uint32_t>(*device_, technique_name, "starts of columns", start_count(grid), remedy);
     ++generation_;
   }
   if (fragments <= capacity_ && depths_) return;
   capacity_ = fragments + fragments / 16;
   depths_ = fragments_ = {};
-  depths_ = TypedBuffer<uint32_t>(*device_, owner, "depths", capacity_ + ABUFFER_PADDING, remedy);
-  fragments_ = TypedBuffer<uint32_t>(*device_, owner, "fragments", capacity_ + ABUFFER_PADDING, remedy);
+  depths_ = TypedBuffer<uint32_t>(*device_, technique_name, "depths", capacity_ + ABUFFER_PADDING, remedy);
+  fragments_ = TypedBuffer<uint32_t>(*device_, technique_name, "fragments", capacity_ + ABUFFER_PADDING, remedy);
   if (stored_) {
     attributes_ = {};
-    attributes_ = TypedBuffer<AbufferAttributes>(*device_, owner, "attributes of fragments", capacity_,
+    attributes_ = TypedBuffer<AbufferAttributes>(*device_, technique_name, "attributes of fragments", capacity_,
                                                  "set attributes=pixel, or lower abuffer_size");
   }
   ++generation_;

@@ -2,20 +2,20 @@
 // The passes of a build, for a grid and lists of some sizes.
 #include <algorithm>
 
+#include "voxel_abuffer/base/name.h"
 #include "voxel_abuffer/structure/state.h"
 
 namespace lucarium::abuffer {
 
 namespace {
 
-constexpr const char* owner = "voxel_abuffer";
 constexpr const char* coarser_grid = "lower grid_size";
 constexpr uint32_t views_of_exact = 0, views_of_parity = 3;
 
 }  // namespace
 
 void VoxelAbuffer::State::record_build() {
-  ScheduleRecorder recorder = scheduler->record("voxel_abuffer build", owner);
+  ScheduleRecorder recorder = scheduler->record("voxel_abuffer build", technique_name);
   recorder.fill_zero("clear_voxels", voxels);
   recorder.fill_zero("clear_counts", counts);
   const auto cell_capacity = static_cast<uint32_t>(cells.count() / ABUFFER_CELL_WORDS);

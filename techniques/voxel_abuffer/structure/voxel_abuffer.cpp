@@ -7,6 +7,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/source_library.h"
+#include "voxel_abuffer/base/name.h"
 #include "voxel_abuffer/structure/state.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
@@ -15,7 +16,6 @@ namespace lucarium::abuffer {
 
 namespace {
 
-constexpr const char* owner = "voxel_abuffer";
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
 constexpr const char* coarser_grid = "lower grid_size";
 
@@ -24,7 +24,7 @@ template <class T>
 bool make_room(Device& device, TypedBuffer<T>& buffer, const char* name, size_t count, const char* remedy) {
   if (buffer && buffer.count() >= count) return false;
   buffer = {};
-  buffer = TypedBuffer<T>(device, owner, name, std::max<size_t>(1, count + count / 16), remedy);
+  buffer = TypedBuffer<T>(device, technique_name, name, std::max<size_t>(1, count + count / 16), remedy);
   return true;
 }
 
@@ -42,21 +42,22 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
       prepare_program(
           make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/prepare_triangles"})),
       voxel_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_voxels"})),
-      grid_buffer(on.device(), owner, "grid", 1),
-      views(on.device(), owner, "views", 6),
-      exact_sum(on.device(), owner, "expected exact fragments", 1),
-      parity_sum(on.device(), owner, "expected parity fragments", 1),
-      counts(on.device(), owner, "counts", ABUFFER_COUNTS) {
+      grid_buffer(on.device(), technique_name, "grid", 1),
+      views(on.device(), technique_name, "views", 6),
+      exact_sum(on.device(), technique_name, "expected exact fragments", 1),
+      parity_sum(on.device(), technique_name, "expected parity fragments", 1),
+      counts(on.device(), technique_name, "counts", ABUFFER_COUNTS) {
   statistics.abuffer_size = size.pixels;
   statistics.grid_size = size.voxels;
   if (options.count_work)
-    work = TypedBuffer<uint32_t>(on.device(), owner, "work of rays", std::vector<uint32_t>(2 * ABUFFER_WORK_COUNTS, 0));
+    work = TypedBuffer<uint32_t>(on.device(), technique_name, "work of rays",
+                                 std::vector<uint32_t>(2 * ABUFFER_WORK_COUNTS, 0));
 }
 
 void VoxelAbuffer::State::classify_scene(const Scene& scene) {
   loaded_classes = classes = classify(scene, options.intersect, subset);
-  component_of = TypedBuffer<uint32_t>(*device, owner, "components", classes.component_of, fewer_triangles);
-  component_class = TypedBuffer<uint8_t>(*device, owner, "classes of components", classes.parity);
+  component_of = TypedBuffer<uint32_t>(*device, technique_name, "components", classes.component_of, fewer_triangles);
+  component_class = TypedBuffer<uint8_t>(*device, technique_name, "classes of components", classes.parity);
   statistics.parity_triangles = classes.parity_triangles;
   statistics.exact_triangles = classes.exact_triangles;
   statistics.open_components = classes.open_components;
@@ -64,7 +65,7 @@ void VoxelAbuffer::State::classify_scene(const Scene& scene) {
   exact.reset();
   parity.reset();
   ++generation;
-  unbalanced = TypedBuffer<uint32_t>(*device, owner, "unbalanced components", classes.parity.size() + 1);
+  unbalanced = TypedBuffer<uint32_t>(*device, technique_name, "unbalanced components", classes.parity.size() + 1);
   scene_generation = 0;
 }
 
@@ -89,7 +90,7 @@ void VoxelAbuffer::State::prepare() {
     generation += make_room(*device, triangles, "triangles", ABUFFER_TRIANGLE_WORDS * room, fewer_triangles);
     make_room(*device, expected_exact, "exact fragments of triangles", room, fewer_triangles);
     make_room(*device, expected_parity, "parity fragments of triangles", room, fewer_triangles);
-    ScheduleRecorder recorder = scheduler->record("voxel_abuffer triangles", owner);
+    ScheduleRecorder recorder = scheduler->record("voxel_abuffer triangles", technique_name);
     PassBuilder pass = recorder.pass("prepare_triangles", prepare_program, "abuffer_prepare_triangles");
     buffers->bind(pass);
     pass.global(room)

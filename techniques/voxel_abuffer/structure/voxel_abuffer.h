@@ -5,6 +5,7 @@
 
 #include "lucarium/services/intersector.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
+#include "voxel_abuffer/base/name.h"
 #include "voxel_abuffer/structure/triangle_classes.h"
 
 namespace lucarium::abuffer {
@@ -91,7 +92,7 @@ class VoxelAbuffer : public Intersector {
   /// Grows when passes recorded before must be recorded again.
   uint64_t generation() const;
 
-  std::string name() const override { return "voxel_abuffer"; }
+  std::string name() const override { return technique_name; }
   bool wants_ends() const override;
   void record_closest(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
                       const BufferRef& hits) const override;

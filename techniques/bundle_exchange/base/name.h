@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace lucarium::bundle {
+
+/// Of the technique, and of the owner of its memory and schedules.
+inline constexpr const char* technique_name = "bundle_exchange";
+
+}  // namespace lucarium::bundle
