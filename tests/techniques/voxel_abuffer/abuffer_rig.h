@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,6 +48,22 @@ struct AbufferRig {
   KernelScheduler scheduler;
   SceneBuffers buffers;
 };
+
+/// Rays whose hits, or whether they are blocked, differ in any bit.
+inline size_t differences(const AbufferRig::Results& x, const AbufferRig::Results& y) {
+  size_t count = 0;
+  for (size_t i = 0; i < x.hits.size(); ++i)
+    count += std::memcmp(&x.hits[i], &y.hits[i], sizeof(Hit)) != 0 || x.occluded[i] != y.occluded[i];
+  return count;
+}
+
+/// What lets rays pass by chance (BLEND) or by its cutoff of 0.5 (MASK).
+inline SceneMaterial veil(float alpha, AlphaMode mode = AlphaMode::blend) {
+  SceneMaterial material;
+  material.alpha_mode = mode;
+  material.base_color.a = alpha;
+  return material;
+}
 
 /// Rays as rendering makes them: a third from around the first camera's place, the others from points of surfaces (both
 /// sides), half of these cosine-distributed and half to points within the scene's bounds. Seeds are 1, 2, …

@@ -59,13 +59,6 @@ uint32_t different(const std::vector<Hit>& a, const std::vector<Hit>& b) {
   return count;
 }
 
-SceneMaterial veil() {
-  SceneMaterial material;
-  material.alpha_mode = AlphaMode::blend;
-  material.base_color.w = 0.5f;
-  return material;
-}
-
 }  // namespace
 
 TEST_CASE("attributes: hits of a sphere are off by a share of a pixel that does not depend on its size") {
@@ -121,7 +114,7 @@ TEST_CASE("attributes: pixel gives the triangle's point at the pixel's centre") 
 
 TEST_CASE("attributes: stored are the bits of the pixel's, material and 32 bytes per fragment") {
   for (const bool lets_pass : {false, true}) {
-    Scene scene = scene_of(closed_bodies(), lets_pass ? veil() : SceneMaterial());
+    Scene scene = scene_of(closed_bodies(), lets_pass ? veil(0.5f) : SceneMaterial());
     scene.materials.insert(scene.materials.begin(), SceneMaterial());  // another one before it
     scene.instances[0].material = 1;
     AbufferRig rig(std::move(scene));

@@ -17,9 +17,7 @@ TEST_CASE("classes: MASK, BLEND and double-sided closed components stay in parit
   const Soup bodies = closed_bodies();
   for (const AlphaMode mode : {AlphaMode::opaque, AlphaMode::mask, AlphaMode::blend})
     for (const bool double_sided : {false, true}) {
-      SceneMaterial material;
-      material.alpha_mode = mode;
-      material.base_color.w = 0.5f;
+      SceneMaterial material = veil(0.5f, mode);
       material.double_sided = double_sided;
       const auto classes = classify(scene_of(bodies, material), Intersect::automatic);
       CHECK(classes.parity_triangles == bodies.triangles.size());

@@ -13,6 +13,11 @@ inline void append(Soup& soup, const Soup& more) {
   for (const Triangle& t : more.triangles) soup.triangles.push_back({first + t.v0, first + t.v1, first + t.v2, 0});
 }
 
+inline Soup placed(Soup soup, float scale, const glm::vec3& offset) {
+  for (Vertex& v : soup.vertices) v.position = float4(scale * v.position.xyz() + offset, 0.f);
+  return soup;
+}
+
 /// Points of a parametric surface that closes around both parameters.
 template <class Point>
 Soup surface(uint32_t rings, uint32_t segments, const Point& point) {

@@ -185,10 +185,7 @@ TEST_CASE("leaves report the first of their triangles, and where its plane is me
 }
 
 TEST_CASE("occupied voxels of MASK and BLEND surfaces let rays pass as the surfaces do") {
-  SceneMaterial quarter;
-  quarter.alpha_mode = AlphaMode::blend;
-  quarter.base_color.a = 0.25f;
-  AbufferRig rig(scene_of(tilted_plane(), quarter));
+  AbufferRig rig(scene_of(tilted_plane(), veil(0.25f)));
   Random random(3);
   EndedRays rays;
   for (int i = 0; i < 20'000; ++i)

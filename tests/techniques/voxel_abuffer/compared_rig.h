@@ -92,12 +92,4 @@ inline AbufferRig::Results trace(AbufferRig& rig, const Intersector& intersector
   return rig.trace(intersector, batch.rays, batch.ends);
 }
 
-/// Rays whose hits, or whether they are blocked, differ in any bit.
-inline size_t differences(const AbufferRig::Results& x, const AbufferRig::Results& y) {
-  size_t count = 0;
-  for (size_t i = 0; i < x.hits.size(); ++i)
-    count += std::memcmp(&x.hits[i], &y.hits[i], sizeof(Hit)) != 0 || x.occluded[i] != y.occluded[i];
-  return count;
-}
-
 }  // namespace lucarium::test

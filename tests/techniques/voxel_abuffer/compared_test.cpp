@@ -68,10 +68,7 @@ TEST_CASE("a grid's hits are those of the hierarchy: unconnected triangles of al
 
 TEST_CASE("a grid's hits are those of the hierarchy where MASK and BLEND let rays pass") {
   for (const AlphaMode mode : {AlphaMode::mask, AlphaMode::blend}) {
-    SceneMaterial material;
-    material.alpha_mode = mode;
-    material.alpha_cutoff = 0.5f;
-    material.base_color.a = mode == AlphaMode::mask ? 0.4f : 0.3f;
+    const SceneMaterial material = veil(mode == AlphaMode::mask ? 0.4f : 0.3f, mode);
     AbufferRig rig(scene_of(rough_sphere(12, 16, 5), material));
     const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
     const TriangleGrid grid(rig.scheduler, rig.buffers, 256);

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "../../framework/services/layered_raster/scene.h"
@@ -11,8 +10,8 @@
 #include "closed_bodies.h"
 #include "lucarium/base/error.h"
 #include "lucarium/scene/builtin/scenes.h"
-#include "lucarium/session/session.h"
 #include "made_scene.h"
+#include "technique_picture.h"
 #include "test_support.h"
 #include "tolerance.h"
 #include "voxel_abuffer/structure/state.h"
@@ -25,36 +24,12 @@ using abuffer::VoxelAbuffer;
 
 namespace {
 
-uint32_t different(const AbufferRig::Results& a, const AbufferRig::Results& b) {
-  uint32_t count = 0;
-  for (size_t i = 0; i < a.hits.size(); ++i)
-    count += std::memcmp(&a.hits[i], &b.hits[i], sizeof(Hit)) != 0 || a.occluded[i] != b.occluded[i];
-  return count;
-}
-
 /// Rays that hit where others miss, or the other way round.
 uint32_t missed_or_invented(const AbufferRig::Results& a, const AbufferRig::Results& b) {
   uint32_t count = 0;
   for (size_t i = 0; i < a.hits.size(); ++i)
     count += (a.hits[i].triangle == LUCARIUM_NO_HIT) != (b.hits[i].triangle == LUCARIUM_NO_HIT);
   return count;
-}
-
-Soup placed(Soup soup, float scale, const glm::vec3& offset) {
-  for (Vertex& v : soup.vertices) v.position = float4(scale * v.position.xyz() + offset, 0.f);
-  return soup;
-}
-
-Film render(const Scene& scene, std::vector<std::pair<std::string, std::string>> parameters,
-            const DeviceOptions& device = {}) {
-  static const TechniqueRegistry registry;
-  RenderSettings settings;
-  settings.width = settings.height = 16;
-  settings.max_bounces = 2;
-  settings.camera = scene.cameras.front();
-  RenderSession session(Device::open(device), scene, registry.find("voxel_abuffer"), settings, parameters);
-  session.iterate();
-  return session.resolve();
 }
 
 }  // namespace
@@ -98,7 +73,7 @@ TEST_CASE("extremes: a single triangle is hit where the hierarchy hits it, with 
   const std::vector<Ray> rays = scene_rays(rig, 6000, 5).rays;
   const AbufferRig::Results right = rig.trace(bvh, rays);
   for (const Intersect intersect : {Intersect::exact, Intersect::automatic})
-    CHECK(different(right, rig.trace(rig.make({.intersect = intersect}), rays)) == 0);
+    CHECK(differences(right, rig.trace(rig.make({.intersect = intersect}), rays)) == 0);
   uint32_t hits = 0;
   for (const Hit& hit : right.hits) hits += hit.triangle != LUCARIUM_NO_HIT;
   CHECK(hits > 200);
@@ -121,7 +96,8 @@ TEST_CASE(
     AbufferRig rig(scene);
     const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
     const AbufferRig::Results right = rig.trace(bvh, rays.rays);
-    CHECK(different(right, rig.trace(rig.make({.abuffer_size = 400, .intersect = Intersect::exact}), rays.rays)) == 0);
+    CHECK(differences(right, rig.trace(rig.make({.abuffer_size = 400, .intersect = Intersect::exact}), rays.rays)) ==
+          0);
     const VoxelAbuffer automatic = rig.make({.abuffer_size = 400});
     CHECK(automatic.statistics().parity_triangles + automatic.statistics().exact_triangles == good + 3);
     CHECK(missed_or_invented(right, rig.trace(automatic, rays.rays, rays.ends)) <= rays.rays.size() / 500);
@@ -154,7 +130,7 @@ TEST_CASE("extremes: ten thousand layers in a column") {
   const VoxelAbuffer exact = open.make({.abuffer_size = 128, .intersect = Intersect::exact, .count_work = true});
   CHECK(exact.statistics().longest_list >= 10000);
   const Bvh bvh(open.scheduler.device(), open.scene, open.buffers);
-  CHECK(different(open.trace(bvh, rays), open.trace(exact, rays)) == 0);
+  CHECK(differences(open.trace(bvh, rays), open.trace(exact, rays)) == 0);
   const VoxelAbuffer parity = closed.make({.abuffer_size = 128, .count_work = true});
   CHECK(parity.statistics().longest_list >= 10000);
   CHECK(parity.statistics().exact_triangles == 0);
@@ -211,7 +187,8 @@ TEST_CASE("extremes: an eye inside glass sees as over the hierarchy, with exact 
   scene.cameras.push_back(look_perspective({0.1f, 1.2f, 0.3f}, {0.3f, 0, 0}, 0.7f));
   for (const char* mode : {"path", "whitted"}) {
     const auto picture = [&](const char* structure, const char* intersect) {
-      const Film film = render(scene, {{"mode", mode}, {"structure", structure}, {"intersect", intersect}});
+      const Film film =
+          render(scene, {.max_bounces = 2}, {{"mode", mode}, {"structure", structure}, {"intersect", intersect}});
       std::vector<float> all;
       for (const FilmLayer& layer : film.layers()) all.insert(all.end(), layer.pixels.begin(), layer.pixels.end());
       return all;
@@ -231,7 +208,7 @@ TEST_CASE("extremes: values out of range are refused in one line with the parame
   const auto refused = [&](const char* parameter, const char* value, const std::string& text) {
     CAPTURE(std::string(parameter));
     try {
-      render(scene, {{parameter, value}});
+      render(scene, {}, {{parameter, value}});
       FAIL("not refused");
     } catch (const Error& error) {
       const std::string message = error.what();
@@ -253,22 +230,21 @@ TEST_CASE("extremes: values out of range are refused in one line with the parame
 
 TEST_CASE("extremes: buffers beyond memory are refused before they are made, with parameter and value") {
   const Scene scene = make_builtin_scene("cornell");
-  const auto refused = [&](std::vector<std::pair<std::string, std::string>> parameters, const char* named) {
-    CHECK_THROWS_WITH_AS(render(scene, parameters, {.memory_limit_bytes = size_t{300} << 20}), doctest::Contains(named),
-                         Error);
+  const Picture picture = {.max_bounces = 2, .device = {.memory_limit_bytes = size_t{300} << 20}};
+  const auto refused = [&](const Parameters& parameters, const char* named) {
+    CHECK_THROWS_WITH_AS(render(scene, picture, parameters), doctest::Contains(named), Error);
   };
   refused({{"abuffer_size", "4096"}}, "abuffer_size (4096)");
   refused({{"abuffer_size", "2048"}, {"grid_size", "2048"}}, "grid_size (2048)");
   refused({{"abuffer_size", "4096"}, {"structure", "octree"}}, "abuffer_size (4096)");
-  CHECK_NOTHROW(render(scene, {{"abuffer_size", "256"}}, {.memory_limit_bytes = size_t{300} << 20}));
+  CHECK_NOTHROW(render(scene, picture, {{"abuffer_size", "256"}}));
 }
 
 TEST_CASE("extremes: open components under intersect=parity are a limitation, with their number") {
-  static const TechniqueRegistry registry;
   const auto limitations = [&](const Scene& scene, const char* intersect) {
     RenderSettings settings;
     settings.camera = scene.cameras.front();
-    const std::unique_ptr<Technique> technique = registry.find("voxel_abuffer").create();
+    const std::unique_ptr<Technique> technique = registry().find("voxel_abuffer").create();
     technique->parameters().set("intersect", intersect);
     std::string all;
     for (const std::string& line : technique->limitations(scene, settings)) all += line + "\n";

@@ -3,13 +3,12 @@
 #include <doctest/doctest.h>
 
 #include "lucarium/scene/builtin/scenes.h"
-#include "lucarium/session/session.h"
+#include "technique_picture.h"
 
 using namespace lucarium;
+using namespace lucarium::test;
 
 namespace {
-
-using Parameters = std::vector<std::pair<std::string, std::string>>;
 
 Scene solids_at(double time, int animation) {
   Scene scene = make_builtin_scene("solids");
@@ -18,15 +17,9 @@ Scene solids_at(double time, int animation) {
 }
 
 struct Run {
-  explicit Run(Scene scene, Parameters more = {}) {
-    static const TechniqueRegistry registry;
-    RenderSettings settings;
-    settings.width = settings.height = 20;
-    settings.max_bounces = 1;
-    settings.camera = scene.cameras.front();
+  explicit Run(const Scene& scene, Parameters more = {}) {
     more.emplace_back("abuffer_size", "256");
-    session = std::make_unique<RenderSession>(Device::open({}), std::move(scene), registry.find("voxel_abuffer"),
-                                              settings, more);
+    session = test::session(scene, {.size = 20, .max_bounces = 1}, more);
   }
   std::vector<float> iterate(int iterations) {
     for (int i = 0; i < iterations; ++i) session->iterate();

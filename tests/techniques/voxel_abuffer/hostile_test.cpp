@@ -22,18 +22,6 @@ using abuffer::VoxelAbuffer;
 
 namespace {
 
-uint32_t different(const AbufferRig::Results& a, const AbufferRig::Results& b) {
-  uint32_t count = 0;
-  for (size_t i = 0; i < a.hits.size(); ++i)
-    count += std::memcmp(&a.hits[i], &b.hits[i], sizeof(Hit)) != 0 || a.occluded[i] != b.occluded[i];
-  return count;
-}
-
-Soup scaled(Soup soup, float scale, const glm::vec3& offset) {
-  for (Vertex& v : soup.vertices) v.position = float4(scale * v.position.xyz() + offset, 0.f);
-  return soup;
-}
-
 /// Closed squares of thickness 0.1 across the z axis at z = 0, 1, …
 Soup slabs(uint32_t count) {
   Soup soup;
@@ -42,13 +30,6 @@ Soup slabs(uint32_t count) {
     append(soup, box({-2.03f, -1.97f, z + 0.013f}, {2.01f, 1.99f, z + 0.113f}));
   }
   return soup;
-}
-
-SceneMaterial blend(float alpha) {
-  SceneMaterial material;
-  material.alpha_mode = AlphaMode::blend;
-  material.base_color.w = alpha;
-  return material;
 }
 
 }  // namespace
@@ -84,20 +65,18 @@ TEST_CASE("inactive, zero, infinite and NaN rays miss; their neighbours are trac
 
 TEST_CASE("exact search decides MASK and BLEND as the hierarchy does") {
   for (const AlphaMode mode : {AlphaMode::blend, AlphaMode::mask}) {
-    SceneMaterial material = blend(0.4f);
-    material.alpha_mode = mode;
-    AbufferRig rig(scene_of(random_soup(2000, 5), material));
+    AbufferRig rig(scene_of(random_soup(2000, 5), veil(0.4f, mode)));
     const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
     const VoxelAbuffer structure = rig.make({.abuffer_size = 300, .intersect = Intersect::exact});
     const std::vector<Ray> rays = scene_rays(rig, 12000, 5).rays;
-    CHECK(different(rig.trace(bvh, rays), rig.trace(structure, rays)) == 0);
+    CHECK(differences(rig.trace(bvh, rays), rig.trace(structure, rays)) == 0);
   }
 }
 
 TEST_CASE("parity: where BLEND lets a ray pass, the state behind is the one to leave") {
   // Eight closed slabs of alpha a: a ray gets through all 16 surfaces with probability (1 - a)^16.
   const float alpha = 0.04f;
-  AbufferRig rig(scene_of(slabs(8), blend(alpha)));
+  AbufferRig rig(scene_of(slabs(8), veil(alpha)));
   for (const Search search : {Search::columns, Search::three_steps}) {
     CAPTURE(static_cast<int>(search));
     const VoxelAbuffer structure = rig.make({.abuffer_size = 1280, .search = search});
@@ -136,15 +115,15 @@ TEST_CASE("tiny, huge, far, flat and empty scenes are traced as by the hierarchy
   Soup line;
   line.add_triangle({0, 0, 0}, {1, 0, 0}, {2, 0, 0});
   for (const Extreme& e :
-       {Extreme{"tiny", scaled(closed_bodies(), 1e-3f, {})}, Extreme{"huge", scaled(closed_bodies(), 1e3f, {})},
-        Extreme{"far", scaled(closed_bodies(), 1, {1000, -700, 300})}, Extreme{"flat", flat}, Extreme{"line", line},
+       {Extreme{"tiny", placed(closed_bodies(), 1e-3f, {})}, Extreme{"huge", placed(closed_bodies(), 1e3f, {})},
+        Extreme{"far", placed(closed_bodies(), 1, {1000, -700, 300})}, Extreme{"flat", flat}, Extreme{"line", line},
         Extreme{"empty", {}}}) {
     CAPTURE(e.name);
     AbufferRig rig(scene_of(e.soup));
     const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
     const VoxelAbuffer exact = rig.make({.abuffer_size = 256, .intersect = Intersect::exact});
     const TestRays rays = scene_rays(rig, 6000, 5);
-    CHECK(different(rig.trace(bvh, rays.rays), rig.trace(exact, rays.rays)) == 0);
+    CHECK(differences(rig.trace(bvh, rays.rays), rig.trace(exact, rays.rays)) == 0);
     const VoxelAbuffer parity = rig.make({.abuffer_size = 256});
     CHECK(rig.trace(parity, rays.rays, rays.ends).hits.size() == rays.rays.size());
   }
@@ -153,7 +132,7 @@ TEST_CASE("tiny, huge, far, flat and empty scenes are traced as by the hierarchy
 TEST_CASE("open components are searched exactly beside closed ones") {
   Soup soup = closed_bodies();
   const auto closed = static_cast<uint32_t>(soup.triangles.size());
-  append(soup, scaled(random_soup(300, 8, 1), 1, {0, 0, 3}));
+  append(soup, placed(random_soup(300, 8, 1), 1, {0, 0, 3}));
   AbufferRig rig(scene_of(soup));
   const VoxelAbuffer structure = rig.make({.abuffer_size = 640});
   CHECK(structure.statistics().parity_triangles == closed);

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "lucarium/scene/builtin/scenes.h"
-#include "lucarium/session/session.h"
 #include "made_scene.h"
+#include "technique_picture.h"
 #include "tolerance.h"
 
 using namespace lucarium;
@@ -15,32 +15,6 @@ using namespace lucarium::test;
 using namespace std::string_literals;
 
 namespace {
-
-using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-const TechniqueRegistry& registry() {
-  static const TechniqueRegistry all;
-  return all;
-}
-
-/// A picture of the first camera.
-struct Picture {
-  std::string technique = "voxel_abuffer";
-  uint32_t size = 16;
-  uint64_t iterations = 1, seed = 1;
-  int max_bounces = 0, threads = 0;
-};
-Film render(const Scene& scene, const Picture& picture, Parameters parameters) {
-  RenderSettings settings;
-  settings.width = settings.height = picture.size;
-  settings.max_bounces = picture.max_bounces;
-  settings.seed = picture.seed;
-  settings.camera = scene.cameras.front();
-  const auto device = Device::open({.threads = picture.threads});
-  RenderSession session(device, scene, registry().find(picture.technique), settings, parameters);
-  for (uint64_t i = 0; i < picture.iterations; ++i) session.iterate();
-  return session.resolve();
-}
 
 double mean(const std::vector<float>& values) {
   double sum = 0;
@@ -297,7 +271,8 @@ TEST_CASE("modes: progressive and general composition, and one and two threads, 
     CAPTURE(mode);
     const auto layers = [&](uint64_t iterations, int threads, Parameters more) {
       more.insert(more.end(), {{"mode", mode}, {"lambda", "2"}, {"passes", "3"}, {"abuffer_size", "256"}});
-      const Film film = render(scene, {.iterations = iterations, .max_bounces = 1, .threads = threads}, more);
+      const Film film =
+          render(scene, {.iterations = iterations, .max_bounces = 1, .device = {.threads = threads}}, more);
       std::vector<float> all;
       for (const FilmLayer& layer : film.layers()) all.insert(all.end(), layer.pixels.begin(), layer.pixels.end());
       return all;

@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "../../framework/services/layered_raster/scene.h"
 #include "abuffer_rig.h"
@@ -21,13 +20,6 @@ using abuffer::MovingSet;
 using abuffer::VoxelAbuffer;
 
 namespace {
-
-uint32_t different(const AbufferRig::Results& a, const AbufferRig::Results& b) {
-  uint32_t count = 0;
-  for (size_t i = 0; i < a.hits.size(); ++i)
-    count += std::memcmp(&a.hits[i], &b.hits[i], sizeof(Hit)) != 0 || a.occluded[i] != b.occluded[i];
-  return count;
-}
 
 void follow(AbufferRig& rig, MovingSet& sets, const SceneChange& change) {
   rig.buffers.update(rig.scene, change);
@@ -51,7 +43,7 @@ TEST_CASE("two sets: over frames of animations exact hits are those of one set, 
       CAPTURE(time);
       if (time > 0) follow(rig, sets, evaluate(rig.scene, time, animation)), ++builds;
       const std::vector<Ray> rays = scene_rays(rig, 12000, 4).rays;
-      CHECK(different(rig.trace(rig.make(options), rays), rig.trace(sets, rays)) == 0);
+      CHECK(differences(rig.trace(rig.make(options), rays), rig.trace(sets, rays)) == 0);
       CHECK(sets.resting().statistics().builds == 1);
       CHECK(sets.moving().statistics().builds == builds);
     }
@@ -73,7 +65,7 @@ TEST_CASE("two sets: a frame of an animation has the hits of a fresh start there
   const TestRays rays = scene_rays(rig, 15000, 6);
   const AbufferRig::Results followed = rig.trace(sets, rays.rays, rays.ends);
   const MovingSet fresh(rig.scheduler, rig.scene, rig.buffers, options);
-  CHECK(different(followed, rig.trace(fresh, rays.rays, rays.ends)) == 0);
+  CHECK(differences(followed, rig.trace(fresh, rays.rays, rays.ends)) == 0);
   const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
   const AbufferRig::Results right = rig.trace(bvh, rays.rays);
   const AbufferRig::Results one = rig.trace(rig.make(options), rays.rays, rays.ends);
@@ -102,7 +94,7 @@ TEST_CASE("two sets: what rests is built again when it moves after all; either m
     follow(rig, sets, change);
     CHECK(sets.resting().statistics().builds == 2);
     const std::vector<Ray> rays = scene_rays(rig, 6000, 4).rays;
-    CHECK(different(rig.trace(rig.make(options), rays), rig.trace(sets, rays)) == 0);
+    CHECK(differences(rig.trace(rig.make(options), rays), rig.trace(sets, rays)) == 0);
     if (!animated) CHECK(sets.moving().statistics().exact_triangles == 0);
   }
 }

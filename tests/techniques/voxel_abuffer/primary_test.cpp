@@ -9,8 +9,8 @@
 #include "abuffer_rig.h"
 #include "lucarium/base/error.h"
 #include "lucarium/scene/builtin/scenes.h"
-#include "lucarium/session/session.h"
 #include "lucarium/shared/camera.h"
+#include "technique_picture.h"
 #include "test_support.h"
 #include "voxel_abuffer/modes/primary_raster.h"
 
@@ -76,14 +76,6 @@ Differences compare(const std::vector<Hit>& expected, const std::vector<Hit>& fo
   return d;
 }
 
-Film render(const Scene& scene, RenderSettings settings, std::vector<std::pair<std::string, std::string>> parameters) {
-  static const TechniqueRegistry registry;
-  settings.camera = scene.cameras.front();
-  RenderSession session(Device::open({}), scene, registry.find("voxel_abuffer"), settings, parameters);
-  session.iterate();
-  return session.resolve();
-}
-
 }  // namespace
 
 TEST_CASE("primary: rasterized pixels see what rays through their centres see, and no ray is traced") {
@@ -130,10 +122,7 @@ TEST_CASE("primary: all other rays are left to the intersector below") {
 
 TEST_CASE("primary: MASK and BLEND are decided as by rays") {
   for (const AlphaMode mode : {AlphaMode::blend, AlphaMode::mask}) {
-    SceneMaterial material;
-    material.alpha_mode = mode;
-    material.base_color.w = 0.4f;
-    Scene scene = scene_of(random_soup(400, 5, 1), material);
+    Scene scene = scene_of(random_soup(400, 5, 1), veil(0.4f, mode));
     scene.cameras.push_back(make_builtin_scene("cornell").cameras[0]);
     scene.cameras[0].world_from_camera = glm::mat4(1);
     scene.cameras[0].world_from_camera[3] = glm::vec4(0, 0, 4, 1);
@@ -151,14 +140,11 @@ TEST_CASE("primary: MASK and BLEND are decided as by rays") {
 
 TEST_CASE("primary: pictures of all modes are those of traced pixels") {
   const Scene scene = make_builtin_scene("cornell");
-  RenderSettings settings;
-  settings.width = settings.height = 64;
-  settings.max_bounces = 1;
-  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  const Picture centres = {.size = 64, .max_bounces = 1, .pixel_sampling = LUCARIUM_PIXEL_CENTRE};
   for (const char* mode : {"cast", "whitted", "ao", "path"}) {
     CAPTURE(mode);
     const auto picture = [&](const char* primary) {
-      return render(scene, settings, {{"mode", mode}, {"abuffer_size", "256"}, {"primary", primary}});
+      return render(scene, centres, {{"mode", mode}, {"abuffer_size", "256"}, {"primary", primary}});
     };
     const Film traced = picture("trace"), rasterized = picture("raster"), chosen = picture("auto");
     uint32_t values = 0, other = 0;
@@ -176,23 +162,21 @@ TEST_CASE("primary: pictures of all modes are those of traced pixels") {
 
 TEST_CASE("primary: what cannot be rasterized is refused in one line, and auto traces it") {
   const Scene scene = make_builtin_scene("cornell");
-  RenderSettings settings;
-  settings.width = settings.height = 16;
-  settings.max_bounces = 0;
-  CHECK_THROWS_WITH_AS(render(scene, settings, {{"primary", "raster"}}),
+  Picture picture;
+  CHECK_THROWS_WITH_AS(render(scene, picture, {{"primary", "raster"}}),
                        "voxel_abuffer: primary=raster with --pixel-sampling jitter: pixels are rasterized at their "
                        "centres; set --pixel-sampling center",
                        Error);
-  settings.pixel_sampling = 4;
-  CHECK_THROWS_WITH_AS(render(scene, settings, {{"primary", "raster"}}),
+  picture.pixel_sampling = 4;
+  CHECK_THROWS_WITH_AS(render(scene, picture, {{"primary", "raster"}}),
                        doctest::Contains("primary=raster with --pixel-sampling 4:"), Error);
   const auto light = [&](const char* primary) {
-    return render(scene, settings, {{"abuffer_size", "256"}, {"primary", primary}}).find("direct")->pixels;
+    return render(scene, picture, {{"abuffer_size", "256"}, {"primary", primary}}).find("direct")->pixels;
   };
   CHECK(light("auto") == light("trace"));
-  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  picture.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
   Scene flat = scene;
   flat.cameras[0].perspective = false;
-  CHECK_THROWS_WITH_AS(render(flat, settings, {{"primary", "raster"}}),
+  CHECK_THROWS_WITH_AS(render(flat, picture, {{"primary", "raster"}}),
                        doctest::Contains("primary=raster with an orthographic camera"), Error);
 }

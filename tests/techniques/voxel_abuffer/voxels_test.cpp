@@ -5,7 +5,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "../../framework/services/layered_raster/scene.h"
 #include "abuffer_rig.h"
@@ -44,13 +43,6 @@ void mark(const AbufferGrid& grid, const abuffer::AbufferLists& lists, bool exac
           words[voxel_index(grid, v)] |= exact ? ABUFFER_EXACT(k) : ABUFFER_PARITY;
         }
       }
-}
-
-uint32_t different(const AbufferRig::Results& a, const AbufferRig::Results& b) {
-  uint32_t count = 0;
-  for (size_t i = 0; i < a.hits.size(); ++i)
-    count += std::memcmp(&a.hits[i], &b.hits[i], sizeof(Hit)) != 0 || a.occluded[i] != b.occluded[i];
-  return count;
 }
 
 }  // namespace
@@ -94,7 +86,7 @@ TEST_CASE("voxels: exact search loses rays without conservative ones") {
     // Voxels as small as pixels: larger ones rarely matter, as the columns of exact lists are conservative.
     abuffer::VoxelAbufferOptions options{.abuffer_size = 256, .grid_size = 256, .intersect = Intersect::exact};
     options.conservative_voxels = conservative;
-    return different(right, rig.trace(rig.make(options), rays));
+    return differences(right, rig.trace(rig.make(options), rays));
   };
   CHECK(lost(true) == 0);
   const uint32_t without = lost(false);

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of a scene's first camera by a technique that is loaded as a plug-in.
+#pragma once
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lucarium/session/session.h"
+
+namespace lucarium::test {
+
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
+inline const TechniqueRegistry& registry() {
+  static const TechniqueRegistry all;
+  return all;
+}
+
+struct Picture {
+  std::string technique = "voxel_abuffer";
+  uint32_t size = 16;
+  uint64_t iterations = 1, seed = 1;
+  int max_bounces = 0;
+  uint32_t pixel_sampling = RenderSettings().pixel_sampling;
+  DeviceOptions device;
+};
+
+inline std::unique_ptr<RenderSession> session(const Scene& scene, const Picture& picture, Parameters parameters) {
+  RenderSettings settings;
+  settings.width = settings.height = picture.size;
+  settings.max_bounces = picture.max_bounces;
+  settings.seed = picture.seed;
+  settings.pixel_sampling = picture.pixel_sampling;
+  settings.camera = scene.cameras.front();
+  return std::make_unique<RenderSession>(Device::open(picture.device), scene, registry().find(picture.technique),
+                                         settings, parameters);
+}
+
+inline Film render(const Scene& scene, const Picture& picture, Parameters parameters) {
+  const std::unique_ptr<RenderSession> run = session(scene, picture, std::move(parameters));
+  for (uint64_t i = 0; i < picture.iterations; ++i) run->iterate();
+  return run->resolve();
+}
+
+}  // namespace lucarium::test
