@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""clang-tidy with the list of .clang-tidy: tidy.py BUILD recent|all, where BUILD holds compile_commands.json.
+"""clang-tidy with the list of .clang-tidy: tidy.py BUILD recent|all|FOLDER…, where BUILD holds compile_commands.json.
   recent    the sources of the library, the techniques and the program that were changed or committed last
   all       all of them (25 processor minutes)
+  FOLDER    those below it
 Prints each warning once. Exits with 1 if there is one, with 77 where clang-tidy or, for recent, git's history is
 absent."""
 import concurrent.futures
@@ -47,7 +48,8 @@ def committed_last(known):
 
 
 def main():
-    if len(sys.argv) != 3 or sys.argv[2] not in ('recent', 'all'):
+    chosen = sys.argv[2:]
+    if not chosen or (chosen not in (['recent'], ['all']) and not all(name.startswith(FOLDERS) for name in chosen)):
         sys.exit(__doc__)
     tool = shutil.which('clang-tidy-14') or shutil.which('clang-tidy')
     if not tool:
@@ -56,7 +58,10 @@ def main():
     root = os.path.realpath(os.path.join(os.path.dirname(__file__), '../..'))
     os.chdir(root)
     known = commands(build, root)
-    names = sorted(known) if sys.argv[2] == 'all' else committed_last(known)
+    names = committed_last(known) if chosen == ['recent'] else sorted(
+        name for name in known if chosen == ['all'] or name.startswith(tuple(chosen)))
+    if not names:
+        sys.exit('no source lies below ' + ', '.join(chosen))
     with tempfile.TemporaryDirectory() as folder:
         with open(os.path.join(folder, 'compile_commands.json'), 'w', encoding='utf8') as file:
             json.dump([known[name] for name in names], file)
