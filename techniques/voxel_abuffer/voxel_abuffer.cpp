@@ -38,7 +38,7 @@
 //   section 3.1, voxels from fragments       structure/mark_fragments.cl: abuffer_mark_fragment_voxels()
 //                                            (conservative_voxels=off); by triangles: structure/mark_voxels.cl
 //   section 3.1, average normal of a voxel   structure/pack_lists.cl: abuffer_pack_parity() (sums);
-//                                            structure/mark_voxels.cl: abuffer_choose_axes() (axis_rule=average)
+//                                            structure/choose_axes.cl: abuffer_choose_axes() (axis_rule=average)
 //   section 3.2, figure 3, 3D-DDA            search/grid_ray.clh: abuffer_leave(), abuffer_enter()
 //   section 3.2, entry and exit P_in, P_out  search/parity_columns.clh: abuffer_trace_parity()
 //   section 3.2, inside or outside           search/winding.clh: abuffer_winding()

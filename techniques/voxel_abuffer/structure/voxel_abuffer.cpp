@@ -41,7 +41,9 @@ VoxelAbuffer::State::State(KernelScheduler& on, const SceneBuffers& of, const Vo
       primitives(on.device()),
       prepare_program(
           make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/prepare_triangles"})),
-      voxel_program(make_program(on.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_voxels"})),
+      voxel_program(make_program(on.device(), voxel_abuffer_kernels(),
+                                 {"voxel_abuffer/structure/mark_voxels", "voxel_abuffer/structure/choose_axes",
+                                  "voxel_abuffer/structure/check_columns", "voxel_abuffer/structure/turn_cells"})),
       grid_buffer(on.device(), technique_name, "grid", 1),
       views(on.device(), technique_name, "views", 6),
       exact_sum(on.device(), technique_name, "expected exact fragments", 1),
