@@ -48,6 +48,12 @@ std::string chosen_exposure(const RenderSession& session, float exposure, const 
   return fmt::format("; exposure {:g} stops (auto)", exposure);
 }
 
+std::string names_of(const std::vector<fs::path>& files) {
+  std::string names;
+  for (const fs::path& file : files) names += (names.empty() ? "" : ", ") + file.string();
+  return names;
+}
+
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
 bool render_frames(const RenderArguments& arguments, const Messages& messages, RenderSession& session,
                    const std::vector<std::vector<fs::path>>& outputs, const std::optional<FrameRange>& frames,
@@ -81,8 +87,8 @@ bool render_frames(const RenderArguments& arguments, const Messages& messages, R
     const double seconds = since_start.seconds();
     summaries.push_back(frame_json(session, film, end, i == 0 ? load_seconds : 0, seconds, exposure, outputs[i]));
     if (!messages.json) {
-      print_result("{}: {} per pixel, {:.1f} s{}{}\n", outputs[i].front().string(),
-                   counted(session.last().samples, "sample"), seconds, chosen_exposure(session, exposure, outputs[i]),
+      print_result("{}: {} per pixel, {:.1f} s{}{}\n", names_of(outputs[i]), counted(session.last().samples, "sample"),
+                   seconds, chosen_exposure(session, exposure, outputs[i]),
                    session.last().converged ? fmt::format("; ended by {}: {}", technique, end.by) : "");
     }
     if (curve) {

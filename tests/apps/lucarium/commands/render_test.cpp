@@ -43,6 +43,14 @@ TEST_CASE("an EXR with layers and metadata, a picture, and a summary that parses
   CHECK(count_files(folder.path()) == 2);
 }
 
+TEST_CASE("the result names all files that were written") {
+  const TemporaryFolder folder;
+  const std::string exr = (folder.path() / "a.exr").string(), png = (folder.path() / "b.png").string();
+  const ProgramResult result =
+      run_lucarium("render builtin:cornell " + constant_technique() + "--iterations 1 -o " + exr + " -o " + png);
+  CHECK(contains(result.out, exr + ", " + png + ": 1 sample per pixel"));
+}
+
 TEST_CASE("the reason why a rendering ended is printed: the technique's own words, or an option") {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "a.png").string();
