@@ -84,8 +84,8 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   std::map<std::string, double> counters() const override {
     if (!eye_) return {};
     std::map<std::string, double> all = eye_->counters();
-    all["light_paths"] = light_paths_;
-    all["light_vertices"] = light_vertices_;
+    if (vertices_)
+      for (const auto& [name, count] : vertices_->counters()) all[name] = count;
     return all;
   }
 
@@ -95,7 +95,6 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     vertices_.reset();
     check_parameters(parameters_, settings());
     const Plan plan = make_plan(parameters_, settings());
-    paths_per_iteration_ = plan.light_vertices > 0 ? plan.settings.light_paths : 0;
     if (plan.light_vertices > 0)
       vertices_ = std::make_unique<LightVertices>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, kName);
     eye_ = std::make_unique<EyePaths>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, vertices_.get(),
@@ -110,10 +109,12 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   }
 
   void restart() override {
-    if (vertices_) vertices_->set_frame(frame());
+    if (vertices_) {
+      vertices_->set_frame(frame());
+      vertices_->clear_counters();
+    }
     eye_->set_frame(frame());
     eye_->clear();
-    light_paths_ = light_vertices_ = 0;
   }
 
   bool step() override {
@@ -122,8 +123,6 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     if (vertices_ && !vertices_->trace(index)) return false;
     if (!eye_->trace(index)) return false;
     eye_->add();
-    light_paths_ += paths_per_iteration_;
-    if (vertices_) light_vertices_ += vertices_->vertex_count();
     return true;
   }
 
@@ -142,7 +141,6 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
  private:
   std::unique_ptr<LightVertices> vertices_;  ///< null where no strategy needs light paths
   std::unique_ptr<EyePaths> eye_;
-  double paths_per_iteration_ = 0, light_paths_ = 0, light_vertices_ = 0;
 };
 
 std::unique_ptr<Technique> create_bidirectional_vpl() { return std::make_unique<BidirectionalVpl>(); }

@@ -62,7 +62,8 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
                                      const RenderSettings& settings) {
   std::vector<std::string> list;
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& material) {
-    return material.transmission > 0 || material.roughness < LUCARIUM_MIRROR_ROUGHNESS;
+    // Light samples and virtual lights find what rough glass passes on; a texture may lower the roughness.
+    return material.roughness < LUCARIUM_MIRROR_ROUGHNESS || material.metallic_roughness_texture.texture >= 0;
   });
   if (ideal && !scene.lights.empty())
     list.push_back("point, spot and directional light that reaches a surface through a mirror or glass is left out");

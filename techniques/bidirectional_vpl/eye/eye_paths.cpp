@@ -55,7 +55,7 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       ends_(make_ray_ends(device, intersector, owner, "ends of rays of camera paths", plan.settings.pixels, kRemedy)),
       queue_(device, owner, "queue of camera paths", plan.settings.pixels, kRemedy),
       active_(device, owner, "active camera paths", 1),
-      bad_(device, owner, "nonfinite paths", 1),
+      counts_(device, owner, "events of camera paths", BIDIRECTIONAL_COUNTS),
       states_(device, owner, "camera paths", plan.settings.pixels, kRemedy),
       mis_(device, owner, "weights of camera paths", size_t{plan.settings.pixels} * std::max(plan.light_vertices, 1u),
            kRemedy),
@@ -66,7 +66,7 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       no_table_(device, owner, "no candidates", 1),
       sums_(device, owner, plan.settings.pixels, {"emission", "direct", "indirect"}),
       strategy_sums_(device, owner, plan.settings.pixels, strategy_names(plan)) {
-  bad_.fill_zero();
+  counts_.fill_zero();
   record_begin();
   if (plan.connects_to_all()) {
     record_closest();
@@ -86,6 +86,7 @@ void EyePaths::record_begin() {
       .slice(kSlice)
       .arg("sample", sample_)
       .arg("count", values);
+  recorder.fill_zero("no events of camera paths", counts_);
   recorder.pass("begin camera paths", program_, "begin_eye_paths")
       .global(plan_.settings.pixels)
       .slice(kSlice)
@@ -112,6 +113,20 @@ void EyePaths::add_shadowed(ScheduleRecorder& recorder, const std::string& name,
       .arg("light", values)
       .arg("occluded", blocked)
       .arg("sample", sample_);
+}
+
+void EyePaths::count_rays(ScheduleRecorder& recorder, const BufferRef& rays, const BufferRef& light,
+                          uint32_t index) const {
+  const uint32_t choices = index == BIDIRECTIONAL_COUNT_CONNECTION_RAYS && plan_.has_table() ? 1 : 0;
+  recorder.pass("count shadow rays", program_, "count_shadow_rays")
+      .global((plan_.settings.pixels + kCountChunk - 1) / kCountChunk)
+      .arg("active", active_)
+      .arg("rays", rays)
+      .arg("light", light)
+      .arg("index", index)
+      .arg("choices", choices)
+      .arg("chunk", kCountChunk)
+      .arg("counts", counts_);
 }
 
 void EyePaths::record_closest() {
@@ -152,6 +167,7 @@ void EyePaths::record_connect_to_all() {
       .arg("connections", connections);
   intersector_.record_any(recorder, "shadow rays of connections", {rays, active_, 0, capacity, ends}, hidden);
   add_shadowed(recorder, "add connections", "add_connections", rays, connections, hidden);
+  count_rays(recorder, rays, connections, BIDIRECTIONAL_COUNT_CONNECTION_RAYS);
   connect_ = recorder.compile();
 }
 
@@ -215,11 +231,13 @@ void EyePaths::record_bounce() {
     intersector_.record_any(recorder, "shadow rays of light samples", {light_rays, active_, 0, capacity, light_ends},
                             occluded);
     add_shadowed(recorder, "add light samples", "add_eye_light_samples", light_rays, light, occluded);
+    count_rays(recorder, light_rays, light, BIDIRECTIONAL_COUNT_LIGHT_RAYS);
   }
   if (plan_.vpl && !plan_.connects_to_all()) {
     intersector_.record_any(recorder, "shadow rays of connections",
                             {connection_rays, active_, 0, capacity, connection_ends}, hidden);
     add_shadowed(recorder, "add connections", "add_connections", connection_rays, connections, hidden);
+    count_rays(recorder, connection_rays, connections, BIDIRECTIONAL_COUNT_CONNECTION_RAYS);
   }
   primitives_.record_compact(recorder, "compact camera paths", alive, survivors, next_active, 0, active_, 0, capacity);
   recorder.pass("advance camera paths", program_, "advance_paths")
@@ -255,14 +273,14 @@ void EyePaths::record_add() {
   add(BIDIRECTIONAL_INDIRECT, sums_["indirect"]);
   uint32_t layer = BIDIRECTIONAL_LAYERS;
   for (const std::string& name : strategy_names(plan_)) add(layer++, strategy_sums_[name]);
-  recorder.pass("count nonfinite paths", program_, "count_bad_paths")
+  recorder.pass("count ends of paths", program_, "count_path_ends")
       .global((pixels + kCountChunk - 1) / kCountChunk)
       .arg("states", states_)
       .arg("pixels", pixels)
       .arg("chunk", kCountChunk)
-      .arg("bad", bad_);
-  recorder.read_back("nonfinite paths", bad_, [this](std::span<const std::byte> bytes) {
-    std::memcpy(&bad_paths_, bytes.data(), sizeof bad_paths_);
+      .arg("counts", counts_);
+  recorder.read_back("events of camera paths", counts_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(counted_.data(), bytes.data(), sizeof counted_);
   });
   add_ = recorder.compile();
 }
@@ -304,16 +322,17 @@ bool EyePaths::connect_to_all() {
 void EyePaths::add() {
   scheduler_.run_to_end(add_);
   scheduler_.finish();
-  if (bad_paths_ > 0)
-    throw_error(ErrorClass::technique, "{} camera paths brought light that is NaN, infinite or negative", bad_paths_);
+  for (size_t i = 0; i < counted_.size(); ++i) totals_[i] += counted_[i];
+  const uint32_t bad = counted_[BIDIRECTIONAL_COUNT_BAD];
+  if (bad > 0)
+    throw_error(ErrorClass::technique, "{} camera paths brought light that is NaN, infinite or negative", bad);
 }
 
 void EyePaths::clear() {
   scheduler_.finish();
   sums_.clear();
   strategy_sums_.clear();
-  bad_.fill_zero();
-  bad_paths_ = 0;
+  totals_ = {};
   paths_ = segments_ = 0;
 }
 
@@ -329,7 +348,16 @@ void EyePaths::write(Film& film) const {
 }
 
 std::map<std::string, double> EyePaths::counters() const {
-  return {{"paths", paths_}, {"camera_rays", segments_}, {"nonfinite", bad_paths_}};
+  std::map<std::string, double> all = {{"paths", paths_},
+                                       {"camera_rays", segments_},
+                                       {"light_sample_rays", totals_[BIDIRECTIONAL_COUNT_LIGHT_RAYS]},
+                                       {"connection_rays", totals_[BIDIRECTIONAL_COUNT_CONNECTION_RAYS]},
+                                       {"nonfinite", totals_[BIDIRECTIONAL_COUNT_BAD]},
+                                       {"terminated_by_cap", totals_[BIDIRECTIONAL_COUNT_CAPPED]},
+                                       {"terminated_in_mirrors", totals_[BIDIRECTIONAL_COUNT_MIRRORS]}};
+  // As many as there are virtual lights in an iteration at most.
+  if (plan_.has_table()) all["candidates"] = totals_[BIDIRECTIONAL_COUNT_CHOICES] * plan_.settings.candidates;
+  return all;
 }
 
 size_t EyePaths::estimate_bytes(const Plan& plan, bool ray_ends) {

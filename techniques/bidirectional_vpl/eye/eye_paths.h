@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <map>
 #include <string>
 
@@ -29,7 +30,8 @@ class EyePaths {
   bool begin(uint32_t index);
   /// Follows all paths. False when cancelled.
   bool trace(uint32_t index);
-  /// Adds the sample to the sums. Throws Error{technique} where one was NaN, infinite or negative.
+  /// Adds the sample to the sums, and what was counted. Throws Error{technique} where one was NaN, infinite or
+  /// negative.
   void add();
 
   void set_frame(const Frame& frame) { frame_ = frame; }
@@ -49,6 +51,7 @@ class EyePaths {
   void add_shadowed(ScheduleRecorder& recorder, const std::string& name, const std::string& kernel,
                     const BufferRef& rays, const BufferRef& values, const BufferRef& blocked) const;
   void record_add();
+  void count_rays(ScheduleRecorder& recorder, const BufferRef& rays, const BufferRef& light, uint32_t index) const;
   bool connect_to_all();
   std::map<std::string, std::string> defines() const;
 
@@ -63,7 +66,7 @@ class EyePaths {
   Program program_;
   TypedBuffer<Ray> rays_;
   TypedBuffer<RayEnds> ends_;  ///< empty where the intersector wants none
-  TypedBuffer<uint32_t> queue_, active_, bad_;
+  TypedBuffer<uint32_t> queue_, active_, counts_;
   TypedBuffer<EyePathState> states_;
   TypedBuffer<float> mis_;
   TypedBuffer<float4> sample_;
@@ -75,8 +78,9 @@ class EyePaths {
   Schedule begin_, closest_, connect_, bounce_, add_;
   Variable<Frame> begin_frame_;
   Variable<uint32_t> begin_index_, bounce_seed_, bounce_index_, connect_seed_, connect_index_, connect_number_;
-  uint32_t remaining_ = 0;  ///< read back after every segment
-  uint32_t bad_paths_ = 0;  ///< and this after every iteration
+  uint32_t remaining_ = 0;                                ///< read back after every segment
+  std::array<uint32_t, BIDIRECTIONAL_COUNTS> counted_{};  ///< and this after every iteration
+  std::array<double, BIDIRECTIONAL_COUNTS> totals_{};
   double paths_ = 0, segments_ = 0;
 };
 

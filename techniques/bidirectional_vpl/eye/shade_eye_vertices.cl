@@ -47,10 +47,18 @@ bool count_scattering(BidirectionalSettings settings, EyeWalk* walk, bool delta)
   const bool chain = walk->state.flags & EYE_PATH_CHAIN;
   walk->state.flags &= ~(EYE_PATH_AFTER_DELTA | EYE_PATH_PARALLEL);
   if (delta) walk->state.flags |= EYE_PATH_AFTER_DELTA;
-  if (delta && chain) return walk->state.segment < LUCARIUM_PATH_EYE_DELTA_LIMIT;
+  if (delta && chain) {
+    if (walk->state.segment < LUCARIUM_PATH_EYE_DELTA_LIMIT) return true;
+    walk->state.flags |= EYE_PATH_MIRRORS;
+    return false;
+  }
   walk->state.flags &= ~EYE_PATH_CHAIN;
   walk->state.scatterings += 1u;
-  return walk->state.scatterings <= settings.max_scatterings && walk->state.scatterings < LUCARIUM_PATH_SCATTERING_CAP;
+  if (walk->state.scatterings >= LUCARIUM_PATH_SCATTERING_CAP) {
+    walk->state.flags |= EYE_PATH_CAPPED;
+    return false;
+  }
+  return walk->state.scatterings <= settings.max_scatterings;
 }
 
 // Ends paths at random: behind camera_edges half of those that scatter, and by what they may still bring (Arvo and Kirk
@@ -103,7 +111,8 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i].
 // Light that still waits for its shadow ray: light_samples[i], w: bits of the scatterings of the whole path, and
-// connections[i], w: connection_path(); the rays are inactive where there is none.
+// connections[i], w: connection_path(); the rays are inactive where there is none. connections[i].w is NONE where no
+// virtual light was to be chosen.
 __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
                                  uint sample_index, __global const PathVertex* restrict vertices,
                                  __global const uint* restrict vertex_list, __global const uint* restrict vertex_count,
@@ -130,6 +139,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   load_carried(eye_mis, settings.pixels, &walk);
   light_rays[i] = inactive_ray();
   connection_rays[i] = inactive_ray();
+  connections[i].w = as_float(LUCARIUM_NONE);  // no choice
   alive[i] = 0u;
   next_queue[i] = walk.path;
 
@@ -184,6 +194,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   if (chooses && smooth && settings.connection_samples > 0.0f && scatterings < settings.max_scatterings &&
       vertex_count[0] > 0u) {
     const float4 v = random_float4(sampler.seed ^ CONNECTION_STREAM, sampler.index, walk.state.segment);
+    connections[i].w = as_float(0u);
     float3 light = (float3)(0.0f), towards = surface.n_s;
     PathVertex vertex;
     if (settings.flags & (BIDIRECTIONAL_OWN_VERTICES | BIDIRECTIONAL_PAIRED_VERTICES)) {

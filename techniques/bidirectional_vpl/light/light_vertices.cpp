@@ -15,6 +15,7 @@ namespace {
 
 const char* const kRemedy = "lower --size or light_vertices, or set fewer light_paths";
 constexpr size_t kSlice = 1 << 16;
+constexpr uint32_t kCountChunk = 1 << 14;
 // As candidates.clh has them.
 constexpr uint32_t kTableArrays = 8, kRepeated = 256;
 
@@ -32,6 +33,7 @@ LightPathOptions path_options(const Plan& plan) {
   options.light_samples = plan.settings.light_samples;
   options.connection_samples = plan.settings.connection_samples;
   options.roulette_start = 4;  // paths of more vertices end by what they carry
+  options.count_rays = true;
   options.remedy = kRemedy;
   return options;
 }
@@ -70,7 +72,8 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
       slot_count_(device, owner, "number of vertex slots",
                   std::vector<uint32_t>{static_cast<uint32_t>(plan.vertex_slots())}),
       splat_count_(device, owner, "number of splats",
-                   std::vector<uint32_t>{plan.settings.light_paths * (plan.light_vertices - 1)}) {}
+                   std::vector<uint32_t>{plan.settings.light_paths * (plan.light_vertices - 1)}),
+      splat_events_(device, owner, "splats, counted", 2) {}
 
 void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<EyePathState>& states) {
   ScheduleRecorder recorder = scheduler_.record("light paths", owner_);
@@ -107,6 +110,9 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
   recorder.read_back("number of light vertices", count_, [this](std::span<const std::byte> bytes) {
     std::memcpy(&present_, bytes.data(), sizeof present_);
   });
+  recorder.read_back("rays of light paths, counted", paths_.ray_counts(), [this](std::span<const std::byte> bytes) {
+    std::memcpy(traced_.data(), bytes.data(), sizeof traced_);
+  });
   schedule_ = recorder.compile();
 }
 
@@ -132,6 +138,7 @@ void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<
       .arg("rays", rays)
       .arg("splats", splats);
   intersector_.record_any(recorder, "rays of splats", {rays, splat_count_, 0, count, ends}, occluded);
+  recorder.fill_zero("no splats", splat_events_);
   recorder.pass("key splats", splat_program_, "key_splats")
       .global(count)
       .slice(kSlice)
@@ -140,6 +147,16 @@ void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<
       .arg("count", count)
       .arg("keys", keys)
       .arg("values", values);
+  recorder.pass("count splats", splat_program_, "count_splats")
+      .global((count + kCountChunk - 1) / kCountChunk)
+      .arg("rays", rays)
+      .arg("keys", keys)
+      .arg("count", count)
+      .arg("chunk", kCountChunk)
+      .arg("counts", splat_events_);
+  recorder.read_back("splats, counted", splat_events_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(splats_.data(), bytes.data(), sizeof splats_);
+  });
   primitives_.record_sort_pairs(recorder, "sort splats", keys, values, count, bits_of(plan_.settings.pixels));
   recorder.pass("sum splats", splat_program_, "sum_splats")
       .global(plan_.settings.pixels)
@@ -160,6 +177,12 @@ bool LightVertices::trace(uint32_t index) {
   schedule_.set(frame_variable_, frame_);
   if (scheduler_.run(schedule_) == RunResult::cancelled) return false;
   scheduler_.finish();
+  counters_["light_paths"] += plan_.settings.light_paths;
+  counters_["light_vertices"] += present_;
+  counters_["light_path_rays"] += traced_[0];
+  counters_["light_path_misses"] += traced_[1];
+  counters_["splat_rays"] += splats_[0];
+  counters_["splats"] += splats_[1];
   return true;
 }
 

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
+#include <map>
+#include <string>
+
 #include "bidirectional_vpl/base/plan.h"
 #include "lucarium/services/light_paths/light_paths.h"
 #include "lucarium/services/primitives/primitives.h"
@@ -26,6 +30,9 @@ class LightVertices {
   uint32_t table_capacity() const { return table_capacity_; }
   /// To connect to, of the last iteration.
   uint32_t vertex_count() const { return present_; }
+  /// Of all iterations since clear_counters().
+  const std::map<std::string, double>& counters() const { return counters_; }
+  void clear_counters() { counters_.clear(); }
   /// Where splats are added, and the camera paths that bad ones mark.
   void record(const TypedBuffer<float4>& sample, const TypedBuffer<EyePathState>& states);
   static size_t estimate_bytes(const Plan& plan, bool ray_ends);
@@ -46,11 +53,13 @@ class LightVertices {
   Program store_, list_program_, splat_program_;
   TypedBuffer<PathVertex> vertices_;
   TypedBuffer<float> table_;
-  TypedBuffer<uint32_t> list_, count_, slot_count_, splat_count_;
+  TypedBuffer<uint32_t> list_, count_, slot_count_, splat_count_, splat_events_;
   Schedule schedule_;
   Variable<uint32_t> run_, seed_;
   Variable<Frame> frame_variable_;
   uint32_t present_ = 0;
+  std::array<uint32_t, 2> traced_{}, splats_{};  ///< rays and misses, rays and splats of the last iteration
+  std::map<std::string, double> counters_;
 };
 
 }  // namespace lucarium::bidirectional

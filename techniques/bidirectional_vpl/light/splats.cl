@@ -75,6 +75,20 @@ __kernel void key_splats(__global const float4* restrict splats, __global const 
   values[i] = i;
 }
 
+// counts[0]: rays that are traced, counts[1]: splats that nothing blocks.
+__kernel void count_splats(__global const Ray* restrict rays, __global const uint* restrict keys, uint count,
+                           uint chunk, __global uint* restrict counts) {
+  const uint first = (uint)get_global_id(0) * chunk;
+  if (first >= count) return;
+  uint traced = 0u, seen = 0u;
+  for (uint i = first; i < min(first + chunk, count); ++i) {
+    traced += ray_is_active(rays[i]);
+    seen += keys[i] != LUCARIUM_NONE;
+  }
+  if (traced) atomic_add(counts, traced);
+  if (seen) atomic_add(counts + 1, seen);
+}
+
 // First of the sorted keys that is not below `key`.
 uint lower_key(__global const uint* restrict keys, uint count, uint key) {
   uint low = 0u;

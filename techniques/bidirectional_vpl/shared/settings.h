@@ -36,6 +36,15 @@ LUCARIUM_STRUCT_END(BidirectionalSettings, 48)
 #define BIDIRECTIONAL_REUSE_DISTINCT 1u
 #define BIDIRECTIONAL_REUSE_SHARED 2u
 
+// Events of an iteration that are counted.
+#define BIDIRECTIONAL_COUNT_BAD 0u              // camera paths with a NaN, infinite or negative contribution
+#define BIDIRECTIONAL_COUNT_CAPPED 1u           // that end with EYE_PATH_CAPPED
+#define BIDIRECTIONAL_COUNT_MIRRORS 2u          // with EYE_PATH_MIRRORS
+#define BIDIRECTIONAL_COUNT_LIGHT_RAYS 3u       // shadow rays of light samples
+#define BIDIRECTIONAL_COUNT_CONNECTION_RAYS 4u  // of connections
+#define BIDIRECTIONAL_COUNT_CHOICES 5u          // vertices at which a virtual light was to be chosen
+#define BIDIRECTIONAL_COUNTS 6u
+
 // A camera path between two vertices.
 LUCARIUM_STRUCT_BEGIN(EyePathState)
 float4 throughput;  // xyz; w: density of the ray's direction [1/sr], of an ideal lobe its probability
@@ -51,6 +60,8 @@ LUCARIUM_STRUCT_END(EyePathState, 48)
 #define EYE_PATH_AFTER_DELTA 1u  // the last scattering was ideal, or there was none
 #define EYE_PATH_CHAIN 2u        // there were ideal scatterings only
 #define EYE_PATH_BAD 4u          // a contribution was NaN, infinite or negative
+#define EYE_PATH_CAPPED 16u      // ended by LUCARIUM_PATH_SCATTERING_CAP
+#define EYE_PATH_MIRRORS 32u     // ended by LUCARIUM_PATH_EYE_DELTA_LIMIT
 #define EYE_PATH_PARALLEL 8u     // the ray is an orthographic camera's: its density is over area
 
 #endif

@@ -2,6 +2,7 @@
 // Pictures of bidirectional_vpl agree with the path tracer's, block by block and on the whole, on scenes of all kinds
 // of lights and materials.
 #include "bidirectional_rig.h"
+#include "made_scene.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -58,6 +59,25 @@ TEST_CASE("camera paths connected to all virtual lights, or to those of their bu
   check_agreement("all", scene, picture, {{"vpl_choice", "all"}}, {}, 2 * kSeeds);
   check_agreement("pairs", scene, picture, {{"vpl_choice", "pair"}, {"directions", "bundle"}, {"light_vertices", "2"}},
                   {}, 2 * kSeeds);
+}
+
+TEST_CASE("light that rough glass passes on agrees with path tracing, a solid block and a pane") {
+  SceneMaterial glass;
+  glass.metallic = 0;
+  glass.roughness = 0.35f;
+  glass.transmission = 1;
+  glass.thickness = 1;
+  glass.attenuation_color = glm::vec3(0.4f, 0.6f, 0.9f);
+  glass.attenuation_distance = 0.5f;
+  SceneMaterial pane = glass;
+  pane.thickness = 0;
+  Scene scene;
+  add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, lambert(0.6f)));
+  add_box(scene, {-0.8f, -0.6f, -0.4f}, {-0.1f, -0.2f, 0.4f}, false, add_material(scene, glass));
+  add_horizontal(scene, 0.45f, -0.4f, 0, 0.7f, 0.8f, true, add_material(scene, pane));
+  add_light(scene, LightType::point, 1, {0, 0.3f, 0.1f}, {0, -1, 0});
+  scene.cameras = {look_perspective({0.2f, 0.2f, 0.95f}, {0, -0.5f, 0}, 1.2f)};
+  check_agreement("rough glass", scene, picture_of(4), {}, {}, kSeeds);
 }
 
 TEST_CASE("splats alone show indirect light where camera paths see it") {

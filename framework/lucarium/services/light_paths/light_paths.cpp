@@ -10,6 +10,7 @@ namespace lucarium {
 namespace {
 
 constexpr size_t kPathsPerSlice = 1 << 16;
+constexpr uint32_t kCountChunk = 1 << 12;
 
 LightPathRules rules_of(const LightPathOptions& options) {
   LightPathRules rules{};
@@ -33,7 +34,8 @@ LightPaths::LightPaths(Device& device, const SceneBuffers& scene, const Intersec
       scene_(scene),
       intersector_(intersector),
       options_(options),
-      count_(device, owner, "number of light paths", std::vector<uint32_t>{options.paths}) {}
+      count_(device, owner, "number of light paths", std::vector<uint32_t>{options.paths}),
+      ray_counts_(device, owner, "rays of light paths, counted", std::vector<uint32_t>{0, 0}) {}
 
 void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
                         const Program& program, const Bind& bind) const {
@@ -44,6 +46,7 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
   const BufferRef ends =
       transient_ray_ends(recorder, intersector_, "ends of rays of light paths", paths, options_.remedy);
   const BufferRef states = recorder.transient<LightPathState>("light paths", paths, options_.remedy);
+  if (options_.count_rays) recorder.fill_zero("no rays of light paths", ray_counts_);
   PassBuilder emit = recorder.pass("emit light paths", program, "emit_light_paths");
   scene_.bind(emit);
   emit.global(paths)
@@ -56,6 +59,14 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
       .arg("states", states);
   for (uint32_t number = 0; number < options_.vertices; ++number) {
     intersector_.record_closest(recorder, "trace light paths", {rays, count_, 0, paths, ends}, hits);
+    if (options_.count_rays)
+      recorder.pass("count rays of light paths", program, "count_light_rays")
+          .global((paths + kCountChunk - 1) / kCountChunk)
+          .arg("rays", rays)
+          .arg("hits", hits)
+          .arg("count", paths)
+          .arg("chunk", kCountChunk)
+          .arg("counts", ray_counts_);
     PassBuilder advance = recorder.pass("vertices of light paths", program, "advance_light_paths");
     scene_.bind(advance);
     advance.global(paths)

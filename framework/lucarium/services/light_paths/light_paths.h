@@ -17,6 +17,7 @@ struct LightPathOptions {
   bool opaque_blend = false;             ///< BLEND surfaces count as opaque
   uint32_t kinds = 31;                   ///< which lights, bits 1 << LUCARIUM_LIGHT_*
   uint32_t roulette_start = 0xffffffff;  ///< scatterings before Russian roulette; by default there is none
+  bool count_rays = false;               ///< fills LightPaths::ray_counts()
   /// Samples of the strategies that programs with LUCARIUM_LIGHT_PATH_MIS weigh (path_mis.clh), 0 where one is not run:
   float hit_samples = 1, light_samples = 1, connection_samples = 1;
   std::string remedy = "use fewer light paths";  ///< said where memory does not suffice
@@ -56,6 +57,9 @@ class LightPaths {
   /// Elements of such a buffer.
   size_t virtual_lights(uint32_t first) const { return size_t{options_.paths} * (options_.vertices - first); }
 
+  /// Two elements: rays that the last run has traced, and those that met nothing. Zero without
+  /// LightPathOptions::count_rays.
+  const TypedBuffer<uint32_t>& ray_counts() const { return ray_counts_; }
   /// Rays of a run at most.
   double rays() const { return static_cast<double>(options_.paths) * options_.vertices; }
   static size_t estimate_bytes(uint32_t paths);  ///< device memory of a run, without what vertices become [bytes]
@@ -66,6 +70,7 @@ class LightPaths {
   const Intersector& intersector_;
   LightPathOptions options_;
   TypedBuffer<uint32_t> count_;  ///< one element, as the intersector takes it
+  TypedBuffer<uint32_t> ray_counts_;
 };
 
 }  // namespace lucarium

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes in which light paths keep nothing, or have extreme sizes and intensities: right or black, never NaN; and
+// parameters that do not go together.
+#include "bidirectional_rig.h"
+#include "lucarium/base/error.h"
+#include "made_scene.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+/// A floor of albedo 0.5 below the camera.
+Scene floor_scene() {
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 2, 2, true, add_material(scene, lambert(0.5f)));
+  scene.cameras = {look_orthographic({0, 0.8f, 0}, {0, 0, 0}, 0.5f)};
+  return scene;
+}
+
+Picture small_picture() {
+  Picture picture;
+  picture.width = picture.height = 8;
+  picture.max_bounces = 3;
+  picture.iterations = 4;
+  return picture;
+}
+
+const std::vector<Parameters>& variants() {
+  static const std::vector<Parameters> all = {
+      {}, {{"preset", "bdpt"}}, {{"vpl_choice", "all"}}, {{"vpl_choice", "pair"}, {"directions", "bundle"}}};
+  return all;
+}
+
+/// All values are finite and not negative, by all kinds of connections. Returns the largest.
+double largest(const Scene& scene) {
+  double most = 0;
+  for (const Parameters& parameters : variants())
+    for (const float value : image_of(render(scene, "bidirectional_vpl", small_picture(), parameters))) {
+      CHECK(std::isfinite(value));
+      CHECK(value >= 0);
+      most = std::max(most, static_cast<double>(value));
+    }
+  return most;
+}
+
+}  // namespace
+
+TEST_CASE("scenes without a virtual light are as bright as their direct light, or black") {
+  SUBCASE("all light leaves the scene") {
+    Scene scene = floor_scene();
+    add_light(scene, LightType::spot, 1, {0, 0.5f, 0}, {0, 1, 0});
+    CHECK(largest(scene) == 0);
+  }
+  SUBCASE("a lamp inside a black solid") {
+    Scene scene = floor_scene();
+    add_box(scene, {-.1f, .2f, -.1f}, {.1f, .4f, .1f}, true, add_material(scene, lambert(0)));
+    add_light(scene, LightType::point, 1, {0, 0.3f, 0}, {0, 1, 0});
+    // The box faces inwards: from outside, its walls are backs, which are black and let nothing through.
+    CHECK(largest(scene) == 0);
+  }
+  SUBCASE("black surfaces") {
+    Scene scene;
+    add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, lambert(0)));
+    add_light(scene, LightType::point, 1, {0, 0.3f, 0}, {0, 1, 0});
+    scene.cameras = floor_scene().cameras;
+    CHECK(largest(scene) == 0);
+  }
+  SUBCASE("no light") { CHECK(largest(floor_scene()) == 0); }
+  SUBCASE("light of intensity 0") {
+    Scene scene = floor_scene();
+    add_light(scene, LightType::point, 0, {0, 0.5f, 0}, {0, 0, 0});
+    CHECK(largest(scene) == 0);
+  }
+  SUBCASE("no surface at all") {
+    Scene scene;
+    scene.cameras = floor_scene().cameras;
+    set_environment(scene, 2);
+    CHECK(largest(scene) == doctest::Approx(2).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("lights in a surface, triangles without area and coverage everywhere bring finite light") {
+  SUBCASE("a point light in the floor, and one at a corner") {
+    Scene scene = floor_scene();
+    add_light(scene, LightType::point, 1, {0, 0, 0}, {0, 1, 0});
+    add_light(scene, LightType::point, 1, {1, 0, 1}, {0, 1, 0});
+    largest(scene);
+  }
+  SUBCASE("triangles without area, some of which shine") {
+    Scene scene = floor_scene();
+    add_threads(scene, 6, 0, add_material(scene, emitter(5)));
+    add_threads(scene, 6, 0, add_material(scene, lambert(0.5f)));
+    add_light(scene, LightType::point, 1, {0, 0.5f, 0}, {0, 0, 0});
+    CHECK(largest(scene) > 0);
+  }
+  SUBCASE("BLEND everywhere, down to nothing") {
+    Scene scene;
+    SceneMaterial veil = lambert(0.5f);
+    veil.alpha_mode = AlphaMode::blend;
+    veil.base_color.a = 0.3f;
+    SceneMaterial nothing = veil;
+    nothing.base_color.a = 0;
+    add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, veil));
+    add_box(scene, glm::vec3(-0.9f), glm::vec3(0.9f), true, add_material(scene, nothing));
+    add_light(scene, LightType::point, 1, {0, 0.3f, 0}, {0, 1, 0});
+    scene.cameras = floor_scene().cameras;
+    CHECK(largest(scene) > 0);
+  }
+}
+
+TEST_CASE("scenes of 10^6 m and of huge intensities scale, and do not overflow") {
+  // A scene that is s times as large has 1 / s^2 of the irradiance of a point light.
+  const auto mean = [](float metres, float intensity) {
+    Scene scene;
+    add_box(scene, glm::vec3(-metres), glm::vec3(metres), true, add_material(scene, lambert(0.5f)));
+    add_light(scene, LightType::point, intensity, {0, 0.3f * metres, 0}, {0, -metres, 0});
+    scene.cameras = {look_orthographic({0, 0, 0}, {0, -metres, 0}, 0.5f * metres)};
+    Picture picture = small_picture();
+    picture.iterations = 32;
+    return mean_of(image_of(render(scene, "bidirectional_vpl", picture)));
+  };
+  const double expected = mean(1, 1);
+  CHECK(mean(1e6f, 1e12f) == doctest::Approx(expected).epsilon(0.03));
+  CHECK(mean(1, 1e25f) == doctest::Approx(1e25 * expected).epsilon(0.03));
+}
+
+TEST_CASE("combinations of parameters that find nothing, or do not fit, are refused") {
+  const Scene scene = load_scene("builtin:cornell");
+  const auto refused = [&](Picture picture, const Parameters& parameters) {
+    try {
+      render(scene, "bidirectional_vpl", picture, parameters);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  Picture picture = small_picture();
+  picture.max_bounces = 0;
+  CHECK(refused(picture, {{"strategy", "vpl"}}).find("--max-bounces") != std::string::npos);
+  picture.max_bounces = 3;
+  CHECK(refused(picture, {{"strategy", "splat"}, {"light_vertices", "1"}}).find("light_vertices") != std::string::npos);
+  picture.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  CHECK(refused(picture, {{"strategy", "splat"}}).find("--pixel-sampling") != std::string::npos);
+  picture.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+  picture.width = picture.height = 4096;
+  CHECK(refused(picture, {{"light_paths", "4194304"}, {"light_vertices", "16"}, {"show_strategies", "on"}})
+            .find("light_paths") != std::string::npos);
+}
+
+TEST_CASE("punctual light behind glass is named as left out where the glass is clear, not where it is rough") {
+  const auto limitations = [](float roughness) {
+    Scene scene = floor_scene();
+    SceneMaterial glass;
+    glass.metallic = 0;
+    glass.transmission = 1;
+    glass.roughness = roughness;
+    add_box(scene, {-.1f, .2f, -.1f}, {.1f, .4f, .1f}, false, add_material(scene, glass));
+    add_light(scene, LightType::point, 1, {0, 0.6f, 0}, {0, 0, 0});
+    const auto technique = registry().find("bidirectional_vpl").create();
+    return technique->limitations(scene, RenderSettings()).size();
+  };
+  CHECK(limitations(0) == 1);
+  CHECK(limitations(0.3f) == 0);
+}
