@@ -16,6 +16,7 @@
 #include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
+#include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/base/text/text_values.h"
 #include "lucarium/compute/program/source_library.h"
@@ -188,6 +189,7 @@ std::vector<fs::path> scene_files(const std::string& scene, const std::string& e
 int render_and_watch(const WatchedInputs& inputs, bool has_outputs) {
   const std::vector<std::string> words = render_words(has_outputs);
   ::setenv(watched_variable, "1", 1);
+  const bool talks = log_level() >= LogLevel::warning;
   bool rendered = false;
   const auto end = [&rendered] { return rendered ? 0 : static_cast<int>(ErrorClass::interrupted); };
   const KeepOnInterrupt end_the_loop;
@@ -210,15 +212,13 @@ int render_and_watch(const WatchedInputs& inputs, bool has_outputs) {
     take_reported(plugins, used.plugins);
     take_reported(kernels, used.kernels);
     const Snapshot before = only(all, used);
-    if (result.exit_code == 0) {
-      print_note("rendered in {:.1f} s; watching {}, Ctrl-C ends\n", result.seconds, counted(before.size(), "file"));
-    } else {
-      print_note("not rendered ({}): the last image is kept; watching {}, Ctrl-C ends\n", describe_end(result),
-                 counted(before.size(), "file"));
-    }
+    const std::string outcome = result.exit_code == 0
+                                    ? fmt::format("rendered in {:.1f} s", result.seconds)
+                                    : fmt::format("not rendered ({}): the last image is kept", describe_end(result));
+    if (talks) print_note("{}; watching {}, Ctrl-C ends\n", outcome, counted(before.size(), "file"));
     const fs::path file = wait_for_change(used, before);
     if (file.empty()) return end();
-    print_note("{} changed\n", file.string());
+    if (talks) print_note("{} changed\n", file.string());
   }
 }
 

@@ -145,6 +145,15 @@ TEST_CASE("--watch renders again for what the picture was made from only: no oth
   CHECK(watcher.end());
 }
 
+TEST_CASE("--watch --quiet prints results alone") {
+  const TemporaryFolder folder;
+  Watcher watcher(folder.path(), "",
+                  "builtin:cornell " + constant_technique() + "--iterations 1 --size 16x8 -q -o a.png");
+  REQUIRE(wait_until([&] { return contains(text_of(folder.path() / "out.txt"), "a.png: 1 sample per pixel"); }));
+  CHECK(watcher.end());
+  CHECK(watcher.log().empty());
+}
+
 TEST_CASE("--watch does not replace what was there before it began") {
   const TemporaryFolder folder;
   const std::string file = (folder.path() / "a.png").string();
