@@ -12,7 +12,7 @@
 //   E_t = π Σ w L / Σ w        over all rays that met texel t, w = W A_p a, W = 1 / (q(ω) + q(-ω))
 //
 // q is the density of directions, A_p the area of a bundle pixel, a the accessibility of that part of the texel
-// (side_accessibility.h): what is covered by something near is neither seen nor to count. The cosine is implicit: a
+// (texel_sides/side_accessibility.h): what is covered by something near is neither seen nor to count. The cosine is implicit: a
 // texel is met by as many rays as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
 //
 // All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
@@ -26,8 +26,8 @@
 // finds. The ray follows specular lobes only, since the atlas holds the diffuse light. So do rays from the pixels
 // towards the eye.
 //
-// Where the paper stands in the source (files below this folder; bundles/, layered_raster/, surface_atlas/ and
-// interior_surfaces/ are services of the framework):
+// Where the paper stands in the source (files below this folder; bundles/, layered_raster/, surface_atlas/,
+// texel_sides/ and interior_surfaces/ are services of the framework):
 //
 //   equation 1 (Eq. 1), rendering equation   f_r: lucarium/bsdf.clh: eval_bsdf();
 //                                            the integral: exchange/exchange_pairs.cl: receive()
@@ -54,10 +54,10 @@
 //   section 5.5, interleaved light transfer  senders/make_senders.cl, senders/accumulate_batch.cl;
 //                                            senders/sender_weights.cpp: next()
 //   section 6.4, direct light first          senders/side_means.cpp: direct_only(), reflecting() (direct_first)
-//   section 6.5, separate direct light       texels/sample_side_light.cl: light_point() (direct_mode=nee)
+//   section 6.5, separate direct light       texel_sides/sample_side_light.cl: light_point() (nee)
 //
 // Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/balance_power.cl),
-// accessibility (texels/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains (specular/), the
+// accessibility (texel_sides/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains (specular/), the
 // preview (senders/smooth_preview.cl) and the start from what is known (senders/side_means.cpp: start_from()).
 
 #include <fmt/format.h>

@@ -27,8 +27,10 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       accessibility(kept.accessibility ? std::move(kept.accessibility)
                                        : std::make_unique<SideAccessibility>(
                                              *c.device, c.scene_buffers, *atlas,
-                                             SideAccessibility::Options{p.pixel_size, p.access_gap, p.access_rays})),
-      side_light(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, *accessibility, plan.light_kinds),
+                                             SideAccessibility::Options{p.pixel_size, p.access_gap, p.access_rays},
+                                             kOwner, "lower texels")),
+      side_light(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas, *accessibility, plan.light_kinds, kOwner,
+                 "lower texels"),
       means(*c.device, c.scheduler, program, *atlas, accessibility->shares(), side_light.light_samples(), plan.channels,
             p),
       preview(plan.preview ? std::make_unique<SidePreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
@@ -37,8 +39,7 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *interior, *accessibility,
                plan.channels, {p.pixel_size, p.transfer, camera.pixel_gather()}) {
   if (!accessibility->complete())
-    accessibility->begin(*c.device, c.scheduler, program, c.scene, c.scene_buffers, *atlas, *interior,
-                         transfer.raster());
+    accessibility->begin(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, *interior, transfer.raster());
   if (plan.reflects)
     specular =
         std::make_unique<SideSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,

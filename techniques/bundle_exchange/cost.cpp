@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "bundle_exchange/texels/side_accessibility.h"
+#include "lucarium/services/texel_sides/side_accessibility.h"
 
 namespace lucarium::bundle {
 namespace {

@@ -58,7 +58,7 @@ float4 diffuse;       // xyz: albedo of the Lambert lobe; w: GGX width alpha, 0 
 float4 f0;            // xyz: Schlick's F0 of the reflection lobe; w: f90
 float4 transmission;  // xyz: tint of the transmission lobe before 1 - F; w: relative index of refraction eta
 float4 emission;      // xyz: radiance emitted towards the normal [cd/m²]; w: 1 when some lobe is ideal, else 0
-float4 shading;       // xyz: unit shading normal on this side; w unused
+float4 shading;       // xyz: unit shading normal on this side; w: F0 of the dielectric interface alone
 LUCARIUM_STRUCT_END(AtlasMaterial, 80)
 
 // Bits of atlas_links[cell]: the surface goes on from this cell into its neighbour at du, dv in {-1, 0, 1}, so that

@@ -9,13 +9,12 @@ namespace lucarium::bundle {
 
 Program make_technique_program(Device& device, std::map<std::string, std::string> defines) {
   std::vector<std::string> files;
-  for (const char* file : {"senders/make_senders",       "senders/balance_power",       "senders/accumulate_batch",
-                           "senders/measure_errors",     "senders/make_display",        "senders/finish_bounce",
-                           "senders/copy_materials",     "senders/receive_history",     "senders/send_history",
-                           "senders/smooth_preview",     "texels/finish_accessibility", "texels/sample_side_light",
-                           "specular/begin_side_chains", "specular/begin_pixel_chains", "specular/advance_chains",
-                           "specular/send_chain_light",  "pixels/add_atlas_light",      "pixels/gather_pixels",
-                           "pixels/gather_missed",       "pixels/add_gathered"})
+  for (const char* file :
+       {"senders/make_senders", "senders/balance_power", "senders/accumulate_batch", "senders/measure_errors",
+        "senders/make_display", "senders/finish_bounce", "senders/copy_materials", "senders/receive_history",
+        "senders/send_history", "senders/smooth_preview", "specular/begin_side_chains", "specular/begin_pixel_chains",
+        "specular/advance_chains", "specular/send_chain_light", "pixels/add_atlas_light", "pixels/gather_pixels",
+        "pixels/gather_missed", "pixels/add_gathered"})
     files.push_back(fmt::format("bundle_exchange/{}", file));
   return make_program(device, bundle_exchange_kernels(), files, std::move(defines));
 }

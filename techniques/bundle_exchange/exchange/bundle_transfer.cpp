@@ -5,6 +5,7 @@
 
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/name.h"
+#include "lucarium/compute/program/source_library.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -48,7 +49,9 @@ BundleTransfer::Recorded BundleTransfer::record(Device& device, const SceneBuffe
                                                 const TypedBuffer<float4>& records, const TexelInterior& interior,
                                                 const SideAccessibility& accessibility, What what) {
   const char* const names[] = {"exchange", "exchange of emission", "gather"};
-  const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
+  const Program begin_program(
+      device, SourceLibrary(),
+      {"services/texel_sides/begin_direction", {"lucarium/services/texel_sides/begin_direction.cl"}, {}});
   const bool by_texels = options_.transfer == Transfer::texel;
   Recorded result;
   ScheduleRecorder recorder = scheduler_->record(names[static_cast<int>(what)], technique_name);

@@ -5,7 +5,7 @@
 // accessible its own part of the texel is. Ends of rays see the environment. A side that does not reflect (the back of
 // a single-sided surface) sends nothing, but what sees it has seen black: that counts.
 #include "bundle_exchange/base/exchange_layout.clh"
-#include "bundle_exchange/texels/side_parts.clh"
+#include "lucarium/services/texel_sides/side_parts.clh"
 
 typedef struct Exchange {
   const __global AtlasTriangle* atlas_triangles;
@@ -19,7 +19,7 @@ typedef struct Exchange {
 } Exchange;
 
 #define BUNDLE_PAIRS Exchange
-#include "bundle_exchange/exchange/bundle_pairs.clh"
+#include "lucarium/services/texel_sides/bundle_pairs.clh"
 
 void bundle_expect(Exchange* exchange, uint texel) {
   LUCARIUM_PREFETCH(exchange->records + (size_t)texel * BUNDLE_RECORD);
@@ -58,7 +58,7 @@ void meet_back(Exchange* exchange, FragmentSide end) {
       end_weight(exchange, end) * exchange->interior[end.side].y;
 }
 
-void layered_ray_begins(Exchange* exchange, uint payload, bool front) {
+void layered_ray_begins(Exchange* exchange, uint2 pixel, uint payload, bool front) {
   receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_near);
 }
 
@@ -75,7 +75,7 @@ void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
   receive(exchange, far.side, far_weight, near.side, near_weight);
 }
 
-void layered_ray_ends(Exchange* exchange, uint payload, bool front) {
+void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front) {
   receive_end(exchange, fragment_side(exchange, payload, front), exchange->from_far);
 }
 

@@ -5,7 +5,7 @@
 // many bundle pixels the texel side covers.
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/base/fragment_side.clh"
-#include "bundle_exchange/texels/side_parts.clh"
+#include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/random.clh"
 #include "lucarium/shared/surface_point.h"

@@ -2,7 +2,7 @@
 // The balance of sent and held power, which scales what a channel that feeds itself sends: what texel sides hold, what
 // they deliver to each other, and what specular lobes deliver besides.
 #include "bundle_exchange/base/exchange_layout.clh"
-#include "bundle_exchange/shared/texel_sides.h"
+#include "bundle_exchange/shared/balance.h"
 
 #define BALANCE_MAX_SPECULAR 0.2f
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "bundle_exchange/base/name.h"
-#include "bundle_exchange/shared/texel_sides.h"
+#include "bundle_exchange/shared/balance.h"
 
 namespace lucarium::bundle {
 namespace {

@@ -9,15 +9,15 @@
 #include "bundle_exchange/pixels/side_state.h"
 #include "bundle_exchange/senders/side_means.h"
 #include "bundle_exchange/senders/side_preview.h"
-#include "bundle_exchange/shared/texel_sides.h"
 #include "bundle_exchange/specular/side_specular.h"
-#include "bundle_exchange/texels/side_accessibility.h"
-#include "bundle_exchange/texels/side_light.h"
-#include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bundles/direction_sequence.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/direct_light/direct_light.h"
+#include "lucarium/services/texel_sides/side_accessibility.h"
+#include "lucarium/services/texel_sides/side_light.h"
+#include "lucarium/services/texel_sides/texel_extent.h"
+#include "lucarium/shared/texel_sides.h"
 
 namespace lucarium::test {
 
@@ -44,13 +44,13 @@ class BundleRig {
         atlas_(*device_, scheduler_, scene_, buffers_, options(texels), "test"),
         program_(make_program(*device_, channels, std::move(defines))),
         interior_(*device_, scheduler_, buffers_, bvh_, atlas_, "bundle_exchange", "lower texels"),
-        accessibility_(*device_, buffers_, atlas_, {pixel_size, parameters.access_gap}),
+        accessibility_(*device_, buffers_, atlas_, {pixel_size, parameters.access_gap}, "test", "lower texels"),
         light_(*device_, "test", "light samples", atlas_.info().texel_count),
         means_(*device_, scheduler_, program_, atlas_, accessibility_.shares(), light_, channels, parameters_),
         transfer_(*device_, scheduler_, scene_, buffers_, atlas_, means_.records(), interior_, accessibility_, channels,
                   {pixel_size, parameters.transfer, nullptr}) {
     while (!interior_.complete()) interior_.advance();
-    accessibility_.begin(*device_, scheduler_, program_, scene_, buffers_, atlas_, interior_, transfer_.raster());
+    accessibility_.begin(*device_, scheduler_, scene_, buffers_, atlas_, interior_, transfer_.raster());
     while (!accessibility_.complete()) accessibility_.advance();
     means_.copy_materials();
     if (!channels.chains) return;
@@ -86,8 +86,8 @@ class BundleRig {
   }
   /// E/π of every texel side by `rounds` light samples of its points.
   std::vector<double> sampled_light(uint32_t rounds) {
-    bundle::SideLight light(*device_, scheduler_, program_, buffers_, bvh_, atlas_, accessibility_,
-                            DirectLight::kAllLights);
+    SideLight light(*device_, scheduler_, buffers_, bvh_, atlas_, accessibility_, DirectLight::kAllLights, "test",
+                    "lower texels");
     light.reset(1);
     for (uint32_t i = 0; i < rounds; ++i) {
       light.sample();
@@ -179,10 +179,11 @@ class BundleRig {
     const SceneChange change = change_scene(scene_);
     buffers_.update(scene_, change);
     atlas_.refit(scene_, change);
-    return bundle::SideAccessibility(*device_, buffers_, atlas_, {0.5f, parameters_.access_gap}).safe_pixel();
+    return SideAccessibility(*device_, buffers_, atlas_, {0.5f, parameters_.access_gap}, "test", "lower texels")
+        .safe_pixel();
   }
   double texel_edge() const { return static_cast<double>(atlas_.info().texel_edge); }
-  double texel_extent(double limit) const { return bundle::largest_texel_extent(atlas_, buffers_, limit); }
+  double texel_extent(double limit) const { return largest_texel_extent(atlas_, buffers_, limit); }
   /// Largest distance of two sample points of a texel side, SIDE_POINTS each.
   double sampled_extent() const {
     const std::vector<AtlasSample> samples = atlas_.samples().download();
@@ -260,7 +261,7 @@ class BundleRig {
   SurfaceAtlas atlas_;
   Program program_;
   TexelInterior interior_;
-  bundle::SideAccessibility accessibility_;
+  SideAccessibility accessibility_;
   TypedBuffer<float4> light_;
   bundle::SideMeans means_;
   bundle::BundleTransfer transfer_;

@@ -65,6 +65,6 @@ __kernel void shade_atlas_sides(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   material.f0 = (float4)(bsdf.f0, bsdf.f90);
   material.transmission = (float4)(bsdf.transmission, bsdf.eta);
   material.emission = (float4)(emitted_radiance(&scene, &surface), bsdf.flags & LUCARIUM_BSDF_DELTA ? 1.0f : 0.0f);
-  material.shading = (float4)(surface.n_s, 0.0f);
+  material.shading = (float4)(surface.n_s, bsdf.dielectric_f0);
   atlas_materials[side] = material;
 }

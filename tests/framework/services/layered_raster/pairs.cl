@@ -28,13 +28,13 @@ void layered_consume(Events* events, const LayeredRow* row) {
   events->pixel = row->y * events->width + row->x;
   layered_walk_pairs(events, row);
 }
-void layered_ray_begins(Events* events, uint payload, bool front) {
+void layered_ray_begins(Events* events, uint2 pixel, uint payload, bool front) {
   events->sums[events->pixel] += hash_uint3(1u, payload, front);
 }
 void layered_ray_crosses(Events* events, LayeredGap gap) {
   events->sums[events->pixel] += hash_uint3(hash_uint2(2u, gap.near), gap.far, gap.near_front * 2u + gap.far_front);
 }
-void layered_ray_ends(Events* events, uint payload, bool front) {
+void layered_ray_ends(Events* events, uint2 pixel, uint payload, bool front) {
   events->sums[events->pixel] += hash_uint3(3u, payload, front);
 }
 bool layered_backs_matter(const Events* events) { return events->backs; }

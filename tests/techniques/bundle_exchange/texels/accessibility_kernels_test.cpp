@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "bundle_rig.h"
+#include "lucarium/compute/program/source_library.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -19,7 +20,11 @@ class Kernels {
   Kernels()
       : device_(Device::open()),
         scheduler_(device_),
-        program_(make_technique_program(*device_, Channels{}.defines())) {}
+        program_(*device_, SourceLibrary(),
+                 {"test",
+                  {"lucarium/services/texel_sides/finish_accessibility.cl",
+                   "lucarium/services/texel_sides/sample_side_light.cl"},
+                  {}}) {}
 
   template <class T>
   TypedBuffer<T> buffer(const std::vector<T>& values) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_exchange/texels/texel_extent.h"
+#include "lucarium/services/texel_sides/texel_extent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "lucarium/scene/device/degenerate_triangle.h"
 
-namespace lucarium::bundle {
+namespace lucarium {
 namespace {
 
 constexpr size_t kMaxCorners = 1024;
@@ -112,4 +112,4 @@ double largest_texel_extent(const SurfaceAtlas& atlas, const SceneBuffers& buffe
   return result;
 }
 
-}  // namespace lucarium::bundle
+}  // namespace lucarium

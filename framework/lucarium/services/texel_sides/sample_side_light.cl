@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct irradiance of texel sides by light samples, a run of texel sides at a time: the direct light that comes from
 // another method than the bundles (Hermes et al. 2010, section 6.5; there shadow maps).
-#include "bundle_exchange/texels/side_points.clh"
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/scene.clh"
+#include "lucarium/services/texel_sides/side_points.clh"
 
 #define LIGHT_POINT_PARAMETERS                                                    \
   const AtlasInfo atlas_info, __global const AtlasSample *restrict atlas_samples, \

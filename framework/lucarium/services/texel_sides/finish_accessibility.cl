@@ -2,8 +2,8 @@
 // Accessibility of the parts of texel sides: the share of their rays that go farther than the neighbouring texels. Rays
 // that hit backs are ignored, since most of them begin in interior places (texel_interior.h); a part that has no other
 // rays is hidden.
-#include "bundle_exchange/texels/side_parts.clh"
 #include "lucarium/random.clh"
+#include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/surface_atlas.clh"
 
 #define SURELY_HIDDEN 6u  // rays to backs that prove it although no point of the texel side is hidden

@@ -1,29 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_exchange/texels/side_light.h"
+#include "lucarium/services/texel_sides/side_light.h"
 
 #include <algorithm>
 
-#include "bundle_exchange/base/bundle_program.h"
 #include "lucarium/base/seed.h"
+#include "lucarium/compute/program/source_library.h"
+#include "lucarium/services/ray_ends.h"
 
-namespace lucarium::bundle {
+namespace lucarium {
 namespace {
 
 constexpr uint32_t kChunk = 65536;  // shadow rays of an iteration: about 20 ms
-const char* const kFewerTexels = "lower texels";
 
 }  // namespace
 
-SideLight::SideLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
+SideLight::SideLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                      const Intersector& intersector, const SurfaceAtlas& atlas, const SideAccessibility& accessibility,
-                     uint32_t kinds)
+                     uint32_t kinds, const std::string& owner, const std::string& remedy)
     : scheduler_(&scheduler),
       none_(kinds == 0),
       sides_(atlas.info().texel_count),
       chunk_(std::min(kChunk, sides_)),
-      samples_(device, "bundle_exchange", "light at texel sides", chunk_, kFewerTexels),
-      light_samples_(device, "bundle_exchange", "direct light of texel sides", sides_, kFewerTexels) {
-  ScheduleRecorder sample = scheduler_->record("sample light at texel sides", "bundle_exchange");
+      samples_(device, owner, "light at texel sides", chunk_, remedy),
+      light_samples_(device, owner, "direct light of texel sides", sides_, remedy) {
+  const Program program(device, SourceLibrary(),
+                        {"services/texel_sides/sample_side_light",
+                         {"lucarium/services/texel_sides/sample_side_light.cl"},
+                         ray_end_defines(intersector)});
+  ScheduleRecorder sample = scheduler_->record("sample light at texel sides", owner);
   first_ = sample.variable("first", 0u);
   round_ = sample.variable("round", 0u);
   sample_seed_ = sample.variable("seed", 0u);
@@ -35,11 +39,11 @@ SideLight::SideLight(Device& device, KernelScheduler& scheduler, const Program& 
         .arg("sides", sides_)
         .arg("round_index", round_);
   };
-  const LightAtPoints light(device, scene, intersector, program, chunk_, bind_points, "bundle_exchange", kFewerTexels);
+  const LightAtPoints light(device, scene, intersector, program, chunk_, bind_points, owner, remedy);
   light.record_samples(
       sample, round_, sample_seed_, [&](PassBuilder& pass) { pass.arg("sums", samples_); }, kinds);
   sample_ = sample.compile();
-  ScheduleRecorder scatter = scheduler_->record("light texel sides", "bundle_exchange");
+  ScheduleRecorder scatter = scheduler_->record("light texel sides", owner);
   scatter_first_ = scatter.variable("first", 0u);
   scatter_count_ = scatter.variable("count", chunk_);
   scatter_round_ = scatter.variable("round", 0u);
@@ -92,4 +96,4 @@ void SideLight::warm_up() {
   scheduler_->warm_up(scatter_);
 }
 
-}  // namespace lucarium::bundle
+}  // namespace lucarium

@@ -2,20 +2,21 @@
 #pragma once
 #include <algorithm>
 
-#include "bundle_exchange/texels/side_accessibility.h"
 #include "lucarium/services/light_at_points/light_at_points.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
+#include "lucarium/services/texel_sides/side_accessibility.h"
 
-namespace lucarium::bundle {
+namespace lucarium {
 
 /// Direct irradiance of every texel side by light samples, of all lights or of some kinds (LUCARIUM_LIGHT_* bits; 0:
 /// none): the mean over the texel side by accessibility, at one random point after the other. A run of texel sides gets
 /// one more sample per iteration, so that iterations stay short.
 class SideLight {
  public:
-  SideLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
-            const Intersector& intersector, const SurfaceAtlas& atlas, const SideAccessibility& accessibility,
-            uint32_t kinds);
+  /// `owner` pays for the memory; `remedy` is what a message about too little of it advises.
+  SideLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
+            const SurfaceAtlas& atlas, const SideAccessibility& accessibility, uint32_t kinds, const std::string& owner,
+            const std::string& remedy);
 
   /// Samples the next run of texel sides; false when cancelled. commit() then adds it; without it nothing has changed.
   bool sample();
@@ -50,4 +51,4 @@ class SideLight {
   uint32_t seed_ = 1;
 };
 
-}  // namespace lucarium::bundle
+}  // namespace lucarium

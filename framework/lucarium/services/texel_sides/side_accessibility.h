@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <memory>
+#include <string>
 
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/services/interior_surfaces/texel_interior.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 
-namespace lucarium::bundle {
+namespace lucarium {
 
 /// How accessible the parts of texel sides are: a(x), the share of the rays from place x that go farther than a gap g,
 /// `access_gap`.
@@ -38,13 +39,14 @@ class SideAccessibility {
   };
   /// Bundles that give a texel which faces all directions so many rays, within what is sensible.
   static double bundles(float pixel_size, int rays);
-  SideAccessibility(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const Options& options);
+  /// `owner` pays for the memory; `remedy` is what a message about too little of it advises. All must outlive this.
+  SideAccessibility(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas, const Options& options,
+                    const std::string& owner, const std::string& remedy);
   ~SideAccessibility();
 
   /// Prepares the bundles. `raster`: for bundle images of safe_pixel() at least.
-  void begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
-             const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& interior,
-             const LayeredRaster& raster);
+  void begin(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
+             const SurfaceAtlas& atlas, const TexelInterior& interior, const LayeredRaster& raster);
   /// When `interior` is complete: draws the next bundle; false when cancelled, and nothing has changed. Without a gap
   /// only hidden parts are looked for, and no bundle is drawn where there are none.
   bool advance();
@@ -67,6 +69,7 @@ class SideAccessibility {
  private:
   struct Probes;
   Options options_;
+  std::string owner_, remedy_;
   TypedBuffer<float> shares_;
   TypedBuffer<uint32_t> parts_;
   TypedBuffer<uint32_t> points_;
@@ -76,4 +79,4 @@ class SideAccessibility {
   std::unique_ptr<Probes> probes_;  ///< null before begin() and when complete
 };
 
-}  // namespace lucarium::bundle
+}  // namespace lucarium

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Counts, for every part of every texel side, the rays of a bundle, those that meet backs, and those that soon meet
 // something else.
-#include "bundle_exchange/texels/side_parts.clh"
+#include "lucarium/services/texel_sides/side_parts.clh"
 
 typedef struct Probe {
   const __global AtlasTriangle* atlas_triangles;
@@ -12,7 +12,7 @@ typedef struct Probe {
 } Probe;
 
 #define BUNDLE_PAIRS Probe
-#include "bundle_exchange/exchange/bundle_pairs.clh"
+#include "lucarium/services/texel_sides/bundle_pairs.clh"
 
 void bundle_expect(Probe* probe, uint texel) { LUCARIUM_PREFETCH(probe->counts + (size_t)texel * SIDE_PARTS); }
 
@@ -23,7 +23,7 @@ void count_ray(Probe* probe, FragmentSide end, bool near, bool back) {
   if (PROBE_RAYS(*count) < PROBE_MAX) *count += 1u | (uint)(near && !back) << 10u | (uint)back << 20u;
 }
 
-void layered_ray_begins(Probe* probe, uint payload, bool front) {
+void layered_ray_begins(Probe* probe, uint2 pixel, uint payload, bool front) {
   count_ray(probe, fragment_side(probe, payload, front), false, false);
 }
 
@@ -34,7 +34,7 @@ void layered_ray_crosses(Probe* probe, LayeredGap gap) {
   count_ray(probe, far, gap.length < probe->access_gap, near.side == LUCARIUM_NONE);
 }
 
-void layered_ray_ends(Probe* probe, uint payload, bool front) {
+void layered_ray_ends(Probe* probe, uint2 pixel, uint payload, bool front) {
   count_ray(probe, fragment_side(probe, payload, front), false, false);
 }
 

@@ -1,24 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bundle_exchange/texels/side_accessibility.h"
+#include "lucarium/services/texel_sides/side_accessibility.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "bundle_exchange/base/bundle_program.h"
-#include "bundle_exchange/shared/texel_sides.h"
-#include "bundle_exchange/texels/texel_extent.h"
 #include "lucarium/base/error.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/bundles/bundle_view.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
+#include "lucarium/services/texel_sides/texel_extent.h"
+#include "lucarium/shared/texel_sides.h"
 
-namespace lucarium::bundle {
+namespace lucarium {
 namespace {
 
 constexpr uint32_t kMaxCells = 1u << BUNDLE_PART;
 constexpr double kMinBundles = 32, kMaxBundles = 1024;
 constexpr uint64_t kSeed = 0x6f70656e;  // not that of a run, whose directions then are others
-const char* const kOwner = "bundle_exchange";
-const char* const kFewerTexels = "lower texels";
+
+Program make_program(Device& device, const std::string& kernel, std::map<std::string, std::string> defines) {
+  return Program(
+      device, SourceLibrary(),
+      {"services/texel_sides/" + kernel, {"lucarium/services/texel_sides/" + kernel + ".cl"}, std::move(defines)});
+}
 
 }  // namespace
 
@@ -38,15 +42,17 @@ struct SideAccessibility::Probes {
 };
 
 SideAccessibility::SideAccessibility(Device& device, const SceneBuffers& buffers, const SurfaceAtlas& atlas,
-                                     const Options& options)
+                                     const Options& options, const std::string& owner, const std::string& remedy)
     : options_(options),
-      shares_(device, kOwner, "accessibility of texel sides", atlas.info().texel_count, kFewerTexels),
-      parts_(device, kOwner, "accessibility of texel sides' parts", size_t{atlas.info().texel_count} * SIDE_PART_WORDS,
-             kFewerTexels),
-      points_(device, kOwner, "accessibility of texel sides' points", atlas.info().texel_count, kFewerTexels) {
+      owner_(owner),
+      remedy_(remedy),
+      shares_(device, owner_, "accessibility of texel sides", atlas.info().texel_count, remedy_),
+      parts_(device, owner_, "accessibility of texel sides' parts", size_t{atlas.info().texel_count} * SIDE_PART_WORDS,
+             remedy_),
+      points_(device, owner_, "accessibility of texel sides' points", atlas.info().texel_count, remedy_) {
   if (atlas.info().cell_count > kMaxCells)
-    throw_error(ErrorClass::usage, "bundle_exchange: the atlas has {} cells, more than {}: lower texels",
-                atlas.info().cell_count, kMaxCells);
+    throw_error(ErrorClass::usage, "{}: the atlas has {} cells, more than {}: {}", owner, atlas.info().cell_count,
+                kMaxCells, remedy);
   const double wanted = options.pixel_size * static_cast<double>(atlas.info().texel_edge);
   // Work-items that count for the same texel at a time would lose rays of it.
   safe_pixel_ = std::max(wanted, largest_texel_extent(atlas, buffers, wanted * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS);
@@ -58,7 +64,7 @@ double SideAccessibility::bundles(float pixel_size, int rays) {
   return std::clamp(std::ceil(double{pixel_size} * pixel_size * rays), kMinBundles, kMaxBundles);
 }
 
-void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const Program& program, const Scene& scene,
+void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const Scene& scene,
                               const SceneBuffers& buffers, const SurfaceAtlas& atlas, const TexelInterior& interior,
                               const LayeredRaster& raster) {
   const uint32_t sides = atlas.info().texel_count;
@@ -71,23 +77,22 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
   probes.count = static_cast<uint64_t>(bundles(options_.pixel_size, options_.rays));
   probes.only_hidden = options_.access_gap <= 0;
   probes.hidden = interior.hidden();
-  probes.counts =
-      TypedBuffer<uint32_t>(device, kOwner, "probes of texel sides", size_t{sides} * SIDE_PARTS, kFewerTexels);
+  probes.counts = TypedBuffer<uint32_t>(device, owner_, "probes of texel sides", size_t{sides} * SIDE_PARTS, remedy_);
   probes.counts.fill_zero();
-  probes.views = TypedBuffer<LayeredView>(device, kOwner, "view of a probe", 1);
-  probes.ends = TypedBuffer<float4>(device, kOwner, "ends of rays", 2);
+  probes.views = TypedBuffer<LayeredView>(device, owner_, "view of a probe", 1);
+  probes.ends = TypedBuffer<float4>(device, owner_, "ends of rays", 2);
 
-  ScheduleRecorder begin = scheduler.record("begin accessibility", kOwner);
+  ScheduleRecorder begin = scheduler.record("begin accessibility", owner_);
   probes.view = begin.variable("view", LayeredView{});
-  const Program begin_program = make_bundle_program(device, "exchange/begin_direction", {});
+  const Program begin_program = make_program(device, "begin_direction", {});
   PassBuilder pass = begin.pass("begin probe", begin_program, "begin_direction");
   buffers.bind(pass);
   pass.global(1).local(1).arg("view", probes.view).arg("omega", float4(0, 0, 1, 0)).arg("emission", 0u);
   pass.arg("views", probes.views).arg("ends", probes.ends);
   probes.begin = begin.compile();
 
-  ScheduleRecorder draw = scheduler.record("accessibility", kOwner);
-  const Program probe = make_bundle_program(device, "exchange/probe_pairs", raster.defines());
+  ScheduleRecorder draw = scheduler.record("accessibility", owner_);
+  const Program probe = make_program(device, "probe_pairs", raster.defines());
   raster.record_tiles(
       draw, "probe", {probes.views, draw.variable("view index", 0u)}, probe, "probe_pairs", [&](PassBuilder& rows) {
         atlas.bind(rows);
@@ -95,8 +100,9 @@ void SideAccessibility::begin(Device& device, KernelScheduler& scheduler, const 
       });
   probes.draw = draw.compile();
 
-  ScheduleRecorder sum = scheduler.record("accessibility of parts", kOwner);
-  PassBuilder finish = sum.pass("finish accessibility", program, "finish_accessibility");
+  ScheduleRecorder sum = scheduler.record("accessibility of parts", owner_);
+  PassBuilder finish =
+      sum.pass("finish accessibility", make_program(device, "finish_accessibility", {}), "finish_accessibility");
   atlas.bind(finish);
   finish.global(sides).arg("sides", sides).arg("counts", probes.counts);
   finish.arg("interior", interior.shares()).arg("hidden", interior.hidden());
@@ -136,4 +142,4 @@ size_t SideAccessibility::estimate_bytes(size_t sides) {
   return sides * (sizeof(float) + (1 + SIDE_PART_WORDS) * sizeof(uint32_t) + SIDE_PARTS * sizeof(uint32_t));
 }
 
-}  // namespace lucarium::bundle
+}  // namespace lucarium

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <map>
+#include <string>
+
+#include "lucarium/compute/schedule/schedule.h"
+
+namespace lucarium::vlf {
+
+inline constexpr const char* kOwner = "virtual_light_field";
+
+/// The program of one kernel file of the technique, FILE.cl.
+Program make_field_program(Device& device, const std::string& file, std::map<std::string, std::string> defines = {});
+
+}  // namespace lucarium::vlf

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/technique/parameters.h"
+
+namespace lucarium::vlf {
+
+enum class DirectMode { nee, exchange };
+enum class WeakLobes { fold, drop };
+enum class EyeDirect { samples, atlas };
+enum class EyeLobes { trace, vlf };
+enum class EyeInterpolation { bary, nearest };
+enum class Supersample { automatic, one, two, four, eight };
+
+/// Every parameter of the technique, once: default, range, unit and meaning.
+struct Parameters {
+  int dir_n = 16;
+  int cells = 0;
+  int tile = 8;
+  int texels = 0;
+  float pixel_size = 0.5f;
+  float open_gap = 2;
+  int open_rays = 256;
+  Supersample supersample = Supersample::automatic;
+  float residual = 0.005f;
+  bool tail = true;
+  DirectMode direct_mode = DirectMode::nee;
+  bool split_layers = true;
+  float tile_albedo = 0.1f;
+  WeakLobes weak_lobes = WeakLobes::fold;
+  EyeDirect eye_direct = EyeDirect::samples;
+  EyeLobes eye_glossy = EyeLobes::trace;
+  EyeInterpolation eye_interp = EyeInterpolation::bary;
+  float patch_cone = 30;
+  int camera_samples = 64;
+
+  template <class V>
+  void describe(V& v) {
+    v.number("dir_n", dir_n, 2, 64, "",
+             "subdivision n of the direction grid: light travels along 2 n^2 + 1 lines, both ways (paper: 512, 2k)");
+    v.number(
+        "cells", cells, 0, 2048, "cells",
+        "cells per edge of a line's film, at least 16; 0: a cell is 0.37 times what directions spread over the mean "
+        "chord of the scene, 64 to 256 cells");
+    v.number("tile", tile, 0, 32, "cells", "edge length of tiles; 0: chosen for each patch (paper: 8, 16)");
+    v.number("texels", texels, 0, 1 << 24, "texels",
+             "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
+    v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",
+             "maximum edge length of a pixel of a film, with supersample=auto");
+    v.number("open_gap", open_gap, 0.f, 16.f, "texel edges",
+             "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility; 0: "
+             "no weighting");
+    v.number("open_rays", open_rays, 128, 4096, "rays", "rays per texel that measure its accessibility");
+    v.choice("supersample", supersample,
+             {{"auto", Supersample::automatic},
+              {"1", Supersample::one},
+              {"2", Supersample::two},
+              {"4", Supersample::four},
+              {"8", Supersample::eight}},
+             "pixels per edge of a cell; auto: as pixel_size says");
+    v.number("residual", residual, 0.f, 1.f, "",
+             "bound of the relative error of unlimited bounces at which propagation ends; 0: never");
+    v.flag("tail", tail, "add the bounces that are missing when propagation ends as a geometric series (paper: off)");
+    v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
+             "direct light of emissive surfaces and the environment: light samples (nee) or propagation (exchange, "
+             "paper)");
+    v.flag("split_layers", split_layers, "keep direct light of tiles apart, which eye_direct needs; 4 bytes per cell");
+    v.number("tile_albedo", tile_albedo, 0.f, 1.f, "",
+             "minimum specular albedo and transmission of surfaces that keep radiance by direction");
+    v.choice("weak_lobes", weak_lobes, {{"fold", WeakLobes::fold}, {"drop", WeakLobes::drop}},
+             "specular lobes below tile_albedo: added to the diffuse albedo in propagation (fold), or left out (drop)");
+    v.choice("eye_direct", eye_direct, {{"samples", EyeDirect::samples}, {"atlas", EyeDirect::atlas}},
+             "direct light at pixels: light samples, or the atlas (paper)");
+    v.choice("eye_glossy", eye_glossy, {{"trace", EyeLobes::trace}, {"vlf", EyeLobes::vlf}},
+             "specular lobes at pixels: a ray that looks up where it ends (trace), or the tiles (vlf, paper)");
+    v.choice("eye_interp", eye_interp, {{"bary", EyeInterpolation::bary}, {"nearest", EyeInterpolation::nearest}},
+             "directions that a look-up of tiles mixes: the three around it (bary), or the nearest");
+    v.number("patch_cone", patch_cone, 0.f, 60.f, "degrees",
+             "maximum angle between normals of a patch and that of its largest triangle; 0: planar patches (paper)");
+    v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
+             "minimum samples per pixel before the image counts as converged");
+    v.presets({{"paper",
+                {{"direct_mode", "exchange"},
+                 {"open_gap", "0"},
+                 {"tail", "off"},
+                 {"eye_direct", "atlas"},
+                 {"eye_glossy", "vlf"},
+                 {"patch_cone", "0"}}},
+               {"walkthrough", {{"eye_direct", "atlas"}, {"eye_glossy", "vlf"}, {"camera_samples", "1"}}}},
+              "set of values; paper: the choices of Mortensen et al. 2007; walkthrough: frames of constant time");
+    v.basic({"dir_n", "cells", "texels", "residual", "direct_mode", "eye_direct", "eye_glossy", "camera_samples"});
+  }
+};
+
+}  // namespace lucarium::vlf

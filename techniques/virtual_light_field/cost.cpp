@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "virtual_light_field/cost.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lucarium/services/texel_sides/side_light.h"
+#include "lucarium/shared/texel_sides.h"
+#include "virtual_light_field/light_field.h"
+#include "virtual_light_field/pixels/field_view.h"
+
+namespace lucarium::vlf {
+namespace {
+
+constexpr double kAtlasSeconds = 6e-6;          // a texel of the atlas, with what is hidden of it
+constexpr double kChartSeconds = 3e-6;          // a triangle
+constexpr double kAccessibilitySeconds = 4e-8;  // a ray of a texel that measures accessibility
+constexpr double kSideLightSeconds = 1.8e-5;    // a texel's first light samples
+constexpr double kFilmPixelSeconds = 1.5e-7;    // a pixel of a film, in a sweep
+constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a line
+constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
+constexpr double kSweeps = 6;                   // of unlimited bounces
+constexpr double kTileOverhead = 1.6;           // cells of tiles over those that surfaces meet
+
+/// A material whose tiles are to be expected (patches.h).
+bool is_tiled(const SceneMaterial& m, const Parameters& parameters) {
+  const double least = static_cast<double>(parameters.tile_albedo);
+  const double f0 = std::pow((static_cast<double>(m.ior) - 1) / (static_cast<double>(m.ior) + 1), 2);
+  return static_cast<double>(m.metallic) * 0.9 + f0 + 0.05 >= least || static_cast<double>(m.transmission) >= least;
+}
+
+double tiled_share(const Parameters& parameters, const Scene& scene) {
+  if (scene.materials.empty()) return 0;
+  uint64_t tiled = 0, all = 0;
+  for (const SceneInstance& instance : scene.instances) {
+    const auto count = static_cast<uint64_t>(scene.meshes[static_cast<size_t>(instance.mesh)].triangles.size());
+    all += count;
+    if (instance.material >= 0 && is_tiled(scene.materials[static_cast<size_t>(instance.material)], parameters))
+      tiled += count;
+  }
+  return all > 0 ? static_cast<double>(tiled) / static_cast<double>(all) : 0;
+}
+
+FilmPlan expected_film(const Plan& plan, const Parameters& parameters, const Scene& scene) {
+  const double edge = SurfaceAtlas::estimate_edge(scene, plan.atlas);
+  const double area = edge * edge * static_cast<double>(plan.atlas.texel_count);
+  return plan_film(parameters, scene.bounds(), area, edge, 0);
+}
+
+}  // namespace
+
+double estimate_seconds(const Plan& plan, const Parameters& parameters, const Scene& scene,
+                        const RenderSettings& settings, const ComputePower& power) {
+  const auto texels = static_cast<double>(plan.atlas.texel_count),
+             triangles = static_cast<double>(scene.triangle_count());
+  double device = double{1} * settings.width * settings.height * kPixelSeconds;
+  double host = 0;
+  if (plan.field) {
+    host = texels * kAtlasSeconds + triangles * kChartSeconds;
+    const FilmPlan film = expected_film(plan, parameters, scene);
+    const double lines = 2. * parameters.dir_n * parameters.dir_n + 1,
+                 edge = std::ldexp(film.film, static_cast<int>(film.shift));
+    const double sweeps = (plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps) + 1;
+    device += texels * (parameters.open_rays * kAccessibilitySeconds + (plan.sampled ? kSideLightSeconds : 0)) +
+              sweeps * lines * (edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds);
+  }
+  return host / power.host + device / power.device;
+}
+
+std::vector<ParameterSaving> savings() {
+  return {{"open_rays", {"128"}},
+          {"dir_n", {"12", "8"}},
+          {"texels", {"131072", "65536", "32768", "16384", "8192"}},
+          {"dir_n", {"6"}, true}};
+}
+
+size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scene& scene,
+                      const RenderSettings& settings) {
+  size_t bytes = FieldView::estimate_bytes(settings.width, settings.height, plan.traced && plan.field);
+  if (!plan.field) return bytes;
+  const size_t sides = SurfaceAtlas::estimate_sides(scene, plan.atlas);
+  const FilmPlan film = expected_film(plan, parameters, scene);
+  const double directions = 4. * parameters.dir_n * parameters.dir_n + 2;
+  const double edge = SurfaceAtlas::estimate_edge(scene, plan.atlas);
+  const double area = edge * edge * static_cast<double>(sides) * tiled_share(parameters, scene);
+  const double cells = directions * kTileOverhead * area / (4 * film.cell * film.cell);
+  LayeredRasterOptions raster;
+  raster.max_width = raster.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);
+  return bytes + SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) +
+         LightField::estimate_bytes(sides, 0, static_cast<uint32_t>(directions)) +
+         static_cast<size_t>(cells) *
+             (LightField::kCellBytes + (parameters.split_layers ? LightField::kSplitBytes : 0)) +
+         TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides) +
+         SideLight::estimate_bytes(sides) +
+         LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster, std::nullopt);
+}
+
+}  // namespace lucarium::vlf

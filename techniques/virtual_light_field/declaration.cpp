@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "virtual_light_field/declaration.h"
+
+#include <algorithm>
+
+#include "virtual_light_field/base/plan.h"
+
+namespace lucarium::vlf {
+
+TechniqueInfo technique_info() {
+  TechniqueInfo info;
+  info.name = "virtual_light_field";
+  info.version = "1.0";
+  info.summary = "light field along fixed directions, propagated once and looked up in constant time";
+  info.citation =
+      "J. Mortensen, P. Khanna, M. Slater, Light Field Propagation and Rendering on the GPU, AFRIGRAPH 2007";
+  info.capabilities.lights = all_kinds<LightKind>();
+  info.capabilities.materials = all_kinds<MaterialKind>();
+  info.capabilities.changes = all_kinds<ChangeKind>();
+  info.capabilities.max_bounces = -1;
+  info.capabilities.view_independent = true;
+  info.capabilities.bias = 0.03;  // mirror light is blurred by the spacing of directions, all light by cells and texels
+  info.layers = {"emission", "direct", "indirect"};
+  info.check_parameters = {{"dir_n", "6"}, {"cells", "32"}, {"texels", "4096"}};
+  return info;
+}
+
+PathSet path_set(const Parameters& parameters, const Scene&, const RenderSettings& settings) {
+  PathSet set;
+  set.max_bounces = settings.max_bounces;
+  set.secondary_lambert_only = parameters.weak_lobes == WeakLobes::drop && parameters.tile_albedo >= 1;
+  return set;
+}
+
+std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  std::vector<std::string> list;
+  const Plan plan = make_plan(parameters, scene, settings);
+  if (plan.lobes && !scene.lights.empty() && parameters.eye_direct == EyeDirect::atlas)
+    list.push_back("point, spot and directional lights make no highlights (eye_direct=atlas)");
+  if (parameters.weak_lobes == WeakLobes::drop && plan.lobes && parameters.tile_albedo < 1)
+    list.push_back("specular lobes below tile_albedo scatter no light on (weak_lobes=drop)");
+  if (plan.lobes && !parameters.split_layers && parameters.eye_direct == EyeDirect::samples &&
+      parameters.eye_glossy == EyeLobes::vlf)
+    list.push_back("direct light of specular lobes counts twice: set split_layers=on");
+  return list;
+}
+
+}  // namespace lucarium::vlf

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "virtual_light_field/directions/direction_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace lucarium::vlf {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr uint64_t kRotationStream = 0x726f7461;
+constexpr uint64_t kFilmStream = 0x66696c6d;
+
+/// Of [0, 1), the same on every machine.
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+
+/// A uniform rotation (Shoemake 1992, "Uniform Random Rotations").
+glm::dmat3 random_rotation(uint64_t seed) {
+  std::mt19937_64 random(seed ^ kRotationStream);
+  const double u = uniform(random), a = 2 * kPi * uniform(random), b = 2 * kPi * uniform(random);
+  const double x = std::sqrt(1 - u) * std::sin(a), y = std::sqrt(1 - u) * std::cos(a), z = std::sqrt(u) * std::sin(b),
+               w = std::sqrt(u) * std::cos(b);
+  return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z),     2 * (x * z - w * y),
+          2 * (x * y - w * z),     1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
+          2 * (x * z + w * y),     2 * (y * z - w * x),     1 - 2 * (x * x + y * y)};
+}
+
+/// Grid axes.
+glm::dvec3 sphere_point(double u, double v) {
+  const double d = 1 - std::abs(u) - std::abs(v), r = 1 - std::abs(d);
+  const double phi = r > 0 ? kPi / 4 * (1 + (std::abs(v) - std::abs(u)) / r) : 0;
+  const double k = r * std::sqrt(2 - r * r);
+  return glm::normalize(glm::dvec3(std::copysign(k * std::cos(phi), u), std::copysign(k * std::sin(phi), v),
+                                   std::copysign(1 - r * r, d)));
+}
+
+/// Nodes of the square as integers from -n to n.
+struct Node {
+  int u, v;
+};
+
+/// The one of the nodes that are the same direction, which the square's border has: on it (u, v) ≡ (-u, v) or (u, -v).
+Node canonical(Node node, int n) {
+  if (std::abs(node.v) == n) node.u = std::abs(node.u);
+  if (std::abs(node.u) == n) node.v = std::abs(node.v);
+  if (std::abs(node.u) == n && std::abs(node.v) == n) return {n, n};
+  return node;
+}
+
+/// -ω: signs change, and the hemispheres fold into each other.
+Node antipode(Node node, int n) {
+  const auto sign = [](int x) { return x < 0 ? -1 : 1; };
+  // A coordinate of 0 has either sign: both give nodes that are the same direction.
+  return {-sign(node.u) * (n - std::abs(node.v)), -sign(node.v) * (n - std::abs(node.u))};
+}
+
+}  // namespace
+
+DirectionGrid::DirectionGrid(uint32_t n, uint64_t seed) : n_(n), rotation_(random_rotation(seed)) {
+  const int size = static_cast<int>(n), side = 2 * size + 1;
+  const auto at = [&](Node node) { return static_cast<size_t>(node.v + size) * side + (node.u + size); };
+  nodes_.assign(static_cast<size_t>(side) * side, UINT32_MAX);
+  const glm::dmat3 to_world = glm::transpose(rotation_);
+  for (int v = -size; v <= size; ++v)
+    for (int u = -size; u <= size; ++u) {
+      const Node node = canonical({u, v}, size);
+      if (nodes_[at(node)] == UINT32_MAX) {
+        const auto line = static_cast<uint32_t>(omegas_.size());
+        nodes_[at(node)] = 2 * line;
+        nodes_[at(canonical(antipode(node, size), size))] = 2 * line + 1;
+        omegas_.push_back(to_world *
+                          sphere_point(static_cast<double>(node.u) / size, static_cast<double>(node.v) / size));
+        const bool corner = (node.u == 0 || std::abs(node.u) == size) && (node.v == 0 || std::abs(node.v) == size);
+        solid_angles_.push_back(kPi / (static_cast<double>(n) * n) * (corner ? 2. / 3 : 1));
+      }
+      nodes_[at({u, v})] = nodes_[at(node)];
+    }
+}
+
+glm::dvec3 DirectionGrid::direction(uint32_t index) const {
+  return index & 1 ? -omegas_[index / 2] : omegas_[index / 2];
+}
+
+double DirectionGrid::spacing(uint32_t n) { return std::sqrt(4 * kPi / (4. * n * n + 2)); }
+double DirectionGrid::spacing() const { return spacing(n_); }
+
+std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t film, double cell,
+                                  uint64_t seed) {
+  std::mt19937_64 random(seed ^ kFilmStream);
+  const glm::dvec3 center = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
+  std::vector<FieldLine> lines;
+  for (uint32_t line = 0; line < grid.lines(); ++line) {
+    const glm::dvec3 z = grid.direction(2 * line);
+    const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 u = glm::normalize(glm::cross(helper, z)), v = glm::cross(z, u);
+    const double angle = 2 * kPi * uniform(random);
+    const glm::dvec3 x = std::cos(angle) * u + std::sin(angle) * v, y = glm::cross(z, x);
+    const auto row = [&](const glm::dvec3& axis, double size, double shift) {
+      return float4(glm::vec3(axis / size), static_cast<float>(shift - glm::dot(axis, center) / size));
+    };
+    FieldLine result;
+    result.omega = float4(glm::vec3(z), static_cast<float>(grid.solid_angle(2 * line)));
+    result.row_x = row(x, cell, 0.5 * film + uniform(random) - 0.5);
+    result.row_y = row(y, cell, 0.5 * film + uniform(random) - 0.5);
+    result.row_w = row(z, 1, 0);
+    lines.push_back(result);
+  }
+  return lines;
+}
+
+}  // namespace lucarium::vlf

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "lucarium/scene/scene.h"
+#include "virtual_light_field/shared/field.h"
+
+namespace lucarium::vlf {
+
+/// The fixed directions of the field: nodes of an equal-area octahedral grid, n cells per edge of the octahedron,
+/// turned at random. 4 n² + 2 directions on 2 n² + 1 lines, closed under ω → -ω; the grid n / 2 is every second node.
+///
+/// The map: a point (u, v) of [-1, 1]² with d = 1 - |u| - |v|, r = 1 - |d|, φ = π/4 (1 + (|v| - |u|) / r),
+/// k = r √(2 - r²) is ω = (sgn(u) k cos φ, sgn(v) k sin φ, sgn(d) (1 - r²)). Every triangle of the grid covers π / 2 n²
+/// of solid angle, so that the hat function of a node has the integral π / n², and 2 π / 3 n² at the six corners of the
+/// octahedron, where four triangles meet instead of six. They sum to 4 π.
+class DirectionGrid {
+ public:
+  /// `n`: 2 to 64. The same seed gives the same directions for n and n / 2.
+  DirectionGrid(uint32_t n, uint64_t seed);
+
+  uint32_t n() const { return n_; }
+  uint32_t lines() const { return 2 * n_ * n_ + 1; }
+  uint32_t directions() const { return 2 * lines(); }
+  /// Unit vector, world space, of direction 2 · line, or 2 · line + 1, which is opposite.
+  glm::dvec3 direction(uint32_t index) const;
+  /// Integral of the hat function of a direction [sr].
+  double solid_angle(uint32_t index) const { return solid_angles_[index / 2]; }
+  /// Direction of each node of the square, (2 n + 1)², row by row.
+  const std::vector<uint32_t>& nodes() const { return nodes_; }
+  /// World to the axes of the grid.
+  const glm::dmat3& rotation() const { return rotation_; }
+  /// Distance between neighbours [rad]: δ = √(4 π / directions).
+  double spacing() const;
+  static double spacing(uint32_t n);
+
+ private:
+  uint32_t n_;
+  glm::dmat3 rotation_{1};
+  std::vector<glm::dvec3> omegas_;  ///< per line
+  std::vector<double> solid_angles_;
+  std::vector<uint32_t> nodes_;
+};
+
+/// Films of lines: N × N cells of edge `cell` that hold the bounding sphere of the scene, turned and shifted at random.
+/// `seed`: as of the grid.
+std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t film, double cell,
+                                  uint64_t seed);
+
+}  // namespace lucarium::vlf

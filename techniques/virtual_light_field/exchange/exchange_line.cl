@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Transport along a line (Mortensen et al. 2007, section 3): a pixel of the film is a ray; the radiance that runs along
+// it is what the last surface has sent, or the sky. Consecutive fragments see each other, in both directions at once.
+// What arrives is added to the irradiance of texel sides and to the cells of facets.
+#include "lucarium/services/texel_sides/side_parts.clh"
+#include "lucarium/shared/surface_atlas.h"
+#include "virtual_light_field/shared/field.h"
+
+typedef struct Exchange {
+  const __global AtlasTriangle* atlas_triangles;
+  const __global uint* atlas_table;
+  uint double_sided;
+  const __global FieldMap* maps;
+  const __global uint* tile_cells;
+  uint facets, shift;
+  const __global uint* accessibility;
+  const __global float2* interior;  // y: what a ray counts that meets a back
+  __global float4* records;         // fold_sides.cl
+  const __global uint* sent;        // RGB9E5 per cell: what leaves towards its direction, times scale
+  __global float4* received;        // of the line's cells, from first_cell on: sum of radiance, rays
+  uint first_cell;
+  float inverse_scale;
+  float weight;                // solid angle of either direction [sr]
+  float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
+#ifdef FIELD_MEDIA
+  const __global float4* extinction;  // per texel side, of the volume behind it [1/m]
+  float step;                         // of LAYERED_KEY_DEPTH [m]
+#endif
+} Exchange;
+
+#define BUNDLE_PAIRS Exchange
+#include "virtual_light_field/exchange/line_sides.clh"
+
+void bundle_expect(Exchange* exchange, uint texel) {
+  LUCARIUM_PREFETCH(exchange->records + 2u * (size_t)texel);
+  LUCARIUM_PREFETCH(exchange->accessibility + (size_t)texel * SIDE_PART_WORDS);
+}
+
+// One end of a ray in the scene.
+typedef struct FieldEnd {
+  uint side;      // LUCARIUM_NONE: black
+  uint cell;      // LUCARIUM_NONE: none
+  float weight;   // what the ray counts in the irradiance of the side
+  float3 leaves;  // radiance along the ray
+} FieldEnd;
+
+// backwards: the side is seen from -omega.
+FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint backwards) {
+  FieldEnd result;
+  result.side = end.side;
+  result.cell = LUCARIUM_NONE;
+  result.weight = 0.0f;
+  result.leaves = (float3)(0.0f);
+  if (end.side == LUCARIUM_NONE) return result;
+  const float4 record = exchange->records[2u * (size_t)end.side];
+  result.weight = exchange->weight * part_accessibility(exchange->accessibility, end.side, end.part);
+  result.cell = line_cell(exchange, as_uint(record.w), pixel, backwards);
+  result.leaves = record.xyz;
+  if (result.cell != LUCARIUM_NONE) {
+    const uint bits = exchange->sent[result.cell];
+    if (bits != FIELD_NO_CELL) result.leaves += exchange->inverse_scale * unpack_rgb9e5(bits);
+  }
+  return result;
+}
+
+// `radiance` arrives; `rays`: what it counts of one.
+void receive(Exchange* exchange, FieldEnd end, float3 radiance, float rays) {
+  if (end.side == LUCARIUM_NONE) return;
+  exchange->records[2u * (size_t)end.side + 1u] += end.weight * (float4)(radiance, rays);
+  if (end.cell != LUCARIUM_NONE) exchange->received[end.cell - exchange->first_cell] += (float4)(radiance, rays);
+}
+
+void layered_ray_begins(Exchange* exchange, uint2 pixel, uint payload, bool front) {
+  receive(exchange, field_end(exchange, fragment_side(exchange, payload, front), pixel, 1u), exchange->from_near, 1.0f);
+}
+
+void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
+  const FieldEnd near = field_end(exchange, fragment_side(exchange, gap.near, gap.near_front), gap.pixel, 0u);
+  const FieldEnd far = field_end(exchange, fragment_side(exchange, gap.far, gap.far_front), gap.pixel, 1u);
+  if (near.side == LUCARIUM_NONE || far.side == LUCARIUM_NONE) {
+    // The back of a single-sided surface: black, and counted unless the ray began in a hidden place.
+    const FieldEnd end = near.side == LUCARIUM_NONE ? far : near;
+    if (end.side != LUCARIUM_NONE) receive(exchange, end, (float3)(0.0f), exchange->interior[end.side].y);
+    return;
+  }
+  float3 to_near = far.leaves, to_far = near.leaves;
+#ifdef FIELD_MEDIA
+  // Both look into the same volume, if into any (medium.clh).
+  const float3 share = exp(-(float)gap.length * exchange->step * exchange->extinction[near.side].xyz);
+  to_near *= share;
+  to_far *= share;
+#endif
+  receive(exchange, near, to_near, 1.0f);
+  receive(exchange, far, to_far, 1.0f);
+}
+
+void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front) {
+  receive(exchange, field_end(exchange, fragment_side(exchange, payload, front), pixel, 0u), exchange->from_far, 1.0f);
+}
+
+// ends: radiance that enters along omega, and along -omega.
+__kernel void exchange_line(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle* atlas_triangles,
+                            __global const uint* atlas_table, FieldInfo info, uint line, uint first_cell, uint shift,
+                            __global const FieldMap* maps, __global const uint* tile_cells,
+                            __global const uint* accessibility, __global const float2* interior, float weight,
+                            float inverse_scale, __global const float4* ends,
+#ifdef FIELD_MEDIA
+                            __global const float4* extinction,
+#endif
+                            __global const uint* sent, __global float4* records, __global float4* received) {
+  Exchange exchange;
+  exchange.atlas_triangles = atlas_triangles;
+  exchange.atlas_table = atlas_table;
+  exchange.double_sided = atlas_info.double_sided_count;
+  exchange.maps = maps + (size_t)(2u * line) * info.facets;
+  exchange.tile_cells = tile_cells;
+  exchange.facets = info.facets;
+  exchange.shift = shift;
+  exchange.accessibility = accessibility;
+  exchange.interior = interior;
+  exchange.records = records;
+  exchange.sent = sent;
+  exchange.received = received;
+  exchange.first_cell = first_cell;
+  exchange.inverse_scale = inverse_scale;
+  exchange.weight = weight;
+  exchange.from_near = ends[0].xyz;
+  exchange.from_far = ends[1].xyz;
+#ifdef FIELD_MEDIA
+  exchange.extinction = extinction;
+  exchange.step = 1.0f / (layered_views[layered_view].depth_scale * 4194304.0f);
+#endif
+  LAYERED_RUN_TILES(&exchange);
+}

@@ -1,0 +1,493 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "virtual_light_field/light_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "lucarium/compute/program/source_library.h"
+#include "virtual_light_field/base/field_program.h"
+
+namespace lucarium::vlf {
+namespace {
+
+constexpr double kPixelsAtOnce = 4e6;        // of films in a call of advance()
+constexpr uint32_t kTilesAtOnce = 1u << 13;  // scattered in one
+constexpr uint32_t kMostSweeps = 256;
+constexpr float kBrightest = 16384;  // stored radiance of the brightest sender, at most
+constexpr const char* kFewerCells = "lower dir_n or cells";
+constexpr const char* kFewerTexels = "lower texels";
+
+uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
+
+double brightest(const glm::vec3& c) { return static_cast<double>(std::max(c.x, std::max(c.y, c.z))); }
+
+/// Per texel side the extinction of the volume that it looks into: of backs of refracting volumes. Empty: there is
+/// none.
+std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buffers, const SurfaceAtlas& atlas) {
+  const bool any = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
+  });
+  if (!any) return {};
+  const std::vector<Material> materials = buffers.scene_materials.download();
+  const std::vector<Instance> instances = buffers.scene_instances.download();
+  const std::vector<Triangle> triangles = buffers.scene_triangles.download();
+  const std::vector<AtlasTexel> texels = atlas.texels().download();
+  const uint32_t backs = atlas.info().double_sided_count;
+  std::vector<float4> result(texels.size());
+  for (uint32_t side = backs; side < 2 * backs; ++side) {
+    const Material& m = materials[instances[triangles[texels[side].triangle].instance].material];
+    if ((m.flags & LUCARIUM_MATERIAL_TRANSMISSIVE) && !(m.flags & LUCARIUM_MATERIAL_THIN))
+      result[side] = float4(m.attenuation.xyz(), 0);
+  }
+  return result;
+}
+
+/// What texel sides reflect diffusely in propagation.
+std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials, const Patches& patches, bool fold) {
+  std::vector<float4> result;
+  for (size_t side = 0; side < materials.size(); ++side) {
+    glm::vec3 albedo = materials[side].diffuse.xyz();
+    if (fold && patches.side_facet[side] == LUCARIUM_NONE) albedo += patches.side_albedo[side].xyz();
+    result.emplace_back(albedo, 0.f);
+  }
+  return result;
+}
+
+}  // namespace
+
+LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
+                       const SurfaceAtlas& atlas, const Patches& patches, const LayeredRaster& raster,
+                       const TexelInterior& interior, const SideAccessibility& accessibility,
+                       const TypedBuffer<float4>& light_samples, const Options& options)
+    : scheduler_(&scheduler),
+      host_scene_(&host_scene),
+      scene_(&scene),
+      atlas_(&atlas),
+      options_(options),
+      grid_(options.dir_n, options.seed),
+      maps_(device, scheduler, host_scene, scene, grid_, patches,
+            {options.film.film, options.film.cell, atlas.info().texel_edge, options.seed}),
+      tiled_(maps_.cells() > 0),
+      sides_(atlas.info().texel_count),
+      light_samples_(light_samples),
+      albedo_(device, kOwner, "albedo of texel sides",
+              transport_albedo(atlas.materials().download(), patches, options.fold), kFewerTexels),
+      records_(device, kOwner, "records of texel sides", 2 * size_t{sides_}, kFewerTexels),
+      direct_(device, kOwner, "direct light of texel sides", sides_, kFewerTexels),
+      indirect_(device, kOwner, "indirect light of texel sides", sides_, kFewerTexels),
+      last_(device, kOwner, "light of the last sweep", sides_, kFewerTexels),
+      shown_direct_(device, kOwner, "displayed direct light", sides_, kFewerTexels),
+      shown_(device, kOwner, "displayed indirect light", sides_, kFewerTexels),
+      held_(device, kOwner, "light that rays look up", sides_, kFewerTexels),
+      shares_(accessibility.shares()),
+      cell_side_(device, kOwner, "texel sides of cells", maps_.cells(), kFewerCells),
+      incoming_(device, kOwner, "light received by cells", maps_.cells(), kFewerCells),
+      sent_(device, kOwner, "light sent by cells", maps_.cells(), kFewerCells),
+      total_(device, kOwner, "light of cells", maps_.cells(), kFewerCells),
+      direct_cells_(device, kOwner, "direct light of cells", options.split ? maps_.cells() : 0, kFewerCells),
+      received_(device, kOwner, "sums of a line's cells", maps_.largest_line(), kFewerCells),
+      side_norms_(device, kOwner, "norms of texel sides", size_t{FIELD_NORMS} * divide_up(sides_, FIELD_NORM_CHUNK),
+                  kFewerTexels),
+      tile_norms_(device, kOwner, "norms of tiles", size_t{FIELD_NORMS} * maps_.tiles(), kFewerCells),
+      norms_(device, kOwner, "norms", FIELD_NORMS),
+      distance_(device, kOwner, "distances of a line's cells", maps_.largest_line(), kFewerCells),
+      views_(device, kOwner, "view of a line", 1),
+      ends_(device, kOwner, "ends of rays", 2),
+      side_program_(make_field_program(device, "scatter/fold_sides")) {
+  const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
+  if (!extinctions.empty())
+    extinction_ = TypedBuffer<float4>(device, kOwner, "extinction at texel sides", extinctions, kFewerTexels);
+  record_sides();
+  record_lines(device, raster, interior, accessibility);
+  if (tiled_) record_scatter(device);
+}
+
+// ---- schedules
+
+void LightField::record_sides() {
+  ScheduleRecorder emit = scheduler_->record("begin propagation", kOwner);
+  PassBuilder first = emit.pass("emit", side_program_, "emit_sides");
+  atlas_->bind(first);
+  maps_.bind(first);
+  first.global(sides_).arg("sides", sides_).arg("records", records_);
+  emit_ = emit.compile();
+
+  const uint32_t chunks = divide_up(sides_, FIELD_NORM_CHUNK);
+  ScheduleRecorder fold = scheduler_->record("end of a sweep", kOwner);
+  fold_sweep_ = fold.variable("sweep", 0u);
+  PassBuilder sides = fold.pass("fold texel sides", side_program_, "fold_sides");
+  atlas_->bind(sides);
+  sides.global(chunks)
+      .arg("sides", sides_)
+      .arg("sweep", fold_sweep_)
+      .arg("sampled", options_.sampled ? 1u : 0u)
+      .arg("albedo", albedo_)
+      .arg("shares", shares_)
+      .arg("light_samples", light_samples_)
+      .arg("records", records_)
+      .arg("direct", direct_)
+      .arg("indirect", indirect_)
+      .arg("last", last_)
+      .arg("norms", side_norms_);
+  fold.pass("sum norms", side_program_, "sum_norms")
+      .global(FIELD_NORMS)
+      .arg("chunks", chunks)
+      .arg("partial", side_norms_)
+      .arg("norms", norms_);
+  fold_ = fold.compile();
+
+  ScheduleRecorder show = scheduler_->record("show texel sides", kOwner);
+  show_tail_ = show.variable("tail", float4{});
+  show_hold_ = show.variable("hold", 0u);
+  show.pass("show texel sides", side_program_, "show_sides")
+      .global(sides_)
+      .arg("sides", sides_)
+      .arg("tail", show_tail_)
+      .arg("hold", show_hold_)
+      .arg("shares", shares_)
+      .arg("direct", direct_)
+      .arg("indirect", indirect_)
+      .arg("last", last_)
+      .arg("shown_direct", shown_direct_)
+      .arg("shown", shown_)
+      .arg("held", held_);
+  show_ = show.compile();
+}
+
+LightField::LineSchedule LightField::begin_line(ScheduleRecorder& recorder) {
+  LineSchedule line;
+  line.line = recorder.variable("line", 0u);
+  line.first_cell = recorder.variable("first_cell", 0u);
+  line.cells = recorder.variable("count", 0u);
+  return line;
+}
+
+void LightField::record_lines(Device& device, const LayeredRaster& raster, const TexelInterior& interior,
+                              const SideAccessibility& accessibility) {
+  const Program begin(
+      device, SourceLibrary(),
+      {"services/texel_sides/begin_direction", {"lucarium/services/texel_sides/begin_direction.cl"}, {}}),
+      average = make_field_program(device, "exchange/average_line");
+  ScheduleRecorder beginning = scheduler_->record("begin line", kOwner);
+  line_view_ = beginning.variable("view", LayeredView{});
+  line_omega_ = beginning.variable("omega", float4(0, 0, 1, 0));
+  line_emission_ = beginning.variable("emission", 0u);
+  PassBuilder first = beginning.pass("begin line", begin, "begin_direction");
+  scene_->bind(first);
+  first.global(1).local(1).arg("view", line_view_).arg("omega", line_omega_).arg("emission", line_emission_);
+  first.arg("views", views_).arg("ends", ends_);
+  begin_line_ = beginning.compile();
+  std::map<std::string, std::string> defines = raster.defines();
+  const auto bind_line = [&](PassBuilder& pass, const LineSchedule& line) {
+    atlas_->bind(pass);
+    maps_.bind(pass);
+    pass.arg("line", line.line).arg("first_cell", line.first_cell).arg("shift", options_.film.shift);
+  };
+  if (tiled_) {
+    ScheduleRecorder recorder = scheduler_->record("survey of a line", kOwner);
+    LineSchedule line = begin_line(recorder);
+    recorder.pass("clear distances", average, "clear_survey")
+        .global(maps_.largest_line())
+        .arg("count", line.cells)
+        .arg("distances", distance_);
+    const Program program = make_field_program(device, "exchange/survey_line", defines);
+    raster.record_tiles(recorder, "survey", {views_, recorder.variable("view index", 0u)}, program, "survey_line",
+                        [&](PassBuilder& pass) {
+                          bind_line(pass, line);
+                          pass.arg("distances", distance_).arg("cell_side", cell_side_);
+                        });
+    line.schedule = recorder.compile();
+    survey_ = std::move(line);
+  }
+  ScheduleRecorder recorder = scheduler_->record("exchange along a line", kOwner);
+  LineSchedule line = begin_line(recorder);
+  line.weight = recorder.variable("weight", 1.f);
+  line.scale = recorder.variable("scale", 1.f);
+  line.inverse_scale = recorder.variable("inverse_scale", 1.f);
+  if (extinction_) defines["FIELD_MEDIA"] = "";
+  const Program program = make_field_program(device, "exchange/exchange_line", defines);
+  raster.record_tiles(recorder, "exchange", {views_, recorder.variable("view index", 0u)}, program, "exchange_line",
+                      [&](PassBuilder& pass) {
+                        bind_line(pass, line);
+                        pass.arg("accessibility", accessibility.parts())
+                            .arg("interior", interior.shares())
+                            .arg("weight", line.weight)
+                            .arg("inverse_scale", line.inverse_scale)
+                            .arg("ends", ends_)
+                            .arg("sent", sent_)
+                            .arg("records", records_)
+                            .arg("received", received_);
+                        if (extinction_) pass.arg("extinction", extinction_);
+                      });
+  if (tiled_)
+    recorder.pass("average cells", average, "average_line")
+        .global(maps_.largest_line())
+        .arg("count", line.cells)
+        .arg("first_cell", line.first_cell)
+        .arg("scale", line.scale)
+        .arg("received", received_)
+        .arg("incoming", incoming_);
+  line.schedule = recorder.compile();
+  line_ = std::move(line);
+}
+
+void LightField::record_scatter(Device& device) {
+  const Program program = make_field_program(device, "scatter/scatter_cells");
+  ScheduleRecorder recorder = scheduler_->record("scatter", kOwner);
+  scatter_first_ = recorder.variable("first_tile", 0u);
+  scatter_end_ = recorder.variable("tiles", 0u);
+  scatter_sweep_ = recorder.variable("sweep", 0u);
+  scatter_scale_ = recorder.variable("inverse_scale", 1.f);
+  PassBuilder pass = recorder.pass("scatter", program, "scatter_cells");
+  scene_->bind(pass);
+  atlas_->bind(pass);
+  maps_.bind(pass);
+  pass.global(std::min(kTilesAtOnce, maps_.tiles()))
+      .local(1)
+      .arg("tile_list", maps_.tile_list())
+      .arg("first_tile", scatter_first_)
+      .arg("tiles", scatter_end_)
+      .arg("sweep", scatter_sweep_)
+      .arg("split", options_.split ? 1u : 0u)
+      .arg("inverse_scale", scatter_scale_)
+      .arg("cell_side", cell_side_)
+      .arg("incoming", incoming_)
+      .arg("sent", sent_)
+      .arg("total", total_)
+      .arg("direct", direct_cells_)
+      .arg("norms", tile_norms_);
+  scatter_ = recorder.compile();
+
+  ScheduleRecorder sums = scheduler_->record("norms of cells", kOwner);
+  sums.pass("sum norms", side_program_, "sum_norms")
+      .global(FIELD_NORMS)
+      .arg("chunks", maps_.tiles())
+      .arg("partial", tile_norms_)
+      .arg("norms", norms_);
+  sum_tiles_ = sums.compile();
+
+  ScheduleRecorder tail = scheduler_->record("tail of cells", kOwner);
+  cell_tail_ = tail.variable("tail", float4{});
+  tail.pass("add tail", program, "add_tail")
+      .global(maps_.cells())
+      .arg("count", maps_.cells())
+      .arg("tail", cell_tail_)
+      .arg("sent", sent_)
+      .arg("total", total_);
+  add_tail_ = tail.compile();
+}
+
+// ---- propagation
+
+void LightField::begin() {
+  find_scale();
+  scheduler_->run_to_end(emit_);
+  scheduler_->finish();
+  if (tiled_) {
+    cell_side_.upload(std::vector<uint32_t>(maps_.cells(), LUCARIUM_NONE));
+    sent_.upload(std::vector<uint32_t>(maps_.cells(), FIELD_NO_CELL));
+    total_.upload(std::vector<uint32_t>(maps_.cells(), FIELD_NO_CELL));
+    if (options_.split) direct_cells_.upload(std::vector<uint32_t>(maps_.cells(), FIELD_NO_CELL));
+    stage_ = Stage::survey;
+  } else {
+    stage_ = Stage::transport;
+  }
+  next_line_ = next_tile_ = sweep_ = shown_sweeps_ = 0;
+  begun_ = true;
+}
+
+/// A power of two that takes the brightest sender to the middle of what cells can hold.
+void LightField::find_scale() {
+  scheduler_->finish();
+  double most = 0;
+  for (const AtlasMaterial& m : atlas_->materials().download()) most = std::max(most, brightest(m.emission.xyz()));
+  for (const float4& s : light_samples_.download())
+    if (s.w > 0) most = std::max(most, brightest(s.xyz()) / static_cast<double>(s.w) / 3.14159265358979323846);
+  if (const auto& sky = host_scene_->environment) {
+    double value = sky->radiance.empty() ? 1 : 0;
+    for (const glm::vec3& texel : sky->radiance) value = std::max(value, brightest(texel));
+    most = std::max(most, value * brightest(sky->factor));
+  }
+  scale_ =
+      most > 0 && std::isfinite(most) ? static_cast<float>(std::exp2(std::floor(std::log2(kBrightest / most)))) : 1;
+  scale_ = std::clamp(scale_, 0x1p-100f, 0x1p100f);
+}
+
+bool LightField::advance() {
+  if (done()) return true;
+  if (!begun_) begin();
+  if (stage_ == Stage::scatter) return scatter_tiles();
+  // Sampled direct light needs no first sweep, unless facets are to reflect emitters and sky.
+  if (stage_ == Stage::transport && sweep_ == 0 && options_.sampled && !tiled_) {
+    end_sweep();
+    return true;
+  }
+  const double edge = static_cast<double>(options_.film.film << options_.film.shift);
+  const auto lines = static_cast<uint32_t>(std::max(1., kPixelsAtOnce / (edge * edge)));
+  for (uint32_t i = 0; i < lines && next_line_ < grid_.lines(); ++i) {
+    if (!run_line()) return false;
+  }
+  if (next_line_ < grid_.lines()) return true;
+  next_line_ = 0;
+  if (stage_ == Stage::survey)
+    stage_ = Stage::transport;
+  else
+    end_sweep();
+  return true;
+}
+
+bool LightField::run_line() {
+  LineSchedule& line = stage_ == Stage::survey ? survey_ : line_;
+  const uint32_t index = next_line_;
+  const FieldLine& frame = maps_.host_lines()[index];
+  const auto pixels = static_cast<float>(1u << options_.film.shift);
+  const auto times = [&](const float4& row) {
+    return float4(row.x * pixels, row.y * pixels, row.z * pixels, row.w * pixels);
+  };
+  const Bounds bounds = host_scene_->bounds();
+  const double range = 2.002 * static_cast<double>(bounds.radius()) + 1e-6;
+  LayeredView view{};
+  view.row_x = times(frame.row_x);
+  view.row_y = times(frame.row_y);
+  view.row_w = frame.row_w;
+  view.depth_min = static_cast<float>(-0.5 * range);
+  view.depth_scale = static_cast<float>(1 / range);
+  view.width = view.height = options_.film.film << options_.film.shift;
+  view.seed = options_.line_seed + index * 0x9e3779b9u;
+  const std::vector<uint32_t>& first = maps_.first_cells();
+  begin_line_.set(line_view_, view);
+  begin_line_.set(line_omega_, float4(frame.omega.xyz(), 0.f));
+  begin_line_.set(line_emission_, sweep_ == 0 ? 1u : 0u);
+  if (scheduler_->run(begin_line_) == RunResult::cancelled) return false;
+  line.schedule.set(line.line, index);
+  line.schedule.set(line.first_cell, first[2 * index]);
+  line.schedule.set(line.cells, first[2 * index + 2] - first[2 * index]);
+  if (stage_ == Stage::transport) {
+    line.schedule.set(line.weight, frame.omega.w);
+    line.schedule.set(line.scale, scale_);
+    line.schedule.set(line.inverse_scale, 1 / scale_);
+  }
+  scheduler_->run_to_end(line.schedule);  // half a line would be counted twice
+  ++next_line_;
+  ++lines_drawn_;
+  film_pixels_ += static_cast<double>(view.width) * view.height;
+  return true;
+}
+
+bool LightField::is_last() const {
+  return options_.max_bounces >= 0 && sweep_ >= static_cast<uint32_t>(options_.max_bounces);
+}
+
+void LightField::end_sweep() {
+  fold_.set(fold_sweep_, sweep_);
+  scheduler_->run_to_end(fold_);
+  side_sums_ = take_norms();
+  next_tile_ = 0;
+  if (tiled_ && (!is_last() || options_.scatter_last))
+    stage_ = Stage::scatter;
+  else
+    finish_sweep(side_sums_);
+}
+
+bool LightField::scatter_tiles() {
+  const uint32_t end = std::min(next_tile_ + kTilesAtOnce, maps_.tiles());
+  scatter_.set(scatter_first_, next_tile_);
+  scatter_.set(scatter_end_, end);
+  scatter_.set(scatter_sweep_, sweep_);
+  scatter_.set(scatter_scale_, 1 / scale_);
+  scheduler_->run_to_end(scatter_);  // totals would grow twice
+  cells_scattered_ += static_cast<uint64_t>(maps_.cells()) * (end - next_tile_) / maps_.tiles();
+  next_tile_ = end;
+  if (next_tile_ < maps_.tiles()) return true;
+  scheduler_->run_to_end(sum_tiles_);
+  Norms sums = side_sums_;
+  const Norms cells = take_norms();
+  for (size_t k = 0; k < sums.size(); ++k)
+    sums[k] = float4(sums[k].x + cells[k].x, sums[k].y + cells[k].y, sums[k].z + cells[k].z, sums[k].w + cells[k].w);
+  finish_sweep(sums);
+  return true;
+}
+
+Norms LightField::take_norms() const {
+  scheduler_->finish();
+  const std::vector<float4> values = norms_.download();
+  Norms result;
+  std::copy(values.begin(), values.end(), result.begin());
+  return result;
+}
+
+void LightField::finish_sweep(const Norms& norms) {
+  const bool unlimited = options_.max_bounces < 0;
+  if (sweep_ > 0) tail_ = find_tail(norms);
+  // Nothing is sent any more: all is known.
+  const bool dark = !(norms[0].x > 0 || norms[0].y > 0 || norms[0].z > 0);
+  const double error = options_.tail ? tail_.error : tail_.without;
+  const bool accurate = sweep_ > 1 && options_.residual > 0 && error < options_.residual;
+  const bool last = is_last() || (unlimited && (dark || accurate || sweep_ + 1 >= kMostSweeps));
+  if (last) {
+    why_done_ = !unlimited ? fmt::format("all {} bounces are propagated", options_.max_bounces)
+                : dark     ? fmt::format("no light is left after {} sweeps", sweep_ + 1)
+                : accurate ? fmt::format("the relative error is below {:.2g}, residual", error)
+                           : fmt::format("all {} sweeps are done", kMostSweeps);
+  }
+  float4 factor{};
+  if (last && unlimited && options_.tail && std::isfinite(tail_.error)) factor = tail_.factor;
+  // λ / (1 - λ) times what is sent next is what is missing; of irradiance, times the last sweep's. Of cells the last
+  // scattering is part of the totals already.
+  show_.set(show_tail_, factor);
+  show_.set(show_hold_, is_last() ? 1u : 0u);
+  scheduler_->run_to_end(show_);
+  if (last && tiled_ && (factor.x > 0 || factor.y > 0 || factor.z > 0)) {
+    add_tail_.set(cell_tail_, factor);
+    scheduler_->run_to_end(add_tail_);
+  }
+  ++sweep_;
+  ++shown_sweeps_;
+  stage_ = last ? Stage::done : Stage::transport;
+}
+
+double LightField::progress() const {
+  if (done()) return 1;
+  if (!begun_) return 0;
+  const double lines = static_cast<double>(next_line_) / grid_.lines();
+  if (options_.max_bounces >= 0) {
+    const double all = options_.max_bounces + (tiled_ ? 2. : 1.);
+    return std::min((sweep_ + lines + (tiled_ && stage_ != Stage::survey ? 1. : 0.)) / all, 0.99);
+  }
+  // The error falls by a factor per sweep: on a logarithmic scale it comes evenly.
+  const double error = options_.tail ? tail_.error : tail_.without;
+  if (sweep_ < 3 || !(error > 0) || !std::isfinite(error) || !(options_.residual > 0))
+    return std::min(0.05 * sweep_, 0.2);
+  return std::clamp(std::log(error) / std::log(options_.residual), 0.2, 0.99);
+}
+
+std::string LightField::phase() const {
+  switch (stage_) {
+    case Stage::survey: return "survey";
+    case Stage::transport: return fmt::format("sweep {}", sweep_);
+    case Stage::scatter: return fmt::format("scatter {}", sweep_);
+    case Stage::done: break;
+  }
+  return "walk";
+}
+
+void LightField::warm_up() {
+  scheduler_->warm_up(emit_);
+  scheduler_->warm_up(begin_line_);
+  if (survey_.schedule) scheduler_->warm_up(survey_.schedule);
+  scheduler_->warm_up(line_.schedule);
+  scheduler_->warm_up(fold_);
+  scheduler_->warm_up(show_);
+  if (!tiled_) return;
+  scheduler_->warm_up(scatter_);
+  scheduler_->warm_up(sum_tiles_);
+  scheduler_->warm_up(add_tail_);
+}
+
+size_t LightField::estimate_bytes(size_t sides, size_t facets, uint32_t directions) {
+  return sides * (9 * sizeof(float4) + sizeof(uint32_t)) + facets * directions * sizeof(FieldMap);
+}
+
+}  // namespace lucarium::vlf

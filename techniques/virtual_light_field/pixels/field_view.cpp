@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "virtual_light_field/pixels/field_view.h"
+
+#include "lucarium/base/seed.h"
+#include "lucarium/services/ray_ends.h"
+#include "virtual_light_field/base/field_program.h"
+
+namespace lucarium::vlf {
+namespace {
+
+constexpr uint32_t kStream = 0x77616c6b;
+constexpr const char* kLowerSize = "lower --size";
+
+}  // namespace
+
+FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
+                     const Intersector& intersector, const SurfaceAtlas* atlas, const Patches* patches,
+                     const LightField* field, const Frame& frame, const Options& options)
+    : scheduler_(&scheduler),
+      field_(field),
+      options_(options),
+      frame_(frame),
+      pixels_(frame.width * frame.height),
+      eye_(device, scheduler, scene, intersector, frame, kOwner, options.eye_kinds),
+      sums_(device, kOwner, pixels_, {"direct", "indirect"}),
+      traced_(device, kOwner, "light of rays", options.traced ? 2 * size_t{pixels_} : 2, kLowerSize) {
+  if (!field) return;
+  side_albedo_ =
+      TypedBuffer<float4>(device, kOwner, "specular albedo of texel sides", patches->side_albedo, "lower texels");
+  scale_ = TypedBuffer<float>(device, kOwner, "scale of stored radiance", 1);
+  if (options.traced) make_chains(device, scene, intersector, *atlas);
+  record_field(scene, *atlas);
+}
+
+size_t FieldView::estimate_bytes(uint32_t width, uint32_t height, bool traced) {
+  const size_t pixels = size_t{width} * height;
+  return EyeLight::estimate_bytes(width, height) + LayerSums::estimate_bytes(pixels, 2) +
+         (traced ? 2 * pixels * sizeof(float4) + SpecularChains::estimate_bytes(pixels) : 0);
+}
+
+void FieldView::bind_lookups(PassBuilder& pass, const SurfaceAtlas& atlas) const {
+  atlas.bind(pass);
+  field_->maps().bind(pass);
+  pass.arg("nearest", options_.nearest ? 1u : 0u)
+      .arg("split", field_->split() ? 1u : 0u)
+      .arg("fold", options_.fold ? 1u : 0u)
+      .arg("side_albedo", side_albedo_)
+      .arg("direct", field_->direct())
+      .arg("total", field_->total());
+}
+
+void FieldView::make_chains(Device& device, const SceneBuffers& scene, const Intersector& intersector,
+                            const SurfaceAtlas& atlas) {
+  const Program program = make_field_program(device, "pixels/trace_lobes", ray_end_defines(intersector));
+  chains_ = std::make_unique<SpecularChains>(
+      device, *scheduler_, scene, intersector, SpecularChains::Options{pixels_, false, kOwner, "pixels"},
+      SpecularChains::Consumer{
+          .program = program,
+          .advance = "advance_rays",
+          .add_light = "add_ray_light",
+          .bind_advance =
+              [this, &atlas](PassBuilder& pass) {
+                bind_lookups(pass, atlas);
+                pass.arg("inverse_scale", scale_).arg("held", field_->held()).arg("light", traced_);
+              },
+          .bind_add_light = [this](PassBuilder& pass) { pass.arg("light", traced_); }});
+  ScheduleRecorder recorder = scheduler_->record("begin rays of lobes", kOwner);
+  settings_ = recorder.variable("settings", ChainSettings{});
+  PassBuilder begin = recorder.pass("begin rays of lobes", program, "begin_rays");
+  scene.bind(begin);
+  begin.global(pixels_)
+      .arg("points", eye_.points())
+      .arg("count", pixels_)
+      .arg("settings", settings_)
+      .arg("light", traced_)
+      .arg("chains", chains_->chains())
+      .arg("rays", chains_->first_rays())
+      .arg("queue", chains_->queue())
+      .arg("active", chains_->active());
+  begin_ = recorder.compile();
+}
+
+void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atlas) {
+  const Program program = make_field_program(scene.scene_triangles.device(), "pixels/show_field");
+  ScheduleRecorder recorder = scheduler_->record("show field", kOwner);
+  weight_ = recorder.variable("weight", 1.f);
+  PassBuilder pass = recorder.pass("show field", program, "show_field");
+  scene.bind(pass);
+  bind_lookups(pass, atlas);
+  pass.global(pixels_)
+      .arg("inverse_scale", scale_)
+      .arg("points", eye_.points())
+      .arg("count", pixels_)
+      .arg("weight", weight_)
+      .arg("lobes", options_.lobes ? 1u : 0u)
+      .arg("rays", options_.traced ? 1u : 0u)
+      .arg("atlas_direct", options_.eye_kinds == 0 ? 1u : 0u)
+      .arg("shown_direct", field_->shown_direct())
+      .arg("shown", field_->shown())
+      .arg("traced", traced_)
+      .arg("direct_layer", sums_["direct"])
+      .arg("indirect_layer", sums_["indirect"]);
+  show_ = recorder.compile();
+}
+
+bool FieldView::shows_field() const { return field_ && field_->shown_sweeps() > 0 && field_->consistent(); }
+
+bool FieldView::sample() {
+  if (!eye_.see(samples_) || !eye_.sample(samples_)) return false;
+  if (!chains_ || !shows_field()) return true;
+  scale_.upload({1 / field_->scale()});
+  ChainSettings settings{};
+  settings.seed = stream_seed(frame_.seed, kStream, samples_);
+  settings.first_light = options_.eye_kinds != 0 ? 2 : 1;  // else light samples have found the first
+  settings.lit = 1;
+  settings.max_vertices = 1;
+  settings.limit = options_.max_bounces < 0 ? LUCARIUM_NONE : static_cast<uint32_t>(options_.max_bounces) + 1;
+  begin_.set(settings_, settings);
+  return scheduler_->run(begin_) == RunResult::done && chains_->follow(settings);
+}
+
+void FieldView::commit() {
+  ++samples_;
+  eye_.commit();
+  if (!shows_field()) return;
+  if (shown_sweeps_ != field_->shown_sweeps()) field_samples_ = 0;
+  shown_sweeps_ = field_->shown_sweeps();
+  ++field_samples_;
+  scheduler_->finish();
+  scale_.upload({1 / field_->scale()});
+  show_.set(weight_, 1.f / static_cast<float>(field_samples_));
+  scheduler_->run_to_end(show_);
+}
+
+void FieldView::reset(uint32_t seed) {
+  frame_.seed = seed;
+  if (chains_) chains_->reset_count();
+  set_frame(frame_);
+}
+
+void FieldView::set_frame(const Frame& frame) {
+  const uint32_t seed = frame_.seed;
+  frame_ = frame;
+  frame_.seed = seed;
+  eye_.set_frame(frame_);
+  sums_.clear();
+  samples_ = field_samples_ = shown_sweeps_ = 0;
+}
+
+void FieldView::warm_up() {
+  eye_.warm_up();
+  if (chains_) {
+    scheduler_->warm_up(begin_);
+    chains_->warm_up();
+  }
+  if (field_) scheduler_->warm_up(show_);
+}
+
+void FieldView::resolve(Film& film) const {
+  eye_.write(film);
+  sums_.write(film);
+}
+
+}  // namespace lucarium::vlf

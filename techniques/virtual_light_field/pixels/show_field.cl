@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the field shows at the points of a G-buffer: at most 4 + 12 look-ups for a pixel, however much light there is.
+#include "lucarium/bsdf.clh"
+#include "lucarium/gbuffer.clh"
+#include "lucarium/scene.clh"
+#include "lucarium/services/layer_sums/layer_sums.clh"
+#include "lucarium/surface_atlas.clh"
+#include "virtual_light_field/pixels/field_lookup.clh"
+
+// Adds a sample that counts `weight` of the mean: a field that has grown replaces what it was. traced: light of rays by
+// specular lobes, direct and other (trace_lobes.cl). They count where `rays`. lobes: 1: tiles, and coats as in
+// propagation, are looked up at pixels. atlas_direct: 1: direct light is the atlas's.
+__kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
+                         __global const AtlasTriangle* restrict atlas_triangles,
+                         __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
+                         FIELD_LOOKUP_PARAMETERS __global const GBufferPoint* restrict points, uint count, float weight,
+                         uint lobes, uint rays, uint atlas_direct, uint split, uint fold,
+                         __global const float4* restrict side_albedo, __global const float4* restrict shown_direct,
+                         __global const float4* restrict shown, __global const uint* restrict direct,
+                         __global const uint* restrict total, __global const float4* restrict traced,
+                         __global float4* restrict direct_layer, __global float4* restrict indirect_layer) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const LightField field = FIELD_LOOKUP_BIND;
+  const GBufferPoint point = points[i];
+  float3 once = (float3)(0.0f), more = once;
+  if (rays) {
+    once = traced[2u * i].xyz;
+    more = traced[2u * i + 1u].xyz;
+  }
+  if (point.state == LUCARIUM_GBUFFER_SURFACE) {
+    const bool front = point.normal.w == 0.0f;
+    const Surface surface = gbuffer_surface(&scene, point);
+    const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+    const uint side =
+        atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v), front);
+    const uint facet = side == LUCARIUM_NONE ? LUCARIUM_NONE : side_facet[side];
+    float3 albedo = bsdf.diffuse;
+    if (lobes && fold && side != LUCARIUM_NONE && facet == LUCARIUM_NONE) albedo += side_albedo[side].xyz;
+    // Diffuse light.
+    const float4 later = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
+                                        point.u, point.v, front);
+    float3 more_here = later.w > 0.0f ? albedo * (later.xyz / later.w) : (float3)(0.0f), once_here = (float3)(0.0f);
+    if (atlas_direct) {
+      const float4 first = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct,
+                                          point.triangle, point.u, point.v, front);
+      if (first.w > 0.0f) once_here = albedo * (first.xyz / first.w);
+    }
+    // Specular lobes.
+    if (lobes && facet != LUCARIUM_NONE) {
+      more_here += facet_radiance(&field, total, facet, point.position.xyz, point.view.xyz);
+      if (atlas_direct && split) once_here += facet_radiance(&field, direct, facet, point.position.xyz, point.view.xyz);
+    }
+    once += point.throughput.xyz * once_here;
+    more += point.throughput.xyz * more_here;
+  }
+  direct_layer[i] = mix_sample(direct_layer[i], once, weight);
+  indirect_layer[i] = mix_sample(indirect_layer[i], more, weight);
+}

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+// What facets send towards every direction of what they have received from all: mirrors, glossy lobes, refraction
+// (Mortensen et al. 2007, section 3, non-diffuse surfaces; there by splats). Each cell is gathered: it is written once,
+// without atomics, and with normalised weights a uniform field stays what it is.
+#include "lucarium/atlas_surface.clh"
+#include "lucarium/random.clh"
+#include "lucarium/scene.clh"
+#include "lucarium/shared/surface_point.h"
+#include "lucarium/specular_albedo.clh"
+#include "virtual_light_field/directions/direction_grid.clh"
+#include "virtual_light_field/scatter/norms.clh"
+#include "virtual_light_field/scatter/side_lobes.clh"
+#include "virtual_light_field/tiles/film_cells.clh"
+
+#define LOBE_CUT 1e-3f   // of the largest value of a lobe: what is below does not count
+#define NARROW 0.5f      // lobes of GGX widths below this share of the spacing of directions count as ideal
+#define NEAREST_STEPS 4  // tries to find a covered direction
+#define CELL_REACH 2.0f  // farthest point of a cell from that of its texel side [texel edges]
+
+// What facets have received.
+typedef struct Incoming {
+  FieldInfo info;
+  const __global FieldLine* lines;
+  const __global uint* nodes;
+  const __global FieldMap* maps;
+  const __global uint* tile_cells;
+  const __global uint* cells;
+} Incoming;
+
+// Radiance that comes to a point of a facet from a direction of the grid; w 0: not known.
+float4 incoming_radiance(const Incoming* in, uint facet, uint direction, float3 position) {
+  const FieldMap map = in->maps[(size_t)direction * in->info.facets + facet];
+  if (FIELD_MAP_WIDTH(map) == 0u) return (float4)(0.0f);
+  return film_radiance(map, in->tile_cells, in->cells, film_point(in->lines[direction >> 1], position));
+}
+
+// The same from any direction, by the nodes around it: sum b L / sum b over those that are known.
+float4 interpolated_radiance(const Incoming* in, uint facet, float3 from, float3 position) {
+  const GridLookup lookup = look_up_direction(in->info, in->nodes, from);
+  float4 sum = (float4)(0.0f);
+  for (int q = 0; q < 3; ++q) {
+    if (!(lookup.weight[q] > 0.0f)) continue;
+    const float4 radiance = incoming_radiance(in, facet, lookup.direction[q], position);
+    if (radiance.w > 0.0f) sum += lookup.weight[q] * (float4)(radiance.xyz, 1.0f);
+  }
+  return sum.w > 0.0f ? (float4)(sum.xyz / sum.w, 1.0f) : (float4)(0.0f);
+}
+
+// Where the facet does not know any of them, the nearest direction towards `inwards` that it knows.
+float3 ideal_radiance(const Incoming* in, uint facet, float3 from, float3 inwards, float3 position) {
+  for (int step = 0; step <= NEAREST_STEPS; ++step) {
+    const float3 tried = normalize(from + (float)step * in->info.angle * inwards);
+    const float4 radiance = interpolated_radiance(in, facet, tried, position);
+    if (radiance.w > 0.0f) return radiance.xyz;
+  }
+  return (float3)(0.0f);
+}
+
+// The point that a cell shows: on the plane of its texel side, not far from that one's point.
+float3 cell_point(FieldInfo info, FieldLine line, float2 at, float3 point, float3 n_g) {
+  const float2 off = (at - film_point(line, point)) * info.cell * info.cell;
+  const float3 across = off.x * line.row_x.xyz + off.y * line.row_y.xyz;
+  const float slope = dot(n_g, line.omega.xyz);
+  const float3 along = fabs(slope) > 1e-3f ? across - dot(n_g, across) / slope * line.omega.xyz : across;
+  const float distance = length(along), reach = CELL_REACH * info.texel_edge;
+  return point + (distance > reach ? reach / distance : 1.0f) * along;
+}
+
+// Albedo of the rough reflection lobe.
+float3 reflection_albedo(const Scene* scene, const Bsdf* bsdf) {
+  const float2 e =
+      specular_albedo_directional(scene->scene_albedo_table, dot(bsdf->n_s, bsdf->view), sqrt(bsdf->alpha));
+  return bsdf->f0 * (e.x - e.y) + bsdf->f90 * e.y;
+}
+
+// Equation of a glossy lobe: a sum g L / sum g, g = f |cos| dOmega, over the directions that the facet knows. Of
+// transmission, whose albedo has no closed form, the plain sum of g L.
+float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uint facet, uint behind, float3 position) {
+  float3 light = (float3)(0.0f), share = light, through = light;
+  const bool reflects = bsdf->p_reflect > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION);
+  const bool transmits =
+      behind != LUCARIUM_NONE && bsdf->p_transmit > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION);
+  // D(h) >= LOBE_CUT D(n), as a bound on the cosine of h (ggx.clh).
+  const float a2 = bsdf->alpha * bsdf->alpha, tan2 = a2 * (rsqrt(LOBE_CUT) - 1.0f);
+  const float cut = rsqrt(1.0f + tan2);
+  for (uint direction = 0u; direction < 2u * in->info.lines; ++direction) {
+    const float3 l = field_direction(in->lines, direction);
+    const bool above = dot(bsdf->n_s, l) > 0.0f;
+    if (above ? !reflects : !transmits) continue;
+    if (above) {
+      const float3 h = bsdf->view + l;
+      const float along = dot(bsdf->n_s, h);
+      if (along * along < cut * cut * dot(h, h)) continue;
+    }
+    const float3 g = eval_bsdf(bsdf, l) * in->lines[direction >> 1].omega.w;
+    if (is_black(g)) continue;
+    const float4 radiance = incoming_radiance(in, above ? facet : behind, direction, position);
+    if (!(radiance.w > 0.0f)) continue;
+    if (above) {
+      light += g * radiance.xyz;
+      share += g;
+    } else {
+      through += g * radiance.xyz;
+    }
+  }
+  if (reflects) through += reflection_albedo(scene, bsdf) * select((float3)(0.0f), light / share, share > 0.0f);
+  return through;
+}
+
+// Radiance that a facet sends towards bsdf->view. behind: the facet of the other side, LUCARIUM_NONE: none.
+float3 scattered_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uint facet, uint behind,
+                       float3 position) {
+  if (bsdf_is_black(bsdf)) return (float3)(0.0f);
+  const bool narrow = bsdf->alpha < NARROW * in->info.angle;
+  const float cos_v = dot(bsdf->n_s, bsdf->view), schlick = schlick_weight(bsdf->eta, cos_v);
+  float3 light = (float3)(0.0f);
+  // Reflect what comes from the mirror direction.
+  if (bsdf->p_reflect > 0.0f && (narrow || (bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION))) {
+    const float3 from = normalize(2.0f * cos_v * bsdf->n_s - bsdf->view);
+    const float3 albedo = bsdf->alpha > 0.0f ? reflection_albedo(scene, bsdf) : fresnel_reflection(bsdf, schlick);
+    if (dot(bsdf->n_g, from) > 0.0f) light += albedo * ideal_radiance(in, facet, from, bsdf->n_g, position);
+  }
+  // Transmit what comes from the refracted direction.
+  if (behind != LUCARIUM_NONE && bsdf->p_transmit > 0.0f && schlick >= 0.0f &&
+      (narrow || (bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION))) {
+    const bool straight = bsdf->flags & LUCARIUM_BSDF_THIN;
+    const float3 from = straight ? -bsdf->view : refract_at(bsdf->view, bsdf->n_s, bsdf->eta);
+    const float3 tint = bsdf->transmission * (fresnel_transmission(bsdf, schlick) * bsdf->eta * bsdf->eta);
+    if (dot(bsdf->n_g, from) < 0.0f) light += tint * ideal_radiance(in, behind, from, -bsdf->n_g, position);
+  }
+  if (!narrow) light += rough_light(in, scene, bsdf, facet, behind, position);
+  return light;
+}
+
+// The map (direction-major) that an entry of the tile table belongs to: the last one that does not begin behind it.
+uint map_of_entry(const global FieldMap* maps, uint count, uint entry) {
+  uint low = 0u;
+  for (uint length = count; length > 1u;) {
+    const uint half_length = length >> 1;
+    low = maps[low + half_length].first <= entry ? low + half_length : low;
+    length -= half_length;
+  }
+  return low;
+}
+
+// Work-item i: tile first_tile + i of the list. incoming: of the sweep that ended. sent: what was sent in it, and is to
+// be in the next. Stored radiance is RGB9E5 over inverse_scale. total: summed over sweeps from the second scattering on
+// (split), else from the first. norms: of each tile.
+__kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
+                            __global const SurfacePoint* restrict atlas_points,
+                            __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
+                            __global const FieldLine* restrict lines, __global const uint* restrict nodes,
+                            __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
+                            __global const uint* restrict tile_cells, __global const uint* restrict tile_list,
+                            uint first_tile, uint tiles, uint sweep, uint split, float inverse_scale,
+                            __global const uint* restrict cell_side, __global const uint* restrict incoming,
+                            __global uint* restrict sent, __global uint* restrict total, __global uint* restrict direct,
+                            __global float4* restrict norms) {
+  const uint tile = first_tile + (uint)get_global_id(0);
+  if (tile >= tiles) return;
+  LUCARIUM_SCENE_BIND(scene);
+  const Incoming in = {info, lines, nodes, maps, tile_cells, incoming};
+  const uint entry = tile_list[tile];
+  const uint index = map_of_entry(maps, 2u * info.lines * info.facets, entry);
+  const FieldMap map = maps[index];
+  const uint direction = index / info.facets, facet = index - direction * info.facets;
+  const FieldLine line = lines[direction >> 1];
+  const float3 view = direction & 1u ? -line.omega.xyz : line.omega.xyz;
+  const uint m = FIELD_MAP_TILE(map), w = FIELD_MAP_WIDTH(map), place = entry - map.first;
+  const uint x0 = (map.corner & 0xffffu) + place % w * m, y0 = (map.corner >> 16) + place / w * m;
+  const uint first_cell = tile_cells[entry];
+  const float measure = info.cell * info.cell * line.omega.w;
+  float4 sums[FIELD_NORMS];
+  for (uint k = 0u; k < FIELD_NORMS; ++k) sums[k] = (float4)(0.0f);
+  for (uint k = 0u; k < m * m; ++k) {
+    const uint cell = first_cell + k, side = cell_side[cell];
+    if (side == LUCARIUM_NONE) {
+      sent[cell] = total[cell] = FIELD_NO_CELL;
+      if (split) direct[cell] = FIELD_NO_CELL;
+      continue;
+    }
+    const SurfacePoint point = atlas_points[side];
+    const float2 at = (float2)((float)(x0 + k % m) + 0.5f, (float)(y0 + k / m) + 0.5f);
+    const float3 position = cell_point(info, line, at, point.position.xyz, point.normal.xyz);
+    const Bsdf bsdf = side_lobes(atlas_materials + side, point.normal.xyz, view);
+    const uint k_sides = atlas_info.double_sided_count;
+    const uint other = side < k_sides ? side + k_sides : side < 2u * k_sides ? side - k_sides : LUCARIUM_NONE;
+    const float3 now =
+        scattered_light(&in, &scene, &bsdf, facet, other == LUCARIUM_NONE ? other : side_facet[other], position);
+    const float3 before = sweep == 0u ? (float3)(0.0f) : unpack_rgb9e5(sent[cell]);
+    const bool first_scattering = split && sweep == 0u;
+    float3 sum = sweep == 0u ? (float3)(0.0f) : unpack_rgb9e5(total[cell]);
+    if (!first_scattering) sum += now;
+    const float random = uint_to_unit(hash_uint3(cell, sweep, 0x746f7461u));
+    sent[cell] = pack_cell(now);
+    total[cell] = first_scattering ? pack_cell(sum) : pack_cell_dithered(sum, random);
+    if (first_scattering) direct[cell] = pack_cell(now);
+    add_norms(sums, measure, inverse_scale * now, inverse_scale * before,
+              inverse_scale * (sum + (split ? unpack_rgb9e5(direct[cell]) : (float3)(0.0f))));
+  }
+  for (uint k = 0u; k < FIELD_NORMS; ++k) norms[(size_t)tile * FIELD_NORMS + k] = sums[k];
+}
+
+// Adds the tail of the series to the totals: `tail` times the last sweep.
+__kernel void add_tail(uint count, float4 tail, __global const uint* restrict sent, __global uint* restrict total) {
+  const uint cell = get_global_id(0);
+  if (cell >= count || total[cell] == FIELD_NO_CELL || sent[cell] == FIELD_NO_CELL) return;
+  total[cell] = pack_cell(unpack_rgb9e5(total[cell]) + tail.xyz * unpack_rgb9e5(sent[cell]));
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which tiles of films each facet needs: rectangles about its projections, then the tiles in them that it meets, with a
+// margin of one cell for interpolation (Mortensen et al. 2007, section 3: tiles cover only the face).
+#include "lucarium/shared/scene_types.h"
+#include "virtual_light_field/shared/field.h"
+#include "virtual_light_field/tiles/film_cells.clh"
+
+#define FACET_PARAMETERS                                                                                         \
+  const global Vertex *restrict scene_vertices, const global Triangle *restrict scene_triangles, FieldInfo info, \
+      const global FieldLine *restrict lines, const global FieldFacet *restrict facets,                          \
+      const global uint *restrict facet_triangles
+
+// A triangle of a facet on a film [cells].
+typedef struct Projected {
+  float2 p[3];
+  float2 low, high;
+  bool faces;  // the facet's side of it is seen from the direction
+} Projected;
+
+Projected project_triangle(const global Vertex* vertices, Triangle triangle, FieldLine line, bool front,
+                           bool backwards) {
+  Projected result;
+  const float3 a = vertices[triangle.v0].position.xyz, b = vertices[triangle.v1].position.xyz,
+               c = vertices[triangle.v2].position.xyz;
+  const float along = dot(cross(b - a, c - a), line.omega.xyz);
+  result.faces = (along > 0.0f) == (front != backwards) && along != 0.0f;
+  result.p[0] = film_point(line, a);
+  result.p[1] = film_point(line, b);
+  result.p[2] = film_point(line, c);
+  result.low = fmin(result.p[0], fmin(result.p[1], result.p[2])) - 1.0f;
+  result.high = fmax(result.p[0], fmax(result.p[1], result.p[2])) + 1.0f;
+  return result;
+}
+
+// First and last tile of a facet's triangle, clamped to the film.
+int4 tile_range(Projected t, uint film, uint m) {
+  const float last = (float)(film - 1u);
+  const float2 low = clamp(t.low, 0.0f, last), high = clamp(t.high, 0.0f, last);
+  return (int4)((int)low.x, (int)low.y, (int)high.x, (int)high.y) / (int)m;
+}
+
+// Work-item (facet, direction): the rectangle of tiles, and how many it has.
+__kernel void bound_maps(FACET_PARAMETERS, global FieldMap* restrict maps, global uint* restrict counts) {
+  const uint facet = get_global_id(0), direction = get_global_id(1);
+  if (facet >= info.facets) return;
+  const FieldFacet own = facets[facet];
+  const FieldLine line = lines[direction >> 1];
+  int4 range = (int4)(INT_MAX, INT_MAX, -1, -1);
+  for (uint i = own.first; i < own.first + own.count; ++i) {
+    const Projected t =
+        project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
+    if (!t.faces) continue;
+    const int4 tiles = tile_range(t, info.film, own.tile);
+    range = (int4)(min(range.xy, tiles.xy), max(range.zw, tiles.zw));
+  }
+  const bool seen = range.z >= 0;
+  const uint w = seen ? (uint)(range.z - range.x + 1) : 0u, h = seen ? (uint)(range.w - range.y + 1) : 0u;
+  const size_t index = (size_t)direction * info.facets + facet;
+  FieldMap map;
+  map.first = 0u;
+  map.corner = seen ? (uint)range.x * own.tile | (uint)range.y * own.tile << 16 : 0u;
+  map.size = w | h << 12 | own.tile << 24;
+  maps[index] = map;
+  counts[index] = w * h;
+}
+
+// Whether a triangle comes near a square: not when it lies beyond one of the triangle's edges.
+bool touches(Projected t, float2 low, float2 high) {
+  if (any(t.high < low) || any(t.low > high)) return false;
+  for (int k = 0; k < 3; ++k) {
+    const float2 a = t.p[k], edge = t.p[(k + 1) % 3] - a, other = t.p[(k + 2) % 3] - a;
+    float2 out = (float2)(edge.y, -edge.x);
+    if (dot(out, other) > 0.0f) out = -out;
+    // The square's corner that is deepest inside, with a margin of one cell.
+    const float2 corner = (float2)(out.x > 0.0f ? low.x : high.x, out.y > 0.0f ? low.y : high.y);
+    if (dot(out, corner - a) > length(out)) return false;
+  }
+  return true;
+}
+
+// Work-item (facet, direction): starts: where its entries begin. cells: of each entry, 0 where no triangle comes.
+__kernel void mark_tiles(FACET_PARAMETERS, const global uint* restrict starts, global FieldMap* restrict maps,
+                         global uint* restrict cells) {
+  const uint facet = get_global_id(0), direction = get_global_id(1);
+  if (facet >= info.facets) return;
+  const size_t index = (size_t)direction * info.facets + facet;
+  FieldMap map = maps[index];
+  map.first = starts[index];
+  maps[index] = map;
+  const FieldFacet own = facets[facet];
+  const FieldLine line = lines[direction >> 1];
+  const uint w = FIELD_MAP_WIDTH(map), h = FIELD_MAP_HEIGHT(map), m = own.tile;
+  for (uint i = 0u; i < w * h; ++i) cells[map.first + i] = 0u;
+  const int2 corner = (int2)((int)(map.corner & 0xffffu), (int)(map.corner >> 16)) / (int)m;
+  for (uint i = own.first; i < own.first + own.count; ++i) {
+    const Projected t =
+        project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
+    if (!t.faces) continue;
+    const int4 tiles = tile_range(t, info.film, m);
+    for (int y = tiles.y; y <= tiles.w; ++y)
+      for (int x = tiles.x; x <= tiles.z; ++x)
+        if (touches(t, (float2)((float)x, (float)y) * (float)m, (float2)((float)(x + 1), (float)(y + 1)) * (float)m))
+          cells[map.first + (uint)(y - corner.y) * w + (uint)(x - corner.x)] = m * m;
+  }
+}
+
+// Work-item: an entry. offsets: cells before it. tile_cells: its first cell, and flags for a list of tiles.
+__kernel void number_tiles(uint count, const global uint* restrict cells, const global uint* restrict offsets,
+                           global uint* restrict tile_cells, global uint* restrict flags) {
+  const uint i = get_global_id(0);
+  if (i >= count) return;
+  tile_cells[i] = cells[i] ? offsets[i] : LUCARIUM_NONE;
+  flags[i] = cells[i] != 0u;
+}
+
+// Work-item: a direction. Its first cell; `total` behind the last.
+__kernel void begin_directions(uint facets, uint directions, uint entries, uint total,
+                               const global FieldMap* restrict maps, const global uint* restrict offsets,
+                               global uint* restrict first_cells) {
+  const uint direction = get_global_id(0);
+  if (direction > directions) return;
+  const uint entry = direction < directions ? maps[(size_t)direction * facets].first : entries;
+  first_cells[direction] = entry < entries ? offsets[entry] : total;
+}

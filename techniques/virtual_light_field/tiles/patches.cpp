@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How many cells a patch takes. Its projection along a random direction has the mean area A / 2 (Cauchy) and the mean
+// perimeter (π / 4) P₃. A grid of tiles of edge m c, placed at random, meets a convex shape of area S' and perimeter P'
+// in S' / (m c)² + (2 / π) P' / (m c) + 1 tiles on average. So, in cells,
+//
+//   cells = S + (2 / π) m P + m²,   S = A / (2 c²),   P = (π / 4) P₃ / c.
+#include "virtual_light_field/tiles/patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "lucarium/scene/device/degenerate_triangle.h"
+#include "lucarium/scene/device/specular_albedo.h"
+#include "lucarium/scene/mesh_topology.h"
+
+namespace lucarium::vlf {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr int kAlbedoAverages = 129;  // specular_albedo.clh
+constexpr double kCellBytes = 16, kTileBytes = 4;
+constexpr double kFlat = 1e-4;  // of 1 - cos: within it normals are equal
+
+double luminance(const glm::vec3& c) {
+  return 0.2126 * static_cast<double>(c.x) + 0.7152 * static_cast<double>(c.y) + 0.0722 * static_cast<double>(c.z);
+}
+
+/// Cosine-averaged albedo of the reflection lobe (bsdf.clh: bsdf_average_albedo()).
+glm::vec3 average_albedo(const std::vector<float>& table, const AtlasMaterial& material) {
+  const float x = std::sqrt(material.diffuse.w) * (kAlbedoAverages - 1);
+  const int i = std::clamp(static_cast<int>(x), 0, kAlbedoAverages - 2);
+  const float f = x - static_cast<float>(i);
+  const float e = table[2 * i] * (1 - f) + table[2 * i + 2] * f, b = table[2 * i + 1] * (1 - f) + table[2 * i + 3] * f;
+  return material.f0.xyz() * (e - b) + material.f0.w * b;
+}
+
+struct Mesh {
+  std::vector<Triangle> triangles;
+  std::vector<glm::vec3> positions, normals;  ///< per vertex; per triangle, 0 without area
+  std::vector<double> areas;
+
+  explicit Mesh(const SceneBuffers& buffers) : triangles(buffers.scene_triangles.download()) {
+    for (const Vertex& v : buffers.scene_vertices.download()) positions.push_back(v.position.xyz());
+    for (const Triangle& t : triangles) {
+      const glm::vec3 &a = positions[t.v0], &b = positions[t.v1], &c = positions[t.v2];
+      const glm::vec3 cross = glm::cross(b - a, c - a);
+      const float length = glm::length(cross);
+      const bool flat = is_degenerate(a, b, c) || !(length > 0);
+      normals.push_back(flat ? glm::vec3(0) : cross / length);
+      areas.push_back(flat ? 0. : 0.5 * static_cast<double>(length));
+    }
+  }
+};
+
+/// Triangles across each triangle's edges, in one list.
+struct Neighbors {
+  std::vector<uint32_t> first, other;
+
+  Neighbors(const Mesh& mesh, const std::vector<uint8_t>& taken) {
+    const std::vector<uint32_t> welded = weld_positions(mesh.positions);
+    std::vector<glm::uvec3> corners;
+    std::vector<uint32_t> names;
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+      if (taken[t] && mesh.areas[t] > 0) {
+        corners.emplace_back(welded[mesh.triangles[t].v0], welded[mesh.triangles[t].v1], welded[mesh.triangles[t].v2]);
+        names.push_back(t);
+      }
+    std::vector<std::pair<uint32_t, uint32_t>> pairs;
+    const std::vector<HalfEdge> edges = sorted_half_edges(corners);
+    visit_edges(edges, [&](const HalfEdge* begin, const HalfEdge* end) {
+      for (const HalfEdge* a = begin; a != end; ++a)
+        for (const HalfEdge* b = begin; b != end; ++b)
+          if (a->triangle != b->triangle && run_opposite(corners, *a, *b))
+            pairs.emplace_back(names[a->triangle], names[b->triangle]);
+    });
+    std::sort(pairs.begin(), pairs.end());
+    first.assign(mesh.triangles.size() + 1, 0);
+    for (const auto& [a, b] : pairs) {
+      ++first[a + 1];
+      other.push_back(b);
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+  }
+};
+
+/// Patch of each triangle that is taken: connected sets of one instance around the largest triangle that is left.
+std::vector<uint32_t> grow_patches(const Mesh& mesh, const std::vector<uint8_t>& taken, double cone, uint32_t* count) {
+  const Neighbors neighbors(mesh, taken);
+  const double least = std::cos(cone * kPi / 180) - kFlat;
+  std::vector<uint32_t> order, result(mesh.triangles.size(), LUCARIUM_NONE), open;
+  for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (taken[t]) order.push_back(t);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return mesh.areas[a] > mesh.areas[b]; });
+  *count = 0;
+  for (const uint32_t seed : order) {
+    if (result[seed] != LUCARIUM_NONE) continue;
+    const uint32_t patch = (*count)++;
+    result[seed] = patch;
+    open.assign(1, seed);
+    for (size_t i = 0; i < open.size(); ++i)
+      for (uint32_t k = neighbors.first[open[i]]; k < neighbors.first[open[i] + 1]; ++k) {
+        const uint32_t t = neighbors.other[k];
+        if (result[t] != LUCARIUM_NONE || mesh.triangles[t].instance != mesh.triangles[seed].instance ||
+            static_cast<double>(glm::dot(mesh.normals[t], mesh.normals[seed])) < least)
+          continue;
+        result[t] = patch;
+        open.push_back(t);
+      }
+  }
+  return result;
+}
+
+struct Outline {
+  double area = 0, perimeter = 0;
+};
+/// Of sets of triangles; edges between two triangles of a set do not count.
+Outline outline(const Mesh& mesh, const uint32_t* begin, const uint32_t* end) {
+  Outline result;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> corners;
+  for (const uint32_t* t = begin; t != end; ++t) {
+    const auto base = static_cast<uint32_t>(positions.size());
+    for (const uint32_t v : {mesh.triangles[*t].v0, mesh.triangles[*t].v1, mesh.triangles[*t].v2})
+      positions.push_back(mesh.positions[v]);
+    corners.emplace_back(base, base + 1, base + 2);
+    result.area += mesh.areas[*t];
+  }
+  const std::vector<uint32_t> welded = weld_positions(positions);
+  for (glm::uvec3& c : corners) c = {welded[c.x], welded[c.y], welded[c.z]};
+  const std::vector<HalfEdge> edges = sorted_half_edges(corners);
+  visit_edges(edges, [&](const HalfEdge* first, const HalfEdge* last) {
+    if (last - first == 1)
+      result.perimeter += static_cast<double>(glm::length(positions[first->low] - positions[first->high]));
+  });
+  return result;
+}
+
+}  // namespace
+
+double expected_cells(double area, double perimeter, double cell, uint32_t tile) {
+  const double s = area / (2 * cell * cell), p = kPi / 4 * perimeter / cell, m = tile;
+  return s + 2 / kPi * m * p + m * m;
+}
+
+uint32_t best_tile(double area, double perimeter, double cell) {
+  uint32_t best = 8;
+  double least = std::numeric_limits<double>::infinity();
+  for (const uint32_t m : {2u, 4u, 8u, 16u, 32u}) {
+    const double cells = expected_cells(area, perimeter, cell, m);
+    // The table covers the rectangle about the projection, about twice its area.
+    const double bytes = kCellBytes * cells + kTileBytes * 2 * cells / (double{1} * m * m);
+    if (bytes >= least) continue;
+    least = bytes;
+    best = m;
+  }
+  return best;
+}
+
+Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options) {
+  Patches result;
+  const std::vector<AtlasMaterial> materials = atlas.materials().download();
+  const std::vector<float> table = specular_albedo_table();
+  const uint32_t sides = atlas.info().texel_count, backs = atlas.info().double_sided_count;
+  result.side_facet.assign(sides, LUCARIUM_NONE);
+  std::vector<uint8_t> tiled(sides, 0);
+  bool any = false;
+  for (uint32_t side = 0; side < sides; ++side) {
+    const glm::vec3 albedo = average_albedo(table, materials[side]);
+    result.side_albedo.emplace_back(albedo, 0.f);
+    const double known = luminance(albedo) + luminance(materials[side].transmission.xyz());
+    if (!(known > 0 && known >= options.tile_albedo)) continue;
+    any = true;
+    tiled[side] = 1;
+    if (side < backs) tiled[side + backs] = 1;
+    if (side >= backs && side < 2 * backs) tiled[side - backs] = 1;
+  }
+  if (!any) return result;
+
+  const Mesh mesh(buffers);
+  const std::vector<uint2> ranges = atlas.ranges().download();
+  const std::vector<TexelPiece> pieces = atlas.pieces().download();
+  const std::vector<AtlasTexel> texels = atlas.texels().download();
+  std::vector<uint8_t> taken(mesh.triangles.size(), 0);
+  for (uint32_t side = 0; side < sides; ++side)
+    for (uint32_t i = ranges[side].x; tiled[side] && i < ranges[side].x + ranges[side].y; ++i)
+      taken[pieces[i].triangle] = 1;
+  uint32_t count = 0;
+  const std::vector<uint32_t> patch_of = grow_patches(mesh, taken, options.cone, &count);
+
+  // Facets: fronts of patches, then their backs where there are any.
+  std::vector<std::vector<uint32_t>> members(2 * size_t{count});
+  for (uint32_t side = 0; side < sides; ++side) {
+    if (!tiled[side]) continue;
+    const bool back = side >= backs && side < 2 * backs;
+    const uint32_t facet = 2 * patch_of[texels[side].triangle] + (back ? 1 : 0);
+    result.side_facet[side] = facet;
+    for (uint32_t i = ranges[side].x; i < ranges[side].x + ranges[side].y; ++i)
+      if (mesh.areas[pieces[i].triangle] > 0) members[facet].push_back(pieces[i].triangle);
+  }
+  std::vector<uint32_t> number(members.size(), LUCARIUM_NONE);
+  for (uint32_t facet = 0; facet < members.size(); ++facet) {
+    std::vector<uint32_t>& list = members[facet];
+    if (list.empty()) continue;
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    number[facet] = static_cast<uint32_t>(result.facets.size());
+    FieldFacet made{};
+    made.first = static_cast<uint32_t>(result.triangles.size());
+    made.count = static_cast<uint32_t>(list.size());
+    made.front = facet & 1 ? 0 : 1;
+    made.tile = options.tile;
+    if (options.tile == 0) {
+      const Outline shape = outline(mesh, list.data(), list.data() + list.size());
+      made.tile = best_tile(shape.area, shape.perimeter, options.cell);
+    }
+    result.facets.push_back(made);
+    result.triangles.insert(result.triangles.end(), list.begin(), list.end());
+  }
+  for (uint32_t& facet : result.side_facet)
+    if (facet != LUCARIUM_NONE) facet = number[facet];
+  return result;
+}
+
+}  // namespace lucarium::vlf

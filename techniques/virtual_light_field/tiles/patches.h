@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "lucarium/scene/device/scene_buffers.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
+#include "virtual_light_field/shared/field.h"
+
+namespace lucarium::vlf {
+
+/// The surfaces that keep radiance by direction, in patches: connected triangles whose normals lie in a cone, so that a
+/// ray meets a patch once, except near silhouettes. A texel belongs to the patch of its largest piece. Either
+/// reflecting side of a patch is a facet.
+struct Patches {
+  std::vector<FieldFacet> facets;
+  std::vector<uint32_t> triangles;   ///< world triangles of facets
+  std::vector<uint32_t> side_facet;  ///< per texel side; LUCARIUM_NONE: it keeps irradiance only
+  std::vector<float4> side_albedo;   ///< per texel side: xyz cosine-averaged albedo of its specular lobes; w unused
+  bool empty() const { return facets.empty(); }
+};
+
+struct PatchOptions {
+  double tile_albedo = 0.1;  ///< least luminance of specular albedo and transmission [1]
+  double cone = 30;          ///< between the normals of a patch and that of its largest triangle [degrees]
+  uint32_t tile = 8;         ///< m; 0: chosen for each patch
+  double cell = 0;           ///< c [m]
+};
+Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options);
+
+/// Expected cells of a patch of area A and perimeter P₃ on the film of a random direction, in tiles of m × m (equation
+/// 6 of the derivation in patches.cpp); both sides together.
+double expected_cells(double area, double perimeter, double cell, uint32_t tile);
+
+/// The m that takes the least memory for such a patch.
+uint32_t best_tile(double area, double perimeter, double cell);
+
+}  // namespace lucarium::vlf

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// virtual_light_field: light propagated along fixed directions, then walked through in constant time
+// ---------------------------------------------------------------------------------------------------
+//
+// Idea. A fixed set of directions covers the sphere; along each of them lies a film of parallel rays through the whole
+// scene, a parallel subfield. Light travels along all rays of a line at once, surface to surface, in both directions.
+// Diffuse surfaces keep one irradiance per texel; mirrors and glossy surfaces keep a radiance map for every direction,
+// in tiles that cover only the surface. When the light has settled, any view is a look-up (Mortensen, Khanna and
+// Slater, Light Field Propagation and Rendering on the GPU, AFRIGRAPH 2007).
+//
+//   e_t = Σ_d ΔΩ_d Σ_r a_r L_r / Σ_d ΔΩ_d Σ_r a_r       irradiance over π of texel t, over all rays r that meet it
+//   out_j(x) = k_s Σ_q b_q in_q(x) / Σ_q b_q            a mirror: q the three directions around the mirrored one
+//   out_j(x) = a Σ_i g_i in_i(x) / Σ_i g_i              a glossy lobe: g_i = f(ω_i, ω_j) cos θ_i ΔΩ_i
+//
+// Sweeps. Sweep s transports the light that was scattered exactly s times, so that bounces are exact. The rest of
+// unlimited bounces is a geometric series, whose ratio the last two sweeps tell (scatter/field_tail.h).
+//
+// Error. Light in mirrors is blurred by the spacing of directions at every hop; all light by cells and texels.
+//
+// Where the paper stands in the source (below this folder):
+//
+//   section 3, directions, parallel subfields   directions/direction_grid.h: DirectionGrid, make_lines()
+//   section 3, tiles cover the face             tiles/build_maps.cl: mark_tiles()
+//   section 3, propagation                      exchange/exchange_line.cl: layered_ray_crosses()
+//   section 3, irradiance of diffuse surfaces   scatter/fold_sides.cl: fold_sides()
+//   section 3, non-diffuse surfaces             scatter/scatter_cells.cl: scattered_light()
+//   section 4, rendering                        pixels/field_lookup.clh: facet_radiance(); pixels/show_field.cl
+//
+// Not in the paper: the tail, light samples (direct_mode=nee), rays from pixels (pixels/trace_lobes.cl), glossy lobes
+// by gathers with normalised weights, patches that are not planar, accessibility (texel_sides/side_accessibility.h).
+
+#include <fmt/format.h>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/bundles/bundle_view.h"
+#include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/texel_sides/side_light.h"
+#include "lucarium/services/texel_sides/texel_extent.h"
+#include "lucarium/technique/plugin.h"
+#include "lucarium/technique/technique_base.h"
+#include "virtual_light_field/base/field_program.h"
+#include "virtual_light_field/cost.h"
+#include "virtual_light_field/declaration.h"
+#include "virtual_light_field/pixels/field_view.h"
+
+namespace lucarium {
+namespace {
+
+using namespace vlf;
+
+constexpr const char* kFewerTexels = "lower texels";
+
+/// Everything of a scene that does not depend on the seed, in the order of dependence.
+struct Surfaces {
+  Surfaces(const TechniqueContext& c, const Parameters& p, const Plan& plan)
+      : atlas(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas_options(c, plan), kOwner),
+        interior(*c.device, c.scheduler, c.scene_buffers, c.bvh(), atlas, kOwner, kFewerTexels),
+        accessibility(*c.device, c.scene_buffers, atlas, {p.pixel_size, p.open_gap, p.open_rays}, kOwner, kFewerTexels),
+        film(plan_film(p, c.scene.bounds(), atlas.report().area, static_cast<double>(atlas.info().texel_edge),
+                       least_pixel(c, p, atlas))),
+        patches(make_patches(atlas, c.scene_buffers,
+                             {static_cast<double>(p.tile_albedo), static_cast<double>(p.patch_cone),
+                              static_cast<uint32_t>(p.tile), film.cell})),
+        raster(c.scheduler, c.scene_buffers, raster_options(c, film, accessibility.safe_pixel()), kOwner),
+        light(*c.device, c.scheduler, c.scene_buffers, c.bvh(), atlas, accessibility, plan.light_kinds, kOwner,
+              kFewerTexels) {
+    accessibility.begin(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas, interior, raster);
+  }
+
+  /// Measures hidden parts and accessibility. Throws Error{interrupted} when cancelled.
+  void measure(const std::function<void(double, const std::string&)>& report) {
+    const auto check = [](bool completed) {
+      if (!completed)
+        throw Error(ErrorClass::interrupted,
+                    "virtual_light_field: interrupted while preparing the texels; nothing was kept");
+    };
+    for (; !interior.complete(); report(interior.progress(), "hidden places")) check(interior.advance());
+    for (; !accessibility.complete(); report(accessibility.progress(), accessibility.measured()))
+      check(accessibility.advance());
+  }
+
+  SurfaceAtlas atlas;
+  TexelInterior interior;
+  SideAccessibility accessibility;
+  FilmPlan film;
+  Patches patches;
+  LayeredRaster raster;
+  SideLight light;
+
+ private:
+  /// Of films: smaller ones would let two work-items, 16 pixels apart, add to the same texel.
+  static double least_pixel(const TechniqueContext& c, const Parameters& p, const SurfaceAtlas& atlas) {
+    const double smallest = 0.5 * static_cast<double>(p.pixel_size * atlas.info().texel_edge);
+    return largest_texel_extent(atlas, c.scene_buffers, smallest * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS;
+  }
+  static SurfaceAtlasOptions atlas_options(const TechniqueContext& c, const Plan& plan) {
+    SurfaceAtlasOptions options = plan.atlas;
+    options.progress = [report = c.progress](double fraction, const std::string& stage) {
+      report(fraction, "surface atlas, " + stage);
+    };
+    return options;
+  }
+  static LayeredRasterOptions raster_options(const TechniqueContext& c, const FilmPlan& film, double safe_pixel) {
+    LayeredRasterOptions options;
+    options.max_width = options.max_height =
+        std::max(film.film << film.shift, bundle_side(c.scene.bounds(), safe_pixel));
+    return options;
+  }
+};
+
+class VirtualLightField : public TechniqueBase<Parameters> {
+ public:
+  PathSet path_set(const Scene& scene, const RenderSettings& settings) const override {
+    return vlf::path_set(parameters_, scene, settings);
+  }
+  std::vector<std::string> limitations(const Scene& scene, const RenderSettings& settings) const override {
+    return vlf::limitations(parameters_, scene, settings);
+  }
+  size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
+    return vlf::estimate_bytes(make_plan(parameters_, scene, settings), parameters_, scene, settings);
+  }
+  double estimate_seconds(const Scene& scene, const RenderSettings& settings,
+                          const ComputePower& power) const override {
+    return vlf::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
+  }
+  std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return vlf::savings(); }
+
+  std::map<std::string, double> counters() const override {
+    std::map<std::string, double> result;
+    if (view_) result["lobe_rays"] = static_cast<double>(view_->rays());
+    if (!field_) return result;
+    result["lines"] = static_cast<double>(field_->lines_drawn());
+    result["film_pixels"] = field_->film_pixels();
+    result["cells"] = field_->maps().cells();
+    result["cells_scattered"] = static_cast<double>(field_->cells_scattered());
+    result["sweeps"] = field_->sweeps();
+    result["facets"] = field_->maps().info().facets;
+    result["sides"] = surfaces_->atlas.info().texel_count;
+    return result;
+  }
+
+ protected:
+  bool step() override {
+    if (!propagate()) return false;
+    if (!view_->sample()) return false;
+    view_->commit();
+    stepped_ = false;
+    return true;
+  }
+
+  IterationResult state() const override {
+    IterationResult result;
+    result.samples = view_->samples();
+    const bool settled = !field_ || field_->done();
+    result.progress = settled ? 1 : lit() ? field_->progress() : 0;
+    const uint32_t shown = field_ ? view_->field_samples() : view_->samples();
+    result.converged = settled && shown >= static_cast<uint32_t>(parameters_.camera_samples);
+    result.phase = settled ? "walk" : lit() ? field_->phase() : "light";
+    if (result.converged)
+      result.phase = field_ ? fmt::format("{}, and {} camera_samples", field_->why_done(), parameters_.camera_samples)
+                            : fmt::format("all {} camera_samples are done", parameters_.camera_samples);
+    return result;
+  }
+
+  void write(Film& film) override { view_->resolve(film); }
+
+  bool follow(const SceneChange& change) override {
+    if (!built() || !change.only_camera()) return false;
+    view_->set_frame(frame());
+    stepped_ = false;
+    return true;
+  }
+
+  void build() override {
+    view_.reset();  // their memory first
+    field_.reset();
+    surfaces_.reset();
+    plan_ = make_plan(parameters_, scene(), settings());
+    if (!plan_.field) return;
+    surfaces_ = std::make_unique<Surfaces>(context(), parameters_, plan_);
+    surfaces_->measure(context().progress);
+  }
+
+  /// Directions depend on the seed, and with them the tiles.
+  void restart() override {
+    view_.reset();
+    field_.reset();
+    stepped_ = false;
+    if (plan_.field) {
+      surfaces_->light.reset(seed());
+      make_field();
+    }
+    FieldView::Options options;
+    options.eye_kinds = plan_.eye_kinds;
+    options.lobes = parameters_.eye_glossy == EyeLobes::vlf;
+    options.traced = plan_.traced && plan_.field;
+    options.nearest = parameters_.eye_interp == EyeInterpolation::nearest;
+    options.fold = plan_.fold;
+    options.max_bounces = plan_.max_bounces;
+    view_ = std::make_unique<FieldView>(device(), scheduler(), scene_buffers(), bvh(),
+                                        surfaces_ ? &surfaces_->atlas : nullptr,
+                                        surfaces_ ? &surfaces_->patches : nullptr, field_.get(), frame(), options);
+    view_->reset(seed());
+  }
+
+  void warm_up_kernels() override {
+    if (surfaces_) surfaces_->light.warm_up();
+    if (field_) field_->warm_up();
+    view_->warm_up();
+  }
+
+ private:
+  bool lit() const { return surfaces_->light.complete(); }
+
+  void make_field() {
+    LightField::Options options;
+    options.dir_n = static_cast<uint32_t>(parameters_.dir_n);
+    options.film = surfaces_->film;
+    options.seed = full_seed();
+    options.line_seed = seed();
+    options.max_bounces = plan_.max_bounces;
+    options.sampled = plan_.sampled;
+    options.scatter_last = parameters_.eye_glossy == EyeLobes::vlf;
+    options.split = parameters_.split_layers;
+    options.fold = plan_.fold;
+    options.tail = parameters_.tail;
+    options.residual = static_cast<double>(parameters_.residual);
+    field_ = std::make_unique<LightField>(device(), scheduler(), scene(), scene_buffers(), surfaces_->atlas,
+                                          surfaces_->patches, surfaces_->raster, surfaces_->interior,
+                                          surfaces_->accessibility, surfaces_->light.light_samples(), options);
+  }
+
+  /// The part of the propagation of this iteration. False when cancelled; what is done is not done again.
+  bool propagate() {
+    if (!field_ || stepped_) return true;
+    if (!lit()) {
+      for (uint32_t runs = surfaces_->light.runs(); runs > 0 && !lit(); --runs) {
+        if (!surfaces_->light.sample()) return false;
+        surfaces_->light.commit();
+      }
+    } else if (!field_->advance()) {
+      return false;
+    }
+    stepped_ = true;
+    return true;
+  }
+
+  Plan plan_;
+  std::unique_ptr<Surfaces> surfaces_;  ///< null where no light is propagated
+  std::unique_ptr<LightField> field_;   ///< likewise
+  std::unique_ptr<FieldView> view_;
+  bool stepped_ = false;  ///< the propagation of this iteration is done
+};
+
+std::unique_ptr<Technique> create_virtual_light_field() { return std::make_unique<VirtualLightField>(); }
+
+}  // namespace
+}  // namespace lucarium
+
+LUCARIUM_EXPORT_TECHNIQUE(lucarium::vlf::technique_info, lucarium::create_virtual_light_field)
