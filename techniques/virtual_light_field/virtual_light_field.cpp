@@ -32,82 +32,18 @@
 
 #include <fmt/format.h>
 
-#include "lucarium/base/error.h"
-#include "lucarium/services/bundles/bundle_view.h"
 #include "lucarium/services/bvh/bvh.h"
-#include "lucarium/services/texel_sides/side_light.h"
-#include "lucarium/services/texel_sides/texel_extent.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
-#include "virtual_light_field/base/field_program.h"
 #include "virtual_light_field/cost.h"
 #include "virtual_light_field/declaration.h"
+#include "virtual_light_field/field_surfaces.h"
 #include "virtual_light_field/pixels/field_view.h"
 
 namespace lucarium {
 namespace {
 
 using namespace vlf;
-
-constexpr const char* kFewerTexels = "lower texels";
-
-/// Everything of a scene that does not depend on the seed, in the order of dependence.
-struct Surfaces {
-  Surfaces(const TechniqueContext& c, const Parameters& p, const Plan& plan)
-      : atlas(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas_options(c, plan), kOwner),
-        interior(*c.device, c.scheduler, c.scene_buffers, c.bvh(), atlas, kOwner, kFewerTexels),
-        accessibility(*c.device, c.scene_buffers, atlas, {p.pixel_size, p.open_gap, p.open_rays}, kOwner, kFewerTexels),
-        film(plan_film(p, c.scene.bounds(), atlas.report().area, static_cast<double>(atlas.info().texel_edge),
-                       least_pixel(c, p, atlas))),
-        patches(make_patches(atlas, c.scene_buffers,
-                             {static_cast<double>(p.tile_albedo), static_cast<double>(p.patch_cone),
-                              static_cast<uint32_t>(p.tile), film.cell})),
-        raster(c.scheduler, c.scene_buffers, raster_options(c, film, accessibility.safe_pixel()), kOwner),
-        light(*c.device, c.scheduler, c.scene_buffers, c.bvh(), atlas, accessibility, plan.light_kinds, kOwner,
-              kFewerTexels) {
-    accessibility.begin(*c.device, c.scheduler, c.scene, c.scene_buffers, atlas, interior, raster);
-  }
-
-  /// Measures hidden parts and accessibility. Throws Error{interrupted} when cancelled.
-  void measure(const std::function<void(double, const std::string&)>& report) {
-    const auto check = [](bool completed) {
-      if (!completed)
-        throw Error(ErrorClass::interrupted,
-                    "virtual_light_field: interrupted while preparing the texels; nothing was kept");
-    };
-    for (; !interior.complete(); report(interior.progress(), "hidden places")) check(interior.advance());
-    for (; !accessibility.complete(); report(accessibility.progress(), accessibility.measured()))
-      check(accessibility.advance());
-  }
-
-  SurfaceAtlas atlas;
-  TexelInterior interior;
-  SideAccessibility accessibility;
-  FilmPlan film;
-  Patches patches;
-  LayeredRaster raster;
-  SideLight light;
-
- private:
-  /// Of films: smaller ones would let two work-items, 16 pixels apart, add to the same texel.
-  static double least_pixel(const TechniqueContext& c, const Parameters& p, const SurfaceAtlas& atlas) {
-    const double smallest = 0.5 * static_cast<double>(p.pixel_size * atlas.info().texel_edge);
-    return largest_texel_extent(atlas, c.scene_buffers, smallest * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS;
-  }
-  static SurfaceAtlasOptions atlas_options(const TechniqueContext& c, const Plan& plan) {
-    SurfaceAtlasOptions options = plan.atlas;
-    options.progress = [report = c.progress](double fraction, const std::string& stage) {
-      report(fraction, "surface atlas, " + stage);
-    };
-    return options;
-  }
-  static LayeredRasterOptions raster_options(const TechniqueContext& c, const FilmPlan& film, double safe_pixel) {
-    LayeredRasterOptions options;
-    options.max_width = options.max_height =
-        std::max(film.film << film.shift, bundle_side(c.scene.bounds(), safe_pixel));
-    return options;
-  }
-};
 
 class VirtualLightField : public TechniqueBase<Parameters> {
  public:
@@ -178,7 +114,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     surfaces_.reset();
     plan_ = make_plan(parameters_, scene(), settings());
     if (!plan_.field) return;
-    surfaces_ = std::make_unique<Surfaces>(context(), parameters_, plan_);
+    surfaces_ = std::make_unique<FieldSurfaces>(device(), scheduler(), scene(), scene_buffers(), bvh(), parameters_,
+                                                plan_, context().progress);
     surfaces_->measure(context().progress);
   }
 
@@ -247,8 +184,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   }
 
   Plan plan_;
-  std::unique_ptr<Surfaces> surfaces_;  ///< null where no light is propagated
-  std::unique_ptr<LightField> field_;   ///< likewise
+  std::unique_ptr<FieldSurfaces> surfaces_;  ///< null where no light is propagated
+  std::unique_ptr<LightField> field_;        ///< likewise
   std::unique_ptr<FieldView> view_;
   bool stepped_ = false;  ///< the propagation of this iteration is done
 };

@@ -66,17 +66,27 @@ float3 cell_point(FieldInfo info, FieldLine line, float2 at, float3 point, float
   return point + (distance > reach ? reach / distance : 1.0f) * along;
 }
 
-// Albedo of the rough reflection lobe.
+// Albedos of the rough lobes. Of opaque surfaces and thin walls exactly: a thin wall transmits by the reflection lobe
+// mirrored, with 1 - F for F. Of volumes F is taken at the surface's own normal, with total reflection from inside.
 float3 reflection_albedo(const Scene* scene, const Bsdf* bsdf) {
-  const float2 e =
-      specular_albedo_directional(scene->scene_albedo_table, dot(bsdf->n_s, bsdf->view), sqrt(bsdf->alpha));
+  const float cos_v = dot(bsdf->n_s, bsdf->view);
+  const float2 e = specular_albedo_directional(scene->scene_albedo_table, cos_v, sqrt(bsdf->alpha));
+  if (bsdf->eta != 1.0f) return e.x * fresnel_reflection(bsdf, schlick_weight(bsdf->eta, cos_v));
   return bsdf->f0 * (e.x - e.y) + bsdf->f90 * e.y;
 }
+float3 transmission_albedo(const Scene* scene, const Bsdf* bsdf) {
+  const float cos_v = dot(bsdf->n_s, bsdf->view);
+  const float2 e = specular_albedo_directional(scene->scene_albedo_table, cos_v, sqrt(bsdf->alpha));
+  if (bsdf->eta != 1.0f) {
+    const float passed = fresnel_transmission(bsdf, schlick_weight(bsdf->eta, cos_v));
+    return bsdf->transmission * (e.x * passed * bsdf->eta * bsdf->eta);
+  }
+  return bsdf->transmission * ((1.0f - bsdf->dielectric_f0) * (e.x - e.y) + (1.0f - bsdf->dielectric_f90) * e.y);
+}
 
-// Equation of a glossy lobe: a sum g L / sum g, g = f |cos| dOmega, over the directions that the facet knows. Of
-// transmission, whose albedo has no closed form, the plain sum of g L.
+// Equation of a glossy lobe: a sum g L / sum g, g = f |cos| dOmega, over the directions that the facet knows.
 float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uint facet, uint behind, float3 position) {
-  float3 light = (float3)(0.0f), share = light, through = light;
+  float3 light = (float3)(0.0f), share = light, through = light, passed = light;
   const bool reflects = bsdf->p_reflect > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION);
   const bool transmits =
       behind != LUCARIUM_NONE && bsdf->p_transmit > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION);
@@ -101,10 +111,13 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
       share += g;
     } else {
       through += g * radiance.xyz;
+      passed += g;
     }
   }
-  if (reflects) through += reflection_albedo(scene, bsdf) * select((float3)(0.0f), light / share, share > 0.0f);
-  return through;
+  float3 sum = (float3)(0.0f);
+  if (reflects) sum += reflection_albedo(scene, bsdf) * select((float3)(0.0f), light / share, share > 0.0f);
+  if (transmits) sum += transmission_albedo(scene, bsdf) * select((float3)(0.0f), through / passed, passed > 0.0f);
+  return sum;
 }
 
 // Radiance that a facet sends towards bsdf->view. behind: the facet of the other side, LUCARIUM_NONE: none.
@@ -125,7 +138,9 @@ float3 scattered_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf,
       (narrow || (bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION))) {
     const bool straight = bsdf->flags & LUCARIUM_BSDF_THIN;
     const float3 from = straight ? -bsdf->view : refract_at(bsdf->view, bsdf->n_s, bsdf->eta);
-    const float3 tint = bsdf->transmission * (fresnel_transmission(bsdf, schlick) * bsdf->eta * bsdf->eta);
+    const float3 tint = bsdf->alpha > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION)
+                            ? transmission_albedo(scene, bsdf)
+                            : bsdf->transmission * (fresnel_transmission(bsdf, schlick) * bsdf->eta * bsdf->eta);
     if (dot(bsdf->n_g, from) < 0.0f) light += tint * ideal_radiance(in, behind, from, -bsdf->n_g, position);
   }
   if (!narrow) light += rough_light(in, scene, bsdf, facet, behind, position);

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "virtual_light_field/field_surfaces.h"
+
+#include <algorithm>
+
+#include "lucarium/base/error.h"
+#include "lucarium/services/bundles/bundle_view.h"
+#include "lucarium/services/texel_sides/texel_extent.h"
+#include "virtual_light_field/base/field_program.h"
+
+namespace lucarium::vlf {
+namespace {
+
+constexpr const char* kFewerTexels = "lower texels";
+
+SurfaceAtlasOptions atlas_options(const Plan& plan, const FieldSurfaces::Report& report) {
+  SurfaceAtlasOptions options = plan.atlas;
+  options.progress = [report](double fraction, const std::string& stage) {
+    report(fraction, "surface atlas, " + stage);
+  };
+  return options;
+}
+
+/// Of films [m]: smaller ones would let two work-items, 16 pixels apart, add to the same texel.
+double least_pixel(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const Parameters& parameters) {
+  const double smallest = 0.5 * static_cast<double>(parameters.pixel_size * atlas.info().texel_edge);
+  return largest_texel_extent(atlas, buffers, smallest * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS;
+}
+
+PatchOptions patch_options(const Parameters& parameters, const FilmPlan& film) {
+  PatchOptions options;
+  options.tile_albedo = static_cast<double>(parameters.tile_albedo);
+  options.cone = static_cast<double>(parameters.patch_cone);
+  options.tile = static_cast<uint32_t>(parameters.tile);
+  options.cell = film.cell;
+  return options;
+}
+
+/// For films, and for the bundles that measure accessibility.
+LayeredRasterOptions raster_options(const Scene& scene, const FilmPlan& film, double safe_pixel) {
+  LayeredRasterOptions options;
+  options.max_width = options.max_height = std::max(film.film << film.shift, bundle_side(scene.bounds(), safe_pixel));
+  return options;
+}
+
+}  // namespace
+
+FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const Scene& scene,
+                             const SceneBuffers& buffers, const Intersector& intersector, const Parameters& parameters,
+                             const Plan& plan, const Report& report)
+    : atlas(device, scheduler, scene, buffers, atlas_options(plan, report), kOwner),
+      interior(device, scheduler, buffers, intersector, atlas, kOwner, kFewerTexels),
+      accessibility(device, buffers, atlas, {parameters.pixel_size, parameters.open_gap, parameters.open_rays}, kOwner,
+                    kFewerTexels),
+      film(plan_film(parameters, scene.bounds(), atlas.report().area, static_cast<double>(atlas.info().texel_edge),
+                     least_pixel(atlas, buffers, parameters))),
+      patches(make_patches(atlas, buffers, patch_options(parameters, film))),
+      raster(scheduler, buffers, raster_options(scene, film, accessibility.safe_pixel()), kOwner),
+      light(device, scheduler, buffers, intersector, atlas, accessibility, plan.light_kinds, kOwner, kFewerTexels) {
+  accessibility.begin(device, scheduler, scene, buffers, atlas, interior, raster);
+}
+
+void FieldSurfaces::measure(const Report& report) {
+  const auto check = [](bool completed) {
+    if (!completed)
+      throw Error(ErrorClass::interrupted,
+                  "virtual_light_field: interrupted while preparing the texels; nothing was kept");
+  };
+  for (; !interior.complete(); report(interior.progress(), "hidden places")) check(interior.advance());
+  for (; !accessibility.complete(); report(accessibility.progress(), accessibility.measured()))
+    check(accessibility.advance());
+}
+
+}  // namespace lucarium::vlf

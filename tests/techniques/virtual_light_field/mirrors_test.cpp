@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+// Facets: mirrors, glossy lobes and glass, by closed forms on the diffuse surfaces that they light.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "field_rig.h"
+#include "lucarium/scene/builtin/builder.h"
+#include "test_support.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using test::relative;
+using test::within;
+
+namespace {
+
+vlf::Parameters field(int dir_n, int cells, int texels) {
+  vlf::Parameters parameters;
+  parameters.dir_n = dir_n;
+  parameters.cells = cells;
+  parameters.texels = texels;
+  parameters.direct_mode = vlf::DirectMode::exchange;
+  return parameters;
+}
+
+double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
+
+}  // namespace
+
+TEST_CASE("a furnace with a mirror for a wall is a furnace") {
+  const SceneMaterial wall = test::emitter(1, 0.5f);
+  vlf::Parameters parameters = field(8, 32, 2048);
+  parameters.tail = false;
+  parameters.residual = 0;
+  test::FieldRig rig(test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror()}}),
+                     parameters);
+  rig.propagate(40);
+  CHECK(rig.field().maps().info().facets == 1);
+  CHECK(rig.mean(rig.all(), 1) > 1.999);
+  CHECK(rig.mean(rig.all(), 1) < 2.001);
+  CHECK(least(rig.of_instance(rig.all(), 1)) > 1.99);
+}
+
+TEST_CASE("light by a mirror is that of the image lamp") {
+  const SceneMaterial black = test::lambert(0);
+  test::FieldRig rig(test::unit_box({{2, black}, {0, black}, {3, test::emitter(1)}, {1, test::mirror()}}),
+                     field(16, 64, 4096), {.max_bounces = 1});
+  rig.propagate();
+  // Form factors of parallel and perpendicular squares, and those of the lamp behind the mirror.
+  CHECK(rig.mean(rig.direct(), 0) == relative(0.199825, 0.01));
+  CHECK(rig.mean(rig.all(), 0) == relative(0.199825 + 0.086050, 0.005));
+  CHECK(rig.mean(rig.all(), 1) == relative(0.200044 + 0.032809, 0.005));
+}
+
+TEST_CASE("glossy and refracting walls keep a uniform field") {
+  const SceneMaterial wall = test::emitter(1, 0);
+  for (const float roughness : {0.2f, 0.45f, 0.8f}) {
+    CAPTURE(roughness);
+    test::FieldRig rig(
+        test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror(1, roughness)}}),
+        field(8, 32, 2048), {.max_bounces = 0});
+    rig.propagate();
+    // What a cell sends is the albedo of its lobe, which loses what bounces twice between microfacets.
+    std::vector<uint32_t> direct = rig.field().direct().download();
+    double most = 0;
+    uint64_t known = 0;
+    for (const uint32_t bits : direct) {
+      if (bits == FIELD_NO_CELL) continue;
+      ++known;
+      most = std::max(most, static_cast<double>(bits & 511) * std::exp2(static_cast<double>(bits >> 27) - 24) /
+                                static_cast<double>(rig.field().scale()));
+    }
+    CHECK(known > 1000);
+    CHECK(most <= 1.0 + 1. / 256);
+    CHECK(most > 0.6);
+  }
+}
+
+TEST_CASE("clear glass in a furnace changes nothing outside of it") {
+  const SceneMaterial wall = test::emitter(1, 0.5f);
+  for (const float roughness : {0.f, 0.3f}) {
+    for (const bool thin : {true, false}) {
+      CAPTURE(roughness);
+      CAPTURE(thin);
+      Scene scene = test::unit_box({{0, wall}, {1, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}});
+      SceneMaterial glass;
+      glass.base_color = glm::vec4(1);
+      glass.metallic = 0;
+      glass.roughness = roughness;
+      glass.transmission = 1;
+      glass.thickness = thin ? 0.f : 1.f;
+      const int material = test::add_material(scene, glass);
+      add_instance(scene, add_mesh(scene, MeshBuilder("block").box({0.3f, 0.2f, 0.35f}, {0.7f, 0.6f, 0.7f}).take()),
+                   material);
+      vlf::Parameters parameters = field(test::full_run() ? 16 : 8, 64, 4096);
+      parameters.residual = 0.001f;
+      test::FieldRig rig(std::move(scene), parameters);
+      rig.propagate();
+      for (int k = 0; k < 6; ++k) {
+        MESSAGE(k << " " << rig.mean(rig.all(), k) << " sweeps " << rig.field().sweeps());
+        CHECK(rig.mean(rig.all(), k) == relative(2, 0.01));
+      }
+    }
+  }
+}
