@@ -12,8 +12,9 @@
 //   E_t = π Σ w L / Σ w        over all rays that met texel t, w = W A_p a, W = 1 / (q(ω) + q(-ω))
 //
 // q is the density of directions, A_p the area of a bundle pixel, a the accessibility of that part of the texel
-// (texel_sides/side_accessibility.h): what is covered by something near is neither seen nor to count. The cosine is implicit: a
-// texel is met by as many rays as it shows area to ω. The ratio needs no texel area and is exact in a uniform field.
+// (texel_sides/side_accessibility.h): what is covered by something near is neither seen nor to count. The cosine is
+// implicit: a texel is met by as many rays as it shows area to ω. The ratio needs no texel area and is exact in a
+// uniform field.
 //
 // All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
 // kept (sender_weights.h): S forgets quickly, so that light that was missing at the beginning fades as
@@ -44,7 +45,7 @@
 //                                            layered_raster/rows.clh: layered_sort_row()
 //   section 4.2, opposite sampling points    exchange/exchange_pairs.cl: layered_ray_crosses()
 //   section 4.3, ray directions, Halton      bundles/direction_sequence.cpp: point()
-//   section 5.1, direct illumination         exchange/begin_direction.cl: begin_direction();
+//   section 5.1, direct illumination         texel_sides/begin_direction.cl: begin_direction();
 //                                            exchange/exchange_pairs.cl: receive_end(); area lights:
 //                                            senders/make_senders.cl: make_senders() (direct_mode=exchange)
 //   section 5.2, diffuse, ping-pong          senders/finish_bounce.cl (interleave=pingpong)
@@ -57,8 +58,8 @@
 //   section 6.5, separate direct light       texel_sides/sample_side_light.cl: light_point() (nee)
 //
 // Not in the paper: the two means S and D (senders/sender_weights.h), the balance (senders/balance_power.cl),
-// accessibility (texel_sides/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains (specular/), the
-// preview (senders/smooth_preview.cl) and the start from what is known (senders/side_means.cpp: start_from()).
+// accessibility (texel_sides/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains (specular/),
+// the preview (senders/smooth_preview.cl) and the start from what is known (senders/side_means.cpp: start_from()).
 
 #include <fmt/format.h>
 

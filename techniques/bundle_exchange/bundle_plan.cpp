@@ -9,9 +9,9 @@
 
 #include "bundle_exchange/exchange/bundle_transfer.h"
 #include "bundle_exchange/pixels/debug_layers.h"
-#include "lucarium/shared/texel_sides.h"
 #include "bundle_exchange/specular/side_specular.h"
 #include "lucarium/services/texel_sides/side_light.h"
+#include "lucarium/shared/texel_sides.h"
 
 namespace lucarium::bundle {
 namespace {

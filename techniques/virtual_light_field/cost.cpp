@@ -6,7 +6,7 @@
 
 #include "lucarium/services/texel_sides/side_light.h"
 #include "lucarium/shared/texel_sides.h"
-#include "virtual_light_field/light_field.h"
+#include "virtual_light_field/field/light_field.h"
 #include "virtual_light_field/pixels/field_view.h"
 
 namespace lucarium::vlf {
@@ -22,7 +22,7 @@ constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kSweeps = 6;                   // of unlimited bounces
 constexpr double kTileOverhead = 1.6;           // cells of tiles over those that surfaces meet
 
-/// A material whose tiles are to be expected (patches.h).
+/// A material that is likely to have tiles (patches.h).
 bool is_tiled(const SceneMaterial& m, const Parameters& parameters) {
   const double least = static_cast<double>(parameters.tile_albedo);
   const double f0 = std::pow((static_cast<double>(m.ior) - 1) / (static_cast<double>(m.ior) + 1), 2);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "lucarium/base/error.h"
+#include "lucarium/shared/scene_types.h"
 #include "virtual_light_field/base/plan.h"
 
 namespace lucarium::vlf {
@@ -30,6 +32,19 @@ PathSet path_set(const Parameters& parameters, const Scene&, const RenderSetting
   set.max_bounces = settings.max_bounces;
   set.secondary_lambert_only = parameters.weak_lobes == WeakLobes::drop && parameters.tile_albedo >= 1;
   return set;
+}
+
+void check_parameters(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return m.roughness < LUCARIUM_MIRROR_ROUGHNESS && (m.metallic > 0 || m.transmission > 0);
+  });
+  if (parameters.eye_specular == EyeLobes::vlf && settings.max_bounces >= 0 && ideal)
+    throw Error(ErrorClass::usage,
+                "virtual_light_field: with eye_specular=vlf a mirror before the eye counts as a bounce; leave "
+                "--max-bounces unlimited, or set eye_specular=trace");
+  if (parameters.eye_direct == EyeDirect::atlas && !parameters.split_layers)
+    throw Error(ErrorClass::usage,
+                "virtual_light_field: eye_direct=atlas needs the direct light of tiles; set split_layers=on");
 }
 
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {

@@ -10,6 +10,9 @@ TechniqueInfo technique_info();
 /// The light paths that these parameters compute.
 PathSet path_set(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
+/// Throws Error{usage} for what does not go together.
+void check_parameters(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
+
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
 }  // namespace lucarium::vlf

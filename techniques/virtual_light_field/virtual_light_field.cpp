@@ -14,19 +14,22 @@
 //   out_j(x) = a Σ_i g_i in_i(x) / Σ_i g_i              a glossy lobe: g_i = f(ω_i, ω_j) cos θ_i ΔΩ_i
 //
 // Sweeps. Sweep s transports the light that was scattered exactly s times, so that bounces are exact. The rest of
-// unlimited bounces is a geometric series, whose ratio the last two sweeps tell (scatter/field_tail.h).
+// unlimited bounces is a geometric series, whose ratio the last two sweeps show (scatter/field_tail.h).
 //
-// Error. Light in mirrors is blurred by the spacing of directions at every hop; all light by cells and texels.
+// Error. Light in mirrors is blurred by the spacing of directions at every bounce; all light by cells and texels.
 //
 // Where the paper stands in the source (below this folder):
 //
-//   section 3, directions, parallel subfields   directions/direction_grid.h: DirectionGrid, make_lines()
-//   section 3, tiles cover the face             tiles/build_maps.cl: mark_tiles()
-//   section 3, propagation                      exchange/exchange_line.cl: layered_ray_crosses()
-//   section 3, irradiance of diffuse surfaces   scatter/fold_sides.cl: fold_sides()
-//   section 3, non-diffuse surfaces             scatter/scatter_cells.cl: scattered_light()
-//   section 4, rendering                        pixels/field_lookup.clh: facet_radiance(); pixels/show_field.cl
+//   section 2.1, directions, parallel subfields      directions/direction_grid.cpp: DirectionGrid(), make_lines()
+//   section 3.1, sparse tiles (Figure 4)              tiles/build_maps.cl: mark_tiles()
+//   section 3.2, visibility                           exchange/exchange_line.cl: exchange_line()
+//   section 3.3, radiance transport                   exchange/exchange_line.cl: layered_ray_crosses();
+//                                                     scatter/fold_sides.cl: fold_sides()
+//   section 3.4, non-diffuse scattering (Figure 7)    scatter/scatter_cells.cl: scattered_light()
+//   section 4, rendering                              pixels/field_lookup.clh: facet_radiance();
+//                                                     pixels/show_field.cl: show_field()
 //
+// Not built: perturbed directions (section 3.5), splats, packed storage.
 // Not in the paper: the tail, light samples (direct_mode=nee), rays from pixels (pixels/trace_lobes.cl), glossy lobes
 // by gathers with normalised weights, patches that are not planar, accessibility (texel_sides/side_accessibility.h).
 
@@ -37,7 +40,7 @@
 #include "lucarium/technique/technique_base.h"
 #include "virtual_light_field/cost.h"
 #include "virtual_light_field/declaration.h"
-#include "virtual_light_field/field_surfaces.h"
+#include "virtual_light_field/field/field_surfaces.h"
 #include "virtual_light_field/pixels/field_view.h"
 
 namespace lucarium {
@@ -61,6 +64,9 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     return vlf::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
   }
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return vlf::savings(); }
+
+  std::string state_refusal() const override { return {}; }
+  std::vector<std::string> parameters_of_view() const override { return {"camera_samples", "eye_interp"}; }
 
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> result;
@@ -88,9 +94,10 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   IterationResult state() const override {
     IterationResult result;
     result.samples = view_->samples();
-    const bool settled = !field_ || field_->done();
+    const bool settled = !field_ || field_->done() || light_held();
+    result.light_done = settled;
     result.progress = settled ? 1 : lit() ? field_->progress() : 0;
-    const uint32_t shown = field_ ? view_->field_samples() : view_->samples();
+    const uint32_t shown = field_ && field_->shown_sweeps() > 0 ? view_->field_samples() : view_->samples();
     result.converged = settled && shown >= static_cast<uint32_t>(parameters_.camera_samples);
     result.phase = settled ? "walk" : lit() ? field_->phase() : "light";
     if (result.converged)
@@ -112,11 +119,12 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     view_.reset();  // their memory first
     field_.reset();
     surfaces_.reset();
+    check_parameters(parameters_, scene(), settings());
     plan_ = make_plan(parameters_, scene(), settings());
     if (!plan_.field) return;
     surfaces_ = std::make_unique<FieldSurfaces>(device(), scheduler(), scene(), scene_buffers(), bvh(), parameters_,
                                                 plan_, context().progress);
-    surfaces_->measure(context().progress);
+    if (!context().state) surfaces_->measure(context().progress);  // else nothing will be propagated
   }
 
   /// Directions depend on the seed, and with them the tiles.
@@ -131,6 +139,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     FieldView::Options options;
     options.eye_kinds = plan_.eye_kinds;
     options.lobes = parameters_.eye_glossy == EyeLobes::vlf;
+    options.first_surface = plan_.first_surface;
     options.traced = plan_.traced && plan_.field;
     options.nearest = parameters_.eye_interp == EyeInterpolation::nearest;
     options.fold = plan_.fold;
@@ -139,6 +148,13 @@ class VirtualLightField : public TechniqueBase<Parameters> {
                                         surfaces_ ? &surfaces_->atlas : nullptr,
                                         surfaces_ ? &surfaces_->patches : nullptr, field_.get(), frame(), options);
     view_->reset(seed());
+  }
+
+  void save(StateWriter& chunks) override {
+    if (field_) field_->save(chunks);
+  }
+  void load(const StateReader& chunks) override {
+    if (field_) field_->load(chunks);
   }
 
   void warm_up_kernels() override {
@@ -158,7 +174,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     options.line_seed = seed();
     options.max_bounces = plan_.max_bounces;
     options.sampled = plan_.sampled;
-    options.scatter_last = parameters_.eye_glossy == EyeLobes::vlf;
+    options.scatter_last = parameters_.eye_glossy == EyeLobes::vlf || plan_.first_surface;
     options.split = parameters_.split_layers;
     options.fold = plan_.fold;
     options.tail = parameters_.tail;
@@ -170,7 +186,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
 
   /// The part of the propagation of this iteration. False when cancelled; what is done is not done again.
   bool propagate() {
-    if (!field_ || stepped_) return true;
+    if (!field_ || stepped_ || light_held()) return true;
     if (!lit()) {
       for (uint32_t runs = surfaces_->light.runs(); runs > 0 && !lit(); --runs) {
         if (!surfaces_->light.sample()) return false;

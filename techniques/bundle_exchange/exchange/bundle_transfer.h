@@ -2,10 +2,10 @@
 #pragma once
 #include "bundle_exchange/pixels/pixel_gather.h"
 #include "bundle_exchange/senders/side_means.h"
-#include "lucarium/services/texel_sides/side_accessibility.h"
 #include "lucarium/services/bundles/bundle_view.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
+#include "lucarium/services/texel_sides/side_accessibility.h"
 
 namespace lucarium::bundle {
 

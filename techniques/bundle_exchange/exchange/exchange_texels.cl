@@ -5,9 +5,9 @@
 // many bundle pixels the texel side covers.
 #include "bundle_exchange/base/exchange_layout.clh"
 #include "bundle_exchange/base/fragment_side.clh"
-#include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/random.clh"
+#include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/shared/surface_point.h"
 
 // Moves a texel side's sample position to a random one within its texel, on the same triangle; where that misses, it

@@ -28,6 +28,7 @@ struct Parameters {
   float tile_albedo = 0.1f;
   WeakLobes weak_lobes = WeakLobes::fold;
   EyeDirect eye_direct = EyeDirect::samples;
+  EyeLobes eye_specular = EyeLobes::trace;
   EyeLobes eye_glossy = EyeLobes::trace;
   EyeInterpolation eye_interp = EyeInterpolation::bary;
   float patch_cone = 30;
@@ -70,6 +71,9 @@ struct Parameters {
              "specular lobes below tile_albedo: added to the diffuse albedo in propagation (fold), or left out (drop)");
     v.choice("eye_direct", eye_direct, {{"samples", EyeDirect::samples}, {"atlas", EyeDirect::atlas}},
              "direct light at pixels: light samples, or the atlas (paper)");
+    v.choice("eye_specular", eye_specular, {{"trace", EyeLobes::trace}, {"vlf", EyeLobes::vlf}},
+             "mirrors and glass at pixels: followed to what they show (trace), or the tiles of the first surface (vlf, "
+             "paper)");
     v.choice("eye_glossy", eye_glossy, {{"trace", EyeLobes::trace}, {"vlf", EyeLobes::vlf}},
              "specular lobes at pixels: a ray that looks up where it ends (trace), or the tiles (vlf, paper)");
     v.choice("eye_interp", eye_interp, {{"bary", EyeInterpolation::bary}, {"nearest", EyeInterpolation::nearest}},
@@ -83,9 +87,11 @@ struct Parameters {
                  {"open_gap", "0"},
                  {"tail", "off"},
                  {"eye_direct", "atlas"},
+                 {"eye_specular", "vlf"},
                  {"eye_glossy", "vlf"},
                  {"patch_cone", "0"}}},
-               {"walkthrough", {{"eye_direct", "atlas"}, {"eye_glossy", "vlf"}, {"camera_samples", "1"}}}},
+               {"walkthrough",
+                {{"eye_direct", "atlas"}, {"eye_specular", "vlf"}, {"eye_glossy", "vlf"}, {"camera_samples", "1"}}}},
               "set of values; paper: the choices of Mortensen et al. 2007; walkthrough: frames of constant time");
     v.basic({"dir_n", "cells", "texels", "residual", "direct_mode", "eye_direct", "eye_glossy", "camera_samples"});
   }

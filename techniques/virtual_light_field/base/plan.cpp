@@ -13,8 +13,9 @@
 namespace lucarium::vlf {
 namespace {
 
-constexpr double kCellShare = 0.37;  // of δ times the mean chord (Mortensen et al. 2007, section 4: computable ratio)
-constexpr uint32_t kLeastFilm = 16, kLeastAutomatic = 64, kMostAutomatic = 256;
+constexpr double kCellShare =
+    0.37;  // of δ times the mean chord (Mortensen et al. 2007, section 6: a ratio that could be computed)
+constexpr uint32_t kMinFilm = 16, kMinAutomatic = 64, kMaxAutomatic = 256;
 constexpr double kBorder = 2;  // cells around the bounding sphere: shift and interpolation
 
 bool has_specular_lobes(const Scene& scene) {
@@ -33,8 +34,10 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   const bool samples = parameters.eye_direct == EyeDirect::samples, punctual = !scene.lights.empty();
   plan.max_bounces = settings.max_bounces;
-  plan.field = settings.max_bounces != 0 || !samples || parameters.eye_glossy == EyeLobes::vlf;
+  plan.field = settings.max_bounces != 0 || !samples || parameters.eye_glossy == EyeLobes::vlf ||
+               parameters.eye_specular == EyeLobes::vlf;
   plan.lobes = has_specular_lobes(scene);
+  plan.first_surface = plan.lobes && parameters.eye_specular == EyeLobes::vlf;
   plan.fold = parameters.weak_lobes == WeakLobes::fold;
   plan.traced = plan.lobes && parameters.eye_glossy == EyeLobes::trace;
   plan.sampled = parameters.direct_mode == DirectMode::nee;
@@ -44,34 +47,35 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
 }
 
 FilmPlan plan_film(const Parameters& parameters, const Bounds& bounds, double area, double texel_edge,
-                   double least_pixel) {
+                   double min_pixel) {
   const double diameter = std::max(2.0 * static_cast<double>(bounds.radius()), 1e-6);
   FilmPlan plan;
-  plan.film = kLeastAutomatic;
+  plan.film = kMinAutomatic;
   if (parameters.cells > 0) {
-    plan.film = std::max(static_cast<uint32_t>(parameters.cells), kLeastFilm);
+    plan.film = std::max(static_cast<uint32_t>(parameters.cells), kMinFilm);
   } else if (!bounds.empty() && area > 0) {
     const glm::dvec3 size = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
     const double chord = 4 * size.x * size.y * size.z / area;
     const double cell = kCellShare * DirectionGrid::spacing(static_cast<uint32_t>(parameters.dir_n)) * chord;
     if (cell > 0)
       plan.film = static_cast<uint32_t>(
-          std::clamp(std::ceil(diameter / cell) + kBorder, double{kLeastAutomatic}, double{kMostAutomatic}));
+          std::clamp(std::ceil(diameter / cell) + kBorder, double{kMinAutomatic}, double{kMaxAutomatic}));
   }
-  const uint32_t most = parameters.supersample == Supersample::automatic
-                            ? 3
-                            : static_cast<uint32_t>(parameters.supersample) - static_cast<uint32_t>(Supersample::one);
-  if (parameters.supersample != Supersample::automatic && (plan.film << most) > LAYERED_MAX_EDGE)
+  const uint32_t max_shift =
+      parameters.supersample == Supersample::automatic
+          ? 3
+          : static_cast<uint32_t>(parameters.supersample) - static_cast<uint32_t>(Supersample::one);
+  if (parameters.supersample != Supersample::automatic && (plan.film << max_shift) > LAYERED_MAX_EDGE)
     throw_error(ErrorClass::usage,
                 "virtual_light_field: cells={} with supersample={} makes films of {} pixels, more than {}; lower one",
-                plan.film, 1u << most, plan.film << most, LAYERED_MAX_EDGE);
+                plan.film, 1u << max_shift, plan.film << max_shift, LAYERED_MAX_EDGE);
   // Cells must not be smaller than the pixels that keep work-items apart at texels.
   const auto cell_of = [&](uint32_t film) { return diameter / (film - kBorder); };
-  while (plan.film > kLeastFilm && cell_of(plan.film) < least_pixel) --plan.film;
-  plan.cell = std::max(cell_of(plan.film), least_pixel);
+  while (plan.film > kMinFilm && cell_of(plan.film) < min_pixel) --plan.film;
+  plan.cell = std::max(cell_of(plan.film), min_pixel);
   const double wanted =
       parameters.supersample == Supersample::automatic ? static_cast<double>(parameters.pixel_size) * texel_edge : 0;
-  while (plan.shift < most && plan.pixel() > wanted && plan.pixel() / 2 >= least_pixel &&
+  while (plan.shift < max_shift && plan.pixel() > wanted && plan.pixel() / 2 >= min_pixel &&
          (plan.film << (plan.shift + 1)) <= LAYERED_MAX_EDGE)
     ++plan.shift;
   return plan;

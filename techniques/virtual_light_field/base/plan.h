@@ -13,13 +13,14 @@ namespace lucarium::vlf {
 /// What parameters and scene ask for, known before anything is built.
 struct Plan {
   SurfaceAtlasOptions atlas;
-  bool field = true;         ///< light is propagated at all
-  bool lobes = false;        ///< some surface has specular lobes
-  bool fold = true;          ///< coats below tile_albedo reflect diffusely in propagation
-  bool traced = true;        ///< pixels send rays by specular lobes
-  bool sampled = true;       ///< the first sweep's irradiance is that of light samples
-  uint32_t light_kinds = 0;  ///< of light samples at texel sides
-  uint32_t eye_kinds = 0;    ///< of light samples at pixels; 0: the atlas shows direct light
+  bool field = true;           ///< light is propagated at all
+  bool lobes = false;          ///< some surface has specular lobes
+  bool fold = true;            ///< coats below tile_albedo reflect diffusely in propagation
+  bool first_surface = false;  ///< pixels look up the tiles of mirrors and glass
+  bool traced = true;          ///< pixels send rays by specular lobes
+  bool sampled = true;         ///< the first sweep's irradiance is that of light samples
+  uint32_t light_kinds = 0;    ///< of light samples at texel sides
+  uint32_t eye_kinds = 0;      ///< of light samples at pixels; 0: the atlas shows direct light
   int max_bounces = -1;
 };
 Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
@@ -31,8 +32,8 @@ struct FilmPlan {
   uint32_t shift = 0;  ///< log2 of ss
   double pixel() const { return cell / (1u << shift); }
 };
-/// `area`: of all reflecting sides [m²]; `texel_edge` [m]; `least_pixel`: below it work-items meet at a texel [m].
+/// `area`: of all reflecting sides [m²]; `texel_edge` [m]; `min_pixel`: below it work-items meet at a texel [m].
 FilmPlan plan_film(const Parameters& parameters, const Bounds& bounds, double area, double texel_edge,
-                   double least_pixel);
+                   double min_pixel);
 
 }  // namespace lucarium::vlf

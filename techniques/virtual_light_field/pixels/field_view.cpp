@@ -21,7 +21,7 @@ FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuff
       options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      eye_(device, scheduler, scene, intersector, frame, kOwner, options.eye_kinds),
+      eye_(device, scheduler, scene, intersector, frame, kOwner, options.eye_kinds, 1, options.first_surface),
       sums_(device, kOwner, pixels_, {"direct", "indirect"}),
       traced_(device, kOwner, "light of rays", options.traced ? 2 * size_t{pixels_} : 2, kLowerSize) {
   if (!field) return;
@@ -93,6 +93,7 @@ void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atla
       .arg("count", pixels_)
       .arg("weight", weight_)
       .arg("lobes", options_.lobes ? 1u : 0u)
+      .arg("mirrors", options_.first_surface ? 1u : 0u)
       .arg("rays", options_.traced ? 1u : 0u)
       .arg("atlas_direct", options_.eye_kinds == 0 ? 1u : 0u)
       .arg("shown_direct", field_->shown_direct())
@@ -103,7 +104,7 @@ void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atla
   show_ = recorder.compile();
 }
 
-bool FieldView::shows_field() const { return field_ && field_->shown_sweeps() > 0 && field_->consistent(); }
+bool FieldView::shows_field() const { return field_ && field_->shown_sweeps() > 0; }
 
 bool FieldView::sample() {
   if (!eye_.see(samples_) || !eye_.sample(samples_)) return false;

@@ -4,7 +4,7 @@
 
 #include "lucarium/services/eye_light/eye_light.h"
 #include "lucarium/services/specular_chains/specular_chains.h"
-#include "virtual_light_field/light_field.h"
+#include "virtual_light_field/field/light_field.h"
 
 namespace lucarium::vlf {
 
@@ -13,10 +13,11 @@ namespace lucarium::vlf {
 class FieldView {
  public:
   struct Options {
-    uint32_t eye_kinds = 0;  ///< of light samples; 0: the atlas has direct light
-    bool lobes = false;      ///< specular lobes are looked up at pixels
-    bool traced = false;     ///< rays follow them
-    bool nearest = false;    ///< eye_interp
+    uint32_t eye_kinds = 0;      ///< of light samples; 0: the atlas has direct light
+    bool lobes = false;          ///< specular lobes are looked up at pixels
+    bool first_surface = false;  ///< mirrors and glass are looked up at pixels
+    bool traced = false;         ///< rays follow them
+    bool nearest = false;        ///< eye_interp
     bool fold = true;
     int max_bounces = -1;
   };

@@ -9,12 +9,13 @@
 
 // Adds a sample that counts `weight` of the mean: a field that has grown replaces what it was. traced: light of rays by
 // specular lobes, direct and other (trace_lobes.cl). They count where `rays`. lobes: 1: tiles, and coats as in
-// propagation, are looked up at pixels. atlas_direct: 1: direct light is the atlas's.
+// propagation, are looked up at pixels. mirrors: 1: tiles of ideal lobes.
+// atlas_direct: 1: direct light is the atlas's.
 __kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                          __global const AtlasTriangle* restrict atlas_triangles,
                          __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                          FIELD_LOOKUP_PARAMETERS __global const GBufferPoint* restrict points, uint count, float weight,
-                         uint lobes, uint rays, uint atlas_direct, uint split, uint fold,
+                         uint lobes, uint mirrors, uint rays, uint atlas_direct, uint split, uint fold,
                          __global const float4* restrict side_albedo, __global const float4* restrict shown_direct,
                          __global const float4* restrict shown, __global const uint* restrict direct,
                          __global const uint* restrict total, __global const float4* restrict traced,
@@ -48,7 +49,11 @@ __kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
       if (first.w > 0.0f) once_here = albedo * (first.xyz / first.w);
     }
     // Specular lobes.
-    if (lobes && facet != LUCARIUM_NONE) {
+    if (mirrors && facet != LUCARIUM_NONE && bsdf.alpha == 0.0f) {
+      // What a mirror shows is light that it has scattered, of lamps too: no sample of the pixel finds it.
+      more_here += facet_radiance(&field, total, facet, point.position.xyz, point.view.xyz);
+      if (split) more_here += facet_radiance(&field, direct, facet, point.position.xyz, point.view.xyz);
+    } else if (lobes && facet != LUCARIUM_NONE) {
       more_here += facet_radiance(&field, total, facet, point.position.xyz, point.view.xyz);
       if (atlas_direct && split) once_here += facet_radiance(&field, direct, facet, point.position.xyz, point.view.xyz);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What facets send towards every direction of what they have received from all: mirrors, glossy lobes, refraction
-// (Mortensen et al. 2007, section 3, non-diffuse surfaces; there by splats). Each cell is gathered: it is written once,
+// (Mortensen et al. 2007, section 3.4; there by splats). Each cell is gathered: it is written once,
 // without atomics, and with normalised weights a uniform field stays what it is.
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/random.clh"
@@ -148,7 +148,7 @@ float3 scattered_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf,
 }
 
 // The map (direction-major) that an entry of the tile table belongs to: the last one that does not begin behind it.
-uint map_of_entry(const global FieldMap* maps, uint count, uint entry) {
+uint map_of_entry(const __global FieldMap* maps, uint count, uint entry) {
   uint low = 0u;
   for (uint length = count; length > 1u;) {
     const uint half_length = length >> 1;
@@ -158,9 +158,9 @@ uint map_of_entry(const global FieldMap* maps, uint count, uint entry) {
   return low;
 }
 
-// Work-item i: tile first_tile + i of the list. incoming: of the sweep that ended. sent: what was sent in it, and is to
-// be in the next. Stored radiance is RGB9E5 over inverse_scale. total: summed over sweeps from the second scattering on
-// (split), else from the first. norms: of each tile.
+// Work-item i: tile first_tile + i of the list. incoming: of the sweep that ended. sent: what was sent in it, and must
+// be in the next. Stored radiance is RGB9E5 over inverse_scale. direct, total: as before (add_cells()). norms: of each
+// tile.
 __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const SurfacePoint* restrict atlas_points,
                             __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
@@ -190,8 +190,7 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   for (uint k = 0u; k < m * m; ++k) {
     const uint cell = first_cell + k, side = cell_side[cell];
     if (side == LUCARIUM_NONE) {
-      sent[cell] = total[cell] = FIELD_NO_CELL;
-      if (split) direct[cell] = FIELD_NO_CELL;
+      sent[cell] = FIELD_NO_CELL;
       continue;
     }
     const SurfacePoint point = atlas_points[side];
@@ -202,23 +201,35 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const uint other = side < k_sides ? side + k_sides : side < 2u * k_sides ? side - k_sides : LUCARIUM_NONE;
     const float3 now =
         scattered_light(&in, &scene, &bsdf, facet, other == LUCARIUM_NONE ? other : side_facet[other], position);
-    const float3 before = sweep == 0u ? (float3)(0.0f) : unpack_rgb9e5(sent[cell]);
-    const bool first_scattering = split && sweep == 0u;
-    float3 sum = sweep == 0u ? (float3)(0.0f) : unpack_rgb9e5(total[cell]);
-    if (!first_scattering) sum += now;
-    const float random = uint_to_unit(hash_uint3(cell, sweep, 0x746f7461u));
+    float3 before = (float3)(0.0f), sum = now;
+    if (sweep > 0u) {
+      before = unpack_rgb9e5(sent[cell]);
+      sum += unpack_rgb9e5(total[cell]);
+      if (split) sum += unpack_rgb9e5(direct[cell]);
+    }
     sent[cell] = pack_cell(now);
-    total[cell] = first_scattering ? pack_cell(sum) : pack_cell_dithered(sum, random);
-    if (first_scattering) direct[cell] = pack_cell(now);
-    add_norms(sums, measure, inverse_scale * now, inverse_scale * before,
-              inverse_scale * (sum + (split ? unpack_rgb9e5(direct[cell]) : (float3)(0.0f))));
+    add_norms(sums, measure, inverse_scale * now, inverse_scale * before, inverse_scale * sum);
   }
   for (uint k = 0u; k < FIELD_NORMS; ++k) norms[(size_t)tile * FIELD_NORMS + k] = sums[k];
 }
 
-// Adds the tail of the series to the totals: `tail` times the last sweep.
-__kernel void add_tail(uint count, float4 tail, __global const uint* restrict sent, __global uint* restrict total) {
+// Adds what is sent next to the totals of cells, and with it the tail of the series, `tail` times as much. split: after
+// the first sweep it is direct light, which is kept apart.
+__kernel void add_cells(uint count, uint sweep, uint split, float4 tail, __global const uint* restrict sent,
+                        __global uint* restrict direct, __global uint* restrict total) {
   const uint cell = get_global_id(0);
-  if (cell >= count || total[cell] == FIELD_NO_CELL || sent[cell] == FIELD_NO_CELL) return;
-  total[cell] = pack_cell(unpack_rgb9e5(total[cell]) + tail.xyz * unpack_rgb9e5(sent[cell]));
+  if (cell >= count) return;
+  const uint bits = sent[cell];
+  if (sweep == 0u && split) {
+    direct[cell] = bits;
+    total[cell] = bits == FIELD_NO_CELL ? bits : 0u;
+    return;
+  }
+  if (bits == FIELD_NO_CELL) {
+    total[cell] = bits;
+    return;
+  }
+  const float3 before = sweep == 0u ? (float3)(0.0f) : unpack_rgb9e5(total[cell]);
+  const float random = uint_to_unit(hash_uint3(cell, sweep, 0x746f7461u));
+  total[cell] = pack_cell_dithered(before + (1.0f + tail.xyz) * unpack_rgb9e5(bits), random);
 }

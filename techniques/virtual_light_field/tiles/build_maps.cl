@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which tiles of films each facet needs: rectangles about its projections, then the tiles in them that it meets, with a
-// margin of one cell for interpolation (Mortensen et al. 2007, section 3: tiles cover only the face).
+// margin of one cell for interpolation (Mortensen et al. 2007, section 3.1: tiles cover only the face).
 #include "lucarium/shared/scene_types.h"
 #include "virtual_light_field/shared/field.h"
 #include "virtual_light_field/tiles/film_cells.clh"
 
-#define FACET_PARAMETERS                                                                                         \
-  const global Vertex *restrict scene_vertices, const global Triangle *restrict scene_triangles, FieldInfo info, \
-      const global FieldLine *restrict lines, const global FieldFacet *restrict facets,                          \
-      const global uint *restrict facet_triangles
+#define FACET_PARAMETERS                                                                                             \
+  const __global Vertex *restrict scene_vertices, const __global Triangle *restrict scene_triangles, FieldInfo info, \
+      const __global FieldLine *restrict lines, const __global FieldFacet *restrict facets,                          \
+      const __global uint *restrict facet_triangles
 
 // A triangle of a facet on a film [cells].
 typedef struct Projected {
@@ -17,7 +17,7 @@ typedef struct Projected {
   bool faces;  // the facet's side of it is seen from the direction
 } Projected;
 
-Projected project_triangle(const global Vertex* vertices, Triangle triangle, FieldLine line, bool front,
+Projected project_triangle(const __global Vertex* vertices, Triangle triangle, FieldLine line, bool front,
                            bool backwards) {
   Projected result;
   const float3 a = vertices[triangle.v0].position.xyz, b = vertices[triangle.v1].position.xyz,
@@ -40,7 +40,7 @@ int4 tile_range(Projected t, uint film, uint m) {
 }
 
 // Work-item (facet, direction): the rectangle of tiles, and how many it has.
-__kernel void bound_maps(FACET_PARAMETERS, global FieldMap* restrict maps, global uint* restrict counts) {
+__kernel void bound_maps(FACET_PARAMETERS, __global FieldMap* restrict maps, __global uint* restrict counts) {
   const uint facet = get_global_id(0), direction = get_global_id(1);
   if (facet >= info.facets) return;
   const FieldFacet own = facets[facet];
@@ -79,8 +79,8 @@ bool touches(Projected t, float2 low, float2 high) {
 }
 
 // Work-item (facet, direction): starts: where its entries begin. cells: of each entry, 0 where no triangle comes.
-__kernel void mark_tiles(FACET_PARAMETERS, const global uint* restrict starts, global FieldMap* restrict maps,
-                         global uint* restrict cells) {
+__kernel void mark_tiles(FACET_PARAMETERS, const __global uint* restrict starts, __global FieldMap* restrict maps,
+                         __global uint* restrict cells) {
   const uint facet = get_global_id(0), direction = get_global_id(1);
   if (facet >= info.facets) return;
   const size_t index = (size_t)direction * info.facets + facet;
@@ -105,8 +105,8 @@ __kernel void mark_tiles(FACET_PARAMETERS, const global uint* restrict starts, g
 }
 
 // Work-item: an entry. offsets: cells before it. tile_cells: its first cell, and flags for a list of tiles.
-__kernel void number_tiles(uint count, const global uint* restrict cells, const global uint* restrict offsets,
-                           global uint* restrict tile_cells, global uint* restrict flags) {
+__kernel void number_tiles(uint count, const __global uint* restrict cells, const __global uint* restrict offsets,
+                           __global uint* restrict tile_cells, __global uint* restrict flags) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   tile_cells[i] = cells[i] ? offsets[i] : LUCARIUM_NONE;
@@ -115,8 +115,8 @@ __kernel void number_tiles(uint count, const global uint* restrict cells, const 
 
 // Work-item: a direction. Its first cell; `total` behind the last.
 __kernel void begin_directions(uint facets, uint directions, uint entries, uint total,
-                               const global FieldMap* restrict maps, const global uint* restrict offsets,
-                               global uint* restrict first_cells) {
+                               const __global FieldMap* restrict maps, const __global uint* restrict offsets,
+                               __global uint* restrict first_cells) {
   const uint direction = get_global_id(0);
   if (direction > directions) return;
   const uint entry = direction < directions ? maps[(size_t)direction * facets].first : entries;

@@ -28,8 +28,8 @@ struct PatchOptions {
 };
 Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options);
 
-/// Expected cells of a patch of area A and perimeter P₃ on the film of a random direction, in tiles of m × m (equation
-/// 6 of the derivation in patches.cpp); both sides together.
+/// Expected cells of a patch of area A and perimeter P₃ on the film of a random direction, in tiles of m × m, both
+/// sides together (derivation: patches.cpp).
 double expected_cells(double area, double perimeter, double cell, uint32_t tile);
 
 /// The m that takes the least memory for such a patch.

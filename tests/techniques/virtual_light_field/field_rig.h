@@ -10,8 +10,8 @@
 #include "device_fixture.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "made_scene.h"
-#include "virtual_light_field/field_surfaces.h"
-#include "virtual_light_field/light_field.h"
+#include "virtual_light_field/field/field_surfaces.h"
+#include "virtual_light_field/field/light_field.h"
 
 namespace lucarium::test {
 

@@ -97,9 +97,13 @@ TEST_CASE("clear glass in a furnace changes nothing outside of it") {
       parameters.residual = 0.001f;
       test::FieldRig rig(std::move(scene), parameters);
       rig.propagate();
+      // Rough glass loses what would bounce twice between microfacets: nothing is gained in exchange.
       for (int k = 0; k < 6; ++k) {
-        MESSAGE(k << " " << rig.mean(rig.all(), k) << " sweeps " << rig.field().sweeps());
-        CHECK(rig.mean(rig.all(), k) == relative(2, 0.01));
+        const double e = rig.mean(rig.all(), k);
+        if (roughness > 0)
+          CHECK((e > 1.93 && e < 2));
+        else
+          CHECK(e == relative(2, 0.01));
       }
     }
   }

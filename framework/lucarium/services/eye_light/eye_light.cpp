@@ -5,12 +5,12 @@ namespace lucarium {
 
 EyeLight::EyeLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                    const Intersector& intersector, const Frame& frame, const std::string& owner, uint32_t light_kinds,
-                   uint32_t light_samples)
+                   uint32_t light_samples, bool first_surface)
     : scheduler_(&scheduler),
       light_kinds_(light_kinds),
       light_samples_(light_samples),
       seed_(frame.seed),
-      gbuffer_(device, scheduler, scene, intersector, frame, owner),
+      gbuffer_(device, scheduler, scene, intersector, frame, owner, first_surface),
       direct_light_(device, scheduler, scene, intersector, owner, light_kinds),
       sums_(device, owner, size_t{frame.width} * frame.height, {"emission", "direct"}),
       sample_(device, owner, "sample of direct light", size_t{frame.width} * frame.height, "lower --size") {

@@ -14,9 +14,10 @@ namespace lucarium {
 class EyeLight {
  public:
   /// `light_kinds` as for DirectLight, 0: no direct light. `light_samples` of it to a sample of the pixel.
+  /// `first_surface`: as of GBuffer.
   EyeLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
            const Frame& frame, const std::string& owner, uint32_t light_kinds = DirectLight::kAllLights,
-           uint32_t light_samples = 1);
+           uint32_t light_samples = 1, bool first_surface = false);
 
   /// Finds the points of sample `index`. False when cancelled.
   bool see(uint32_t index) { return gbuffer_.render(index); }

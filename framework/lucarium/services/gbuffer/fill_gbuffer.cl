@@ -23,6 +23,10 @@ bool follow_hit(const Scene* scene, uint seed, uint sample_index, uint pixel, Hi
   const LightChoiceSample u = sample_light_dimensions(&sampler, events);
   const DirectionSample v = sample_direction_dimensions(&sampler, events);
   const BsdfSample sample = sample_bsdf(&bsdf, u.lobe, v.direction);
+#ifdef LUCARIUM_GBUFFER_FIRST_SURFACE
+  keep_surface(scene, &surface, &bsdf, hit, medium, 1.0f, point);
+  return false;
+#endif
   if (!sample.delta) {
     float p_other = 1.0f;
     if (bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION) p_other -= bsdf.p_reflect;

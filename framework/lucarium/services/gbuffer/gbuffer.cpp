@@ -14,11 +14,17 @@ namespace {
 
 const char* const kLowerSize = "lower --size";
 
+std::map<std::string, std::string> defines(const Intersector& intersector, bool first_surface) {
+  std::map<std::string, std::string> result = ray_end_defines(intersector);
+  if (first_surface) result["LUCARIUM_GBUFFER_FIRST_SURFACE"] = "";
+  return result;
+}
+
 }  // namespace
 
 struct GBuffer::State {
   State(Device& device, KernelScheduler& scheduler_, const SceneBuffers& scene_, const Intersector& intersector_,
-        const Frame& frame_, const std::string& owner_)
+        const Frame& frame_, const std::string& owner_, bool first_surface)
       : scheduler(scheduler_),
         scene(scene_),
         intersector(intersector_),
@@ -30,7 +36,7 @@ struct GBuffer::State {
                 {"services/gbuffer",
                  {"lucarium/services/gbuffer/generate_gbuffer_rays.cl", "lucarium/services/gbuffer/fill_gbuffer.cl",
                   "lucarium/services/path_integrator/advance_paths.cl"},
-                 ray_end_defines(intersector)}),
+                 defines(intersector, first_surface)}),
         points(device, owner, "G-buffer", pixels, kLowerSize),
         rays(device, owner, "G-buffer rays", pixels, kLowerSize),
         ends(make_ray_ends(device, intersector, owner, "ends of G-buffer rays", pixels, kLowerSize)),
@@ -123,8 +129,8 @@ void GBuffer::State::record_follow() {
 }
 
 GBuffer::GBuffer(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-                 const Frame& frame, const std::string& owner)
-    : state_(std::make_unique<State>(device, scheduler, scene, intersector, frame, owner)) {}
+                 const Frame& frame, const std::string& owner, bool first_surface)
+    : state_(std::make_unique<State>(device, scheduler, scene, intersector, frame, owner, first_surface)) {}
 
 GBuffer::~GBuffer() = default;
 

@@ -17,8 +17,9 @@ namespace lucarium {
 /// of the intersector stay.
 class GBuffer {
  public:
+  /// `first_surface`: the first surface is kept even where it is a mirror or glass, and no delta event is followed.
   GBuffer(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-          const Frame& frame, const std::string& owner);
+          const Frame& frame, const std::string& owner, bool first_surface = false);
   ~GBuffer();
 
   /// Fills `points()` for sample `sample_index`. Returns false when cancelled midway: the points are then useless.

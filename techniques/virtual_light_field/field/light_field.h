@@ -9,6 +9,7 @@
 #include "lucarium/services/interior_surfaces/texel_interior.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/texel_sides/side_accessibility.h"
+#include "lucarium/technique/technique_state.h"
 #include "virtual_light_field/base/plan.h"
 #include "virtual_light_field/directions/direction_grid.h"
 #include "virtual_light_field/scatter/field_tail.h"
@@ -50,8 +51,6 @@ class LightField {
 
   /// Grows when what is displayed has changed.
   uint32_t shown_sweeps() const { return shown_sweeps_; }
-  /// Whether the totals of cells are those of whole sweeps at present.
-  bool consistent() const { return stage_ != Stage::scatter; }
 
   // Per texel side, over π and times accessibility, w accessibility: direct, of later sweeps, and all that rays of
   // pixels may look up (one bounce less).
@@ -70,6 +69,9 @@ class LightField {
   double film_pixels() const { return film_pixels_; }
   uint64_t cells_scattered() const { return cells_scattered_; }
   void warm_up();
+  /// What is displayed. A loaded field shows the same bits; it is not to be advanced.
+  void save(StateWriter& chunks) const;
+  void load(const StateReader& chunks);
 
   /// Device memory without cells [bytes], and of a cell while light propagates.
   static size_t estimate_bytes(size_t sides, size_t facets, uint32_t directions);
@@ -114,13 +116,13 @@ class LightField {
   TypedBuffer<LayeredView> views_;
   TypedBuffer<float4> ends_;
   Program side_program_;
-  Schedule emit_, fold_, scatter_, sum_tiles_, show_, add_tail_;
+  Schedule emit_, fold_, scatter_, sum_tiles_, show_, add_cells_;
   Schedule begin_line_;
   Variable<LayeredView> line_view_;
   Variable<float4> line_omega_;
   Variable<uint32_t> line_emission_;
   LineSchedule survey_, line_;
-  Variable<uint32_t> fold_sweep_, scatter_first_, scatter_end_, scatter_sweep_;
+  Variable<uint32_t> cell_sweep_, fold_sweep_, scatter_first_, scatter_end_, scatter_sweep_;
   Variable<float> scatter_scale_;
   Variable<float4> show_tail_, cell_tail_;
   Variable<uint32_t> show_hold_;

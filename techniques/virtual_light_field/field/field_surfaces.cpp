@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "virtual_light_field/field_surfaces.h"
+#include "virtual_light_field/field/field_surfaces.h"
 
 #include <algorithm>
 
@@ -22,7 +22,7 @@ SurfaceAtlasOptions atlas_options(const Plan& plan, const FieldSurfaces::Report&
 }
 
 /// Of films [m]: smaller ones would let two work-items, 16 pixels apart, add to the same texel.
-double least_pixel(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const Parameters& parameters) {
+double min_pixel(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const Parameters& parameters) {
   const double smallest = 0.5 * static_cast<double>(parameters.pixel_size * atlas.info().texel_edge);
   return largest_texel_extent(atlas, buffers, smallest * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS;
 }
@@ -53,7 +53,7 @@ FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const S
       accessibility(device, buffers, atlas, {parameters.pixel_size, parameters.open_gap, parameters.open_rays}, kOwner,
                     kFewerTexels),
       film(plan_film(parameters, scene.bounds(), atlas.report().area, static_cast<double>(atlas.info().texel_edge),
-                     least_pixel(atlas, buffers, parameters))),
+                     min_pixel(atlas, buffers, parameters))),
       patches(make_patches(atlas, buffers, patch_options(parameters, film))),
       raster(scheduler, buffers, raster_options(scene, film, accessibility.safe_pixel()), kOwner),
       light(device, scheduler, buffers, intersector, atlas, accessibility, plan.light_kinds, kOwner, kFewerTexels) {

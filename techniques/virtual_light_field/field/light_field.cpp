@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "virtual_light_field/light_field.h"
+#include "virtual_light_field/field/light_field.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kPixelsAtOnce = 4e6;        // of films in a call of advance()
 constexpr uint32_t kTilesAtOnce = 1u << 13;  // scattered in one
-constexpr uint32_t kMostSweeps = 256;
-constexpr float kBrightest = 16384;  // stored radiance of the brightest sender, at most
+constexpr uint32_t kMaxSweeps = 256;
+constexpr float kMaxStored = 16384;  // stored radiance of the brightest sender, at most
 constexpr const char* kFewerCells = "lower dir_n or cells";
 constexpr const char* kFewerTexels = "lower texels";
 
@@ -268,15 +268,19 @@ void LightField::record_scatter(Device& device) {
       .arg("norms", norms_);
   sum_tiles_ = sums.compile();
 
-  ScheduleRecorder tail = scheduler_->record("tail of cells", kOwner);
-  cell_tail_ = tail.variable("tail", float4{});
-  tail.pass("add tail", program, "add_tail")
+  ScheduleRecorder totals = scheduler_->record("totals of cells", kOwner);
+  cell_tail_ = totals.variable("tail", float4{});
+  cell_sweep_ = totals.variable("sweep", 0u);
+  totals.pass("add cells", program, "add_cells")
       .global(maps_.cells())
       .arg("count", maps_.cells())
+      .arg("sweep", cell_sweep_)
+      .arg("split", options_.split ? 1u : 0u)
       .arg("tail", cell_tail_)
       .arg("sent", sent_)
+      .arg("direct", direct_cells_)
       .arg("total", total_);
-  add_tail_ = tail.compile();
+  add_cells_ = totals.compile();
 }
 
 // ---- propagation
@@ -301,17 +305,19 @@ void LightField::begin() {
 /// A power of two that takes the brightest sender to the middle of what cells can hold.
 void LightField::find_scale() {
   scheduler_->finish();
-  double most = 0;
-  for (const AtlasMaterial& m : atlas_->materials().download()) most = std::max(most, brightest(m.emission.xyz()));
+  double largest = 0;
+  for (const AtlasMaterial& m : atlas_->materials().download())
+    largest = std::max(largest, brightest(m.emission.xyz()));
   for (const float4& s : light_samples_.download())
-    if (s.w > 0) most = std::max(most, brightest(s.xyz()) / static_cast<double>(s.w) / 3.14159265358979323846);
+    if (s.w > 0) largest = std::max(largest, brightest(s.xyz()) / static_cast<double>(s.w) / 3.14159265358979323846);
   if (const auto& sky = host_scene_->environment) {
     double value = sky->radiance.empty() ? 1 : 0;
     for (const glm::vec3& texel : sky->radiance) value = std::max(value, brightest(texel));
-    most = std::max(most, value * brightest(sky->factor));
+    largest = std::max(largest, value * brightest(sky->factor));
   }
-  scale_ =
-      most > 0 && std::isfinite(most) ? static_cast<float>(std::exp2(std::floor(std::log2(kBrightest / most)))) : 1;
+  scale_ = largest > 0 && std::isfinite(largest)
+               ? static_cast<float>(std::exp2(std::floor(std::log2(kMaxStored / largest))))
+               : 1;
   scale_ = std::clamp(scale_, 0x1p-100f, 0x1p100f);
 }
 
@@ -397,7 +403,7 @@ bool LightField::scatter_tiles() {
   scatter_.set(scatter_end_, end);
   scatter_.set(scatter_sweep_, sweep_);
   scatter_.set(scatter_scale_, 1 / scale_);
-  scheduler_->run_to_end(scatter_);  // totals would grow twice
+  scheduler_->run_to_end(scatter_);  // norms take what was sent before
   cells_scattered_ += static_cast<uint64_t>(maps_.cells()) * (end - next_tile_) / maps_.tiles();
   next_tile_ = end;
   if (next_tile_ < maps_.tiles()) return true;
@@ -425,23 +431,24 @@ void LightField::finish_sweep(const Norms& norms) {
   const bool dark = !(norms[0].x > 0 || norms[0].y > 0 || norms[0].z > 0);
   const double error = options_.tail ? tail_.error : tail_.without;
   const bool accurate = sweep_ > 1 && options_.residual > 0 && error < options_.residual;
-  const bool last = is_last() || (unlimited && (dark || accurate || sweep_ + 1 >= kMostSweeps));
+  const bool last = is_last() || (unlimited && (dark || accurate || sweep_ + 1 >= kMaxSweeps));
   if (last) {
     why_done_ = !unlimited ? fmt::format("all {} bounces are propagated", options_.max_bounces)
                 : dark     ? fmt::format("no light is left after {} sweeps", sweep_ + 1)
                 : accurate ? fmt::format("the relative error is below {:.2g}, residual", error)
-                           : fmt::format("all {} sweeps are done", kMostSweeps);
+                           : fmt::format("all {} sweeps are done", kMaxSweeps);
   }
   float4 factor{};
   if (last && unlimited && options_.tail && std::isfinite(tail_.error)) factor = tail_.factor;
-  // λ / (1 - λ) times what is sent next is what is missing; of irradiance, times the last sweep's. Of cells the last
-  // scattering is part of the totals already.
+  // What is missing is λ / (1 - λ) times the last sweep's irradiance, and as much of what cells send next, which is
+  // known.
   show_.set(show_tail_, factor);
   show_.set(show_hold_, is_last() ? 1u : 0u);
   scheduler_->run_to_end(show_);
-  if (last && tiled_ && (factor.x > 0 || factor.y > 0 || factor.z > 0)) {
-    add_tail_.set(cell_tail_, factor);
-    scheduler_->run_to_end(add_tail_);
+  if (stage_ == Stage::scatter) {
+    add_cells_.set(cell_tail_, factor);
+    add_cells_.set(cell_sweep_, sweep_);
+    scheduler_->run_to_end(add_cells_);
   }
   ++sweep_;
   ++shown_sweeps_;
@@ -483,7 +490,50 @@ void LightField::warm_up() {
   if (!tiled_) return;
   scheduler_->warm_up(scatter_);
   scheduler_->warm_up(sum_tiles_);
-  scheduler_->warm_up(add_tail_);
+  scheduler_->warm_up(add_cells_);
+}
+
+// ---- what is saved
+
+namespace {
+
+struct SavedField {
+  float scale;
+  uint32_t shown_sweeps, sweeps, cells;
+};
+
+}  // namespace
+
+void LightField::save(StateWriter& chunks) const {
+  scheduler_->finish();
+  chunks.put_value("field", SavedField{scale_, shown_sweeps_, sweep_, maps_.cells()});
+  chunks.put("why_done", std::vector<char>(why_done_.begin(), why_done_.end()));
+  chunks.put("sides.direct", shown_direct_);
+  chunks.put("sides.indirect", shown_);
+  chunks.put("sides.held", held_);
+  if (!tiled_) return;
+  chunks.put("cells.total", total_);
+  if (options_.split) chunks.put("cells.direct", direct_cells_);
+}
+
+void LightField::load(const StateReader& chunks) {
+  const auto saved = chunks.get_value<SavedField>("field");
+  if (saved.cells != maps_.cells())
+    chunks.fail("field", fmt::format("{} cells, and the scene has {}", saved.cells, maps_.cells()));
+  if (!(saved.scale > 0) || !std::isfinite(saved.scale)) chunks.fail("field", fmt::format("the scale {}", saved.scale));
+  chunks.get_finite_buffer("sides.direct", shown_direct_);
+  chunks.get_finite_buffer("sides.indirect", shown_);
+  chunks.get_finite_buffer("sides.held", held_);
+  if (tiled_) {
+    chunks.get_buffer("cells.total", total_);
+    if (options_.split) chunks.get_buffer("cells.direct", direct_cells_);
+  }
+  const std::vector<char> why = chunks.get<char>("why_done");
+  why_done_.assign(why.begin(), why.end());
+  scale_ = saved.scale;
+  shown_sweeps_ = saved.shown_sweeps;
+  sweep_ = saved.sweeps;
+  begun_ = true;
 }
 
 size_t LightField::estimate_bytes(size_t sides, size_t facets, uint32_t directions) {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// The grid of directions: solid angles, antipodes, nesting, quadrature; patches and the cells that they take.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "field_rig.h"
+#include "lucarium/scene/builtin/builder.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "tolerance.h"
+#include "virtual_light_field/directions/direction_grid.h"
+
+using namespace lucarium;
+using test::relative;
+using test::within;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Relative error of the grid's integral of the cosine over hemispheres: root mean square over random normals.
+double cosine_error(uint32_t n) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> gauss;
+  double sum = 0;
+  int count = 0;
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const vlf::DirectionGrid grid(n, seed);
+    for (int i = 0; i < 50; ++i, ++count) {
+      const glm::dvec3 normal = glm::normalize(glm::dvec3(gauss(random), gauss(random), gauss(random)));
+      double integral = 0;
+      for (uint32_t d = 0; d < grid.directions(); ++d)
+        integral += grid.solid_angle(d) * std::max(0., glm::dot(normal, grid.direction(d)));
+      sum += std::pow(integral / kPi - 1, 2);
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+}  // namespace
+
+TEST_CASE("directions: solid angles sum to 4 pi, every direction has its opposite, every node is a direction") {
+  for (const uint32_t n : {2u, 3u, 8u, 16u}) {
+    CAPTURE(n);
+    const vlf::DirectionGrid grid(n, 3);
+    CHECK(grid.directions() == 4 * n * n + 2);
+    double sum = 0, opposite = 0;
+    for (uint32_t d = 0; d < grid.directions(); ++d) {
+      sum += grid.solid_angle(d);
+      opposite = std::max(opposite, glm::length(grid.direction(d) + grid.direction(d ^ 1)));
+      CHECK(glm::length(grid.direction(d)) == within(1, 1e-12));
+    }
+    CHECK(sum == relative(4 * kPi, 1e-12));
+    CHECK(opposite == 0);
+    CHECK(grid.nodes().size() == (2 * n + 1) * (2 * n + 1));
+    std::vector<int> uses(grid.directions(), 0);
+    for (const uint32_t node : grid.nodes()) ++uses.at(node);
+    for (const int use : uses) CHECK(use > 0);
+  }
+}
+
+TEST_CASE("directions of a grid are every second node of the next") {
+  const vlf::DirectionGrid coarse(4, 9), fine(8, 9);
+  for (int v = 0; v <= 8; ++v)
+    for (int u = 0; u <= 8; ++u)
+      CHECK(glm::length(coarse.direction(coarse.nodes()[static_cast<size_t>(v * 9 + u)]) -
+                        fine.direction(fine.nodes()[static_cast<size_t>(2 * v * 17 + 2 * u)])) == within(0, 1e-12));
+}
+
+TEST_CASE("directions integrate the cosine as finely as they are") {
+  CHECK(cosine_error(4) == relative(0.0098, 0.1));
+  CHECK(cosine_error(8) == relative(0.0024, 0.1));
+  CHECK(cosine_error(16) == relative(0.00058, 0.1));
+}
+
+TEST_CASE("a mirror takes the cells that its area and outline predict") {
+  const SceneMaterial wall = test::emitter(1);
+  for (const int tile : {4, 8, 16}) {
+    CAPTURE(tile);
+    vlf::Parameters parameters;
+    parameters.dir_n = 8;
+    parameters.cells = 128;
+    parameters.texels = 2048;
+    parameters.tile = tile;
+    const test::FieldRig rig(test::unit_box({{1, test::mirror()}, {0, wall}, {2, wall}, {3, wall}}), parameters);
+    const FieldInfo& info = rig.field().maps().info();
+    // Tiles reach a cell farther on each side; two directions, one of which sees the front.
+    const double c = static_cast<double>(info.cell), grown = (1 + 2 * c) * (1 + 2 * c);
+    const double expected = vlf::expected_cells(grown, 4 * (1 + 2 * c), c, static_cast<uint32_t>(tile)) * info.lines;
+    CHECK(rig.field().maps().cells() == relative(expected, 0.05));
+  }
+}
+
+TEST_CASE("patches: a sphere falls into caps, a box into its faces, weak coats have none") {
+  Scene scene = load_scene("builtin:spheres");
+  vlf::Parameters parameters;
+  parameters.dir_n = 4;
+  parameters.cells = 32;
+  parameters.texels = 8192;
+  const test::FieldRig rig(std::move(scene), parameters);
+  const vlf::Patches& patches = rig.surfaces().patches;
+  CHECK(patches.facets.size() >= 12);
+  uint32_t tiled = 0;
+  for (const uint32_t facet : patches.side_facet) tiled += facet != LUCARIUM_NONE;
+  CHECK(tiled > 0);
+  CHECK(tiled < patches.side_facet.size() / 2);
+  for (const FieldFacet& facet : patches.facets) CHECK(facet.count > 0);
+}

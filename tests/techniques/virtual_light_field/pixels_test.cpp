@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of the field beside path_tracing's of the same light paths: bounces, rays of lobes, look-ups alone.
+#include <doctest/doctest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "field_rig.h"
+#include "lucarium/scene/builtin/builder.h"
+#include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/session.h"
+#include "test_support.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using test::relative;
+
+namespace {
+
+using Options = std::vector<std::pair<std::string, std::string>>;
+
+struct Means {
+  double emission = 0, direct = 0, indirect = 0;
+};
+
+Means render(const Scene& scene, const std::string& technique, int max_bounces, uint64_t iterations,
+             const Options& options = {}) {
+  static const TechniqueRegistry all;
+  RenderSettings settings;
+  settings.width = settings.height = 32;
+  settings.max_bounces = max_bounces;
+  settings.camera = scene.cameras.front();
+  RenderSession session(test::test_device(), scene, all.find(technique), settings, options);
+  session.run({.iterations = iterations});
+  const Film film = session.resolve();
+  const auto mean = [&](const char* layer) {
+    double sum = 0;
+    const std::vector<float>& pixels = film.find(layer)->pixels;
+    for (const float v : pixels) sum += static_cast<double>(v);
+    return sum / static_cast<double>(pixels.size());
+  };
+  return {mean("emission"), mean("direct"), mean("indirect")};
+}
+
+const Options field = {{"dir_n", "8"}, {"cells", "48"}, {"texels", "4096"}, {"camera_samples", "16"}};
+
+Options with(Options options, const Options& more) {
+  options.insert(options.end(), more.begin(), more.end());
+  return options;
+}
+
+/// A lit box whose back wall and a sheet of tinted glass scatter by lobes: what a camera at the open side sees of it.
+Scene lobes(float roughness) {
+  const SceneMaterial grey = test::lambert(0.6f);
+  Scene scene = test::unit_box(
+      {{0, grey}, {1, grey}, {2, grey}, {3, test::emitter(2, 0.4f)}, {4, test::mirror(0.8f, roughness)}, {5, grey}});
+  scene.cameras.push_back(look_at_camera("inside", {0.45f, 0.4f, 0.9f}, {0.5f, 0.45f, 0.f}, 60.f));
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("each number of bounces brings path_tracing's light") {
+  const Scene scene = load_scene("builtin:cornell");
+  const uint64_t samples = test::full_run() ? 4096 : 512;
+  for (const int bounces : {0, 1, 2, -1}) {
+    CAPTURE(bounces);
+    const Means expected = render(scene, "path_tracing", bounces, samples),
+                found = render(scene, "virtual_light_field", bounces, 96, field);
+    CHECK(found.direct == relative(expected.direct, 0.02));
+    if (bounces == 0)
+      CHECK(found.indirect == 0);
+    else
+      CHECK(found.indirect == relative(expected.indirect, 0.02));
+  }
+}
+
+TEST_CASE("rays of lobes and look-ups show what path_tracing shows") {
+  for (const float roughness : {0.f, 0.5f}) {
+    CAPTURE(roughness);
+    const Scene scene = lobes(roughness);
+    const Means expected = render(scene, "path_tracing", -1, 512);
+    const double all = expected.emission + expected.direct + expected.indirect;
+    for (const Options& eye : {Options{}, Options{{"eye_glossy", "vlf"}}, Options{{"preset", "walkthrough"}}}) {
+      const Means found = render(scene, "virtual_light_field", -1, 160, with(eye, field));
+      CAPTURE(eye.size());
+      CAPTURE(found.direct);
+      CAPTURE(found.indirect);
+      CHECK(found.emission + found.direct + found.indirect == relative(all, 0.03));
+      // What a mirror shows of a lamp is indirect light where its tiles are looked up.
+      const bool mirrored = roughness == 0 && eye == Options{{"preset", "walkthrough"}};
+      if (!mirrored) CHECK(found.indirect == relative(expected.indirect, 0.04));
+    }
+  }
+}
+
+TEST_CASE("coats that keep no tiles are folded into the albedo or left out, as weak_lobes says") {
+  Scene scene = lobes(0.5f);
+  for (SceneMaterial& material : scene.materials)
+    if (material.ior == 1.f) material.ior = 1.5f;  // coats of F0 0.04 on the grey walls
+  const Means expected = render(scene, "path_tracing", -1, 512);
+  const Means folded = render(scene, "virtual_light_field", -1, 160, field),
+              dropped = render(scene, "virtual_light_field", -1, 160, with(field, {{"weak_lobes", "drop"}}));
+  CHECK(folded.indirect == relative(expected.indirect, 0.03));
+  CHECK(dropped.indirect < 0.97 * folded.indirect);
+}
+
+TEST_CASE("lamps of any strength fit into the cells") {
+  const auto mean = [](float strength) {
+    Scene scene = lobes(0);
+    for (SceneMaterial& material : scene.materials) material.emissive_strength *= strength;
+    return render(scene, "virtual_light_field", 3, 96, field).indirect;
+  };
+  const double one = mean(1);
+  CHECK(mean(0x1p30f) == relative(one * 0x1p30, 1e-5));
+  CHECK(mean(0x1p-30f) == relative(one * 0x1p-30, 1e-5));
+}
