@@ -28,9 +28,9 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
                                        : std::make_unique<SideAccessibility>(
                                              *c.device, c.scene_buffers, *atlas,
                                              SideAccessibility::Options{p.pixel_size, p.access_gap, p.access_rays},
-                                             kOwner, "lower texels")),
-      side_light(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas, *accessibility, plan.light_kinds, kOwner,
-                 "lower texels"),
+                                             technique_name, "lower texels")),
+      side_light(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas, *accessibility, plan.light_kinds,
+                 technique_name, "lower texels"),
       means(*c.device, c.scheduler, program, *atlas, accessibility->shares(), side_light.light_samples(), plan.channels,
             p),
       preview(plan.preview ? std::make_unique<SidePreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),

@@ -7,7 +7,8 @@
 
 namespace lucarium::vlf {
 
-inline constexpr const char* kOwner = "virtual_light_field";
+/// Of the technique, and of the owner of its memory and schedules.
+inline constexpr const char* technique_name = "virtual_light_field";
 
 /// The program of one kernel file of the technique, FILE.cl.
 Program make_field_program(Device& device, const std::string& file, std::map<std::string, std::string> defines = {});

@@ -48,15 +48,16 @@ LayeredRasterOptions raster_options(const Scene& scene, const FilmPlan& film, do
 FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const Scene& scene,
                              const SceneBuffers& buffers, const Intersector& intersector, const Parameters& parameters,
                              const Plan& plan, const Report& report)
-    : atlas(device, scheduler, scene, buffers, atlas_options(plan, report), kOwner),
-      interior(device, scheduler, buffers, intersector, atlas, kOwner, kFewerTexels),
-      accessibility(device, buffers, atlas, {parameters.pixel_size, parameters.open_gap, parameters.open_rays}, kOwner,
-                    kFewerTexels),
+    : atlas(device, scheduler, scene, buffers, atlas_options(plan, report), technique_name),
+      interior(device, scheduler, buffers, intersector, atlas, technique_name, kFewerTexels),
+      accessibility(device, buffers, atlas, {parameters.pixel_size, parameters.open_gap, parameters.open_rays},
+                    technique_name, kFewerTexels),
       film(plan_film(parameters, scene.bounds(), atlas.report().area, static_cast<double>(atlas.info().texel_edge),
                      min_pixel(atlas, buffers, parameters))),
       patches(make_patches(atlas, buffers, patch_options(parameters, film))),
-      raster(scheduler, buffers, raster_options(scene, film, accessibility.safe_pixel()), kOwner),
-      light(device, scheduler, buffers, intersector, atlas, accessibility, plan.light_kinds, kOwner, kFewerTexels) {
+      raster(scheduler, buffers, raster_options(scene, film, accessibility.safe_pixel()), technique_name),
+      light(device, scheduler, buffers, intersector, atlas, accessibility, plan.light_kinds, technique_name,
+            kFewerTexels) {
   accessibility.begin(device, scheduler, scene, buffers, atlas, interior, raster);
 }
 

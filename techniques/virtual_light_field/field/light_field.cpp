@@ -72,33 +72,33 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       tiled_(maps_.cells() > 0),
       sides_(atlas.info().texel_count),
       light_samples_(light_samples),
-      albedo_(device, kOwner, "albedo of texel sides",
+      albedo_(device, technique_name, "albedo of texel sides",
               transport_albedo(atlas.materials().download(), patches, options.fold), kFewerTexels),
-      records_(device, kOwner, "records of texel sides", 2 * size_t{sides_}, kFewerTexels),
-      direct_(device, kOwner, "direct light of texel sides", sides_, kFewerTexels),
-      indirect_(device, kOwner, "indirect light of texel sides", sides_, kFewerTexels),
-      last_(device, kOwner, "light of the last sweep", sides_, kFewerTexels),
-      shown_direct_(device, kOwner, "displayed direct light", sides_, kFewerTexels),
-      shown_(device, kOwner, "displayed indirect light", sides_, kFewerTexels),
-      held_(device, kOwner, "light that rays look up", sides_, kFewerTexels),
+      records_(device, technique_name, "records of texel sides", 2 * size_t{sides_}, kFewerTexels),
+      direct_(device, technique_name, "direct light of texel sides", sides_, kFewerTexels),
+      indirect_(device, technique_name, "indirect light of texel sides", sides_, kFewerTexels),
+      last_(device, technique_name, "light of the last sweep", sides_, kFewerTexels),
+      shown_direct_(device, technique_name, "displayed direct light", sides_, kFewerTexels),
+      shown_(device, technique_name, "displayed indirect light", sides_, kFewerTexels),
+      held_(device, technique_name, "light that rays look up", sides_, kFewerTexels),
       shares_(accessibility.shares()),
-      cell_side_(device, kOwner, "texel sides of cells", maps_.cells(), kFewerCells),
-      incoming_(device, kOwner, "light received by cells", maps_.cells(), kFewerCells),
-      sent_(device, kOwner, "light sent by cells", maps_.cells(), kFewerCells),
-      total_(device, kOwner, "light of cells", maps_.cells(), kFewerCells),
-      direct_cells_(device, kOwner, "direct light of cells", options.split ? maps_.cells() : 0, kFewerCells),
-      received_(device, kOwner, "sums of a line's cells", maps_.largest_line(), kFewerCells),
-      side_norms_(device, kOwner, "norms of texel sides", size_t{FIELD_NORMS} * divide_up(sides_, FIELD_NORM_CHUNK),
-                  kFewerTexels),
-      tile_norms_(device, kOwner, "norms of tiles", size_t{FIELD_NORMS} * maps_.tiles(), kFewerCells),
-      norms_(device, kOwner, "norms", FIELD_NORMS),
-      distance_(device, kOwner, "distances of a line's cells", maps_.largest_line(), kFewerCells),
-      views_(device, kOwner, "view of a line", 1),
-      ends_(device, kOwner, "ends of rays", 2),
+      cell_side_(device, technique_name, "texel sides of cells", maps_.cells(), kFewerCells),
+      incoming_(device, technique_name, "light received by cells", maps_.cells(), kFewerCells),
+      sent_(device, technique_name, "light sent by cells", maps_.cells(), kFewerCells),
+      total_(device, technique_name, "light of cells", maps_.cells(), kFewerCells),
+      direct_cells_(device, technique_name, "direct light of cells", options.split ? maps_.cells() : 0, kFewerCells),
+      received_(device, technique_name, "sums of a line's cells", maps_.largest_line(), kFewerCells),
+      side_norms_(device, technique_name, "norms of texel sides",
+                  size_t{FIELD_NORMS} * divide_up(sides_, FIELD_NORM_CHUNK), kFewerTexels),
+      tile_norms_(device, technique_name, "norms of tiles", size_t{FIELD_NORMS} * maps_.tiles(), kFewerCells),
+      norms_(device, technique_name, "norms", FIELD_NORMS),
+      distance_(device, technique_name, "distances of a line's cells", maps_.largest_line(), kFewerCells),
+      views_(device, technique_name, "view of a line", 1),
+      ends_(device, technique_name, "ends of rays", 2),
       side_program_(make_field_program(device, "scatter/fold_sides")) {
   const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
   if (!extinctions.empty())
-    extinction_ = TypedBuffer<float4>(device, kOwner, "extinction at texel sides", extinctions, kFewerTexels);
+    extinction_ = TypedBuffer<float4>(device, technique_name, "extinction at texel sides", extinctions, kFewerTexels);
   record_sides();
   record_lines(device, raster, interior, accessibility);
   if (tiled_) record_scatter(device);
@@ -107,7 +107,7 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
 // ---- schedules
 
 void LightField::record_sides() {
-  ScheduleRecorder emit = scheduler_->record("begin propagation", kOwner);
+  ScheduleRecorder emit = scheduler_->record("begin propagation", technique_name);
   PassBuilder first = emit.pass("emit", side_program_, "emit_sides");
   atlas_->bind(first);
   maps_.bind(first);
@@ -115,7 +115,7 @@ void LightField::record_sides() {
   emit_ = emit.compile();
 
   const uint32_t chunks = divide_up(sides_, FIELD_NORM_CHUNK);
-  ScheduleRecorder fold = scheduler_->record("end of a sweep", kOwner);
+  ScheduleRecorder fold = scheduler_->record("end of a sweep", technique_name);
   fold_sweep_ = fold.variable("sweep", 0u);
   PassBuilder sides = fold.pass("fold texel sides", side_program_, "fold_sides");
   atlas_->bind(sides);
@@ -138,7 +138,7 @@ void LightField::record_sides() {
       .arg("norms", norms_);
   fold_ = fold.compile();
 
-  ScheduleRecorder show = scheduler_->record("show texel sides", kOwner);
+  ScheduleRecorder show = scheduler_->record("show texel sides", technique_name);
   show_tail_ = show.variable("tail", float4{});
   show_hold_ = show.variable("hold", 0u);
   show.pass("show texel sides", side_program_, "show_sides")
@@ -170,7 +170,7 @@ void LightField::record_lines(Device& device, const LayeredRaster& raster, const
       device, SourceLibrary(),
       {"services/texel_sides/begin_direction", {"lucarium/services/texel_sides/begin_direction.cl"}, {}}),
       average = make_field_program(device, "exchange/average_line");
-  ScheduleRecorder beginning = scheduler_->record("begin line", kOwner);
+  ScheduleRecorder beginning = scheduler_->record("begin line", technique_name);
   line_view_ = beginning.variable("view", LayeredView{});
   line_omega_ = beginning.variable("omega", float4(0, 0, 1, 0));
   line_emission_ = beginning.variable("emission", 0u);
@@ -186,7 +186,7 @@ void LightField::record_lines(Device& device, const LayeredRaster& raster, const
     pass.arg("line", line.line).arg("first_cell", line.first_cell).arg("shift", options_.film.shift);
   };
   if (tiled_) {
-    ScheduleRecorder recorder = scheduler_->record("survey of a line", kOwner);
+    ScheduleRecorder recorder = scheduler_->record("survey of a line", technique_name);
     LineSchedule line = begin_line(recorder);
     recorder.pass("clear distances", average, "clear_survey")
         .global(maps_.largest_line())
@@ -201,7 +201,7 @@ void LightField::record_lines(Device& device, const LayeredRaster& raster, const
     line.schedule = recorder.compile();
     survey_ = std::move(line);
   }
-  ScheduleRecorder recorder = scheduler_->record("exchange along a line", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("exchange along a line", technique_name);
   LineSchedule line = begin_line(recorder);
   line.weight = recorder.variable("weight", 1.f);
   line.scale = recorder.variable("scale", 1.f);
@@ -235,7 +235,7 @@ void LightField::record_lines(Device& device, const LayeredRaster& raster, const
 
 void LightField::record_scatter(Device& device) {
   const Program program = make_field_program(device, "scatter/scatter_cells");
-  ScheduleRecorder recorder = scheduler_->record("scatter", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("scatter", technique_name);
   scatter_first_ = recorder.variable("first_tile", 0u);
   scatter_end_ = recorder.variable("tiles", 0u);
   scatter_sweep_ = recorder.variable("sweep", 0u);
@@ -260,7 +260,7 @@ void LightField::record_scatter(Device& device) {
       .arg("norms", tile_norms_);
   scatter_ = recorder.compile();
 
-  ScheduleRecorder sums = scheduler_->record("norms of cells", kOwner);
+  ScheduleRecorder sums = scheduler_->record("norms of cells", technique_name);
   sums.pass("sum norms", side_program_, "sum_norms")
       .global(FIELD_NORMS)
       .arg("chunks", maps_.tiles())
@@ -268,7 +268,7 @@ void LightField::record_scatter(Device& device) {
       .arg("norms", norms_);
   sum_tiles_ = sums.compile();
 
-  ScheduleRecorder totals = scheduler_->record("totals of cells", kOwner);
+  ScheduleRecorder totals = scheduler_->record("totals of cells", technique_name);
   cell_tail_ = totals.variable("tail", float4{});
   cell_sweep_ = totals.variable("sweep", 0u);
   totals.pass("add cells", program, "add_cells")

@@ -21,13 +21,13 @@ FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuff
       options_(options),
       frame_(frame),
       pixels_(frame.width * frame.height),
-      eye_(device, scheduler, scene, intersector, frame, kOwner, options.eye_kinds, 1, options.first_surface),
-      sums_(device, kOwner, pixels_, {"direct", "indirect"}),
-      traced_(device, kOwner, "light of rays", options.traced ? 2 * size_t{pixels_} : 2, kLowerSize) {
+      eye_(device, scheduler, scene, intersector, frame, technique_name, options.eye_kinds, 1, options.first_surface),
+      sums_(device, technique_name, pixels_, {"direct", "indirect"}),
+      traced_(device, technique_name, "light of rays", options.traced ? 2 * size_t{pixels_} : 2, kLowerSize) {
   if (!field) return;
-  side_albedo_ =
-      TypedBuffer<float4>(device, kOwner, "specular albedo of texel sides", patches->side_albedo, "lower texels");
-  scale_ = TypedBuffer<float>(device, kOwner, "scale of stored radiance", 1);
+  side_albedo_ = TypedBuffer<float4>(device, technique_name, "specular albedo of texel sides", patches->side_albedo,
+                                     "lower texels");
+  scale_ = TypedBuffer<float>(device, technique_name, "scale of stored radiance", 1);
   if (options.traced) make_chains(device, scene, intersector, *atlas);
   record_field(scene, *atlas);
 }
@@ -53,7 +53,7 @@ void FieldView::make_chains(Device& device, const SceneBuffers& scene, const Int
                             const SurfaceAtlas& atlas) {
   const Program program = make_field_program(device, "pixels/trace_lobes", ray_end_defines(intersector));
   chains_ = std::make_unique<SpecularChains>(
-      device, *scheduler_, scene, intersector, SpecularChains::Options{pixels_, false, kOwner, "pixels"},
+      device, *scheduler_, scene, intersector, SpecularChains::Options{pixels_, false, technique_name, "pixels"},
       SpecularChains::Consumer{
           .program = program,
           .advance = "advance_rays",
@@ -64,7 +64,7 @@ void FieldView::make_chains(Device& device, const SceneBuffers& scene, const Int
                 pass.arg("inverse_scale", scale_).arg("held", field_->held()).arg("light", traced_);
               },
           .bind_add_light = [this](PassBuilder& pass) { pass.arg("light", traced_); }});
-  ScheduleRecorder recorder = scheduler_->record("begin rays of lobes", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("begin rays of lobes", technique_name);
   settings_ = recorder.variable("settings", ChainSettings{});
   PassBuilder begin = recorder.pass("begin rays of lobes", program, "begin_rays");
   scene.bind(begin);
@@ -82,7 +82,7 @@ void FieldView::make_chains(Device& device, const SceneBuffers& scene, const Int
 
 void FieldView::record_field(const SceneBuffers& scene, const SurfaceAtlas& atlas) {
   const Program program = make_field_program(scene.scene_triangles.device(), "pixels/show_field");
-  ScheduleRecorder recorder = scheduler_->record("show field", kOwner);
+  ScheduleRecorder recorder = scheduler_->record("show field", technique_name);
   weight_ = recorder.variable("weight", 1.f);
   PassBuilder pass = recorder.pass("show field", program, "show_field");
   scene.bind(pass);

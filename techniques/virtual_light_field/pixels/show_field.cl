@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the field shows at the points of a G-buffer: at most 4 + 12 look-ups for a pixel, however much light there is.
-#include "lucarium/bsdf.clh"
-#include "lucarium/gbuffer.clh"
+#include "lucarium/atlas_light.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
-#include "lucarium/surface_atlas.clh"
 #include "virtual_light_field/pixels/field_lookup.clh"
 
 // Adds a sample that counts `weight` of the mean: a field that has grown replaces what it was. traced: light of rays by
@@ -40,14 +38,11 @@ __kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     float3 albedo = bsdf.diffuse;
     if (lobes && fold && side != LUCARIUM_NONE && facet == LUCARIUM_NONE) albedo += side_albedo[side].xyz;
     // Diffuse light.
-    const float4 later = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, point.triangle,
-                                        point.u, point.v, front);
-    float3 more_here = later.w > 0.0f ? albedo * (later.xyz / later.w) : (float3)(0.0f), once_here = (float3)(0.0f);
-    if (atlas_direct) {
-      const float4 first = atlas_bilinear(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct,
-                                          point.triangle, point.u, point.v, front);
-      if (first.w > 0.0f) once_here = albedo * (first.xyz / first.w);
-    }
+    float3 more_here = (float3)(0.0f), once_here = more_here;
+    add_irradiance_at(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, &point, albedo, &more_here);
+    if (atlas_direct)
+      add_irradiance_at(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct, &point, albedo,
+                        &once_here);
     // Specular lobes.
     if (mirrors && facet != LUCARIUM_NONE && bsdf.alpha == 0.0f) {
       // What a mirror shows is light that it has scattered, of lamps too: no sample of the pixel finds it.

@@ -24,7 +24,7 @@ void check_total(const TypedBuffer<uint32_t>& counts, const char* what) {
 /// A scan of `counts`, and its total.
 uint32_t scan(KernelScheduler& scheduler, const Primitives& primitives, const TypedBuffer<uint32_t>& counts,
               const TypedBuffer<uint32_t>& starts, const TypedBuffer<uint32_t>& total) {
-  ScheduleRecorder recorder = scheduler.record("count tiles", kOwner);
+  ScheduleRecorder recorder = scheduler.record("count tiles", technique_name);
   primitives.record_exclusive_scan(recorder, "count tiles", counts, starts, total,
                                    static_cast<uint32_t>(counts.count()));
   Schedule schedule = recorder.compile();
@@ -43,9 +43,9 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
                    const DirectionGrid& grid, const Patches& patches, const Options& options)
     : host_lines_(make_lines(grid, host_scene.bounds(), options.film, options.cell, options.seed)),
       first_cells_(grid.directions() + 1, 0),
-      lines_(device, kOwner, "lines", host_lines_, kRemedy),
-      nodes_(device, kOwner, "nodes of the direction grid", grid.nodes(), kRemedy),
-      side_facet_(device, kOwner, "facets of texel sides", patches.side_facet, "lower texels") {
+      lines_(device, technique_name, "lines", host_lines_, kRemedy),
+      nodes_(device, technique_name, "nodes of the direction grid", grid.nodes(), kRemedy),
+      side_facet_(device, technique_name, "facets of texel sides", patches.side_facet, "lower texels") {
   info_.rotation0 = row(grid.rotation(), 0);
   info_.rotation1 = row(grid.rotation(), 1);
   info_.rotation2 = row(grid.rotation(), 2);
@@ -57,17 +57,17 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
   info_.texel_edge = options.texel_edge;
   info_.angle = static_cast<float>(grid.spacing());
   if (patches.empty()) {
-    maps_ = TypedBuffer<FieldMap>(device, kOwner, "maps of facets", 1);
-    tile_cells_ = tile_list_ = TypedBuffer<uint32_t>(device, kOwner, "tiles", 1);
+    maps_ = TypedBuffer<FieldMap>(device, technique_name, "maps of facets", 1);
+    tile_cells_ = tile_list_ = TypedBuffer<uint32_t>(device, technique_name, "tiles", 1);
     return;
   }
 
   const Primitives primitives(device);
   const Program program = make_field_program(device, "tiles/build_maps");
-  const TypedBuffer<FieldFacet> facets(device, kOwner, "facets", patches.facets);
-  const TypedBuffer<uint32_t> triangles(device, kOwner, "triangles of facets", patches.triangles);
+  const TypedBuffer<FieldFacet> facets(device, technique_name, "facets", patches.facets);
+  const TypedBuffer<uint32_t> triangles(device, technique_name, "triangles of facets", patches.triangles);
   const size_t maps = size_t{grid.directions()} * patches.facets.size();
-  maps_ = TypedBuffer<FieldMap>(device, kOwner, "maps of facets", maps, "lower dir_n, or raise patch_cone");
+  maps_ = TypedBuffer<FieldMap>(device, technique_name, "maps of facets", maps, "lower dir_n, or raise patch_cone");
   const auto facet_pass = [&](ScheduleRecorder& recorder, const char* kernel) {
     PassBuilder pass = recorder.pass(kernel, program, kernel);
     scene.bind(pass);
@@ -83,32 +83,32 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
   };
 
   // Rectangles of tiles.
-  TypedBuffer<uint32_t> counts(device, kOwner, "sizes of maps", maps, kRemedy);
-  TypedBuffer<uint32_t> total(device, kOwner, "total", 1);
+  TypedBuffer<uint32_t> counts(device, technique_name, "sizes of maps", maps, kRemedy);
+  TypedBuffer<uint32_t> total(device, technique_name, "total", 1);
   {
-    ScheduleRecorder recorder = scheduler.record("bound maps", kOwner);
+    ScheduleRecorder recorder = scheduler.record("bound maps", technique_name);
     facet_pass(recorder, "bound_maps").arg("counts", counts);
     run(recorder);
   }
   check_total(counts, "entries of tile tables");
   const uint32_t entries = scan(scheduler, primitives, counts, counts, total);
   // Tiles in them.
-  TypedBuffer<uint32_t> sizes(device, kOwner, "cells of tiles", entries, kRemedy);
+  TypedBuffer<uint32_t> sizes(device, technique_name, "cells of tiles", entries, kRemedy);
   {
-    ScheduleRecorder recorder = scheduler.record("mark tiles", kOwner);
+    ScheduleRecorder recorder = scheduler.record("mark tiles", technique_name);
     facet_pass(recorder, "mark_tiles").arg("starts", counts).arg("cells", sizes);
     run(recorder);
   }
   check_total(sizes, "cells");
-  TypedBuffer<uint32_t> offsets(device, kOwner, "cells before tiles", entries, kRemedy);
+  TypedBuffer<uint32_t> offsets(device, technique_name, "cells before tiles", entries, kRemedy);
   cells_ = scan(scheduler, primitives, sizes, offsets, total);
-  tile_cells_ = TypedBuffer<uint32_t>(device, kOwner, "tiles of maps", entries, kRemedy);
-  const TypedBuffer<uint32_t> flags(device, kOwner, "flags of tiles", entries, kRemedy);
-  const TypedBuffer<uint32_t> list(device, kOwner, "list of tiles", entries, kRemedy);
-  const TypedBuffer<uint32_t> first(device, kOwner, "first cells", first_cells_.size());
-  const TypedBuffer<uint32_t> all(device, kOwner, "entries", std::vector<uint32_t>{entries});
+  tile_cells_ = TypedBuffer<uint32_t>(device, technique_name, "tiles of maps", entries, kRemedy);
+  const TypedBuffer<uint32_t> flags(device, technique_name, "flags of tiles", entries, kRemedy);
+  const TypedBuffer<uint32_t> list(device, technique_name, "list of tiles", entries, kRemedy);
+  const TypedBuffer<uint32_t> first(device, technique_name, "first cells", first_cells_.size());
+  const TypedBuffer<uint32_t> all(device, technique_name, "entries", std::vector<uint32_t>{entries});
   {
-    ScheduleRecorder recorder = scheduler.record("number tiles", kOwner);
+    ScheduleRecorder recorder = scheduler.record("number tiles", technique_name);
     recorder.pass("number tiles", program, "number_tiles")
         .global(entries)
         .arg("count", entries)
@@ -130,7 +130,7 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
   }
   first_cells_ = first.download();
   tiles_ = total.download().front();
-  tile_list_ = TypedBuffer<uint32_t>(device, kOwner, "list of tiles", list.download(0, tiles_), kRemedy);
+  tile_list_ = TypedBuffer<uint32_t>(device, technique_name, "list of tiles", list.download(0, tiles_), kRemedy);
 }
 
 uint32_t TileMaps::largest_line() const {
