@@ -111,7 +111,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   void restart() override {
     if (vertices_) {
       vertices_->set_frame(frame());
-      vertices_->clear_counters();
+      vertices_->restart();
     }
     eye_->set_frame(frame());
     eye_->clear();

@@ -4,6 +4,7 @@
 namespace lucarium::bidirectional {
 
 enum class VplChoice { resample, all, own, pair };
+enum class LightChoice { power, learned };
 enum class Directions { bsdf, bundle, both };
 enum class DirectionPdf { uniform, environment };
 enum class Reuse { per_depth, distinct, shared };
@@ -17,6 +18,7 @@ struct BidirectionalParameters {
   DirectionPdf dir_pdf = DirectionPdf::uniform;
   Reuse reuse = Reuse::per_depth;
   VplChoice vpl_choice = VplChoice::resample;
+  LightChoice light_choice = LightChoice::power;
   bool splat = true, show_strategies = false;
   Strategy strategy = Strategy::all;
 
@@ -26,6 +28,9 @@ struct BidirectionalParameters {
     v.number("light_paths", light_paths, 0, 1 << 22, "paths",
              "light paths per iteration; 0: one for 8 pixels, with vpl_choice=own one per pixel, with all and pair as "
              "many as bundles");
+    v.choice("light_choice", light_choice, {{"power", LightChoice::power}, {"learned", LightChoice::learned}},
+             "lights that light paths start from: by their power, or half of the paths by what each light has brought "
+             "to the image so far (learned)");
     v.choice(
         "vpl_choice", vpl_choice,
         {{"resample", VplChoice::resample},

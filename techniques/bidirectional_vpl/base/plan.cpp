@@ -49,6 +49,7 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
       plan.vpl || plan.splat ? useful_vertices(parameters, s.max_scatterings, plan.vpl, plan.splat) : 0;
   plan.vpl = plan.vpl && plan.light_vertices > 0;
   plan.splat = plan.splat && plan.light_vertices >= 2;
+  plan.learned = parameters.light_choice == LightChoice::learned && plan.light_vertices > 0;
   if (plan.light_vertices > 0) {
     const bool few = plan.choice == VplChoice::all || plan.choice == VplChoice::pair;
     const uint32_t automatic = few ? s.bundles : std::max(s.pixels / kPixelsPerLightPath, 1u);
@@ -77,6 +78,7 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
 std::map<std::string, std::string> plan_defines(const Plan& plan) {
   std::map<std::string, std::string> defines;
   defines["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan.beta);
+  if (plan.learned) defines["LEARNED_LIGHTS"] = "1";
   if (plan.bundles) defines["EYE_BUNDLES"] = "1";
   if (plan.bundles_and_bsdf) defines["EYE_BUNDLES_AND_BSDF"] = "1";
   if (plan.bundles_follow_sky) defines["EYE_BUNDLES_FOLLOW_SKY"] = "1";

@@ -18,9 +18,10 @@ struct Plan {
   bool bundles = false, bundles_follow_sky = false;  ///< directions of camera paths
   bool bundles_and_bsdf = false;                     ///< both, at first surfaces
   VplChoice choice = VplChoice::resample;
-  bool vpl = false;     ///< camera paths are connected to light vertices
-  bool splat = false;   ///< light vertices are connected to the camera
-  bool lights = false;  ///< light samples are taken
+  bool learned = false;  ///< lights of light paths
+  bool vpl = false;      ///< camera paths are connected to light vertices
+  bool splat = false;    ///< light vertices are connected to the camera
+  bool lights = false;   ///< light samples are taken
   bool shows_strategies = false;
 
   /// Whether connections compare candidates from a table.

@@ -6,7 +6,7 @@
 #include "lucarium/scene.clh"
 
 // Work-item i: ray i of the queue and the virtual light vertex_list[number]. Writes connection_rays[i], inactive where
-// there is no light, and connections[i], w: connection_path().
+// there is no light, and connections[i], w: connection_path(), and connection_paths[i], the light path.
 __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
                              uint sample_index, uint number, __global const PathVertex* restrict vertices,
                              __global const uint* restrict vertex_list, __global const Ray* restrict rays,
@@ -14,7 +14,8 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
                              __global const uint* restrict active, __global EyePathState* restrict states,
                              __global const float* restrict eye_mis,
                              LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict connection_rays,
-                             __global float4* restrict connections, uint slice_base) {
+                             __global float4* restrict connections, __global uint* restrict connection_paths,
+                             uint slice_base) {
   const uint i = slice_base + (uint)get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -55,4 +56,5 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
   connection_rays[i] = ray;
   LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
   connections[i] = (float4)(light, connection_path(&walk, &vertex));
+  connection_paths[i] = vertex_list[number] / LIGHT_VERTICES;
 }

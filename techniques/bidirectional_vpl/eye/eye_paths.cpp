@@ -145,6 +145,7 @@ void EyePaths::record_connect_to_all() {
   const BufferRef ends =
       transient_ray_ends(recorder, intersector_, "ends of shadow rays of connections", capacity, kRemedy);
   const BufferRef connections = recorder.transient<float4>("connections", capacity, kRemedy);
+  const BufferRef connection_paths = recorder.transient<uint32_t>("light paths of connections", capacity, kRemedy);
   const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
   PassBuilder connect = recorder.pass("connect camera paths", program_, "connect_to_all");
   scene_.bind(connect);
@@ -164,9 +165,11 @@ void EyePaths::record_connect_to_all() {
       .arg("eye_mis", mis_)
       .arg_if_present("connection_ends", ends)
       .arg("connection_rays", rays)
-      .arg("connections", connections);
+      .arg("connections", connections)
+      .arg("connection_paths", connection_paths);
   intersector_.record_any(recorder, "shadow rays of connections", {rays, active_, 0, capacity, ends}, hidden);
   add_shadowed(recorder, "add connections", "add_connections", rays, connections, hidden);
+  vertices_->record_learning(recorder, active_, rays, hidden, connection_paths, connections, capacity);
   count_rays(recorder, rays, connections, BIDIRECTIONAL_COUNT_CONNECTION_RAYS);
   connect_ = recorder.compile();
 }
@@ -193,6 +196,7 @@ void EyePaths::record_bounce() {
   const BufferRef connection_rays = recorder.transient<Ray>("shadow rays of connections", capacity, kRemedy);
   const BufferRef connection_ends = ends_of("shadow rays of connections");
   const BufferRef connections = recorder.transient<float4>("connections", capacity, kRemedy);
+  const BufferRef connection_paths = recorder.transient<uint32_t>("light paths of connections", capacity, kRemedy);
   const BufferRef occluded = recorder.transient<uint32_t>("occluded", capacity, kRemedy);
   const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
 
@@ -210,6 +214,7 @@ void EyePaths::record_bounce() {
       .arg("vertex_count", vertices_ ? vertices_->count() : no_list_)
       .arg("candidate_table", vertices_ ? vertices_->table() : no_table_)
       .arg("table_capacity", vertices_ ? vertices_->table_capacity() : 1u)
+      .arg("shares", vertices_ ? vertices_->light_shares() : no_table_)
       .arg("rays", rays_)
       .arg("hits", hits)
       .arg("queue", queue_)
@@ -226,7 +231,8 @@ void EyePaths::record_bounce() {
       .arg("light_rays", light_rays)
       .arg("light_samples", light)
       .arg("connection_rays", connection_rays)
-      .arg("connections", connections);
+      .arg("connections", connections)
+      .arg("connection_paths", connection_paths);
   if (plan_.lights) {
     intersector_.record_any(recorder, "shadow rays of light samples", {light_rays, active_, 0, capacity, light_ends},
                             occluded);
@@ -237,6 +243,7 @@ void EyePaths::record_bounce() {
     intersector_.record_any(recorder, "shadow rays of connections",
                             {connection_rays, active_, 0, capacity, connection_ends}, hidden);
     add_shadowed(recorder, "add connections", "add_connections", connection_rays, connections, hidden);
+    vertices_->record_learning(recorder, active_, connection_rays, hidden, connection_paths, connections, capacity);
     count_rays(recorder, connection_rays, connections, BIDIRECTIONAL_COUNT_CONNECTION_RAYS);
   }
   primitives_.record_compact(recorder, "compact camera paths", alive, survivors, next_active, 0, active_, 0, capacity);
@@ -364,7 +371,7 @@ size_t EyePaths::estimate_bytes(const Plan& plan, bool ray_ends) {
   const size_t ends = ray_ends ? sizeof(RayEnds) : 0, ray = sizeof(Ray) + ends;
   const size_t kept = ray + sizeof(uint32_t) + sizeof(EyePathState) +
                       sizeof(float) * std::max(plan.light_vertices, 1u) + sizeof(float4) * plan.layers() * 2;
-  const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + 6 * sizeof(uint32_t);
+  const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + (plan.learned ? 11 : 7) * sizeof(uint32_t);
   return plan.settings.pixels * (kept + transient) + 4096;
 }
 

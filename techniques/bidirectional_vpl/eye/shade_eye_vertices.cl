@@ -112,21 +112,21 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i].
 // Light that still waits for its shadow ray: light_samples[i], w: bits of the scatterings of the whole path, and
 // connections[i], w: connection_path(); the rays are inactive where there is none. connections[i].w is NONE where no
-// virtual light was to be chosen.
+// virtual light was to be chosen. connection_paths[i]: the light path of the connection.
 __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
                                  uint sample_index, __global const PathVertex* restrict vertices,
                                  __global const uint* restrict vertex_list, __global const uint* restrict vertex_count,
                                  __global const float* restrict candidate_table, uint table_capacity,
-                                 __global const Ray* restrict rays, __global const Hit* restrict hits,
-                                 __global const uint* restrict queue, __global const uint* restrict active,
-                                 __global EyePathState* restrict states, __global float* restrict eye_mis,
-                                 __global float4* restrict sample,
+                                 __global const float* restrict shares, __global const Ray* restrict rays,
+                                 __global const Hit* restrict hits, __global const uint* restrict queue,
+                                 __global const uint* restrict active, __global EyePathState* restrict states,
+                                 __global float* restrict eye_mis, __global float4* restrict sample,
                                  LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
                                      LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
                                  __global uint* restrict next_queue, __global uint* restrict alive,
                                  __global Ray* restrict light_rays, __global float4* restrict light_samples,
                                  __global Ray* restrict connection_rays, __global float4* restrict connections,
-                                 uint slice_base) {
+                                 __global uint* restrict connection_paths, uint slice_base) {
   const uint i = slice_base + (uint)get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -145,7 +145,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 
   // The environment ends the path.
   if (hit.triangle == LUCARIUM_NO_HIT) {
-    add_environment(&scene, settings, &walk, direction, sample);
+    add_environment(&scene, settings, shares, &walk, direction, sample);
     states[walk.path].flags = walk.state.flags;
     return;
   }
@@ -154,7 +154,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   const Surface surface = make_surface(&scene, hit, direction, 0u);
   walk.state.medium = medium_at(&scene, &surface, walk.state.medium);
   walk.state.throughput.xyz *= medium_transmittance(&scene, walk.state.medium, hit.distance);
-  add_emission(&scene, settings, &walk, &surface, hit.distance, sample);
+  add_emission(&scene, settings, shares, &walk, &surface, hit.distance, sample);
   const bool chain = walk.state.flags & EYE_PATH_CHAIN;
   bool goes_on = walk.state.scatterings < settings.max_scatterings || chain;
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
@@ -177,7 +177,8 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
     float3 light;
     Ray ray;
     RayEnds ends;
-    if (connect_light_sample(&scene, settings, &walk, &surface, &bsdf, &mis, u, ray_seed, &light, &ray, &ends)) {
+    if (connect_light_sample(&scene, settings, shares, &walk, &surface, &bsdf, &mis, u, ray_seed, &light, &ray,
+                             &ends)) {
       if (!is_contribution(light)) {
         walk.state.flags |= EYE_PATH_BAD;
       } else {
@@ -197,9 +198,10 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
     connections[i].w = as_float(0u);
     float3 light = (float3)(0.0f), towards = surface.n_s;
     PathVertex vertex;
+    uint light_path = 0u;
     if (settings.flags & (BIDIRECTIONAL_OWN_VERTICES | BIDIRECTIONAL_PAIRED_VERTICES)) {
       // One of a light path: of the same number, or of the bundle's.
-      uint light_path = walk.path;
+      light_path = walk.path;
       if (settings.flags & BIDIRECTIONAL_PAIRED_VERTICES)
         light_path = choose_number(settings, seed, sample_index, walk.path, 0u) % settings.light_paths;
       light =
@@ -214,6 +216,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
       const uint chosen = choose_candidate(settings, candidate_table, table_capacity, vertex_count[0], &target,
                                            hash_uint(as_uint(v.x) ^ as_uint(v.z)), v.y, &scale);
       vertex = vertices[vertex_list[chosen]];
+      light_path = vertex_list[chosen] / LIGHT_VERTICES;
       if (scale > 0.0f)
         light = scale * connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex, &towards);
     }
@@ -228,6 +231,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
       connection_rays[i] = ray;
       LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
       connections[i] = (float4)(light, connection_path(&walk, &vertex));
+      connection_paths[i] = light_path;
     }
   }
 #endif

@@ -64,16 +64,22 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
                                  with_mis({}, plan))),
       splat_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/splats"},
                                   with_mis(ray_end_defines(intersector), plan))),
+      learn_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/learn_lights"}, {})),
       vertices_(device, owner, "light vertices", plan.vertex_slots(), kRemedy),
       table_(device, owner, "table of virtual lights", plan.has_table() ? size_t{table_capacity_} * kTableArrays : 1,
              kRemedy),
+      light_sums_(device, owner, "light of each light's paths", plan.learned ? scene.scene_lights.count() : 1),
+      light_shares_(device, owner, "shares of lights", plan.learned ? scene.scene_lights.count() : 1),
+      path_lights_(device, owner, "lights of light paths", plan.settings.light_paths, kRemedy),
       list_(device, owner, "list of virtual lights", plan.vertex_slots(), kRemedy),
       count_(device, owner, "number of virtual lights", 1),
       slot_count_(device, owner, "number of vertex slots",
                   std::vector<uint32_t>{static_cast<uint32_t>(plan.vertex_slots())}),
       splat_count_(device, owner, "number of splats",
                    std::vector<uint32_t>{plan.settings.light_paths * (plan.light_vertices - 1)}),
-      splat_events_(device, owner, "splats, counted", 2) {}
+      splat_events_(device, owner, "splats, counted", 2) {
+  light_sums_.fill_zero();
+}
 
 void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<EyePathState>& states) {
   ScheduleRecorder recorder = scheduler_.record("light paths", owner_);
@@ -86,9 +92,17 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
       .slice(kSlice)
       .arg("vertices", vertices_)
       .arg("count", slots);
-  paths_.record(recorder, run_, seed_, store_, [this](PassBuilder& pass) {
-    pass.arg("vertices", vertices_).arg("vertices_per_path", plan_.light_vertices);
-  });
+  if (plan_.learned) {
+    PassBuilder share = recorder.pass("shares of lights", learn_program_, "share_lights");
+    scene_.bind(share);
+    share.global(1).arg("sums", light_sums_).arg("shares", light_shares_);
+  }
+  paths_.record(
+      recorder, run_, seed_, store_,
+      [this](PassBuilder& pass) {
+        pass.arg("vertices", vertices_).arg("vertices_per_path", plan_.light_vertices).arg("path_lights", path_lights_);
+      },
+      [this](PassBuilder& pass) { pass.arg("shares", light_shares_); });
   const BufferRef present = recorder.transient<uint32_t>("vertices that are there", slots, kRemedy);
   recorder.pass("mark light vertices", store_, "mark_light_vertices")
       .global(slots)
@@ -138,6 +152,21 @@ void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<
       .arg("rays", rays)
       .arg("splats", splats);
   intersector_.record_any(recorder, "rays of splats", {rays, splat_count_, 0, count, ends}, occluded);
+  if (plan_.learned) {
+    const BufferRef light_keys = recorder.transient<uint32_t>("lights of splats", count, kRemedy);
+    const BufferRef order = recorder.transient<uint32_t>("splats by light", count, kRemedy);
+    recorder.pass("key splats by light", learn_program_, "key_splat_lights")
+        .global(count)
+        .slice(kSlice)
+        .arg("splats", splats)
+        .arg("occluded", occluded)
+        .arg("path_lights", path_lights_)
+        .arg("per_path", plan_.light_vertices - 1)
+        .arg("count", count)
+        .arg("keys", light_keys)
+        .arg("values", order);
+    record_sums_by_light(recorder, "splats", light_keys, order, splats, count);
+  }
   recorder.fill_zero("no splats", splat_events_);
   recorder.pass("key splats", splat_program_, "key_splats")
       .global(count)
@@ -171,6 +200,46 @@ void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<
       .arg("sample", sample);
 }
 
+void LightVertices::record_sums_by_light(ScheduleRecorder& recorder, const std::string& of, const BufferRef& keys,
+                                         const BufferRef& values, const BufferRef& light, uint32_t count) const {
+  const auto lights = static_cast<uint32_t>(light_sums_.count());
+  primitives_.record_sort_pairs(recorder, "sort " + of + " by light", keys, values, count, bits_of(lights));
+  recorder.pass("sum " + of + " by light", learn_program_, "sum_by_light")
+      .global(lights)
+      .slice(kSlice)
+      .arg("keys", keys)
+      .arg("values", values)
+      .arg("light", light)
+      .arg("count", count)
+      .arg("lights", lights)
+      .arg("sums", light_sums_);
+}
+
+void LightVertices::record_learning(ScheduleRecorder& recorder, const BufferRef& active, const BufferRef& rays,
+                                    const BufferRef& occluded, const BufferRef& paths, const BufferRef& light,
+                                    uint32_t count) const {
+  if (!plan_.learned) return;
+  const BufferRef keys = recorder.transient<uint32_t>("lights of connections", count, kRemedy);
+  const BufferRef order = recorder.transient<uint32_t>("connections by light", count, kRemedy);
+  recorder.pass("key connections by light", learn_program_, "key_connection_lights")
+      .global(count)
+      .slice(kSlice)
+      .arg("active", active)
+      .arg("rays", rays)
+      .arg("occluded", occluded)
+      .arg("connection_paths", paths)
+      .arg("path_lights", path_lights_)
+      .arg("count", count)
+      .arg("keys", keys)
+      .arg("values", order);
+  record_sums_by_light(recorder, "connections", keys, order, light, count);
+}
+
+void LightVertices::restart() {
+  counters_.clear();
+  light_sums_.fill_zero();
+}
+
 bool LightVertices::trace(uint32_t index) {
   schedule_.set(run_, index);
   schedule_.set(seed_, frame_.seed);
@@ -190,10 +259,11 @@ size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
   const size_t slots = plan.vertex_slots(), splats = plan.splat ? slots - plan.settings.light_paths : 0;
   const size_t ray = sizeof(Ray) + (ray_ends ? sizeof(RayEnds) : 0);
   const size_t table = plan.has_table() ? (slots + kRepeated + 8) * kTableArrays * sizeof(float) : 0;
-  const size_t transients =
-      std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
-                splats * (ray + sizeof(float4) + 5 * sizeof(uint32_t)), slots * 3 * sizeof(uint32_t)});
-  return slots * (sizeof(PathVertex) + sizeof(uint32_t)) + table + transients;
+  const size_t transients = std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
+                                      splats * (ray + sizeof(float4) + (plan.learned ? 9 : 5) * sizeof(uint32_t)),
+                                      slots * 3 * sizeof(uint32_t)});
+  return slots * (sizeof(PathVertex) + sizeof(uint32_t)) + plan.settings.light_paths * sizeof(uint32_t) + table +
+         transients;
 }
 
 }  // namespace lucarium::bidirectional

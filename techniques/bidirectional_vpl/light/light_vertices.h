@@ -32,7 +32,14 @@ class LightVertices {
   uint32_t vertex_count() const { return present_; }
   /// Of all iterations since clear_counters().
   const std::map<std::string, double>& counters() const { return counters_; }
-  void clear_counters() { counters_.clear(); }
+  /// Forgets counters, and what lights have brought.
+  void restart();
+  /// What light paths are chosen by in this iteration (path_lights.clh).
+  const TypedBuffer<float>& light_shares() const { return light_shares_; }
+  /// Records that connections of `count` camera paths teach which lights bring light; nothing without Plan::learned.
+  /// `paths`: the light path of each connection, `light`: its light, that of `occluded` ones left out.
+  void record_learning(ScheduleRecorder& recorder, const BufferRef& active, const BufferRef& rays,
+                       const BufferRef& occluded, const BufferRef& paths, const BufferRef& light, uint32_t count) const;
   /// Where splats are added, and the camera paths that bad ones mark.
   void record(const TypedBuffer<float4>& sample, const TypedBuffer<EyePathState>& states);
   static size_t estimate_bytes(const Plan& plan, bool ray_ends);
@@ -40,6 +47,9 @@ class LightVertices {
  private:
   void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
                      const TypedBuffer<EyePathState>& states);
+
+  void record_sums_by_light(ScheduleRecorder& recorder, const std::string& of, const BufferRef& keys,
+                            const BufferRef& values, const BufferRef& light, uint32_t count) const;
 
   KernelScheduler& scheduler_;
   const SceneBuffers& scene_;
@@ -50,9 +60,10 @@ class LightVertices {
   uint32_t table_capacity_;
   Primitives primitives_;
   LightPaths paths_;
-  Program store_, list_program_, splat_program_;
+  Program store_, list_program_, splat_program_, learn_program_;
   TypedBuffer<PathVertex> vertices_;
-  TypedBuffer<float> table_;
+  TypedBuffer<float> table_, light_sums_, light_shares_;
+  TypedBuffer<uint32_t> path_lights_;  ///< of each light path with a vertex
   TypedBuffer<uint32_t> list_, count_, slot_count_, splat_count_, splat_events_;
   Schedule schedule_;
   Variable<uint32_t> run_, seed_;

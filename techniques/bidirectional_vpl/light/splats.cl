@@ -7,6 +7,7 @@
 #include "lucarium/lights.clh"
 #include "lucarium/path_vertex.clh"
 #include "lucarium/scene.clh"
+#include "lucarium/sorted_keys.clh"
 
 // One vertex from the second of its path on: its light in the pixel that sees it, weighted against all other
 // strategies, and the ray to the camera. False where it is not seen.
@@ -87,21 +88,6 @@ __kernel void count_splats(__global const Ray* restrict rays, __global const uin
   }
   if (traced) atomic_add(counts, traced);
   if (seen) atomic_add(counts + 1, seen);
-}
-
-// First of the sorted keys that is not below `key`.
-uint lower_key(__global const uint* restrict keys, uint count, uint key) {
-  uint low = 0u;
-  for (uint length = count; length > 0u;) {
-    const uint half_length = length >> 1;
-    if (keys[low + half_length] < key) {
-      low += half_length + 1u;
-      length -= half_length + 1u;
-    } else {
-      length = half_length;
-    }
-  }
-  return low;
 }
 
 // Adds each pixel's splats to its sample. One that is NaN, infinite or negative marks the pixel's camera path.

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vertices of light paths, kept with their BSDFs: the virtual lights, VPLs (Tokuyoshi and Ogaki 2012, section 4.1).
 #include "bidirectional_vpl/base/eye_directions.clh"
+#include "bidirectional_vpl/light/path_lights.clh"
 #include "lucarium/path_vertex.clh"
 // Light goes on behind these vertices, so that they are not the first of a camera path.
 #define LIGHT_PATH_EYE_PDF(scene, bsdf, direction) eye_direction_pdf(scene, bsdf, direction, false)
-#define LIGHT_VERTEX_PARAMETERS __global PathVertex *restrict vertices, const uint vertices_per_path,
-#define LIGHT_VERTEX_ARGUMENTS vertices, vertices_per_path,
+#define LIGHT_VERTEX_PARAMETERS \
+  __global PathVertex *restrict vertices, const uint vertices_per_path, __global uint *restrict path_lights,
+#define LIGHT_VERTEX_ARGUMENTS vertices, vertices_per_path, path_lights,
+#define LIGHT_EMISSION_PARAMETERS __global const float* restrict shares,
+#ifdef LEARNED_LIGHTS
+#define LIGHT_PATH_CHOOSE(scene, u, low_bits, choice) choose_path_light(scene, shares, u, low_bits, choice)
+#endif
 #include "lucarium/services/light_paths/light_paths.clh"
 
-// Vertex k (from 1) of path i is vertices[i * vertices_per_path + k - 1].
+// path_lights[i]: the light of path i, where it has a vertex. Vertex k (from 1) of path i is vertices[i *
+// vertices_per_path + k - 1].
 void take_light_vertex(const Scene* scene, LIGHT_VERTEX_PARAMETERS const LightVertex* vertex) {
   const uint number = vertex->number + 1u;
+  path_lights[vertex->path] = vertex->light;
   vertices[vertex->path * vertices_per_path + vertex->number] =
       pack_path_vertex(&vertex->surface, &vertex->bsdf, vertex->flux, vertex->medium, number, vertex->mis);
 }

@@ -38,7 +38,7 @@ LightPaths::LightPaths(Device& device, const SceneBuffers& scene, const Intersec
       ray_counts_(device, owner, "rays of light paths, counted", std::vector<uint32_t>{0, 0}) {}
 
 void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
-                        const Program& program, const Bind& bind) const {
+                        const Program& program, const Bind& bind, const Bind& bind_emission) const {
   const uint32_t paths = options_.paths;
   const LightPathRules rules = rules_of(options_);
   const BufferRef rays = recorder.transient<Ray>("rays of light paths", paths, options_.remedy);
@@ -57,6 +57,7 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
       .arg("rays", rays)
       .arg_if_present("ends", ends)
       .arg("states", states);
+  if (bind_emission) bind_emission(emit);
   for (uint32_t number = 0; number < options_.vertices; ++number) {
     intersector_.record_closest(recorder, "trace light paths", {rays, count_, 0, paths, ends}, hits);
     if (options_.count_rays)

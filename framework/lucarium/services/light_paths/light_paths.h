@@ -44,9 +44,9 @@ class LightPaths {
 
   /// Records one run: all paths from their lights to their last vertices. `program` holds the kernels of
   /// light_paths.clh, compiled with ray_end_defines(); `bind` binds the technique's own arguments of
-  /// advance_light_paths. Every value of `run` gives other paths.
+  /// advance_light_paths, `bind_emission` those of emit_light_paths. Every value of `run` gives other paths.
   void record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
-              const Program& program, const Bind& bind) const;
+              const Program& program, const Bind& bind, const Bind& bind_emission = {}) const;
 
   /// Records a run that fills `lights` with the vertices from number `first` on, those of one number after the other;
   /// black where a path has none, or none that is diffuse. `reflected`: what the vertices reflect (virtual lights),
