@@ -162,6 +162,14 @@ TEST_CASE("a small portal a centimetre away, a lamp elsewhere: samples of both a
   }
 }
 
+TEST_CASE("a point light above points: every sample brings its illuminance") {
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  add_light(scene, LightType::point, 3, {0, 2, 0}, {0, 0, 0});
+  PointRig rig(std::move(scene), middle(0), 4);
+  for (const double e : rig.samples(2)) CHECK(e == test::relative(3. / 4, 1e-4));
+}
+
 TEST_CASE("virtual lights within a tinted block: its walls get what the way has left") {
   // Attenuation (1/4, 1/2, 1) over 1 m, the way from a light to the block's bottom; that of a light without a block.
   const auto scene = [](bool block) {
@@ -178,7 +186,7 @@ TEST_CASE("virtual lights within a tinted block: its walls get what the way has 
   };
   for (const bool block : {false, true}) {
     CAPTURE(block);
-    PointRig rig(scene(block), middle(0), 64);
+    PointRig rig(scene(block), middle(0), 4);
     VirtualLight above{};  // looks down, (0, -1, 0) as pack_direction has it
     above.position = float4(0, 1, 0, std::bit_cast<float>(32767u));
     above.flux = float4(5, 5, 5, std::bit_cast<float>(32767u));
@@ -207,6 +215,31 @@ uint32_t packed(const glm::vec3& n) {
 }
 
 }  // namespace
+
+TEST_CASE("photons at known distances: the disc reaches to the last that is asked for, which brings nothing") {
+  // Seven photons of flux 1 to 7 about the point, 0.1 to 0.7 m from it; 1 m is looked at.
+  Scene scene;
+  add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, lambert(0.5f)));
+  std::vector<VirtualLight> list;
+  for (int k = 1; k <= 7; ++k) {
+    const auto flux = static_cast<float>(k);
+    VirtualLight photon{};
+    const float up = std::bit_cast<float>(packed({0, 1, 0}));
+    photon.position = float4(0.1f * flux * std::cos(flux), 0, 0.1f * flux * std::sin(flux), up);
+    photon.flux = float4(flux, flux, flux, up);
+    list.push_back(photon);
+  }
+  PointRig rig(std::move(scene), middle(0), 4);
+  const TypedBuffer<VirtualLight> photons(*test_device(), "test", "photons", list);
+  for (const auto& [nearest, expected] : {std::pair{4u, (1 + 2 + 3) / (pi * 0.16)}, {32u, 28 / pi}}) {
+    CAPTURE(nearest);
+    ScheduleRecorder recorder = rig.scheduler.record("density", "test");
+    const Variable<float> cell = recorder.variable("cell", 1.f);
+    rig.light.record_photon_density(recorder, photons, cell, nearest, rig.bind_sums());
+    Schedule schedule = recorder.compile();
+    for (const float4& e : rig.run(schedule)) CHECK(e.y == test::relative(expected, 1e-4));
+  }
+}
 
 TEST_CASE("the density of photons on a sphere is that of their number, to 0.3 %") {
   // N photons of flux 1 at random places of a sphere: N / 4 pi R^2 everywhere, and a disc of radius r about a point
