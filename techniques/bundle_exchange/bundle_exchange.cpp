@@ -74,6 +74,7 @@
 #include "bundle_exchange/direction_plan.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
+#include "lucarium/technique/technique_state.h"
 
 namespace lucarium {
 namespace {
@@ -87,6 +88,13 @@ enum class Phase {
   emission_only,  ///< reflected light is known well enough: they carry the emitted light alone
   done,           ///< used up, as accurate as wanted, or of no use
 };
+
+/// Wanted of the atlas in a saved state.
+uint64_t saved_texels(const StateReader& state) {
+  const uint64_t texels = state.get_value<uint64_t>("texels");
+  if (texels == 0 || texels > kMaxTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));
+  return texels;
+}
 
 class BundleExchange : public TechniqueBase<Parameters> {
  public:
@@ -106,6 +114,15 @@ class BundleExchange : public TechniqueBase<Parameters> {
                           const ComputePower& power) const override {
     return bundle::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
   }
+
+  std::string state_refusal() const override {
+    if (parameters_.pixel_rays == PixelRays::bundle)
+      return "gathers along new bundles for every picture with pixel_rays=bundle; give pixel_rays=traced";
+    if (parameters_.debug_layers) return "shows the exchange itself with debug_layers=on; leave that out";
+    return "";
+  }
+
+  std::vector<std::string> parameters_of_view() const override { return {"camera_samples", "preview", "warm_start"}; }
 
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return bundle::savings(); }
 
@@ -147,7 +164,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
                       : now == Phase::done ? 1
                                            : static_cast<double>(directions_) / parameters_.directions;
     const bool seen = parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
-    result.converged = now == Phase::done && !wants_light() && seen;
+    result.light_done = now == Phase::done && !wants_light();
+    result.converged = result.light_done && seen;
     result.phase = result.converged ? why_converged(parameters_, parts_->means, directions_, exchanges(),
                                                     parts_->camera.atlas_samples())
                                     : describe(now);
@@ -175,6 +193,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (!parts_) return false;
     if (change.only_camera()) {
       step_ = {};
+      gathers_ = 0;  // the picture's own directions
       parts_->set_frame(make_frame(settings()));
       return true;
     }
@@ -191,19 +210,36 @@ class BundleExchange : public TechniqueBase<Parameters> {
     // Of this change alone: what follows a failure begins with nothing.
     BundleParts::Kept kept = std::exchange(kept_, {});
     std::optional<SideMeans::Kept> known = std::exchange(known_, {});
-    const BundlePlan plan = make_plan(parameters_, scene(), settings());
+    BundlePlan plan = make_plan(parameters_, scene(), settings());
+    // The atlas of the state, whatever size its picture had.
+    if (context().state) plan.atlas.texel_count = saved_texels(*context().state);
     auto parts = std::make_unique<BundleParts>(context(), parameters_, plan, std::move(kept));
-    if (exchanges()) parts->measure_accessibility(context().progress);
+    atlas_texels_ = plan.atlas.texel_count;
+    // Rays of bundles need it, and a state brings what they have found.
+    if (exchanges() && !context().state) parts->measure_accessibility(context().progress);
     parts_ = std::move(parts);
     known_ = std::move(known);
   }
 
   void warm_up_kernels() override { parts_->warm_up(); }
 
+  // ---- what is kept in a file
+
+  void save(StateWriter& chunks) override {
+    chunks.put_value("texels", atlas_texels_);
+    parts_->means.save(chunks);
+  }
+
+  void load(const StateReader& chunks) override {
+    parts_->means.load(chunks);
+    directions_ = parts_->means.directions();
+  }
+
  private:
   // ---- progress
 
   Phase phase() const {
+    if (light_held()) return Phase::done;
     if (!(parts_->side_light.complete() || settings().max_bounces == 0)) return Phase::light;
     if (!exchanges() || directions_ >= static_cast<uint64_t>(parameters_.directions) ||
         is_accurate(parameters_, parts_->means, directions_))
@@ -224,7 +260,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   /// Whether more light samples at texels are of use: to those that send reflected light, or to pixels that gather it.
   bool wants_light() const {
-    if (settings().max_bounces == 0 || parts_->side_light.exhausted()) return false;
+    if (light_held() || settings().max_bounces == 0 || parts_->side_light.exhausted()) return false;
     return phase() == Phase::light || !(phase() == Phase::done || parts_->means.reflected_light_done()) ||
            parts_->camera.pixel_gather();
   }
@@ -381,6 +417,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   std::shared_ptr<const EnvironmentGuide> guide_;
   uint64_t directions_ = 0, gathers_ = 0;
+  uint64_t atlas_texels_ = 0;  ///< wanted of the atlas
   Step step_;
   Batch batch_;
   DirectionSequence sequence_{{}, 1};

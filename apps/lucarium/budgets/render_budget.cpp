@@ -110,6 +110,11 @@ void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const s
                 about(plan.sufficient_seconds + (is_wall_time(arguments) ? start_seconds : 0)));
 }
 
+bool finish_light(RenderSession& session, bool quiet) {
+  Progress progress("propagating", quiet ? Progress::Style::quiet : Progress::Style::automatic);
+  return session.finish_light([&](const IterationResult& now) { progress.update(now.progress, now.phase); });
+}
+
 RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& session, bool quiet,
                                const std::function<std::optional<double>(RenderSession&)>& relmse,
                                const Stopwatch& since_start) {

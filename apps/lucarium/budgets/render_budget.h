@@ -24,6 +24,9 @@ double planned_seconds(const BudgetArguments& arguments);
 /// Says what was changed for that time, or that no change is enough.
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique);
 
+/// RenderSession::finish_light(), with its progress; returns whether it was interrupted.
+bool finish_light(RenderSession& session, bool quiet);
+
 /// How a rendering went.
 struct RenderEnd {
   bool interrupted = false;

@@ -137,6 +137,7 @@ const std::vector<std::string>& stated_in_file() {
                                                  "--pixel-sampling",
                                                  "--exposure",
                                                  "--camera",
+                                                 "--camera-path",
                                                  "--environment",
                                                  "--light",
                                                  "--material",

@@ -14,16 +14,20 @@
 #include "lucarium/base/progress.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/base/text/byte_size.h"
 #include "lucarium/base/text/text_values.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/film/exposure.h"
+#include "lucarium/scene/animation.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/session/session.h"
 #include "lucarium/technique/technique_folders.h"
 #include "options/options.h"
+#include "options/state_arguments.h"
 #include "outputs/output_files.h"
 #include "outputs/render_output.h"
 #include "outputs/render_summary.h"
+#include "outputs/walk_summary.h"
 
 namespace lucarium::app {
 namespace fs = std::filesystem;
@@ -38,6 +42,8 @@ struct RenderArguments : RenderingArguments {
   bool curve = false;
   std::string frames;
   double frames_per_second = 24;
+  StateArguments state;
+  Walk walk;  ///< of a job
   bool overwrite = false, half = false, watch = false;
   std::string profile;
 };
@@ -54,6 +60,22 @@ std::string names_of(const std::vector<fs::path>& files) {
   return names;
 }
 
+/// Whether what does not depend on the camera is finished before the first frame: it is the same for all frames, so
+/// that each has the bits that it would have had alone.
+bool is_walk(const std::optional<FrameRange>& frames, const RenderSession& session) {
+  return frames && moves_only_cameras(session.scene());
+}
+
+/// Finishes the light and saves it.
+void save_state(const RenderArguments& arguments, const Messages& messages, RenderSession& session) {
+  if (finish_light(session, messages.quiet))
+    throw_error(ErrorClass::interrupted, "interrupted before the light was finished; no state was written");
+  session.save_state(arguments.state.save_file, arguments.state.compress);
+  if (!messages.json)
+    print_result("{}: state, {}\n", arguments.state.save_file.string(),
+                 format_bytes(fs::file_size(arguments.state.save_file)));
+}
+
 /// Renders and writes every frame (one without --frames); returns whether it was interrupted.
 bool render_frames(const RenderArguments& arguments, const Messages& messages, RenderSession& session,
                    const std::vector<std::vector<fs::path>>& outputs, const std::optional<FrameRange>& frames,
@@ -68,6 +90,8 @@ bool render_frames(const RenderArguments& arguments, const Messages& messages, R
       if (i == 0 || error.error_class() != ErrorClass::interrupted) throw;
       return true;  // frames that are done are reported
     }
+    if (is_walk(frames, session) && finish_light(session, messages.quiet)) return true;
+    if (i == 0 && !arguments.state.save_file.empty()) save_state(arguments, messages, session);
     const RenderEnd end = render_within_budget(arguments.budget, session, messages.quiet, relmse, since_start);
     if (end.interrupted && session.last().samples == 0 && !session.last().visible) return true;
     Film film = session.resolve();
@@ -95,6 +119,7 @@ bool render_frames(const RenderArguments& arguments, const Messages& messages, R
       curve->finish(session, film.image());
       summaries.back().update(curve->to_json());
     }
+    if (arguments.walk.frames > 0 && !end.interrupted) summaries.back()["walk"] = walk_json(session, arguments.walk);
     if (end.interrupted) return true;
   }
   return false;
@@ -122,40 +147,49 @@ bool has_profile_file(const RenderArguments& arguments) {
 
 /// What no rule about pairs of options finds: options that do nothing for the files that are asked for.
 void check_outputs(const RenderArguments& arguments, const Messages& messages) {
-  if (arguments.files.empty() && !messages.json)
+  const bool saves_state = !arguments.state.save_file.empty();
+  if (arguments.files.empty() && !messages.json && !saves_state)
     throw_error(ErrorClass::usage, "no output file given; add --output FILE.exr or FILE.png");
-  if (arguments.overwrite && arguments.files.empty() && !has_profile_file(arguments))
-    throw_error(ErrorClass::usage, "--overwrite does nothing without --output or --profile=FILE");
+  if (arguments.overwrite && arguments.files.empty() && !has_profile_file(arguments) && !saves_state)
+    throw_error(ErrorClass::usage, "--overwrite does nothing without --output, --save-state or --profile=FILE");
   if (arguments.half && !any_of_kind(arguments.files, ".exr"))
     throw_error(ErrorClass::usage, "--half does nothing without an --output FILE.exr");
   if (arguments.overrides.overrides.exposure && !any_of_kind(arguments.files, ".png") && !messages.json)
     throw_error(ErrorClass::usage, "--exposure does nothing without an --output FILE.png");
   if (has_profile_file(arguments) && !arguments.profile.ends_with(".json"))
     throw_error(ErrorClass::usage, "--profile={}: the name must end in .json", arguments.profile);
-  check_distinct(arguments.files);  // a profile's name ends in .json, that of a picture does not
+  std::vector<fs::path> outputs = arguments.files;  // a profile's name ends in .json, that of a picture does not
+  if (saves_state) outputs.push_back(arguments.state.save_file);
+  check_distinct(outputs);
 }
 
 int render_picture(const RenderArguments& arguments, const Messages& messages) {
   const Stopwatch since_start;
   check_outputs(arguments, messages);
-  const TechniqueArguments::Spec spec = arguments.technique.single("render", "path_tracing");
+  const std::unique_ptr<StateFile> state = arguments.state.open();
   const std::optional<FrameRange> frames = parse_frames(arguments.frames);
   const std::vector<std::vector<fs::path>> outputs = plan_outputs(arguments.files, frames, arguments.overwrite);
   if (has_profile_file(arguments)) check_output(arguments.profile, arguments.overwrite);
+  if (!arguments.state.save_file.empty()) check_output(arguments.state.save_file, arguments.overwrite);
   if (arguments.watch)
     return render_and_watch(watched_inputs(arguments), !arguments.files.empty() || !arguments.profile.empty());
   UsedInputs used;
   const TechniqueRegistry registry(arguments.technique.folders);
+  const TechniqueArguments::Spec spec = state ? spec_of_state(arguments.technique, registry, *state)
+                                              : arguments.technique.single("render", "path_tracing");
   const TechniqueType& type = registry.find(spec.name);
   used.set_plugin(type.file(), registry.searched());
   check_parameters(type, spec);
+  if (arguments.state.any()) check_state(type, spec);
 
   const Stopwatch loading;
   Scene scene = arguments.load();
   const double load_seconds = loading.seconds();
-  if (frames && scene.animations.empty()) log_warning("{} has no animation: all frames show the same", arguments.scene);
+  if (frames && scene.animations.empty() && !scene.camera_path)
+    log_warning("{} has no animation: all frames show the same", arguments.scene);
   RenderSettings settings = arguments.settings;
   settings.camera = scene.cameras.front();
+  if (state) arguments.state.apply_to(settings, *state);
   std::unique_ptr<CurveRecorder> curve;
   if (!arguments.reference.empty())
     curve = std::make_unique<CurveRecorder>(arguments.reference, settings, scene.exposure, curve_schedule(arguments));
@@ -167,12 +201,17 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
       [&preparing](double fraction, const std::string& stage) {
         if (preparing) preparing->update(fraction, stage);
       },
-      planned_seconds(arguments.budget));
+      state ? 0 : planned_seconds(arguments.budget), state.get());
   preparing.reset();
   const KeepOnInterrupt keep_pictures;
   tell_plan(arguments.budget, session.plan(), spec.name);
   for (const std::string& limitation : session.limitations()) log_warning("{}: {}", spec.name, limitation);
 
+  if (arguments.files.empty() && !messages.json) {
+    save_state(arguments, messages, session);
+    write_profile(arguments.profile, session, messages.json);
+    return 0;
+  }
   ordered_json summaries = ordered_json::array();
   const bool interrupted =
       render_frames(arguments, messages, session, outputs, frames, curve.get(), load_seconds, since_start, summaries);
@@ -203,6 +242,7 @@ int render(const Job& job, const RenderWork& work) {
   arguments.budget.work_iterations = work.work_iterations;
   arguments.reference = work.reference;
   arguments.curve = work.curve;
+  arguments.walk = work.walk;
   Messages messages;
   messages.json = messages.quiet = true;
   messages.apply();
@@ -236,6 +276,7 @@ void add_render_command(Command program, Action& action) {
   command.option("--frames", arguments->frames).default_text("one, at --at");
   command.option("--fps", arguments->frames_per_second).check(positive_number()).capture_default_str();
   arguments->technique.add_to(command, "path_tracing");
+  arguments->state.add_to(command);
   arguments->device.add_to(command);
   command.needs({"--fps"}, {"--frames"});
   command.needs({"--relmse", "--curve"}, {"--reference"});
@@ -245,7 +286,9 @@ void add_render_command(Command program, Action& action) {
   command.examples({"lucarium render builtin:cornell -o cornell.png",
                     "lucarium render builtin:cornell -t bundle_exchange --time 10 -o cornell.exr -o cornell.png"},
                    "docs/rendering.md");
-  command.callback([arguments, &action] {
+  command.callback([arguments, command, &action] {
+    arguments->state.has_seed = command.given("--seed");
+    arguments->state.has_bounces = command.given("--max-bounces");
     action = [arguments](const Messages& messages) {
       arguments->settings = arguments->image.settings();
       return render_picture(*arguments, messages);

@@ -99,6 +99,8 @@ void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<
 
 void SceneArguments::add_to(Command command) {
   command.option("--camera", overrides.camera).default_text("the first");
+  command.option("--camera-path", overrides.camera_path).default_text("the scene's");
+  command.excludes({"--camera"}, {"--camera-path"});
   command.option("--environment", overrides.environment).default_text("the scene's");
   command.option("--light", overrides.lights).repeatable().default_text("the scene's");
   command.option("--material", overrides.materials).repeatable().default_text("the scene's");

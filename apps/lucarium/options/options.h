@@ -35,7 +35,8 @@ struct DeviceArguments {
 /// Names of the options of DeviceArguments.
 const std::vector<std::string>& device_option_names();
 
-/// --camera, --environment, --light, --exposure, --material, --at, --animation, --no-sidecar, --texture-size
+/// --camera, --camera-path, --environment, --light, --exposure, --material, --at, --animation, --no-sidecar,
+/// --texture-size
 struct SceneArguments {
   SceneOverrides overrides;
   ImportOptions import;

@@ -58,6 +58,9 @@ ordered_json frame_json(RenderSession& session, const Film& film, const RenderEn
   json["max_bounces"] = session.settings().max_bounces;
   json["pixel_sampling"] = session.settings().pixel_sampling;
   json["scene_time_seconds"] = session.scene().time;
+  const Scene& scene = session.scene();
+  json["camera"] = scene.camera_path ? ordered_json(camera_text(sample_camera_path(*scene.camera_path, scene.time)))
+                                     : ordered_json(nullptr);
   json["exposure_stops"] = exposure;
   json["exposure_automatic"] = is_automatic(session.scene().exposure);
   json["partial"] = film.metadata.count("partial") > 0;
@@ -66,10 +69,10 @@ ordered_json frame_json(RenderSession& session, const Film& film, const RenderEn
   json["ended_by"] = end.by;
   json["seconds_left"] = end.seconds_left ? ordered_json(*end.seconds_left) : ordered_json(nullptr);
   json["seconds"] = total_seconds;
-  json["clocks"] = {{"load_seconds", load_seconds},      {"upload_seconds", clocks.upload},
-                    {"bvh_seconds", clocks.bvh},         {"compile_seconds", clocks.compile},
-                    {"prepare_seconds", clocks.prepare}, {"warm_up_seconds", clocks.warm_up},
-                    {"iterate_seconds", clocks.iterate}};
+  json["clocks"] = {
+      {"load_seconds", load_seconds},      {"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
+      {"compile_seconds", clocks.compile}, {"prepare_seconds", clocks.prepare}, {"warm_up_seconds", clocks.warm_up},
+      {"state_seconds", clocks.load},      {"light_seconds", clocks.light},     {"iterate_seconds", clocks.iterate}};
   json["device_memory_bytes"] = memory.by_owner();
   json["peak_device_memory_bytes"] = memory.peak_bytes();
   json["passes"] = passes_json(session);

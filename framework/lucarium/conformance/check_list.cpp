@@ -50,6 +50,8 @@ std::vector<Check> make_list(const CheckContext& context) {
       {"repeat/reset", "same bits", check_reset},
       {"repeat/observing", "same bits", check_observing},
       {"repeat/threads", "same bits", check_threads},
+      {"view/kept", "same bits", check_view},
+      {"view/saved", "same bits", check_state},
       {"camera_move", "no program, no hierarchy, at most 100 ms", check_camera_cost},
   };
   for (const ChangeKind kind : all_kinds<ChangeKind>())

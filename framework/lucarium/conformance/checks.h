@@ -18,6 +18,10 @@ Outcome check_observing(CheckContext& context);
 Outcome check_threads(CheckContext& context);
 Outcome check_oclgrind(CheckContext& context);
 
+// ---- light that does not depend on the camera (view_checks.cpp)
+Outcome check_view(CheckContext& context);
+Outcome check_state(CheckContext& context);
+
 // ---- changes (change_checks.cpp)
 Outcome check_camera_cost(CheckContext& context);
 Outcome check_change(CheckContext& context, ChangeKind kind);

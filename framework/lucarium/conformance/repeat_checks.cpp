@@ -9,6 +9,7 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/conformance/checks.h"
 #include "lucarium/conformance/oclgrind_options.h"
+#include "lucarium/conformance/temporary_folder.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/job/run_job.h"
 
@@ -19,26 +20,6 @@ namespace {
 Outcome same_bits(const std::string& different, const std::string& when_same) {
   return verdict_of(different.empty(), different.empty() ? when_same : different);
 }
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "lucarium-check-XXXXXX").string();
-    if (!mkdtemp(pattern.data()))
-      throw_error(ErrorClass::input, "cannot create a folder in {}", fs::temp_directory_path().string());
-    path_ = pattern;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// A small picture of builtin:cornell with the technique under test, `side`² pixels large.
 Job small_picture(const CheckContext& context, const fs::path& output, uint32_t side, uint64_t iterations) {

@@ -10,6 +10,7 @@
 #include "lucarium/compute/device/device.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/walk.h"
 
 namespace lucarium {
 
@@ -25,6 +26,7 @@ struct RenderWork {
   std::filesystem::path output;     ///< .exr, replaced if it is there; empty: none
   uint64_t samples = 0;             ///< per pixel; 0: no limit
   uint64_t work_iterations = 0;  ///< those before the technique knows how much work there is not counted; 0: no limit
+  Walk walk;                     ///< behind it
 };
 
 /// A reference image, rendered or extended: what `lucarium reference` makes.

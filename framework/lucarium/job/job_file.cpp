@@ -28,6 +28,7 @@ template <class Visitor, class TheJob>
 void visit_scene(Visitor& visit, TheJob& job) {
   visit("source", job.scene);
   visit("camera", job.overrides.camera);
+  visit("camera_path", job.overrides.camera_path);
   visit("environment", job.overrides.environment);
   visit("lights", job.overrides.lights);
   visit.exposure("exposure", job.overrides.exposure);
@@ -75,6 +76,10 @@ void visit_render(Visitor& visit, Work& work) {
   visit("reference", work.reference);
   visit("curve", work.curve);
   visit("output", work.output);
+  visit("walk_frames", work.walk.frames, 0u, max_walk_frames);
+  visit("walk_samples", work.walk.samples);
+  visit("walk_reference_frames", work.walk.reference_frames);
+  visit("walk_references", work.walk.references);
 }
 
 template <class Visitor, class Work>

@@ -71,6 +71,18 @@ double looped_time(double seconds, double duration) {
   return time < 0 ? time + duration : time;
 }
 
+bool moves_only_cameras(const Scene& scene) {
+  const std::vector<bool> moving = animated_nodes(scene);
+  const auto still = [&](int node) { return node == none || !moving[static_cast<size_t>(node)]; };
+  for (const SceneInstance& instance : scene.instances) {
+    if (!still(instance.node)) return false;
+    if (instance.node == none || scene.nodes[static_cast<size_t>(instance.node)].skin == none) continue;
+    const Skin& skin = scene.skins[static_cast<size_t>(scene.nodes[static_cast<size_t>(instance.node)].skin)];
+    if (!std::all_of(skin.joints.begin(), skin.joints.end(), still)) return false;
+  }
+  return std::all_of(scene.lights.begin(), scene.lights.end(), [&](const SceneLight& l) { return still(l.node); });
+}
+
 std::vector<bool> animated_nodes(const Scene& scene) {
   std::vector<bool> moving(scene.nodes.size());
   std::vector<int> stack;

@@ -18,6 +18,9 @@ std::vector<float> sample_channel(const AnimationChannel& channel, double second
 /// The time inside [0, duration) at which a looped animation is sampled; 0 where the duration is 0.
 double looped_time(double seconds, double duration);
 
+/// Whether no animation moves or deforms an instance, or moves a light: frames differ by their cameras at most.
+bool moves_only_cameras(const Scene& scene);
+
 /// Per node: whether some animation moves it, or one of its ancestors.
 std::vector<bool> animated_nodes(const Scene& scene);
 

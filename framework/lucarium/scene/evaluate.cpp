@@ -119,6 +119,8 @@ SceneChange evaluate(Scene& scene, double seconds, int animation) {
   if (animation != none && (animation < 0 || animation >= std::max(count, 1))) {
     throw_error(ErrorClass::input, "{}: there is no animation {}; it has {}", scene.source, animation, count);
   }
+  std::optional<SceneCamera> on_path;  // may throw: before anything has changed
+  if (scene.camera_path && !scene.cameras.empty()) on_path = camera_on_path(*scene.camera_path, seconds);
   const Animation* chosen = animation == none || count == 0 ? nullptr : &scene.animations[animation];
   const std::vector<LocalPose> poses = local_poses(scene, chosen, chosen ? looped_time(seconds, chosen->duration) : 0);
   place_nodes(scene, poses);
@@ -136,6 +138,11 @@ SceneChange evaluate(Scene& scene, double seconds, int animation) {
     if (camera.node == none || camera.world_from_camera == scene.nodes[camera.node].world_from_node) continue;
     camera.world_from_camera = scene.nodes[camera.node].world_from_node;
     change.camera = true;
+  }
+  if (on_path) {
+    SceneCamera& first = scene.cameras.front();
+    if (on_path->world_from_camera != first.world_from_camera || on_path->yfov != first.yfov) change.camera = true;
+    first = *on_path;
   }
   return change;
 }

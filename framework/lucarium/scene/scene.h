@@ -11,6 +11,7 @@
 
 #include "lucarium/base/hash.h"
 #include "lucarium/scene/bounds.h"
+#include "lucarium/scene/camera_path.h"
 
 namespace lucarium {
 
@@ -190,6 +191,8 @@ struct Scene {
   std::vector<SceneTexture> textures;
   std::vector<SceneLight> lights;
   std::vector<SceneCamera> cameras;
+  std::vector<CameraPath> camera_paths;   ///< that it brings, by name
+  std::optional<CameraPath> camera_path;  ///< that the first camera follows
   std::vector<Skin> skins;
   std::vector<Animation> animations;
   std::optional<Environment> environment;
@@ -228,9 +231,9 @@ struct SceneChange {
 };
 
 /// Evaluates node transforms, the animation `animation` (none: rest pose), morph weights and skins at `seconds`
-/// (looped over its duration), and says what changed since the last evaluation. Nodes keep their rest transforms.
-/// Instances, lights and cameras that hang on no node stay where they are. Throws Error{input} for an animation
-/// that does not exist (0 is allowed where there is none).
+/// (looped over its duration), and the first camera on the camera path, if there is one; says what changed since the
+/// last evaluation. Nodes keep their rest transforms. Instances, lights and cameras that hang on no node stay where
+/// they are. Throws Error{input} for an animation that does not exist (0 is allowed where there is none).
 SceneChange evaluate(Scene& scene, double seconds, int animation = 0);
 
 }  // namespace lucarium

@@ -12,6 +12,7 @@
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/base/text/byte_size.h"
 #include "lucarium/services/bvh/bvh.h"
+#include "lucarium/session/saved_state.h"
 #include "lucarium/version.h"
 
 namespace lucarium {
@@ -145,6 +146,7 @@ struct RenderSession::State {
   uint64_t iterations = 0;
   OnPreparing on_preparing;
   BudgetPlan plan;
+  bool light_done = false;  ///< IterationResult::light_done, also after the camera has moved
 
   State(std::shared_ptr<Device> d, Scene s, TechniqueType t, RenderSettings r, OnPreparing p)
       : type(std::move(t)),
@@ -226,15 +228,20 @@ struct RenderSession::State {
     if (change.any() || iterations > 0) apply(change);
   }
 
-  /// Brings everything up to date and restarts; clocks and counts then are those of the new state.
-  void apply(const SceneChange& change) {
+  bool view_independent() const { return type.info().capabilities.view_independent; }
+
+  /// Brings everything up to date and restarts; clocks and counts then are those of the new state. A view-independent
+  /// technique restarts its camera alone where nothing has changed.
+  void apply(SceneChange change) {
     clocks = {};
     last = {};
     iterations = 0;
-    if (!change.any()) {
+    if (!change.any() && !view_independent()) {
       technique->reset(settings.seed);
       return;
     }
+    if (!change.any()) change.camera = true;
+    if (!change.only_camera()) light_done = false;
     timed(clocks.upload, [&] { buffers->update(scene, change); });
     // Materials too: traversal is compiled for whether any is MASK or BLEND.
     if (bvh && (change.geometry() || !change.materials.empty()))
@@ -242,8 +249,10 @@ struct RenderSession::State {
     timed(clocks.prepare, [&] { technique->update(change); });
   }
 
-  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters, double seconds) {
+  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters, double seconds,
+               const StateFile* state) {
     technique->parameters().set_all(parameters);
+    if (state) require_same(*state, type.info(), *technique, scene, settings);
     if (seconds > 0)
       plan = plan_budget(*technique, parameters, scene, settings, compute_power(device->info()), seconds);
     limitations = technique->limitations(scene, settings);
@@ -262,11 +271,16 @@ struct RenderSession::State {
              format_bytes(memory.total_bytes()));
     on_preparing(-1, "upload");
     timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
-    const TechniqueContext context{device,   scheduler,   scene, *buffers, [this]() -> Bvh& { return built_bvh(); },
-                                   settings, on_preparing};
+    const TechniqueContext context{device,   scheduler,    scene, *buffers, [this]() -> Bvh& { return built_bvh(); },
+                                   settings, on_preparing, state};
     const ReportCompilation reporting(*device, on_preparing);
     timed(clocks.prepare, [&] { technique->prepare(context); });
     timed(clocks.warm_up, [&] { technique->warm_up(); });
+    if (state) {
+      on_preparing(-1, "saved state");
+      timed(clocks.load, [&] { technique->load_state(*state); });
+      light_done = true;
+    }
     scheduler.reset_profile();
     log_info("prepared: upload {:.2f} s, hierarchy {:.2f} s, kernels {:.2f} s, technique {:.2f} s, warm-up {:.2f} s",
              clocks.upload, clocks.bvh, clocks.compile, clocks.prepare, clocks.warm_up);
@@ -276,12 +290,12 @@ struct RenderSession::State {
 RenderSession::RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type,
                              RenderSettings settings,
                              const std::vector<std::pair<std::string, std::string>>& parameters,
-                             OnPreparing on_preparing, double seconds) {
+                             OnPreparing on_preparing, double seconds, const StateFile* state) {
   check_settings(type.info(), settings);
   state_ =
       std::make_unique<State>(std::move(device), std::move(scene), type, std::move(settings), std::move(on_preparing));
   state_->technique = type.create();
-  call_technique(type.info(), [&] { state_->prepare(parameters, seconds); });
+  call_technique(type.info(), [&] { state_->prepare(parameters, seconds, state); });
 }
 
 RenderSession::~RenderSession() = default;
@@ -301,6 +315,7 @@ IterationResult RenderSession::iterate() {
   const uint64_t cancelled = s.scheduler.cancelled_runs();
   call_technique(s.type.info(), [&] { s.timed(s.clocks.iterate, [&] { s.last = s.technique->iterate(); }); });
   if (s.scheduler.cancelled_runs() == cancelled) ++s.iterations;  // a cancelled iteration has changed nothing
+  s.light_done = s.last.light_done;
   return s.last;
 }
 
@@ -318,11 +333,43 @@ bool RenderSession::run(const RenderBudget& budget, const std::function<bool(con
   return interrupt_requested();
 }
 
+bool RenderSession::finish_light(const std::function<void(const IterationResult&)>& on_progress) {
+  State& s = *state_;
+  if (!s.view_independent() || s.light_done) return false;
+  while (!s.light_done && !s.last.converged) {
+    if (interrupt_requested()) return true;
+    iterate();
+    if (on_progress) on_progress(s.last);
+  }
+  const Clocks spent = s.clocks;
+  call_technique(s.type.info(), [&] { s.apply({}); });
+  const double restarting = s.clocks.prepare;
+  s.clocks = spent;
+  s.clocks.light = spent.iterate + restarting;
+  s.clocks.iterate = 0;
+  return false;
+}
+
+void RenderSession::hold_light() {
+  call_technique(state_->type.info(), [&] { state_->technique->hold_light(); });
+}
+
+void RenderSession::save_state(const std::filesystem::path& file, bool compress) {
+  State& s = *state_;
+  require_state(s.type.info(), *s.technique);
+  StateHeader header = state_header(s.type.info(), *s.technique, s.scene, s.settings);
+  header.seconds = s.clocks.prepare + s.clocks.light + s.clocks.iterate;
+  call_technique(s.type.info(), [&] {
+    write_state_file(file, header, compress, [&](StateWriter& chunks) { s.technique->save_state(chunks); });
+  });
+}
+
 void RenderSession::restart(uint64_t seed) {
   State& s = *state_;
   s.settings.seed = seed;
   s.last = {};
   s.iterations = 0;
+  s.light_done = false;
   call_technique(s.type.info(), [&] { s.technique->reset(seed); });
 }
 

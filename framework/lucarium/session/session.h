@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -10,6 +11,8 @@
 #include "lucarium/technique/plugin.h"
 
 namespace lucarium {
+
+class StateFile;
 
 /// How long to render; whichever ends first, 0: no limit. Checked between iterations.
 struct RenderBudget {
@@ -31,6 +34,8 @@ class RenderSession {
   /// Wall times [s] of the present state of the scene; each leaves out what the others count.
   struct Clocks {
     double upload = 0, bvh = 0, compile = 0, prepare = 0, warm_up = 0, iterate = 0;
+    double light = 0;  ///< of finish_light()
+    double load = 0;   ///< of a saved state
   };
 
   /// How far the work before the first iteration is: `fraction` (negative: unknown), and what is being done.
@@ -38,10 +43,12 @@ class RenderSession {
 
   /// Applies `parameters` (name, value), checks capabilities and memory, uploads the scene, prepares and warms up.
   /// `on_preparing` is kept, for later changes of the scene. `seconds`: how long rendering may take; parameters that
-  /// are not given are then planned for that (technique/budget_plan.h). 0: they have their defaults.
+  /// are not given are then planned for that (technique/budget_plan.h). 0: they have their defaults. `state` (null:
+  /// none): what the technique begins with (Technique::load_state). Throws Error{usage} or {input} where it belongs to
+  /// something else (session/saved_state.h).
   RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
                 const std::vector<std::pair<std::string, std::string>>& parameters = {}, OnPreparing on_preparing = {},
-                double seconds = 0);
+                double seconds = 0, const StateFile* state = nullptr);
   ~RenderSession();
 
   Technique& technique();
@@ -59,10 +66,21 @@ class RenderSession {
   uint64_t iterations() const;  ///< whole ones: one that was cancelled does not count
   IterationResult last() const;
 
+  /// Of a view-independent technique: iterates until what does not depend on the camera is finished; the camera's
+  /// samples then begin at the first one. The picture after n of them then depends on nothing that came before. Of
+  /// others, and where it is finished already, it does nothing. Returns whether it was interrupted.
+  bool finish_light(const std::function<void(const IterationResult&)>& on_progress = {});
+  /// From now on what does not depend on the camera stays as it is, finished or not (Technique::hold_light).
+  void hold_light();
+  /// Writes what the technique has found that does not depend on the camera; replaces what is there. Throws
+  /// Error{usage} for a technique that has no state.
+  void save_state(const std::filesystem::path& file, bool compress);
+
   /// Starts over from zero samples with another seed; the clocks run on.
   void restart(uint64_t seed);
   /// Changes the time of the scene's animation, or the camera, and updates buffers, BVH and technique. Clocks and
   /// iterations then count from there. A change that the technique does not declare is refused: nothing has changed.
+  /// View-independent techniques keep their data where nothing but the camera changes, or nothing at all.
   void set_time(double seconds);
   void set_camera(const SceneCamera& camera);
   /// The same for any change: `edit` alters a copy of the scene and says what it altered.

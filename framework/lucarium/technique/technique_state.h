@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a technique has computed, in named chunks: how it writes them and reads them again (Technique::save_state,
-// load_state).
+// load_state). docs/state_files.md says what a file of them looks like.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -2,11 +2,13 @@
 #include "bundle_exchange/senders/side_means.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "bundle_exchange/base/name.h"
 #include "bundle_exchange/shared/balance.h"
+#include "lucarium/technique/technique_state.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -312,6 +314,25 @@ bool SideMeans::start_from(Kept kept) {
   specular_.upload(kept.specular);
   weights_ = kept.weights;
   return true;
+}
+
+void SideMeans::save(StateWriter& chunks) const {
+  chunks.put("shown", shown_);
+  chunks.put("shown_direct", shown_direct_);
+  chunks.put("radiance", radiance_);
+  chunks.put("progress", std::vector<uint64_t>{directions_, batches_, head_batches_, reflected_end_});
+  chunks.put("errors", std::vector<double>{relative_error_, indirect_error_});
+}
+
+void SideMeans::load(const StateReader& chunks) {
+  chunks.get_finite_buffer("shown", shown_);
+  chunks.get_finite_buffer("shown_direct", shown_direct_);
+  chunks.get_finite_buffer("radiance", radiance_);
+  const std::vector<uint64_t> progress = chunks.get<uint64_t>("progress", 4);
+  directions_ = progress[0], batches_ = progress[1], head_batches_ = progress[2], reflected_end_ = progress[3];
+  const std::vector<double> errors = chunks.get<double>("errors", 2);
+  relative_error_ = errors[0], indirect_error_ = errors[1];
+  if (std::isnan(relative_error_) || std::isnan(indirect_error_)) chunks.fail("errors", "an error is not a number");
 }
 
 void SideMeans::warm_up() {

@@ -7,6 +7,11 @@
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 
+namespace lucarium {
+class StateReader;
+class StateWriter;
+}  // namespace lucarium
+
 namespace lucarium::bundle {
 
 /// What travels along the rays at once (exchange_layout.clh).
@@ -61,6 +66,11 @@ class SideMeans {
   Kept keep() const;
   /// After reset(). False where it does not fit: nothing has changed then.
   bool start_from(Kept kept);
+
+  /// What is displayed, and how far it has come, for a file; and back, after reset().
+  void save(StateWriter& chunks) const;
+  void load(const StateReader& chunks);
+  uint64_t directions() const { return directions_; }  ///< of all batches
 
   // Per texel side:
   const TypedBuffer<float4>& records() const { return records_; }  ///< 2 · channels float4 (exchange_layout.clh)

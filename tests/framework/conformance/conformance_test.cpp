@@ -48,8 +48,9 @@ Verdict verdict(const std::string& name, const Parameters& parameters, const std
 }
 
 const std::vector<std::string> quick_groups = {
-    "declaration", "parameters", "layers",       "finite",  "repeat",      "camera_move", "change",
-    "memory",      "budget",     "cancellation", "furnace", "shining_box", "light",       "reference/light/emissive",
+    "declaration",  "parameters",  "layers",      "finite", "repeat",
+    "view",         "camera_move", "change",      "memory", "budget",
+    "cancellation", "furnace",     "shining_box", "light",  "reference/light/emissive",
     "oclgrind"};
 
 }  // namespace

@@ -24,6 +24,7 @@ Job example_render() {
   Job job;
   job.scene = "/scenes/a \"b\".glb";
   job.overrides.camera = "0,1,2:0,0,0:45";
+  job.overrides.camera_path = "linear:0@0,1,2:0,0,0;1@0,1,3:0,0,0";
   job.overrides.environment = "sky.hdr*2@30";
   job.overrides.lights = {"none", "point:0,1,0:5,5,5"};
   job.overrides.exposure = -1.7f;
@@ -40,7 +41,17 @@ Job example_render() {
   job.device = {"cpu", 2, size_t{3} << 30, size_t{1} << 29, "/some/cache", false};
   job.technique_folders = {"/a folder", "--not-an-option"};
   job.verbose = true;
-  job.work = RenderWork{"bundle_exchange", {{"b", "1,2=3"}, {"a", ""}}, 2.5, 64, 1e-3, "r.exr", true, "o.exr", 32, 2};
+  job.work = RenderWork{"bundle_exchange",
+                        {{"b", "1,2=3"}, {"a", ""}},
+                        2.5,
+                        64,
+                        1e-3,
+                        "r.exr",
+                        true,
+                        "o.exr",
+                        32,
+                        2,
+                        {5, 3, {0, 4}, {"a.exr", "b.exr"}}};
   return job;
 }
 
@@ -86,12 +97,15 @@ TEST_CASE("a job that is written and read is the same job") {
   }
   const Job job = read_text(job_json(example_render()));
   CHECK(job.overrides.exposure == -1.7f);
+  CHECK(job.overrides.camera_path == "linear:0@0,1,2:0,0,0;1@0,1,3:0,0,0");
   CHECK(job.overrides.at_seconds == 0.1);
   CHECK(job.seed == ~uint64_t{0});
   const auto& work = std::get<RenderWork>(job.work);
   CHECK(work.parameters == std::get<RenderWork>(example_render().work).parameters);
   CHECK(work.relmse == 1e-3);
   CHECK(work.work_iterations == 2);
+  CHECK(work.walk.reference_frames == std::vector<uint32_t>{0, 4});
+  CHECK(work.walk.references[1] == "b.exr");
 }
 
 TEST_CASE("the example has no member of its default, so that reading it back says of each that it is read") {
@@ -115,15 +129,15 @@ TEST_CASE("no exposure, an automatic one and a number are three things") {
 
 TEST_CASE("a job file that job_json() would not write is refused with file, line and key") {
   CHECK(complaint(job_json(example_render())) == "accepted");
-  CHECK(changed("/image/widht", 1) == "job.json:26: image/widht: unknown key; did you mean 'width'?");
-  CHECK(changed("/image/width", 0) == "job.json:21: image/width: must be a whole number from 1 to 32768");
-  CHECK(changed("/image/width", "8") == "job.json:21: image/width: must be a whole number from 1 to 32768");
-  CHECK(changed("/image/max_bounces", -2) == "job.json:23: image/max_bounces: must be a whole number from -1 to 4095");
-  CHECK(changed("/device/threads", 4097) == "job.json:29: device/threads: must be a whole number from 0 to 4096");
-  CHECK(changed("/device/use_cache", 1) == "job.json:33: device/use_cache: must be true or false");
-  CHECK(changed("/scene/exposure", "bright") == "job.json:11: scene/exposure: must be a number");
-  CHECK(changed("/scene/lights", "none") == "job.json:7: scene/lights: must be an array");
-  CHECK(changed("/scene/materials/0", json::object()) == "job.json:15: scene/materials/0: must be a string");
+  CHECK(changed("/image/widht", 1) == "job.json:27: image/widht: unknown key; did you mean 'width'?");
+  CHECK(changed("/image/width", 0) == "job.json:22: image/width: must be a whole number from 1 to 32768");
+  CHECK(changed("/image/width", "8") == "job.json:22: image/width: must be a whole number from 1 to 32768");
+  CHECK(changed("/image/max_bounces", -2) == "job.json:24: image/max_bounces: must be a whole number from -1 to 4095");
+  CHECK(changed("/device/threads", 4097) == "job.json:30: device/threads: must be a whole number from 0 to 4096");
+  CHECK(changed("/device/use_cache", 1) == "job.json:34: device/use_cache: must be true or false");
+  CHECK(changed("/scene/exposure", "bright") == "job.json:12: scene/exposure: must be a number");
+  CHECK(changed("/scene/lights", "none") == "job.json:8: scene/lights: must be an array");
+  CHECK(changed("/scene/materials/0", json::object()) == "job.json:16: scene/materials/0: must be a string");
   CHECK(changed("/render/iterations", -1)
             .ends_with("render/iterations: must be a whole number from 0 to "
                        "18446744073709551615"));
@@ -131,7 +145,7 @@ TEST_CASE("a job file that job_json() would not write is refused with file, line
   CHECK(changed("/render/parameters/0", "b=1").ends_with("render/parameters/0: must be [\"name\", \"value\"]"));
   CHECK(changed("/reference", json::object()) == "job.json:1: the file: has both \"render\" and \"reference\"");
   CHECK(changed("/schema", "lucarium-job-2") == "job.json:2: schema: must be \"lucarium-job-1\"");
-  CHECK(changed("/image", json::array()) == "job.json:20: image: must be an object");
+  CHECK(changed("/image", json::array()) == "job.json:21: image: must be an object");
 
   ordered_json job = ordered_json::parse(job_json(example_render()));
   job["render"].erase("curve");

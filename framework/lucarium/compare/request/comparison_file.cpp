@@ -8,6 +8,7 @@
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/load/sidecar.h"
 #include "lucarium/services/path_set.h"
+#include "lucarium/session/walk.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
@@ -24,7 +25,7 @@ class ComparisonReader {
     const json& root = object_;
     file_.check_keys(root, pointer_,
                      {"scenes", "techniques", "budgets", "seeds", "size", "max_bounces", "pixel_sampling", "reference",
-                      "fallback_environment", "device_arguments"});
+                      "walk", "fallback_environment", "device_arguments"});
     ComparisonSpec spec;
     each("scenes", [&](const json& value, const std::string& at) { spec.scenes.push_back(scene(value, at)); });
     each("techniques",
@@ -37,6 +38,7 @@ class ComparisonReader {
     if (root.contains("pixel_sampling"))
       spec.pixel_sampling = static_cast<uint32_t>(bounded("pixel_sampling", 0, finest_pixel_grid));
     if (root.contains("reference")) spec.reference = reference(root["reference"]);
+    if (root.contains("walk")) spec.walk = walk(root["walk"]);
     if (root.contains("fallback_environment")) {
       spec.fallback_environment = file_.text(root["fallback_environment"], place("fallback_environment"));
       if (const std::string what = fallback_mistake(spec.fallback_environment); !what.empty()) {
@@ -193,6 +195,24 @@ class ComparisonReader {
     if (value.contains("samples")) result.samples = file_.count(value["samples"], at + "/samples");
     if (result.samples < 32) file_.fail(at + "/samples", "must be at least 32");
     if (value.contains("relmse")) result.relmse = positive(value, "relmse", at);
+    return result;
+  }
+
+  uint32_t whole(const json& value, const std::string& pointer, uint32_t low, uint32_t high) const {
+    if (!value.is_number_unsigned() || value.get<uint64_t>() < low || value.get<uint64_t>() > high)
+      file_.fail(pointer, fmt::format("must be a whole number from {} to {}", low, high));
+    return value.get<uint32_t>();
+  }
+
+  WalkRequest walk(const json& value) const {
+    const std::string at = place("walk");
+    file_.check_keys(value, at, {"frames", "samples", "references"});
+    WalkRequest result;
+    if (!value.contains("frames")) file_.fail(at, "\"frames\" is missing");
+    result.frames = whole(value["frames"], at + "/frames", 2, max_walk_frames);
+    if (value.contains("samples")) result.samples = whole(value["samples"], at + "/samples", 1, 1 << 24);
+    if (value.contains("references"))
+      result.references = whole(value["references"], at + "/references", 0, result.frames);
     return result;
   }
 

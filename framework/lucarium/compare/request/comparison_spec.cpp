@@ -37,6 +37,7 @@ namespace {
 ordered_json overrides_json(const SceneOverrides& overrides) {
   ordered_json json = ordered_json::object();
   if (overrides.camera) json["camera"] = *overrides.camera;
+  if (overrides.camera_path) json["camera_path"] = *overrides.camera_path;
   if (overrides.environment) json["environment"] = *overrides.environment;
   if (!overrides.lights.empty()) json["lights"] = overrides.lights;
   if (overrides.exposure) {
@@ -106,6 +107,7 @@ std::string ComparisonSpec::to_json() const {
   json["max_bounces"] = max_bounces;
   json["pixel_sampling"] = pixel_sampling;
   json["reference"] = reference_json(reference);
+  if (walk) json["walk"] = {{"frames", walk->frames}, {"samples", walk->samples}, {"references", walk->references}};
   if (!fallback_environment.empty()) json["fallback_environment"] = fallback_environment;
   if (!device_arguments.empty()) json["device_arguments"] = device_arguments;
   return json.dump(2) + "\n";

@@ -47,6 +47,13 @@ struct ReferenceRequest {
   double relmse = 0;                          ///< its own; when positive it decides, and `samples` is the most
 };
 
+/// A walk along each scene's camera path behind every picture.
+struct WalkRequest {
+  uint32_t frames = 0;      ///< at least 2
+  uint32_t samples = 1;     ///< per pixel and frame
+  uint32_t references = 0;  ///< frames, evenly, that have one
+};
+
 /// Everything that defines a comparison: scenes × variants × budgets × seeds against references (docs/comparisons.md).
 struct ComparisonSpec {
   std::vector<ComparisonScene> scenes;
@@ -57,6 +64,7 @@ struct ComparisonSpec {
   int max_bounces = -1;
   uint32_t pixel_sampling = 0;
   ReferenceRequest reference;
+  std::optional<WalkRequest> walk;
   std::string fallback_environment;           ///< for scenes without any light; empty: such a scene is an error
   std::vector<std::string> device_arguments;  ///< words; read_device_arguments() understands them
 

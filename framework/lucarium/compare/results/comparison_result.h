@@ -22,6 +22,12 @@ struct Snapshot {
   std::map<std::string, double> metrics;
 };
 
+/// A walk behind a run, or the walks of all seeds (docs/results.md).
+struct WalkTimes {
+  double min_seconds = 0, median_seconds = 0, max_seconds = 0;  ///< of a frame
+  std::optional<double> relmse;                                 ///< mean over the frames with a reference
+};
+
 /// One run: scene, variant, budget (indices) and seed.
 struct PieceResult {
   size_t scene = 0, variant = 0, budget = 0;
@@ -37,6 +43,7 @@ struct PieceResult {
   std::map<std::string, double> metrics;  ///< of the image against the scene's reference
   std::vector<Snapshot> snapshots;
   std::optional<double> reached_seconds;  ///< with an error budget
+  std::optional<WalkTimes> walk;
   double seconds() const { return prepare_seconds + iterate_seconds; }
 };
 
@@ -51,6 +58,13 @@ struct ReferenceResult {
   double seconds = 0;
   bool error_known = false;    ///< false for an image file without an error estimate
   double mse = 0, relmse = 0;  ///< its own error
+  /// The truth for one frame of a walk.
+  struct Frame {
+    uint32_t frame = 0;
+    std::string camera;  ///< as on the command line
+    std::string image;   ///< below the result folder
+  };
+  std::vector<Frame> walk;
 };
 
 /// One variant on one scene.
@@ -108,6 +122,7 @@ struct Summary {
   ConfidenceInterval slope;
   std::optional<ConfidenceInterval> reached_seconds;  ///< with an error budget, when every seed got there
   std::vector<SummaryTime> times;
+  std::optional<WalkTimes> walk;  ///< smallest, mean of medians, largest; relMSE: geometric mean
 };
 
 /// The ratio of two variants' errors, paired by seeds.

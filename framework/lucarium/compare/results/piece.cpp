@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/compare/results/piece.h"
 
+#include <algorithm>
+
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/compare/results/error_curve.h"
@@ -23,6 +25,21 @@ void read_clocks(PieceResult& piece, const json& clocks) {
                           clocks.at("prepare_seconds").get<double>();
   piece.compile_seconds = clocks.at("compile_seconds").get<double>() + clocks.at("warm_up_seconds").get<double>();
   piece.iterate_seconds = clocks.at("iterate_seconds");
+}
+
+WalkTimes read_walk(const json& walk) {
+  std::vector<double> seconds = walk.at("frame_seconds");
+  std::sort(seconds.begin(), seconds.end());
+  if (seconds.empty()) throw_error(ErrorClass::input, "its walk has no frames");
+  const size_t middle = seconds.size() / 2;
+  const double median = seconds.size() % 2 ? seconds[middle] : 0.5 * (seconds[middle - 1] + seconds[middle]);
+  WalkTimes times{seconds.front(), median, seconds.back(), {}};
+  const json& errors = walk.at("relmse");
+  if (errors.empty()) return times;
+  double sum = 0;
+  for (const json& error : errors) sum += error.at("relmse").get<double>();
+  times.relmse = sum / static_cast<double>(errors.size());
+  return times;
 }
 
 /// When the curve got to the error; the first snapshot's time bounds it where that was enough.
@@ -72,6 +89,7 @@ void read_summary(PieceResult& piece, const ComparisonBudget& budget) {
       piece.snapshots.push_back({snapshot.at("seconds"), snapshot.at("iterations"), snapshot.at("samples"),
                                  read_metrics(snapshot.at("metrics"))});
     }
+    if (summary.contains("walk")) piece.walk = read_walk(summary["walk"]);
     if (budget.relmse > 0) piece.reached_seconds = find_reached(piece.snapshots, budget.relmse);
   } catch (const json::exception& error) {
     throw_error(ErrorClass::input, "its summary cannot be read: {}", error.what());

@@ -81,6 +81,12 @@ ExpressionScope quantities(const ComparisonResult& result, const SummaryKey& key
                    {"triangles", static_cast<double>(result.scenes[std::get<0>(key)].triangles)},
                    {"pixels", static_cast<double>(result.spec.width) * result.spec.height}};
   if (summary.reached_seconds) scope.numbers["reached_seconds"] = summary.reached_seconds->mean;
+  if (summary.walk) {
+    scope.numbers["walk_min_seconds"] = summary.walk->min_seconds;
+    scope.numbers["walk_median_seconds"] = summary.walk->median_seconds;
+    scope.numbers["walk_max_seconds"] = summary.walk->max_seconds;
+    if (summary.walk->relmse) scope.numbers["walk_relMSE"] = *summary.walk->relmse;
+  }
   for (const auto& [name, mean] : summary.metrics) scope.numbers[expression_name(name)] = mean.mean;
   if (summary.bias) {
     scope.numbers["bias_MSE"] = summary.bias->bias2;

@@ -26,6 +26,13 @@ std::string metric_names() {
   return names;
 }
 
+/// Empty where there was no walk, or no reference.
+std::string walk_values(const std::optional<WalkTimes>& walk) {
+  if (!walk) return ",,,";
+  return fmt::format("{},{},{},{}", walk->min_seconds, walk->median_seconds, walk->max_seconds,
+                     walk->relmse ? fmt::format("{}", *walk->relmse) : "");
+}
+
 /// Values in the order of metric_table(); empty where there is none.
 std::string metric_values(const std::map<std::string, double>& metrics) {
   std::string values;
@@ -41,14 +48,15 @@ std::string metric_values(const std::map<std::string, double>& metrics) {
 std::string ComparisonResult::pieces_csv() const {
   std::string csv =
       "scene,variant,budget,seed,iterations,samples,iterate_seconds,device_seconds,load_seconds,prepare_seconds,"
-      "compile_seconds,peak_host_bytes,peak_device_bytes,reached_seconds,failure" +
+      "compile_seconds,peak_host_bytes,peak_device_bytes,reached_seconds,"
+      "walk_min_seconds,walk_median_seconds,walk_max_seconds,walk_relmse,failure" +
       metric_names() + "\n";
   for (const PieceResult& piece : pieces) {
-    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}{}\n", piece_name(*this, piece), piece.iterations,
+    csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}{}\n", piece_name(*this, piece), piece.iterations,
                        piece.samples, piece.iterate_seconds, piece.device_seconds, piece.load_seconds,
                        piece.prepare_seconds, piece.compile_seconds, piece.peak_host_bytes, piece.peak_device_bytes,
-                       piece.reached_seconds ? fmt::format("{}", *piece.reached_seconds) : "", csv_field(piece.failure),
-                       metric_values(piece.metrics));
+                       piece.reached_seconds ? fmt::format("{}", *piece.reached_seconds) : "", walk_values(piece.walk),
+                       csv_field(piece.failure), metric_values(piece.metrics));
   }
   return csv;
 }

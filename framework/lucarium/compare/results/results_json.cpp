@@ -30,6 +30,13 @@ ordered_json mean_json(const ConfidenceInterval& mean) {
   return json;
 }
 
+ordered_json walk_json(const WalkTimes& walk) {
+  ordered_json json = {
+      {"frame_seconds", {{"min", walk.min_seconds}, {"median", walk.median_seconds}, {"max", walk.max_seconds}}}};
+  if (walk.relmse) json["relmse"] = *walk.relmse;
+  return json;
+}
+
 ordered_json reference_json(const ReferenceResult& reference) {
   ordered_json json = {{"path_set", reference.path_set}};
   if (!reference.failure.empty()) {
@@ -45,6 +52,8 @@ ordered_json reference_json(const ReferenceResult& reference) {
     json["own_mse"] = reference.mse;
     json["own_relmse"] = reference.relmse;
   }
+  for (const ReferenceResult::Frame& frame : reference.walk)
+    json["walk"].push_back({{"frame", frame.frame}, {"camera", frame.camera}, {"image", frame.image}});
   return json;
 }
 
@@ -99,6 +108,7 @@ ordered_json piece_json(const PieceResult& piece) {
                                  {"metrics", snapshot.metrics}});
   }
   if (piece.reached_seconds) json["reached_seconds"] = *piece.reached_seconds;
+  if (piece.walk) json["walk"] = walk_json(*piece.walk);
   const ordered_json summary = ordered_json::parse(piece.render_summary);
   for (const char* key : {"passes", "counters", "warnings"}) json[key] = summary.at(key);
   for (const char* key : {"planned", "plan"})
@@ -141,6 +151,7 @@ ordered_json summary_json(const SummaryKey& key, const Summary& summary) {
     json["slope"].erase("mean");
   }
   if (summary.reached_seconds) json["reached_seconds"] = mean_json(*summary.reached_seconds);
+  if (summary.walk) json["walk"] = walk_json(*summary.walk);
   json["time_to_error"] = ordered_json::array();
   for (const SummaryTime& time : summary.times) {
     ordered_json entry = {{"relmse", time.relmse}};

@@ -76,6 +76,20 @@ std::optional<ConfidenceInterval> mean_reached(const std::vector<const PieceResu
   return seed_geometric_mean(seconds);
 }
 
+std::optional<WalkTimes> walk_of(const std::vector<const PieceResult*>& pieces) {
+  WalkTimes all{INFINITY, 0, 0, {}};
+  std::vector<double> errors;
+  for (const PieceResult* piece : pieces) {
+    if (!piece->walk) return std::nullopt;
+    all.min_seconds = std::min(all.min_seconds, piece->walk->min_seconds);
+    all.median_seconds += piece->walk->median_seconds / static_cast<double>(pieces.size());
+    all.max_seconds = std::max(all.max_seconds, piece->walk->max_seconds);
+    if (piece->walk->relmse) errors.push_back(*piece->walk->relmse);
+  }
+  if (errors.size() == pieces.size()) all.relmse = seed_geometric_mean(errors).mean;
+  return all;
+}
+
 SummaryTime time_of(const std::vector<const PieceResult*>& pieces, double relmse) {
   SummaryTime result;
   result.relmse = relmse;
@@ -123,6 +137,7 @@ Summary summarize(const std::vector<const PieceResult*>& pieces, const Reference
   std::vector<std::vector<CurvePoint>> curves;
   for (const PieceResult* piece : pieces) curves.push_back(curve_of(*piece));
   summary.slope = seed_slope(curves);
+  summary.walk = walk_of(pieces);
   if (budget.relmse > 0) summary.reached_seconds = mean_reached(pieces);
   return summary;
 }

@@ -9,6 +9,7 @@
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/scene/exposure.h"
 #include "lucarium/scene/import_options.h"
+#include "lucarium/scene/load/scene_overrides.h"
 #include "lucarium/session/session.h"
 
 namespace lucarium {
@@ -52,6 +53,11 @@ size_t find_reference(ScenePlan& plan, const PathSet& set, const Scene& scene, R
   reference.path_set = set.to_string();
   references.push_back(reference);
   plan.reference_files.push_back(ReferenceIdentity(scene, settings, set, registry).hash() + ".exr");
+  plan.walk_files.emplace_back();
+  for (const std::string& camera : plan.walk_cameras) {
+    settings.camera = *parse_look_at(camera);
+    plan.walk_files.back().push_back(ReferenceIdentity(scene, settings, set, registry).hash() + ".exr");
+  }
   return references.size() - 1;
 }
 
@@ -73,6 +79,16 @@ SceneVariant plan_variant(const TechniqueVariant& variant, const Scene& scene, c
   result.reference = find_reference(plan, technique->path_set(scene, settings), scene, settings, registry);
   ++plan.pieces;
   return result;
+}
+
+/// The frames of a walk that have references.
+void plan_walk(const WalkRequest& request, const Scene& scene, ScenePlan& plan) {
+  if (!scene.camera_path)
+    throw_error(ErrorClass::input, "{}: there is no camera path to walk along; give the scene a \"camera_path\"",
+                scene.source);
+  plan.walk_frames = walk_reference_frames(request.frames, request.references);
+  for (const uint32_t frame : plan.walk_frames)
+    plan.walk_cameras.push_back(camera_text(walk_camera(*scene.camera_path, frame, request.frames)));
 }
 
 }  // namespace
@@ -103,6 +119,7 @@ ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& request,
     entry.exposure = plan.automatic_exposure ? 0 : scene.exposure;
     entry.warnings = scene.warnings;
     const RenderSettings settings = settings_of(spec, scene);
+    if (spec.walk) plan_walk(*spec.walk, scene, plan);
     for (const TechniqueVariant& variant : spec.variants) {
       entry.variants.push_back(plan_variant(variant, scene, settings, registry, plan));
     }

@@ -10,11 +10,14 @@ namespace lucarium {
 
 /// One scene of a comparison, looked at before anything is rendered.
 struct ScenePlan {
-  SceneResult result;                        ///< all but what the references turn out to be
-  SceneOverrides overrides;                  ///< the scene's, with the fallback environment where it is needed
-  std::vector<std::string> reference_files;  ///< names in the cache, one per reference
-  size_t pieces = 0;                         ///< variants that are not refused
-  bool automatic_exposure = false;           ///< none is stated: the first reference decides
+  SceneResult result;                                ///< all but what the references turn out to be
+  SceneOverrides overrides;                          ///< the scene's, with the fallback environment where it is needed
+  std::vector<std::string> reference_files;          ///< names in the cache, one per reference
+  std::vector<uint32_t> walk_frames;                 ///< that have references
+  std::vector<std::string> walk_cameras;             ///< theirs
+  std::vector<std::vector<std::string>> walk_files;  ///< theirs in the cache, for each reference
+  size_t pieces = 0;                                 ///< variants that are not refused
+  bool automatic_exposure = false;                   ///< none is stated: the first reference decides
 };
 
 /// Base seed of references: not one of the pieces' seeds 1, 2, …

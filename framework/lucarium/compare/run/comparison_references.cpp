@@ -30,6 +30,7 @@ void ComparisonRunner::get_references(size_t scene) {
       } else if (!render_reference(scene, index)) {
         return;
       }
+      if (!render_walk_references(scene, index)) return;
       measure_reference(reference);
     } catch (const Error& error) {
       if (error.error_class() == ErrorClass::interrupted) throw;
@@ -74,15 +75,41 @@ void ComparisonRunner::measure_reference(ReferenceResult& reference) {
                   reference.error_known ? fmt::format(", error of the reference: relMSE {:.2g}", own.relmse) : ""));
 }
 
-/// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
-ChildResult ComparisonRunner::run_reference(size_t scene, size_t index, const fs::path& cached) {
+Job ComparisonRunner::reference_job(size_t scene, size_t index) const {
   Job job = scene_job(spec_, spec_.scenes[scene], plans_[scene], options_, reference_seed);
-  job.work = ReferenceWork{result_.scenes[scene].references[index].path_set, spec_.reference.samples,
-                           spec_.reference.relmse, cached};
-  return run_job({options_.program.string()}, job, [&](std::string_view line) {
-    // Its error is reported when it has ended, and its advice how to go on is not that of a comparison.
-    if (!interrupt_requested() && !line.starts_with(error_prefix)) say("  " + std::string(line));
-  });
+  job.work = ReferenceWork{
+      result_.scenes[scene].references[index].path_set, spec_.reference.samples, spec_.reference.relmse, {}};
+  return job;
+}
+
+/// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
+std::optional<ChildResult> ComparisonRunner::render_into_cache(const Job& job, const fs::path& cached) {
+  std::error_code ignored;
+  fs::create_directories(cached.parent_path(), ignored);
+  const FileLock lock(cached.string() + ".lock", [&] { say("  waiting for another run that renders the same"); });
+  Job whole = job;
+  std::get<ReferenceWork>(whole.work).output = cached;
+  const auto run = [&] {
+    return run_job({options_.program.string()}, whole, [&](std::string_view line) {
+      // Its error is reported when it has ended, and its advice how to go on is not that of a comparison.
+      if (!interrupt_requested() && !line.starts_with(error_prefix)) say("  " + std::string(line));
+    });
+  };
+  const bool was_cached = fs::exists(cached);
+  ChildResult child = run();
+  if (was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
+    say("  the cached reference is not usable; rendering it again");
+    fs::remove(cached, ignored);
+    child = run();
+  }
+  // The signal that reached this process may have reached the child before it could answer to it.
+  if (child.exit_code == static_cast<int>(ErrorClass::interrupted) || (child.signal != 0 && interrupt_requested())) {
+    set_interrupt_requested(true);
+    return std::nullopt;
+  }
+  if (child.exit_code != 0)
+    throw_error(class_of_end(child), "the reference was not rendered: {}", reason_of_end(child));
+  return child;
 }
 
 /// Whether the result folder holds the reference from an earlier start of this comparison. It stays, even when the
@@ -106,32 +133,38 @@ bool ComparisonRunner::keep_reference(size_t scene, size_t index) {
   return true;
 }
 
+/// The truth for frames of a walk; those of an earlier start stay. Returns false when interrupted.
+bool ComparisonRunner::render_walk_references(size_t scene, size_t index) {
+  const ScenePlan& plan = plans_[scene];
+  ReferenceResult& reference = result_.scenes[scene].references[index];
+  for (size_t i = 0; i < plan.walk_frames.size(); ++i) {
+    ReferenceResult::Frame frame{plan.walk_frames[i], plan.walk_cameras[i], ""};
+    frame.image = fmt::format("references/scene{}-set{}-frame{}.exr", scene + 1, index + 1, frame.frame);
+    const fs::path file = options_.folder / frame.image;
+    if (!options_.resume || !fs::exists(file)) {
+      say(fmt::format("{}: reference of frame {} of the walk", result_.scenes[scene].name, frame.frame));
+      Job job = reference_job(scene, index);
+      job.overrides.camera_path = "none";
+      job.overrides.camera = frame.camera;
+      const fs::path cached = options_.cache_dir / "references" / plan.walk_files[index][i];
+      if (!render_into_cache(job, cached)) return false;
+      write_file_atomically(file, [&](const fs::path& part) { fs::copy_file(cached, part); });
+    }
+    reference.walk.push_back(std::move(frame));
+  }
+  return true;
+}
+
 /// Returns false when interrupted.
 bool ComparisonRunner::render_reference(size_t scene, size_t index) {
   if (keep_reference(scene, index)) return true;
   ReferenceResult& reference = result_.scenes[scene].references[index];
   const fs::path cached = options_.cache_dir / "references" / plans_[scene].reference_files[index];
-  std::error_code ignored;
-  fs::create_directories(cached.parent_path(), ignored);
   say(fmt::format("{}: reference {} of {}", result_.scenes[scene].name, index + 1,
                   result_.scenes[scene].references.size()));
-  const FileLock lock(cached.string() + ".lock", [&] { say("  waiting for another run that renders the same"); });
-  const bool was_cached = fs::exists(cached);
-  ChildResult child = run_reference(scene, index, cached);
-  if (was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
-    say("  the cached reference is not usable; rendering it again");
-    fs::remove(cached, ignored);
-    child = run_reference(scene, index, cached);
-  }
-  // The signal that reached this process may have reached the child before it could answer to it.
-  if (child.exit_code == static_cast<int>(ErrorClass::interrupted) || (child.signal != 0 && interrupt_requested())) {
-    set_interrupt_requested(true);
-    return false;
-  }
-  if (child.exit_code != 0) {
-    throw_error(class_of_end(child), "the reference was not rendered: {}", reason_of_end(child));
-  }
-  const json summary = json::parse(child.out);
+  const std::optional<ChildResult> child = render_into_cache(reference_job(scene, index), cached);
+  if (!child) return false;
+  const json summary = json::parse(child->out);
   result_.device = summary.at("device");
   result_.driver = summary.at("driver");
   reference.source = "path_tracing";

@@ -265,6 +265,10 @@ void ComparisonRunner::log_result(const PieceResult& piece, size_t number, size_
   if (outcome.empty()) {
     outcome = fmt::format("relMSE {:.3g} after {:.1f} s, {} per pixel", piece.metrics.at("relMSE"), piece.seconds(),
                           counted(piece.samples, "sample"));
+    if (piece.walk) {
+      outcome += fmt::format(", walk {:.3g} s per frame", piece.walk->median_seconds);
+      if (piece.walk->relmse) outcome += fmt::format(" with relMSE {:.3g}", *piece.walk->relmse);
+    }
     if (is_unfinished(piece)) outcome += ", unfinished: light is missing, or the picture is coarse";
     if (spec_.budgets[piece.budget].relmse > 0) {
       outcome += piece.reached_seconds ? fmt::format(", reached after {:.1f} s", *piece.reached_seconds)
@@ -306,6 +310,14 @@ PieceResult ComparisonRunner::run_piece(size_t scene, size_t variant, size_t bud
   work.parameters = spec_.variants[variant].parameters;
   work.reference = options_.folder / reference_of(scene, variant).image;
   work.output = image;
+  if (spec_.walk) {
+    work.walk.frames = spec_.walk->frames;
+    work.walk.samples = spec_.walk->samples;
+    for (const ReferenceResult::Frame& frame : reference_of(scene, variant).walk) {
+      work.walk.reference_frames.push_back(frame.frame);
+      work.walk.references.push_back(options_.folder / frame.image);
+    }
+  }
   job.work = work;
   const ChildResult child = run_job({options_.program.string()}, job, [&](std::string_view line) {
     if (job.verbose && !line.starts_with(error_prefix)) say("  " + std::string(line));

@@ -31,7 +31,10 @@ class ComparisonRunner {
   void choose_exposure(size_t scene);
   bool keep_reference(size_t scene, size_t index);
   bool render_reference(size_t scene, size_t index);
-  ChildResult run_reference(size_t scene, size_t index, const std::filesystem::path& cached);
+  bool render_walk_references(size_t scene, size_t index);
+  /// The reference of a job, in the cache afterwards; nothing when interrupted.
+  std::optional<ChildResult> render_into_cache(const Job& job, const std::filesystem::path& cached);
+  Job reference_job(size_t scene, size_t index) const;
   void check_reference_file() const;
   void measure_reference(ReferenceResult& reference);
 

@@ -92,6 +92,10 @@ Scene make_blocks(int triangles) {
   add_instance(scene, add_mesh(scene, builders[0].take()), add_lambert(scene, "pale", {0.7f, 0.65f, 0.5f}));
   add_instance(scene, add_mesh(scene, builders[1].take()), add_lambert(scene, "blue", {0.2f, 0.3f, 0.6f}));
   scene.cameras.push_back(look_at_camera("front", {0.f, 1.5f, 1.95f}, {0.f, 1.4f, 0.f}, 75.f));
+  scene.camera_paths.push_back(walk({{0, {0.f, 1.5f, 1.95f}, {0.f, 1.4f, 0.f}, 75.f},
+                                     {1, {1.5f, 1.2f, 1.4f}, {-0.2f, 1.5f, -0.2f}, 75.f},
+                                     {2, {1.4f, 2.4f, -1.5f}, {-0.3f, 1.1f, 0.2f}, 75.f},
+                                     {3, {-1.7f, 1.9f, -1.5f}, {0.2f, 1.2f, 0.3f}, 75.f}}));
   return scene;
 }
 

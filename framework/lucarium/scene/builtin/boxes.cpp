@@ -67,6 +67,11 @@ Scene make_cornell(const std::string& variant) {
   add_instance(scene, add_mesh(scene, MeshBuilder("tall block").prism(tall_block, 0, 0.33f).take()), tall);
 
   scene.cameras.push_back(look_at_camera("front", {-0.0016f, 0.273f, 0.8f}, {-0.0016f, 0.273f, 0.f}, 39.3f));
+  scene.camera_paths.push_back(walk({{0, {-0.0016f, 0.273f, 0.8f}, {-0.0016f, 0.273f, 0.f}, 39.3f},
+                                     {1, {-0.12f, 0.3f, 0.4f}, {0.03f, 0.22f, -0.25f}, 50.f},
+                                     {2, {-0.15f, 0.35f, 0.05f}, {0.08f, 0.15f, -0.3f}, 60.f},
+                                     {3, {0.16f, 0.4f, 0.1f}, {-0.1f, 0.15f, -0.35f}, 60.f},
+                                     {4, {0.1f, 0.25f, 0.5f}, {-0.05f, 0.2f, -0.2f}, 45.f}}));
   return scene;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lucarium/scene/look_at.h"
 #include "lucarium/scene/scene.h"
 
 namespace lucarium {
@@ -68,11 +69,8 @@ int add_node_instance(Scene& scene, int mesh, int material, const glm::vec3& pos
 /// A clear sky without the sun's disc: blue overhead, pale at the horizon, grey ground below it.
 Environment clear_sky(float strength);
 
-/// A camera at `eye` that looks at `target`; yfov in degrees.
-SceneCamera look_at_camera(const std::string& name, const glm::vec3& eye, const glm::vec3& target, float yfov_degrees);
-
-/// Places a light's or camera's frame: at `position`, looking (shining) along `direction`, up as near to +Y as can be.
-glm::mat4 frame_along(const glm::vec3& position, const glm::vec3& direction);
+/// A smooth walk of the camera, named "walk"; fields of view as given.
+CameraPath walk(const std::vector<CameraKey>& keys);
 
 /// Golden-ratio icosahedron with every triangle cut into four `levels` times, corners on the unit sphere.
 std::vector<std::array<glm::vec3, 3>> icosphere(int levels);

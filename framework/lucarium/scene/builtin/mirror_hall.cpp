@@ -106,6 +106,11 @@ Scene make_mirror_hall() {
     add_instance(scene, add_mesh(scene, std::move(quad)), lamp);
   }
   scene.cameras.push_back(look_at_camera("front", {1.4f, 1.6f, 3.6f}, {-0.9f, 1.2f, -1.2f}, 60.f));
+  scene.camera_paths.push_back(walk({{0, {1.4f, 1.6f, 3.6f}, {-0.9f, 1.2f, -1.2f}, 60.f},
+                                     {2, {0.1f, 1.6f, 2.2f}, {-1.5f, 1.2f, -0.8f}, 60.f},
+                                     {4, {-1.1f, 1.7f, 0.9f}, {0.1f, 1.3f, -0.7f}, 60.f},
+                                     {6, {-0.9f, 1.6f, -2.2f}, {0.3f, 1.2f, -0.4f}, 60.f},
+                                     {8, {1.2f, 1.5f, -2.4f}, {-1.2f, 1.3f, 0.6f}, 60.f}}));
   return scene;
 }
 

@@ -18,6 +18,7 @@
 #include "lucarium/scene/image/environment_file.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/scene/inside_out.h"
+#include "lucarium/scene/load/camera_path_text.h"
 #include "lucarium/scene/load/frame_camera.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
@@ -105,6 +106,13 @@ void choose_camera(Scene& scene, const std::optional<std::string>& choice) {
   scene.warnings.push_back("the scene has no camera: it was framed from outside; choose a view with --camera");
 }
 
+/// Puts a camera in front that follows the chosen path.
+void choose_camera_path(Scene& scene, const std::optional<std::string>& choice) {
+  if (!choice) return;
+  scene.camera_path = find_camera_path(scene, *choice);
+  if (scene.camera_path) scene.cameras.insert(scene.cameras.begin(), camera_on_path(*scene.camera_path, scene.time));
+}
+
 bool is_finite(const SceneInstance& instance, const Mesh& shape) {
   for (const glm::vec3& p : shape.positions) {
     const glm::vec3 world(instance.world_from_object * glm::vec4(p, 1.f));
@@ -158,11 +166,12 @@ Scene load_scene(const std::string& source, const SceneOverrides& overrides, con
     animation = find_by_name_or_index(scene.animations, *all.animation);
     if (animation == none) fail_to_find(scene, "animation", scene.animations, *all.animation);
   }
-  if (all.at_seconds.value_or(0) != 0 && scene.animations.empty())
-    scene.warnings.push_back("the scene has no animation: it is the same at all times");
   evaluate(scene, all.at_seconds.value_or(0.0), animation);
   validate_evaluated(scene);
-  choose_camera(scene, all.camera);
+  choose_camera_path(scene, all.camera_path);
+  if (!scene.camera_path) choose_camera(scene, all.camera);
+  if (all.at_seconds.value_or(0) != 0 && scene.animations.empty() && !scene.camera_path)
+    scene.warnings.push_back("the scene has no animation: it is the same at all times");
   if (const std::vector<std::string> names = meshes_inside_out(scene); !names.empty()) {
     scene.warnings.push_back(fmt::format(
         "closed but wound inside out, black seen from outside: {}; flip their triangles, or show both sides "

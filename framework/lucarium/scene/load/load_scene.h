@@ -11,7 +11,8 @@ namespace lucarium {
 
 /// What a user says about a scene on the command line or in the JSON file beside it (docs/scenes.md has the schema).
 struct SceneOverrides {
-  std::optional<std::string> camera;  ///< NAME | INDEX | "ex,ey,ez:tx,ty,tz[:vfov_degrees]"
+  std::optional<std::string> camera;       ///< NAME | INDEX | "ex,ey,ez:tx,ty,tz[:vfov_degrees]"
+  std::optional<std::string> camera_path;  ///< NAME | FILE | "linear:KEY;KEY…" | "spline:KEY;KEY…" | "none"
   std::optional<std::string>
       environment;  ///< file, or "r,g,b" constant, with optional "*factor" and "@degrees" rotation
   std::vector<std::string>

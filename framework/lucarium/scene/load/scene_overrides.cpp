@@ -117,7 +117,8 @@ bool matches_pattern(std::string_view name, std::string_view pattern) {
 
 SceneOverrides merge_overrides(const SceneOverrides& first, const SceneOverrides& second) {
   SceneOverrides result = first;
-  if (second.camera) result.camera = second.camera;
+  if (second.camera) result.camera = second.camera, result.camera_path.reset();  // which would hide it
+  if (second.camera_path) result.camera_path = second.camera_path;
   if (second.environment) result.environment = second.environment;
   if (second.exposure) result.exposure = second.exposure;
   if (second.at_seconds) result.at_seconds = second.at_seconds;

@@ -7,6 +7,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/json_file.h"
 #include "lucarium/scene/exposure.h"
+#include "lucarium/scene/load/camera_path_text.h"
 #include "lucarium/scene/load/scene_overrides.h"
 
 namespace lucarium {
@@ -23,6 +24,7 @@ class OverridesReader {
   SceneOverrides read(const json& root) {
     SceneOverrides result;
     if (root.contains("camera")) result.camera = camera(root["camera"]);
+    if (root.contains("camera_path")) result.camera_path = camera_path(root["camera_path"]);
     if (root.contains("environment")) result.environment = environment(root["environment"]);
     if (root.contains("lights")) result.lights = lights(root["lights"]);
     if (root.contains("exposure")) result.exposure = exposure(root["exposure"]);
@@ -86,6 +88,17 @@ class OverridesReader {
       if (!parse_look_at(text)) throw_error(ErrorClass::usage, "eye and target must be three numbers each");
     });
     return text;
+  }
+
+  /// An object becomes the text of it; of a text, files are relative to this one.
+  std::string camera_path(const json& value) const {
+    if (value.is_object()) return camera_path_text(read_camera_path(file_, value, prefix_ + "/camera_path"));
+    const std::string text = file_.text(value, prefix_ + "/camera_path");
+    bool inline_path = false;
+    checked("/camera_path", [&] { inline_path = parse_camera_path(text).has_value(); });
+    const std::filesystem::path beside = file_.path().parent_path() / text;
+    std::error_code ignored;
+    return !inline_path && std::filesystem::exists(beside, ignored) ? beside.string() : text;
   }
 
   std::string environment(const json& value) const {
@@ -175,8 +188,8 @@ class OverridesReader {
 }  // namespace
 
 const std::vector<std::string>& override_keys() {
-  static const std::vector<std::string> keys = {"camera",     "environment", "lights",   "exposure",
-                                                "at_seconds", "animation",   "materials"};
+  static const std::vector<std::string> keys = {"camera",   "camera_path", "environment", "lights",
+                                                "exposure", "at_seconds",  "animation",   "materials"};
   return keys;
 }
 

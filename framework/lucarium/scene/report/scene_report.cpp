@@ -63,6 +63,8 @@ SceneReport make_scene_report(const Scene& scene) {
   report.degenerate_triangles = degenerate_triangle_count(scene);
   report.materials = scene.materials;
   report.cameras = scene.cameras;
+  report.camera_path = scene.camera_path;
+  for (const CameraPath& path : scene.camera_paths) report.camera_path_names.push_back(path.name);
   report.animations = scene.animations;
   report.bounds = scene.bounds();
   report.extensions_used = scene.extensions_used;

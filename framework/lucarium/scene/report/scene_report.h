@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,9 @@ struct SceneReport {
   uint32_t environment_width = 0, environment_height = 0;
   glm::vec3 environment_radiance{0};  ///< mean over the sphere [cd/m²]
   std::vector<SceneCamera> cameras;
-  std::vector<Animation> animations;  ///< names, channels and durations
+  std::optional<CameraPath> camera_path;       ///< that the first camera follows
+  std::vector<std::string> camera_path_names;  ///< that the scene brings
+  std::vector<Animation> animations;           ///< names, channels and durations
   Bounds bounds;
   std::vector<std::string> extensions_used, extensions_ignored;
   size_t device_bytes = 0;  ///< of SceneBuffers

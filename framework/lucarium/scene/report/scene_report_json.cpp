@@ -60,6 +60,19 @@ Json cameras_json(const SceneReport& report) {
   return list;
 }
 
+/// Null without one.
+Json camera_path_json(const SceneReport& report) {
+  if (!report.camera_path) return nullptr;
+  Json keys = Json::array();
+  for (const CameraKey& key : report.camera_path->keys) {
+    keys.push_back({{"seconds", key.seconds},
+                    {"eye_m", triple(key.eye)},
+                    {"target_m", triple(key.target)},
+                    {"vfov_degrees", key.vfov_degrees}});
+  }
+  return {{"interpolation", interpolation_name(report.camera_path->interpolation)}, {"keys", keys}};
+}
+
 Json animations_json(const SceneReport& report) {
   Json list = Json::array();
   for (const Animation& a : report.animations) {
@@ -85,6 +98,8 @@ std::string SceneReport::json() const {
                      {"textures", {{"count", textures}, {"images", images}, {"texels", texels}}},
                      {"lights", lights_json(*this)},
                      {"cameras", cameras_json(*this)},
+                     {"camera_path", camera_path_json(*this)},
+                     {"camera_paths", camera_path_names},
                      {"animations", animations_json(*this)},
                      {"extensions", {{"used", extensions_used}, {"ignored", extensions_ignored}}},
                      {"device_memory_bytes", device_bytes},

@@ -82,6 +82,11 @@ void add_views(Page& page, const SceneReport& r) {
     const std::string kind = c.perspective ? fmt::format("{:.3g} degrees", glm::degrees(c.yfov)) : "orthographic";
     page.more(fmt::format("{} {}: {} at ({})", i, c.name, kind, triple(glm::vec3(c.world_from_camera[3]))));
   }
+  if (r.camera_path)
+    page.line("camera path", fmt::format("{} keys from {:g} to {:g} s, {}", r.camera_path->keys.size(),
+                                         r.camera_path->keys.front().seconds, r.camera_path->keys.back().seconds,
+                                         interpolation_name(r.camera_path->interpolation)));
+  if (!r.camera_path_names.empty()) page.line("paths", fmt::format("{}", fmt::join(r.camera_path_names, ", ")));
   if (!r.animations.empty()) page.line("animations", std::to_string(r.animations.size()));
   for (size_t i = 0; i < r.animations.size(); ++i) {
     const Animation& a = r.animations[i];

@@ -98,8 +98,10 @@ TEST_CASE("options of the messages before the command's name were not seen by th
 }
 
 TEST_CASE("options that had nothing to replace, and plans with options of results, are mistakes") {
-  check_refused("render builtin:cornell --json --overwrite", 2, "--overwrite does nothing without --output or");
-  check_refused("render builtin:cornell --json --profile --overwrite", 2, "without --output or --profile=FILE");
+  check_refused("render builtin:cornell --json --overwrite", 2,
+                "--overwrite does nothing without --output, --save-state or");
+  check_refused("render builtin:cornell --json --profile --overwrite", 2,
+                "without --output, --save-state or --profile=FILE");
   check_refused("scene builtin:cornell --exposure 1", 2, "--exposure does nothing without --export");
   for (const char* option : {"--overwrite", "--resume"})
     check_refused(std::string("reproduce hermes2010 --dry-run ") + option, 2, "give --dry-run or --");

@@ -37,6 +37,8 @@ ComparisonSpec example_spec() {
   spec.height = 4;
   spec.max_bounces = 3;
   spec.reference = {std::nullopt, 512, 1e-4};
+  spec.scenes[0].overrides.camera_path = "linear:0@0,1,2:0,0,0:40;1@0,1,3:0,0,0:45";
+  spec.walk = WalkRequest{48, 4, 3};
   return spec;
 }
 
@@ -77,6 +79,8 @@ TEST_CASE("a comparison survives its file") {
   CHECK(again.scenes[1].overrides.materials == spec.scenes[1].overrides.materials);
   CHECK(again.budgets[2].limit_seconds == 60);
   CHECK(again.budgets[3].samples == 16);
+  CHECK(again.scenes[0].overrides.camera_path == spec.scenes[0].overrides.camera_path);
+  CHECK(again.walk->references == 3);
 }
 
 TEST_CASE("file names in a comparison file are meant from its folder") {

@@ -129,6 +129,29 @@ function timeTable(scene, budget) {
   return sortableTable('Seconds to a relMSE, from the curves', columns, rows);
 }
 
+// Frames of a walk along the camera path, with the light of the budget.
+function walkTable(scene, budget) {
+  if (!variants.some((entry, v) => (summaryOf(scene, v, budget) || {}).walk)) return null;
+  const columns = [
+    {name: 'technique'}, {name: 'median frame'}, {name: 'fastest'}, {name: 'slowest'}, {name: 'slowest over median'},
+    {name: 'relMSE', title: 'mean over the frames with a reference'}
+  ];
+  const time = value => ({value, show: seconds(value)});
+  const rows = variants.map((entry, v) => {
+    const s = summaryOf(scene, v, budget);
+    if (!s || !s.walk) return {cells: [labelCell(v)], span: obstacles(scene, v, budget).join('; '), class: 'failed'};
+    const t = s.walk.frame_seconds;
+    return {
+      cells: [
+        labelCell(v), time(t.median), time(t.min), time(t.max),
+        {value: t.max / t.median, show: number(t.max / t.median, 3)},
+        s.walk.relmse === undefined ? {show: '–'} : {value: s.walk.relmse, show: number(s.walk.relmse)}
+      ]
+    };
+  });
+  return sortableTable('Walk along the camera path: wall time per frame', columns, rows);
+}
+
 // Ratio of errors of every pair, paired by seeds.
 function pairTable(scene, budget) {
   const pairs =

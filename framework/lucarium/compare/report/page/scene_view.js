@@ -56,6 +56,7 @@ function sceneSection(index, budget) {
       referenceNotes(index), listOf(scene, 'warnings').map(text => h('p', {class: 'alert'}, text)),
       pictureSection(index, budget), h('h3', {}, 'Numbers'), resultTable(index, budget), h('h3', {}, 'Error over time'),
       variantToggles(drawCharts), curveChart(index, budget), timeTable(index, budget),
+      walkTable(index, budget),
       variants.length > 1 ?
           [
             h('h3', {}, 'Differences'),

@@ -1,0 +1,308 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light that does not depend on the camera: kept from frame to frame, saved, loaded.
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "lucarium/base/error.h"
+#include "lucarium/technique/state_file.h"
+#include "technique_rig.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+const Options quick = {{"texels", "2048"}, {"directions", "48"}, {"stop_error", "0"}, {"camera_samples", "4"}};
+
+/// The camera of the scene's walk at a time.
+SceneCamera camera_at(const Scene& scene, double seconds) {
+  return camera_on_path(scene.camera_paths.front(), seconds);
+}
+
+std::vector<float> picture(RenderSession& session) {
+  session.run({.samples = 3});
+  return session.resolve().image();
+}
+
+double directions(RenderSession& session) { return session.technique().counters().at("directions"); }
+
+/// A session of 24 x 24 pixels, or of another size, that begins with a state.
+std::unique_ptr<RenderSession> loaded(const std::filesystem::path& file, Scene scene, const Options& options,
+                                      uint32_t width = 24, uint64_t seed = 1, int max_bounces = -1) {
+  RenderSettings settings;
+  settings.width = width;
+  settings.height = 24;
+  settings.max_bounces = max_bounces;
+  settings.seed = seed;
+  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
+  settings.camera = scene.cameras.front();
+  const StateFile state(file);
+  return std::make_unique<RenderSession>(Device::open(), std::move(scene), registry().find("bundle_exchange"), settings,
+                                         options, RenderSession::OnPreparing{}, 0, &state);
+}
+
+struct SavedState {
+  TemporaryFolder folder;
+  std::filesystem::path file = folder.path() / "a.state";
+  std::unique_ptr<RenderSession> by;
+  SavedState(const Scene& scene, const Options& options) : by(session("bundle_exchange", scene, -1, options)) {
+    by->finish_light();
+    by->save_state(file, false);
+  }
+};
+
+struct Refusal {
+  ErrorClass error_class = ErrorClass::internal;
+  std::string message = "it was loaded";
+};
+
+template <class Load>
+Refusal refusal_of(Load&& load) {
+  try {
+    load();
+  } catch (const Error& error) {
+    return {error.error_class(), error.what()};
+  }
+  return {};
+}
+
+void check_refusal(const Refusal& refusal, ErrorClass error_class, const std::string& part) {
+  CAPTURE(refusal.message);
+  CHECK(refusal.error_class == error_class);
+  CHECK(refusal.message.find(part) != std::string::npos);
+  CHECK(refusal.message.find('\n') == std::string::npos);
+}
+
+/// The same state with another header or other contents.
+void rewrite(const std::filesystem::path& file, const std::function<void(StateHeader&)>& edit_header,
+             const std::function<void(std::vector<float4>&)>& edit_shown = {}) {
+  const StateFile old(file);
+  StateHeader header = old.header();
+  edit_header(header);
+  std::vector<float4> shown = old.get<float4>("shown");
+  if (edit_shown) edit_shown(shown);
+  const auto texels = old.get_value<uint64_t>("texels");
+  const auto direct = old.get<float4>("shown_direct"), radiance = old.get<float4>("radiance");
+  const auto progress = old.get<uint64_t>("progress");
+  const auto errors = old.get<double>("errors");
+  write_state_file(file, header, false, [&](StateWriter& chunks) {
+    chunks.put_value("texels", texels);
+    chunks.put("shown", shown);
+    chunks.put("shown_direct", direct);
+    chunks.put("radiance", radiance);
+    chunks.put("progress", progress);
+    chunks.put("errors", errors);
+  });
+}
+
+}  // namespace
+
+TEST_CASE("every frame of a walk has the bits of that camera alone") {
+  const Scene scene = load_scene("builtin:cornell-mirror");
+  for (const Options& more : {Options{}, Options{{"direct_mode", "exchange"}, {"preview", "on"}},
+                              Options{{"final_gather", "all"}, {"pixel_rays", "bundle"}},
+                              Options{{"glossy_window", "8"}, {"history_alpha", "0.001"}}}) {
+    CAPTURE(more.empty() ? std::string("default") : more.front().first);
+    const Options options = with(quick, more);
+    const auto walk = session("bundle_exchange", scene, -1, options);
+    CHECK_FALSE(walk->finish_light());
+    const double found = directions(*walk);
+    CHECK(found == 48);
+    std::vector<float> before;
+    for (const double t : {1.3, 4.0}) {
+      CAPTURE(t);
+      walk->set_camera(camera_at(scene, t));
+      CHECK_FALSE(walk->finish_light());
+      CHECK(walk->iterations() == 0);
+      const std::vector<float> image = picture(*walk);
+      CHECK(directions(*walk) == found);
+      CHECK(image != before);
+      Scene alone = scene;
+      alone.cameras.front() = camera_at(scene, t);
+      const auto other = session("bundle_exchange", alone, -1, options);
+      other->finish_light();
+      CHECK(picture(*other) == image);
+      before = image;
+    }
+  }
+}
+
+TEST_CASE("a frame in which nothing changes began the exchange from nothing") {
+  const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, quick);
+  run->finish_light();
+  const std::vector<float> first = picture(*run);
+  run->set_time(1);
+  CHECK(run->last().samples == 0);
+  CHECK(directions(*run) == 48);
+  CHECK(picture(*run) == first);
+}
+
+TEST_CASE("light that is held stays as it is, however unfinished, until something but the camera changes") {
+  const Scene scene = load_scene("builtin:cornell");
+  const auto run = session("bundle_exchange", scene, -1, with(few_texels, {{"directions", "100000"}}));
+  while (directions(*run) == 0) run->iterate();
+  CHECK_FALSE(run->last().light_done);
+  run->hold_light();
+  const double found = directions(*run);
+  for (const double t : {0.0, 2.0, 0.0}) {
+    run->set_camera(camera_at(scene, t));
+    run->run({.samples = 3});
+    CHECK(run->last().light_done);
+    CHECK(directions(*run) == found);
+  }
+  run->restart(1);
+  while (directions(*run) == 0) run->iterate();
+  CHECK_FALSE(run->last().light_done);
+}
+
+TEST_CASE("a loaded state propagates nothing and shows the bits of the session that saved it") {
+  for (const char* name : {"builtin:cornell-mirror", "builtin:room"}) {
+    const Scene scene = load_scene(name);
+    for (const Options& more : {Options{}, Options{{"direct_mode", "exchange"}}}) {
+      CAPTURE(name);
+      CAPTURE(more.size());
+      const SavedState saved(scene, with(quick, more));
+      const auto other = loaded(saved.file, scene, with(quick, more));
+      CHECK(directions(*other) == 48);
+      CHECK_FALSE(other->finish_light());
+      CHECK(other->iterations() == 0);
+      CHECK(picture(*other) == picture(*saved.by));
+      CHECK(directions(*other) == 48);
+      SceneCamera moved = scene.cameras.front();
+      moved.world_from_camera[3].x += 0.1f;
+      for (RenderSession* run : {other.get(), saved.by.get()}) run->set_camera(moved);
+      const std::vector<float> elsewhere = picture(*other);
+      CHECK(picture(*saved.by) == elsewhere);
+      CHECK(mean(indirect(*other)) > 0);
+      // What was loaded is what was saved, again.
+      other->save_state(saved.folder.path() / "b.state", true);
+      const StateFile a(saved.file), b(saved.folder.path() / "b.state");
+      const auto bytes = [](const StateFile& state) {
+        std::vector<float> all;
+        for (const float4& v : state.get<float4>("shown")) all.insert(all.end(), {v.x, v.y, v.z, v.w});
+        return all;
+      };
+      CHECK(bytes(a) == bytes(b));
+    }
+  }
+}
+
+TEST_CASE("a state that was saved at another size has the atlas that it was saved with") {
+  Options options = quick;
+  options.front() = {"texels", "0"};
+  const Scene scene = load_scene("builtin:cornell");
+  const SavedState saved(scene, options);
+  rewrite(saved.file, [](StateHeader&) {});
+  const auto wide = loaded(saved.file, scene, options, 200);
+  CHECK(wide->technique().counters().at("sides") == saved.by->technique().counters().at("sides"));
+  const double expected = mean(indirect(*(saved.by->run({.samples = 3}), saved.by.get())));
+  Scene same = scene;
+  const auto narrow = loaded(saved.file, same, options);
+  narrow->run({.samples = 3});
+  CHECK(mean(indirect(*narrow)) == expected);
+}
+
+TEST_CASE("behind a loaded state a change of the lights propagates again, to the bits of a fresh start") {
+  const Scene scene = load_scene("builtin:cornell");
+  const SavedState saved(scene, quick);
+  const auto dim = [](Scene& lit) {
+    SceneChange change;
+    for (size_t i = 0; i < lit.materials.size(); ++i) {
+      if (!lit.materials[i].emits()) continue;
+      lit.materials[i].emissive_factor *= 0.5f;
+      change.materials.push_back(static_cast<int>(i));
+    }
+    return change;
+  };
+  const auto sky = [](Scene& lit) {
+    lit.environment = Environment{};
+    SceneChange change;
+    change.environment = true;
+    return change;
+  };
+  for (const std::function<SceneChange(Scene&)>& edit : {std::function<SceneChange(Scene&)>(dim), {sky}}) {
+    const auto run = loaded(saved.file, scene, quick);
+    picture(*run);
+    run->change_scene(edit);
+    CHECK(directions(*run) == 0);
+    run->finish_light();
+    CHECK(directions(*run) == 48);
+    Scene changed = scene;
+    edit(changed);
+    const auto fresh = session("bundle_exchange", changed, -1, quick);
+    fresh->finish_light();
+    CHECK(picture(*run) == picture(*fresh));
+  }
+}
+
+TEST_CASE("a state of something else is refused, with the reason") {
+  const Scene scene = load_scene("builtin:cornell");
+  const SavedState saved(scene, quick);
+  const auto load = [&](Scene other, const Options& options, uint64_t seed = 1, int max_bounces = -1) {
+    return refusal_of([&] { loaded(saved.file, std::move(other), options, 24, seed, max_bounces); });
+  };
+  check_refusal(load(load_scene("builtin:cornell-mirror"), quick), ErrorClass::input,
+                "it belongs to another scene (builtin:cornell)");
+  check_refusal(load(scene, with(quick, {{"texels", "4096"}})), ErrorClass::usage,
+                "it was saved with texels=2048, here it is 4096; give -p texels=2048");
+  check_refusal(load(scene, quick, 7), ErrorClass::usage, "it was saved with --seed 1");
+  check_refusal(load(scene, quick, 1, 2), ErrorClass::usage, "it was saved with --max-bounces -1");
+  check_refusal(load(scene, with(quick, {{"pixel_rays", "bundle"}})), ErrorClass::usage,
+                "bundle_exchange has no state to save or load: it gathers along new bundles");
+  CHECK(load(scene, with(quick, {{"camera_samples", "9"}})).message == "it was loaded");
+
+  rewrite(saved.file, [](StateHeader& header) { header.technique_version += ".1"; });
+  check_refusal(load(scene, quick), ErrorClass::input, "here is version");
+  rewrite(saved.file, [&](StateHeader& header) {
+    header.technique_version = registry().find("bundle_exchange").info().version;
+    header.technique = "path_tracing";
+  });
+  check_refusal(load(scene, quick), ErrorClass::usage, "it is a state of path_tracing, not of bundle_exchange");
+  rewrite(saved.file, [](StateHeader& header) {
+    header.technique = "bundle_exchange";
+    header.path_set += ",more";
+  });
+  check_refusal(load(scene, quick), ErrorClass::input, "it holds other light paths");
+  rewrite(saved.file, [](StateHeader& header) {
+    header.path_set.resize(header.path_set.size() - 5);
+    header.parameters.emplace_back("older", "1");
+  });
+  check_refusal(load(scene, quick), ErrorClass::usage, "it was saved with older=1, here it is (none)");
+}
+
+TEST_CASE("values that no exchange brings are refused: NaN, another number of texel sides, absurd atlases") {
+  const Scene scene = load_scene("builtin:cornell");
+  const auto refusal = [&](const std::function<void(std::vector<float4>&)>& edit) {
+    const SavedState saved(scene, quick);
+    rewrite(
+        saved.file, [](StateHeader&) {}, edit);
+    return refusal_of([&] { loaded(saved.file, scene, quick); });
+  };
+  check_refusal(refusal([](std::vector<float4>& shown) { shown[17].y = std::nanf(""); }), ErrorClass::input,
+                "chunk 'shown': number 69 of");
+  check_refusal(refusal([](std::vector<float4>& shown) { shown[0].w = INFINITY; }), ErrorClass::input,
+                "chunk 'shown': number 3 of");
+  check_refusal(refusal([](std::vector<float4>& shown) { shown.pop_back(); }), ErrorClass::input,
+                "chunk 'shown': it has ");
+  const SavedState saved(scene, quick);
+  const StateHeader header = StateFile(saved.file).header();
+  for (const uint64_t texels : {uint64_t{0}, uint64_t{1} << 60}) {
+    write_state_file(saved.file, header, false, [&](StateWriter& chunks) { chunks.put_value("texels", texels); });
+    check_refusal(refusal_of([&] { loaded(saved.file, scene, quick); }), ErrorClass::input,
+                  fmt::format("chunk 'texels': an atlas of {} texels", texels));
+  }
+  write_state_file(saved.file, header, false, [](StateWriter&) {});
+  check_refusal(refusal_of([&] { loaded(saved.file, scene, quick); }), ErrorClass::input,
+                "chunk 'texels': it is missing");
+}
+
+TEST_CASE("a technique without a state says so") {
+  const auto run = session("path_tracing", load_scene("builtin:cornell"), -1, {});
+  const TemporaryFolder folder;
+  check_refusal(refusal_of([&] { run->save_state(folder.path() / "a.state", false); }), ErrorClass::usage,
+                "path_tracing has no state to save or load: it keeps nothing from picture to picture");
+  CHECK_FALSE(run->finish_light());  // there is none, and nothing is done
+  CHECK(run->iterations() == 0);
+}
