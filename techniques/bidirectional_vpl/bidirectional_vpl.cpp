@@ -123,6 +123,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     if (vertices_ && !vertices_->trace(index)) return false;
     if (!eye_->trace(index)) return false;
     eye_->add();
+    if (vertices_) vertices_->complete();
     return true;
   }
 

@@ -29,7 +29,7 @@ __kernel void key_splat_lights(__global const float4* restrict splats, __global 
   values[i] = i;
 }
 
-// Adds the luminance of all light of each key to the key's sum.
+// Adds the luminance of all light of each key to the key's sum of the iteration.
 __kernel void sum_by_light(__global const uint* restrict keys, __global const uint* restrict values,
                            __global const float4* restrict light, uint count, uint lights,
                            __global float* restrict sums, uint slice_base) {
@@ -41,6 +41,13 @@ __kernel void sum_by_light(__global const uint* restrict keys, __global const ui
     if (brought > 0.0f && isfinite(brought)) sum += brought;
   }
   sums[l] += sum;
+}
+
+// What a whole iteration has brought; one that is cancelled teaches nothing.
+__kernel void add_brought_light(__global const float* restrict brought, uint lights, __global float* restrict sums,
+                                uint slice_base) {
+  const uint l = slice_base + (uint)get_global_id(0);
+  if (l < lights) sums[l] += brought[l];
 }
 
 // One work-item: shares from sums.

@@ -69,6 +69,8 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
       table_(device, owner, "table of virtual lights", plan.has_table() ? size_t{table_capacity_} * kTableArrays : 1,
              kRemedy),
       light_sums_(device, owner, "light of each light's paths", plan.learned ? scene.scene_lights.count() : 1),
+      light_news_(device, owner, "light of each light's paths in an iteration",
+                  plan.learned ? scene.scene_lights.count() : 1),
       light_shares_(device, owner, "shares of lights", plan.learned ? scene.scene_lights.count() : 1),
       path_lights_(device, owner, "lights of light paths", plan.settings.light_paths, kRemedy),
       list_(device, owner, "list of virtual lights", plan.vertex_slots(), kRemedy),
@@ -96,6 +98,7 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
     PassBuilder share = recorder.pass("shares of lights", learn_program_, "share_lights");
     scene_.bind(share);
     share.global(1).arg("sums", light_sums_).arg("shares", light_shares_);
+    recorder.fill_zero("nothing learned yet", light_news_);
   }
   paths_.record(
       recorder, run_, seed_, store_,
@@ -128,6 +131,19 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
     std::memcpy(traced_.data(), bytes.data(), sizeof traced_);
   });
   schedule_ = recorder.compile();
+  if (plan_.learned) record_learn();
+}
+
+void LightVertices::record_learn() {
+  ScheduleRecorder recorder = scheduler_.record("learned lights", owner_);
+  const auto lights = static_cast<uint32_t>(light_sums_.count());
+  recorder.pass("add what lights brought", learn_program_, "add_brought_light")
+      .global(lights)
+      .slice(kSlice)
+      .arg("brought", light_news_)
+      .arg("lights", lights)
+      .arg("sums", light_sums_);
+  learn_ = recorder.compile();
 }
 
 void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
@@ -212,7 +228,7 @@ void LightVertices::record_sums_by_light(ScheduleRecorder& recorder, const std::
       .arg("light", light)
       .arg("count", count)
       .arg("lights", lights)
-      .arg("sums", light_sums_);
+      .arg("sums", light_news_);
 }
 
 void LightVertices::record_learning(ScheduleRecorder& recorder, const BufferRef& active, const BufferRef& rays,
@@ -246,13 +262,17 @@ bool LightVertices::trace(uint32_t index) {
   schedule_.set(frame_variable_, frame_);
   if (scheduler_.run(schedule_) == RunResult::cancelled) return false;
   scheduler_.finish();
+  return true;
+}
+
+void LightVertices::complete() {
+  if (plan_.learned) scheduler_.run_to_end(learn_);
   counters_["light_paths"] += plan_.settings.light_paths;
   counters_["light_vertices"] += present_;
   counters_["light_path_rays"] += traced_[0];
   counters_["light_path_misses"] += traced_[1];
   counters_["splat_rays"] += splats_[0];
   counters_["splats"] += splats_[1];
-  return true;
 }
 
 size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {

@@ -20,8 +20,13 @@ class LightVertices {
   /// Traces the paths of iteration `index` and adds their splats to `sample` (Plan::layers() layers of all pixels),
   /// which must be empty. False when cancelled.
   bool trace(uint32_t index);
+  /// Counts the iteration and learns from it, once its camera paths are complete, too.
+  void complete();
   void set_frame(const Frame& frame) { frame_ = frame; }
-  void warm_up() { scheduler_.warm_up(schedule_); }
+  void warm_up() {
+    scheduler_.warm_up(schedule_);
+    if (plan_.learned) scheduler_.warm_up(learn_);
+  }
 
   const TypedBuffer<PathVertex>& vertices() const { return vertices_; }
   const TypedBuffer<float>& table() const { return table_; }
@@ -48,6 +53,7 @@ class LightVertices {
   void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
                      const TypedBuffer<EyePathState>& states);
 
+  void record_learn();
   void record_sums_by_light(ScheduleRecorder& recorder, const std::string& of, const BufferRef& keys,
                             const BufferRef& values, const BufferRef& light, uint32_t count) const;
 
@@ -62,10 +68,10 @@ class LightVertices {
   LightPaths paths_;
   Program store_, list_program_, splat_program_, learn_program_;
   TypedBuffer<PathVertex> vertices_;
-  TypedBuffer<float> table_, light_sums_, light_shares_;
+  TypedBuffer<float> table_, light_sums_, light_news_, light_shares_;
   TypedBuffer<uint32_t> path_lights_;  ///< of each light path with a vertex
   TypedBuffer<uint32_t> list_, count_, slot_count_, splat_count_, splat_events_;
-  Schedule schedule_;
+  Schedule schedule_, learn_;
   Variable<uint32_t> run_, seed_;
   Variable<Frame> frame_variable_;
   uint32_t present_ = 0;

@@ -90,3 +90,29 @@ TEST_CASE(
   dark.materials[1].emissive_factor = glm::vec3(0);
   CHECK(mean_of(image_of(render(dark, "bidirectional_vpl", picture_of(2), {{"light_choice", "learned"}}))) == 0);
 }
+
+TEST_CASE("learned lights: an iteration that is cancelled teaches nothing") {
+  const Scene scene = hidden_lights(3);
+  const auto image = [&](int requests_before) {
+    RenderSettings settings;
+    settings.width = settings.height = 16;
+    settings.max_bounces = 2;
+    settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+    settings.camera = scene.cameras.front();
+    RenderSession session(test_device(), scene, registry().find("bidirectional_vpl"), settings,
+                          {{"light_choice", "learned"}});
+    session.run({.iterations = 2});
+    if (requests_before > 0) {
+      int requests = 0;
+      session.scheduler().set_cancel([&] { return requests++ >= requests_before; });
+      session.iterate();
+      CHECK(session.last().samples == 2);
+      session.scheduler().set_cancel([] { return false; });
+    }
+    session.run({.iterations = 2});
+    CHECK(session.last().samples == 4);
+    return image_of(session.resolve());
+  };
+  const std::vector<float> undisturbed = image(0);
+  for (const int requests : {5, 20, 35}) CHECK(image(requests) == undisturbed);
+}
