@@ -12,8 +12,9 @@
 namespace lucarium::vlf {
 namespace {
 
-constexpr double kPixelsAtOnce = 4e6;        // of films in a call of advance()
-constexpr uint32_t kTilesAtOnce = 1u << 13;  // scattered in one
+constexpr double kWorkAtOnce = 4e6;             // pixels of films in a call of advance(), or what takes as long:
+constexpr double kCellWork = 4, kSideWork = 2;  // a cell that is scattered; a texel side at the end of a sweep
+constexpr uint32_t kTilesAtOnce = 1u << 12;     // in a pass
 constexpr uint32_t kMaxSweeps = 256;
 constexpr float kMaxStored = 16384;  // stored radiance of the brightest sender, at most
 constexpr const char* kFewerCells = "lower dir_n or cells";
@@ -322,25 +323,26 @@ void LightField::find_scale() {
 }
 
 bool LightField::advance() {
-  if (done()) return true;
   if (!begun_) begin();
-  if (stage_ == Stage::scatter) return scatter_tiles();
-  // Sampled direct light needs no first sweep, unless facets are to reflect emitters and sky.
-  if (stage_ == Stage::transport && sweep_ == 0 && options_.sampled && !tiled_) {
-    end_sweep();
-    return true;
+  for (double work = kWorkAtOnce; work > 0 && !done();) {
+    if (stage_ == Stage::scatter) {
+      work -= kCellWork * scatter_tiles();
+      continue;
+    }
+    // Sampled direct light needs no first sweep, unless facets reflect emitters and sky.
+    const bool known = stage_ == Stage::transport && sweep_ == 0 && options_.sampled && !tiled_;
+    if (!known && next_line_ < grid_.lines()) {
+      if (!run_line()) return false;
+      work -= std::ldexp(1., static_cast<int>(2 * options_.film.shift)) * options_.film.film * options_.film.film;
+      continue;
+    }
+    next_line_ = 0;
+    work -= kSideWork * sides_;
+    if (stage_ == Stage::survey)
+      stage_ = Stage::transport;
+    else
+      end_sweep();
   }
-  const double edge = static_cast<double>(options_.film.film << options_.film.shift);
-  const auto lines = static_cast<uint32_t>(std::max(1., kPixelsAtOnce / (edge * edge)));
-  for (uint32_t i = 0; i < lines && next_line_ < grid_.lines(); ++i) {
-    if (!run_line()) return false;
-  }
-  if (next_line_ < grid_.lines()) return true;
-  next_line_ = 0;
-  if (stage_ == Stage::survey)
-    stage_ = Stage::transport;
-  else
-    end_sweep();
   return true;
 }
 
@@ -397,23 +399,24 @@ void LightField::end_sweep() {
     finish_sweep(side_sums_);
 }
 
-bool LightField::scatter_tiles() {
+double LightField::scatter_tiles() {
   const uint32_t end = std::min(next_tile_ + kTilesAtOnce, maps_.tiles());
   scatter_.set(scatter_first_, next_tile_);
   scatter_.set(scatter_end_, end);
   scatter_.set(scatter_sweep_, sweep_);
   scatter_.set(scatter_scale_, 1 / scale_);
   scheduler_->run_to_end(scatter_);  // norms take what was sent before
-  cells_scattered_ += static_cast<uint64_t>(maps_.cells()) * (end - next_tile_) / maps_.tiles();
+  const double cells = static_cast<double>(maps_.cells()) * (end - next_tile_) / maps_.tiles();
+  cells_scattered_ += static_cast<uint64_t>(cells);
   next_tile_ = end;
-  if (next_tile_ < maps_.tiles()) return true;
+  if (next_tile_ < maps_.tiles()) return cells;
   scheduler_->run_to_end(sum_tiles_);
   Norms sums = side_sums_;
-  const Norms cells = take_norms();
+  const Norms added = take_norms();
   for (size_t k = 0; k < sums.size(); ++k)
-    sums[k] = float4(sums[k].x + cells[k].x, sums[k].y + cells[k].y, sums[k].z + cells[k].z, sums[k].w + cells[k].w);
+    sums[k] = float4(sums[k].x + added[k].x, sums[k].y + added[k].y, sums[k].z + added[k].z, sums[k].w + added[k].w);
   finish_sweep(sums);
-  return true;
+  return cells;
 }
 
 Norms LightField::take_norms() const {

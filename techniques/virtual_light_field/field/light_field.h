@@ -41,8 +41,8 @@ class LightField {
              const TexelInterior& interior, const SideAccessibility& accessibility,
              const TypedBuffer<float4>& light_samples, const Options& options);
 
-  /// When the light samples are known: the next part of the propagation, about 4 million pixels of films or 2^20 cells.
-  /// False when cancelled: the next call goes on there.
+  /// When the light samples are known: the next part of the propagation, about 4 million pixels of films or a million
+  /// cells. False when cancelled: the next call goes on there.
   bool advance();
   bool done() const { return stage_ == Stage::done; }
   double progress() const;  ///< [1], of finite bounces; of unlimited ones estimated by the error
@@ -94,7 +94,7 @@ class LightField {
   void find_scale();
   bool run_line();
   void end_sweep();
-  bool scatter_tiles();
+  double scatter_tiles();  ///< the next ones; how many cells
   void finish_sweep(const Norms& norms);
   bool is_last() const;
   Norms take_norms() const;
