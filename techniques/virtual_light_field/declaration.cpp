@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "virtual_light_field/declaration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "lucarium/base/error.h"
 #include "lucarium/shared/scene_types.h"
 #include "virtual_light_field/base/plan.h"
+#include "virtual_light_field/field/light_field.h"
 
 namespace lucarium::vlf {
 
@@ -50,8 +53,11 @@ void check_parameters(const Parameters& parameters, const Scene& scene, const Re
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   std::vector<std::string> list;
   const Plan plan = make_plan(parameters, scene, settings);
-  if (plan.lobes && !scene.lights.empty() && parameters.eye_direct == EyeDirect::atlas)
-    list.push_back("point, spot and directional lights make no highlights (eye_direct=atlas)");
+  if (plan.traced && !scene.lights.empty() && parameters.eye_direct == EyeDirect::atlas)
+    list.push_back("point, spot and directional lights make no highlights (eye_direct=atlas with eye_glossy=trace)");
+  if (plan.lobes && scene.lights.size() > LightField::kMaxLights)
+    list.push_back(fmt::format("{} of {} point, spot and directional lights make no highlights on rough metal",
+                               scene.lights.size() - LightField::kMaxLights, scene.lights.size()));
   if (parameters.weak_lobes == WeakLobes::drop && plan.lobes && parameters.tile_albedo < 1)
     list.push_back("specular lobes below tile_albedo scatter no light on (weak_lobes=drop)");
   if (plan.lobes && !parameters.split_layers && parameters.eye_direct == EyeDirect::samples &&

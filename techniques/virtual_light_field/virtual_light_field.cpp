@@ -179,7 +179,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     options.fold = plan_.fold;
     options.tail = parameters_.tail;
     options.residual = static_cast<double>(parameters_.residual);
-    field_ = std::make_unique<LightField>(device(), scheduler(), scene(), scene_buffers(), surfaces_->atlas,
+    field_ = std::make_unique<LightField>(device(), scheduler(), scene(), scene_buffers(), bvh(), surfaces_->atlas,
                                           surfaces_->patches, surfaces_->raster, surfaces_->interior,
                                           surfaces_->accessibility, surfaces_->light.light_samples(), options);
   }

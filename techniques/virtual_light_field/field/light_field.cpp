@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/services/ray_ends.h"
 #include "virtual_light_field/base/field_program.h"
 
 namespace lucarium::vlf {
@@ -16,6 +18,8 @@ constexpr double kWorkAtOnce = 4e6;             // pixels of films in a call of 
 constexpr double kCellWork = 4, kSideWork = 2;  // a cell that is scattered; a texel side at the end of a sweep
 constexpr uint32_t kTilesAtOnce = 1u << 12;     // in a pass
 constexpr uint32_t kMaxSweeps = 256;
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMaxPeak = 1e5;     // of highlights, over diffuse light
 constexpr float kMaxStored = 16384;  // stored radiance of the brightest sender, at most
 constexpr const char* kFewerCells = "lower dir_n or cells";
 constexpr const char* kFewerTexels = "lower texels";
@@ -45,6 +49,17 @@ std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buf
   return result;
 }
 
+/// Entries of the light mixture of the brightest punctual lights, which stand there first, in the order of the scene.
+std::vector<uint32_t> brightest_lights(const Scene& scene) {
+  std::vector<uint32_t> order(scene.lights.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return brightest(scene.lights[a].intensity) > brightest(scene.lights[b].intensity);
+  });
+  order.resize(std::min<size_t>(order.size(), LightField::kMaxLights));
+  return order;
+}
+
 /// What texel sides reflect diffusely in propagation.
 std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials, const Patches& patches, bool fold) {
   std::vector<float4> result;
@@ -59,9 +74,10 @@ std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials
 }  // namespace
 
 LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
-                       const SurfaceAtlas& atlas, const Patches& patches, const LayeredRaster& raster,
-                       const TexelInterior& interior, const SideAccessibility& accessibility,
-                       const TypedBuffer<float4>& light_samples, const Options& options)
+                       const Intersector& intersector, const SurfaceAtlas& atlas, const Patches& patches,
+                       const LayeredRaster& raster, const TexelInterior& interior,
+                       const SideAccessibility& accessibility, const TypedBuffer<float4>& light_samples,
+                       const Options& options)
     : scheduler_(&scheduler),
       host_scene_(&host_scene),
       scene_(&scene),
@@ -96,13 +112,19 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       distance_(device, technique_name, "distances of a line's cells", maps_.largest_line(), kFewerCells),
       views_(device, technique_name, "view of a line", 1),
       ends_(device, technique_name, "ends of rays", 2),
+      host_lights_(brightest_lights(host_scene)),
+      lights_(device, technique_name, "punctual lights",
+              host_lights_.empty() ? std::vector<uint32_t>{0} : host_lights_),
+      visible_(device, technique_name, "lights that texel sides see", sides_, kFewerTexels),
       side_program_(make_field_program(device, "scatter/fold_sides")) {
   const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
   if (!extinctions.empty())
     extinction_ = TypedBuffer<float4>(device, technique_name, "extinction at texel sides", extinctions, kFewerTexels);
   record_sides();
   record_lines(device, raster, interior, accessibility);
-  if (tiled_) record_scatter(device);
+  if (!tiled_) return;
+  record_scatter(device);
+  if (!host_lights_.empty()) record_visibility(device, intersector);
 }
 
 // ---- schedules
@@ -241,6 +263,7 @@ void LightField::record_scatter(Device& device) {
   scatter_end_ = recorder.variable("tiles", 0u);
   scatter_sweep_ = recorder.variable("sweep", 0u);
   scatter_scale_ = recorder.variable("inverse_scale", 1.f);
+  field_scale_ = recorder.variable("scale", 1.f);
   PassBuilder pass = recorder.pass("scatter", program, "scatter_cells");
   scene_->bind(pass);
   atlas_->bind(pass);
@@ -253,6 +276,9 @@ void LightField::record_scatter(Device& device) {
       .arg("sweep", scatter_sweep_)
       .arg("split", options_.split ? 1u : 0u)
       .arg("inverse_scale", scatter_scale_)
+      .arg("lights", lights_)
+      .arg("visible", visible_)
+      .arg("scale", field_scale_)
       .arg("cell_side", cell_side_)
       .arg("incoming", incoming_)
       .arg("sent", sent_)
@@ -284,6 +310,36 @@ void LightField::record_scatter(Device& device) {
   add_cells_ = totals.compile();
 }
 
+void LightField::record_visibility(Device& device, const Intersector& intersector) {
+  const Program program = make_field_program(device, "scatter/light_visibility", ray_end_defines(intersector));
+  ScheduleRecorder recorder = scheduler_->record("visibility of lights", technique_name);
+  seen_light_ = recorder.variable("light", 0u);
+  seen_bit_ = recorder.variable("bit", 0u);
+  const BufferRef rays = recorder.transient<Ray>("rays to a light", sides_, kFewerTexels),
+                  ends = transient_ray_ends(recorder, intersector, "ends of rays to a light", sides_),
+                  occluded = recorder.transient<uint32_t>("occluded", sides_, kFewerTexels);
+  PassBuilder aim = recorder.pass("aim at light", program, "aim_at_light");
+  scene_->bind(aim);
+  atlas_->bind(aim);
+  maps_.bind(aim);
+  aim.global(sides_)
+      .arg("sides", sides_)
+      .arg("light", seen_light_)
+      .arg("seed", options_.line_seed)
+      .arg("rays", rays)
+      .arg_if_present("ends", ends);
+  count_ = TypedBuffer<uint32_t>(device, technique_name, "number of texel sides", std::vector<uint32_t>{sides_});
+  intersector.record_any(recorder, "shadow rays", {rays, count_, 0, sides_, ends}, occluded);
+  recorder.pass("see light", program, "see_light")
+      .global(sides_)
+      .arg("sides", sides_)
+      .arg("bit", seen_bit_)
+      .arg("rays", rays)
+      .arg("occluded", occluded)
+      .arg("visible", visible_);
+  see_ = recorder.compile();
+}
+
 // ---- propagation
 
 void LightField::begin() {
@@ -299,7 +355,7 @@ void LightField::begin() {
   } else {
     stage_ = Stage::transport;
   }
-  next_line_ = next_tile_ = sweep_ = shown_sweeps_ = 0;
+  next_light_ = next_line_ = next_tile_ = sweep_ = shown_sweeps_ = 0;
   begun_ = true;
 }
 
@@ -307,10 +363,17 @@ void LightField::begin() {
 void LightField::find_scale() {
   scheduler_->finish();
   double largest = 0;
-  for (const AtlasMaterial& m : atlas_->materials().download())
-    largest = std::max(largest, brightest(m.emission.xyz()));
-  for (const float4& s : light_samples_.download())
-    if (s.w > 0) largest = std::max(largest, brightest(s.xyz()) / static_cast<double>(s.w) / 3.14159265358979323846);
+  const std::vector<AtlasMaterial> materials = atlas_->materials().download();
+  const std::vector<float4> samples = light_samples_.download();
+  for (size_t side = 0; side < materials.size(); ++side) {
+    largest = std::max(largest, brightest(materials[side].emission.xyz()));
+    if (!(samples[side].w > 0)) continue;
+    // Of a punctual light, rough metal sends as much as its lobe is narrow, D(n) = 1 / (pi alpha^2).
+    const auto alpha = static_cast<double>(materials[side].diffuse.w);
+    const double peak =
+        host_lights_.empty() || !tiled_ || alpha == 0 ? 1 : std::clamp(1 / (alpha * alpha), 1., kMaxPeak);
+    largest = std::max(largest, peak * brightest(samples[side].xyz()) / static_cast<double>(samples[side].w) / kPi);
+  }
   if (const auto& sky = host_scene_->environment) {
     double value = sky->radiance.empty() ? 1 : 0;
     for (const glm::vec3& texel : sky->radiance) value = std::max(value, brightest(texel));
@@ -324,6 +387,11 @@ void LightField::find_scale() {
 
 bool LightField::advance() {
   if (!begun_) begin();
+  for (; next_light_ < host_lights_.size() && see_; ++next_light_) {
+    see_.set(seen_light_, host_lights_[next_light_]);
+    see_.set(seen_bit_, next_light_);
+    if (scheduler_->run(see_) == RunResult::cancelled) return false;
+  }
   for (double work = kWorkAtOnce; work > 0 && !done();) {
     if (stage_ == Stage::scatter) {
       work -= kCellWork * scatter_tiles();
@@ -405,6 +473,7 @@ double LightField::scatter_tiles() {
   scatter_.set(scatter_end_, end);
   scatter_.set(scatter_sweep_, sweep_);
   scatter_.set(scatter_scale_, 1 / scale_);
+  scatter_.set(field_scale_, scale_);
   scheduler_->run_to_end(scatter_);  // norms take what was sent before
   const double cells = static_cast<double>(maps_.cells()) * (end - next_tile_) / maps_.tiles();
   cells_scattered_ += static_cast<uint64_t>(cells);
@@ -491,6 +560,7 @@ void LightField::warm_up() {
   scheduler_->warm_up(fold_);
   scheduler_->warm_up(show_);
   if (!tiled_) return;
+  if (see_) scheduler_->warm_up(see_);
   scheduler_->warm_up(scatter_);
   scheduler_->warm_up(sum_tiles_);
   scheduler_->warm_up(add_cells_);

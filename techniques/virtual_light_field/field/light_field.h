@@ -37,8 +37,8 @@ class LightField {
   };
   /// All must outlive this. `light_samples`: SideLight::light_samples().
   LightField(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
-             const SurfaceAtlas& atlas, const Patches& patches, const LayeredRaster& raster,
-             const TexelInterior& interior, const SideAccessibility& accessibility,
+             const Intersector& intersector, const SurfaceAtlas& atlas, const Patches& patches,
+             const LayeredRaster& raster, const TexelInterior& interior, const SideAccessibility& accessibility,
              const TypedBuffer<float4>& light_samples, const Options& options);
 
   /// When the light samples are known: the next part of the propagation, about 4 million pixels of films or a million
@@ -75,6 +75,7 @@ class LightField {
 
   /// Device memory without cells [bytes], and of a cell while light propagates.
   static size_t estimate_bytes(size_t sides, size_t facets, uint32_t directions);
+  static constexpr uint32_t kMaxLights = 32;  ///< punctual ones that make highlights on facets
   static constexpr size_t kCellBytes = 16, kSplitBytes = 4;
 
  private:
@@ -90,6 +91,7 @@ class LightField {
   void record_lines(Device& device, const LayeredRaster& raster, const TexelInterior& interior,
                     const SideAccessibility& accessibility);
   void record_scatter(Device& device);
+  void record_visibility(Device& device, const Intersector& intersector);
   void begin();
   void find_scale();
   bool run_line();
@@ -115,20 +117,23 @@ class LightField {
   TypedBuffer<float> distance_;
   TypedBuffer<LayeredView> views_;
   TypedBuffer<float4> ends_;
+  std::vector<uint32_t> host_lights_;  ///< entries of the light mixture
+  TypedBuffer<uint32_t> lights_, visible_, count_;
   Program side_program_;
-  Schedule emit_, fold_, scatter_, sum_tiles_, show_, add_cells_;
+  Schedule see_, emit_, fold_, scatter_, sum_tiles_, show_, add_cells_;
   Schedule begin_line_;
   Variable<LayeredView> line_view_;
   Variable<float4> line_omega_;
   Variable<uint32_t> line_emission_;
   LineSchedule survey_, line_;
   Variable<uint32_t> cell_sweep_, fold_sweep_, scatter_first_, scatter_end_, scatter_sweep_;
-  Variable<float> scatter_scale_;
+  Variable<float> scatter_scale_, field_scale_;
+  Variable<uint32_t> seen_light_, seen_bit_;
   Variable<float4> show_tail_, cell_tail_;
   Variable<uint32_t> show_hold_;
   Stage stage_ = Stage::survey;
   bool begun_ = false;
-  uint32_t next_line_ = 0, next_tile_ = 0, sweep_ = 0, shown_sweeps_ = 0;
+  uint32_t next_light_ = 0, next_line_ = 0, next_tile_ = 0, sweep_ = 0, shown_sweeps_ = 0;
   float scale_ = 1;
   FieldTail tail_;
   std::string why_done_;

@@ -9,6 +9,7 @@
 #include "lucarium/specular_albedo.clh"
 #include "virtual_light_field/directions/direction_grid.clh"
 #include "virtual_light_field/scatter/norms.clh"
+#include "virtual_light_field/scatter/punctual_light.clh"
 #include "virtual_light_field/scatter/side_lobes.clh"
 #include "virtual_light_field/tiles/film_cells.clh"
 
@@ -159,7 +160,8 @@ uint map_of_entry(const __global FieldMap* maps, uint count, uint entry) {
 }
 
 // Work-item i: tile first_tile + i of the list. incoming: of the sweep that ended. sent: what was sent in it, and must
-// be in the next. Stored radiance is RGB9E5 over inverse_scale. direct, total: as before (add_cells()). norms: of each
+// be in the next. Stored radiance is RGB9E5 over inverse_scale. direct, total: as before (add_cells()).
+// lights, visible: see punctual_highlights(); visible of each texel side. norms: of each
 // tile.
 __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const SurfacePoint* restrict atlas_points,
@@ -167,7 +169,8 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const FieldLine* restrict lines, __global const uint* restrict nodes,
                             __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
                             __global const uint* restrict tile_cells, __global const uint* restrict tile_list,
-                            uint first_tile, uint tiles, uint sweep, uint split, float inverse_scale,
+                            uint first_tile, uint tiles, uint sweep, uint split, float inverse_scale, float scale,
+                            __global const uint* restrict lights, __global const uint* restrict visible,
                             __global const uint* restrict cell_side, __global const uint* restrict incoming,
                             __global uint* restrict sent, __global uint* restrict total, __global uint* restrict direct,
                             __global float4* restrict norms) {
@@ -199,8 +202,9 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const Bsdf bsdf = side_lobes(atlas_materials + side, point.normal.xyz, view);
     const uint k_sides = atlas_info.double_sided_count;
     const uint other = side < k_sides ? side + k_sides : side < 2u * k_sides ? side - k_sides : LUCARIUM_NONE;
-    const float3 now =
+    float3 now =
         scattered_light(&in, &scene, &bsdf, facet, other == LUCARIUM_NONE ? other : side_facet[other], position);
+    if (sweep == 0u) now += scale * punctual_highlights(&scene, &bsdf, lights, visible[side], position);
     float3 before = (float3)(0.0f), sum = now;
     if (sweep > 0u) {
       before = unpack_rgb9e5(sent[cell]);

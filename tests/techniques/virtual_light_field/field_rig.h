@@ -81,7 +81,7 @@ class FieldRig {
     field.fold = plan_.fold;
     field.tail = parameters_.tail;
     field.residual = static_cast<double>(parameters_.residual);
-    field_ = std::make_unique<vlf::LightField>(*device_, scheduler_, scene_, buffers_, surfaces_.atlas,
+    field_ = std::make_unique<vlf::LightField>(*device_, scheduler_, scene_, buffers_, bvh_, surfaces_.atlas,
                                                surfaces_.patches, surfaces_.raster, surfaces_.interior,
                                                surfaces_.accessibility, surfaces_.light.light_samples(), field);
   }
