@@ -62,7 +62,10 @@ TEST_CASE("a technique that is right passes every check") {
     CAPTURE(result.name);
     CAPTURE(result.measured);
     CHECK(names.insert(result.name).second);
-    CHECK((result.verdict == Verdict::passed || result.verdict == Verdict::skipped));
+    if (result.name.starts_with("view/"))  // it begins every view with nothing, and says so
+      CHECK(result.verdict == Verdict::not_claimed);
+    else
+      CHECK((result.verdict == Verdict::passed || result.verdict == Verdict::skipped));
     // The only check that may have to be left out, and says why.
     if (result.verdict == Verdict::skipped) CHECK(result.name == "oclgrind");
   }
