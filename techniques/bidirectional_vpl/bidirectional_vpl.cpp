@@ -45,9 +45,9 @@
 //                                            path_mis_leave(), path_mis_arrive()
 //   section 7, multi-bounce, reuse           eye/shade_eye_vertices.cl: choose_bundle() (reuse)
 //
-// Not in the source: rasterized bundles, shadow maps and reflective shadow maps (sections 3.2 and 4.1; rays instead),
-// clamps of two bounces (section 4.3), artifact suppression by clamped roughness and density estimation (section 5,
-// equations 9 to 17), interleaving and filters (section 6).
+// Not in the source: rasterized bundles with linked lists per pixel and their linear search, shadow maps and reflective
+// shadow maps (sections 3.2 and 4.1; rays instead), clamps of two bounces (section 4.3), artifact suppression by
+// clamped roughness and density estimation (section 5, equations 9 to 17), interleaving and filters (section 6).
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
 // strategies, the choice among candidates (light/candidates.clh).

@@ -20,6 +20,7 @@ constexpr double kFilmPixelSeconds = 1.5e-7;    // a pixel of a film, in a sweep
 constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a line
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kSweeps = 6;                   // of unlimited bounces
+constexpr size_t kTileBytes = 84;               // a tile's norms, and its place in the list
 constexpr double kTileOverhead = 1.6;           // cells of tiles over those that surfaces meet
 
 /// A material that is likely to have tiles (patches.h).
@@ -84,12 +85,13 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
   const double edge = SurfaceAtlas::estimate_edge(scene, plan.atlas);
   const double area = edge * edge * static_cast<double>(sides) * tiled_share(parameters, scene);
   const double cells = directions * kTileOverhead * area / (4 * film.cell * film.cell);
+  const auto tile = static_cast<size_t>(parameters.tile > 0 ? parameters.tile : 8);
   LayeredRasterOptions raster;
   raster.max_width = raster.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);
-  return bytes + SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) +
-         LightField::estimate_bytes(sides, 0, static_cast<uint32_t>(directions)) +
+  return bytes + SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + LightField::estimate_bytes(sides) +
          static_cast<size_t>(cells) *
-             (LightField::kCellBytes + (parameters.split_layers ? LightField::kSplitBytes : 0)) +
+             (LightField::kCellBytes + (parameters.split_layers ? LightField::kSplitBytes : 0) +
+              kTileBytes / (tile * tile)) +
          TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides) +
          SideLight::estimate_bytes(sides) +
          LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster, std::nullopt);

@@ -39,7 +39,8 @@ PathSet path_set(const Parameters& parameters, const Scene&, const RenderSetting
 
 void check_parameters(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-    return m.roughness < LUCARIUM_MIRROR_ROUGHNESS && (m.metallic > 0 || m.transmission > 0);
+    const bool specular = std::abs(m.ior - 1) >= 1e-3f || m.metallic > 0 || m.transmission > 0;
+    return specular && m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
   });
   if (parameters.eye_specular == EyeLobes::vlf && settings.max_bounces >= 0 && ideal)
     throw Error(ErrorClass::usage,
@@ -48,6 +49,9 @@ void check_parameters(const Parameters& parameters, const Scene& scene, const Re
   if (parameters.eye_direct == EyeDirect::atlas && !parameters.split_layers)
     throw Error(ErrorClass::usage,
                 "virtual_light_field: eye_direct=atlas needs the direct light of tiles; set split_layers=on");
+  if (!parameters.split_layers && parameters.eye_glossy == EyeLobes::vlf)
+    throw Error(ErrorClass::usage,
+                "virtual_light_field: eye_glossy=vlf needs the direct light of tiles apart; set split_layers=on");
 }
 
 std::vector<std::string> limitations(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
@@ -60,9 +64,6 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
                                scene.lights.size() - LightField::kMaxLights, scene.lights.size()));
   if (parameters.weak_lobes == WeakLobes::drop && plan.lobes && parameters.tile_albedo < 1)
     list.push_back("specular lobes below tile_albedo scatter no light on (weak_lobes=drop)");
-  if (plan.lobes && !parameters.split_layers && parameters.eye_direct == EyeDirect::samples &&
-      parameters.eye_glossy == EyeLobes::vlf)
-    list.push_back("direct light of specular lobes counts twice: set split_layers=on");
   return list;
 }
 

@@ -20,16 +20,23 @@
 //
 // Where the paper stands in the source (below this folder):
 //
-//   section 2.1, directions, parallel subfields      directions/direction_grid.cpp: DirectionGrid(), make_lines()
-//   section 3.1, sparse tiles (Figure 4)              tiles/build_maps.cl: mark_tiles()
-//   section 3.2, visibility                           exchange/exchange_line.cl: exchange_line()
-//   section 3.3, radiance transport                   exchange/exchange_line.cl: layered_ray_crosses();
-//                                                     scatter/fold_sides.cl: fold_sides()
-//   section 3.4, non-diffuse scattering (Figure 7)    scatter/scatter_cells.cl: scattered_light()
-//   section 4, rendering                              pixels/field_lookup.clh: facet_radiance();
-//                                                     pixels/show_field.cl: show_field()
+//   section 2.1, directions, parallel subfields (PSF)   directions/direction_grid.cpp: DirectionGrid(), make_lines()
+//   section 2.1, world to canonical PSF (M_WC)          tiles/film_cells.clh: film_point()
+//   section 3.1, sparse tiles (figure 4)                tiles/build_maps.cl: mark_tiles()
+//   section 3.1, locating a tile (figure 4)             tiles/film_cells.clh: find_cell()
+//   section 3.3, radiance interface, transport          exchange/exchange_line.cl: layered_ray_crosses();
+//                                                       scatter/fold_sides.cl: fold_sides()
+//   section 3.3, skylight (figure 6)                    exchange/exchange_line.cl: layered_ray_begins(),
+//                                                       layered_ray_ends()
+//   section 3.4, non-diffuse scattering (figure 7)      scatter/scatter_cells.cl: scattered_light()
+//   section 4, rendering, barycentric weights           directions/direction_grid.clh: look_up_direction();
+//                                                       pixels/field_lookup.clh: facet_radiance();
+//                                                       pixels/show_field.cl: show_field()
 //
-// Not built: perturbed directions (section 3.5), splats, packed storage.
+// Not in the source: faces sorted in advance (section 3.2: painter's algorithm, Newell, merging, BSP), since
+// lucarium/services/layered_raster sorts the fragments of each pixel; virtual, perturbed directions (section 3.5);
+// splats into the nearest three directions; packed storage.
+//
 // Not in the paper: the tail, light samples (direct_mode=nee), rays from pixels (pixels/trace_lobes.cl), glossy lobes
 // by gathers with normalised weights, patches that are not planar, accessibility (texel_sides/side_accessibility.h).
 
@@ -47,6 +54,14 @@ namespace lucarium {
 namespace {
 
 using namespace vlf;
+
+constexpr uint64_t kMaxTexels = 1u << 24;  // of the parameter
+
+uint64_t saved_texels(const StateReader& state) {
+  const auto texels = state.get_value<uint64_t>("texels");
+  if (texels == 0 || texels > kMaxTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));
+  return texels;
+}
 
 class VirtualLightField : public TechniqueBase<Parameters> {
  public:
@@ -122,9 +137,11 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     check_parameters(parameters_, scene(), settings());
     plan_ = make_plan(parameters_, scene(), settings());
     if (!plan_.field) return;
+    // The atlas that texels=0 chooses by the image's size is that of the state.
+    if (context().state && parameters_.texels == 0) plan_.atlas.texel_count = saved_texels(*context().state);
     surfaces_ = std::make_unique<FieldSurfaces>(device(), scheduler(), scene(), scene_buffers(), bvh(), parameters_,
                                                 plan_, context().progress);
-    if (!context().state) surfaces_->measure(context().progress);  // else nothing will be propagated
+    if (!context().state) surfaces_->measure(context().progress);  // else nothing will be propagated at first
   }
 
   /// Directions depend on the seed, and with them the tiles.
@@ -133,6 +150,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     field_.reset();
     stepped_ = false;
     if (plan_.field) {
+      if (!context().state) surfaces_->measure(context().progress);  // where a state that was loaded has spared it
       surfaces_->light.reset(seed());
       make_field();
     }
@@ -151,7 +169,9 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   }
 
   void save(StateWriter& chunks) override {
-    if (field_) field_->save(chunks);
+    if (!field_) return;
+    chunks.put_value("texels", plan_.atlas.texel_count);
+    field_->save(chunks);
   }
   void load(const StateReader& chunks) override {
     if (field_) field_->load(chunks);
@@ -174,7 +194,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     options.line_seed = seed();
     options.max_bounces = plan_.max_bounces;
     options.sampled = plan_.sampled;
-    options.scatter_last = parameters_.eye_glossy == EyeLobes::vlf || plan_.first_surface;
+    options.scatter_last = parameters_.eye_glossy == EyeLobes::vlf || (plan_.first_surface && plan_.max_bounces < 0);
     options.split = parameters_.split_layers;
     options.fold = plan_.fold;
     options.tail = parameters_.tail;

@@ -30,8 +30,7 @@
 //   section 3, figure 2, two levels          structure/record_build.cpp: record_build(); structure/state.h
 //   section 3.1, three A-buffers             structure/abuffer_lists.cpp: record(), record_packed()
 //   section 3.1, geometry shader             structure/grid_layout.cpp: axis_view(): three projections, since a
-//   triangle
-//                                            is degenerate in a view across its normal
+//                                            triangle is degenerate in a view across its normal
 //   section 3.1, linked lists, sorting       layered_raster/lists.cl (list=linked); structure/pack_lists.cl
 //   section 3.1, attributes of fragments     structure/store_attributes.cl: abuffer_store_attributes()
 //                                            (attributes=stored)

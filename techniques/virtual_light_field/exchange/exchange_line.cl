@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transport along a line (Mortensen et al. 2007, section 3.3): a pixel of the film is a ray; the radiance that runs
-// along it is what the last surface has sent, or the sky. Consecutive fragments see each other, in both directions at
-// once. What arrives is added to the irradiance of texel sides and to the cells of facets.
+// Transport along a line (Mortensen et al. 2007, section 3.3): a pixel of the film is a ray, whose radiance is the
+// paper's radiance interface; the radiance that runs along it is what the last surface has sent, or the sky.
+// Consecutive fragments see each other, in both directions at once. What arrives is added to the irradiance of texel
+// sides and to the cells of facets.
 #include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/shared/surface_atlas.h"
 #include "virtual_light_field/shared/field.h"
@@ -85,8 +86,9 @@ void layered_ray_crosses(Exchange* exchange, LayeredGap gap) {
   }
   float3 to_near = far.leaves, to_far = near.leaves;
 #ifdef FIELD_MEDIA
-  // Both look into the same volume, if into any (medium.clh).
-  const float3 share = exp(-(float)gap.length * exchange->step * exchange->extinction[near.side].xyz);
+  // Where one looks into a volume, so does the other, though only its own walls know it (medium.clh).
+  const float3 share = exp(-(float)gap.length * exchange->step *
+                           fmax(exchange->extinction[near.side].xyz, exchange->extinction[far.side].xyz));
   to_near *= share;
   to_far *= share;
 #endif

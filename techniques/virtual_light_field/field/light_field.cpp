@@ -19,8 +19,8 @@ constexpr double kCellWork = 4, kSideWork = 2;  // a cell that is scattered; a t
 constexpr uint32_t kTilesAtOnce = 1u << 12;     // in a pass
 constexpr uint32_t kMaxSweeps = 256;
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kMaxPeak = 1e5;     // of highlights, over diffuse light
-constexpr float kMaxStored = 16384;  // stored radiance of the brightest sender, at most
+constexpr double kMaxPeak = 1e5;   // of highlights, over diffuse light
+constexpr float kMaxStored = 256;  // stored radiance of the brightest sender; bounces add up to 255 times as much
 constexpr const char* kFewerCells = "lower dir_n or cells";
 constexpr const char* kFewerTexels = "lower texels";
 
@@ -49,13 +49,15 @@ std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buf
   return result;
 }
 
-/// Entries of the light mixture of the brightest punctual lights, which stand there first, in the order of the scene.
+/// Entries of the light mixture of the brightest punctual lights, which stand there first, without dark ones, in the
+/// order of the scene.
 std::vector<uint32_t> brightest_lights(const Scene& scene) {
-  std::vector<uint32_t> order(scene.lights.size());
+  std::vector<double> intensities;
+  for (const SceneLight& light : scene.lights)
+    if (light.intensity != glm::vec3(0)) intensities.push_back(brightest(light.intensity));
+  std::vector<uint32_t> order(intensities.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return brightest(scene.lights[a].intensity) > brightest(scene.lights[b].intensity);
-  });
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return intensities[a] > intensities[b]; });
   order.resize(std::min<size_t>(order.size(), LightField::kMaxLights));
   return order;
 }
@@ -609,8 +611,6 @@ void LightField::load(const StateReader& chunks) {
   begun_ = true;
 }
 
-size_t LightField::estimate_bytes(size_t sides, size_t facets, uint32_t directions) {
-  return sides * (9 * sizeof(float4) + sizeof(uint32_t)) + facets * directions * sizeof(FieldMap);
-}
+size_t LightField::estimate_bytes(size_t sides) { return sides * (10 * sizeof(float4) + 2 * sizeof(uint32_t)); }
 
 }  // namespace lucarium::vlf

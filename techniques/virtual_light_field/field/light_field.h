@@ -57,7 +57,6 @@ class LightField {
   const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }
   const TypedBuffer<float4>& shown() const { return shown_; }
   const TypedBuffer<float4>& held() const { return held_; }
-  const TypedBuffer<float4>& albedo() const { return albedo_; }  ///< xyz of the transport
   const TileMaps& maps() const { return maps_; }
   const TypedBuffer<uint32_t>& total() const { return total_; }  ///< per cell, RGB9E5 times scale()
   const TypedBuffer<uint32_t>& direct() const { return direct_cells_; }
@@ -74,7 +73,7 @@ class LightField {
   void load(const StateReader& chunks);
 
   /// Device memory without cells [bytes], and of a cell while light propagates.
-  static size_t estimate_bytes(size_t sides, size_t facets, uint32_t directions);
+  static size_t estimate_bytes(size_t sides);
   static constexpr uint32_t kMaxLights = 32;  ///< punctual ones that make highlights on facets
   static constexpr size_t kCellBytes = 16, kSplitBytes = 4;
 

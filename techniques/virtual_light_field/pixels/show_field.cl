@@ -36,7 +36,9 @@ __kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
         atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v), front);
     const uint facet = side == LUCARIUM_NONE ? LUCARIUM_NONE : side_facet[side];
     float3 albedo = bsdf.diffuse;
-    if (lobes && fold && side != LUCARIUM_NONE && facet == LUCARIUM_NONE) albedo += side_albedo[side].xyz;
+    // Ideal lobes are the G-buffer's, unless it keeps first surfaces; rough ones those of rays.
+    const bool ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION, shows = ideal ? mirrors : lobes;
+    if (shows && fold && side != LUCARIUM_NONE && facet == LUCARIUM_NONE) albedo += side_albedo[side].xyz;
     // Diffuse light.
     float3 more_here = (float3)(0.0f), once_here = more_here;
     add_irradiance_at(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, &point, albedo, &more_here);
@@ -44,11 +46,11 @@ __kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
       add_irradiance_at(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct, &point, albedo,
                         &once_here);
     // Specular lobes.
-    if (mirrors && facet != LUCARIUM_NONE && bsdf.alpha == 0.0f) {
+    if (ideal && shows && facet != LUCARIUM_NONE) {
       // What a mirror shows is light that it has scattered, of lamps too: no sample of the pixel finds it.
       more_here += facet_radiance(&field, total, facet, point.position.xyz, point.view.xyz);
       if (split) more_here += facet_radiance(&field, direct, facet, point.position.xyz, point.view.xyz);
-    } else if (lobes && facet != LUCARIUM_NONE) {
+    } else if (shows && facet != LUCARIUM_NONE) {
       more_here += facet_radiance(&field, total, facet, point.position.xyz, point.view.xyz);
       if (atlas_direct && split) once_here += facet_radiance(&field, direct, facet, point.position.xyz, point.view.xyz);
     }

@@ -91,9 +91,9 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
   const bool reflects = bsdf->p_reflect > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION);
   const bool transmits =
       behind != LUCARIUM_NONE && bsdf->p_transmit > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION);
-  // D(h) >= LOBE_CUT D(n), as a bound on the cosine of h (ggx.clh).
-  const float a2 = bsdf->alpha * bsdf->alpha, tan2 = a2 * (rsqrt(LOBE_CUT) - 1.0f);
-  const float cut = rsqrt(1.0f + tan2);
+  // D(h) >= LOBE_CUT D(n), as a bound on the squared cosine of h (ggx.clh).
+  const float a2 = bsdf->alpha * bsdf->alpha;
+  const float cut = fmax(1.0f - a2 * rsqrt(LOBE_CUT), 0.0f) / fmax(1.0f - a2, 1e-6f);
   for (uint direction = 0u; direction < 2u * in->info.lines; ++direction) {
     const float3 l = field_direction(in->lines, direction);
     const bool above = dot(bsdf->n_s, l) > 0.0f;
@@ -101,7 +101,7 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
     if (above) {
       const float3 h = bsdf->view + l;
       const float along = dot(bsdf->n_s, h);
-      if (along * along < cut * cut * dot(h, h)) continue;
+      if (along * along < cut * dot(h, h)) continue;
     }
     const float3 g = eval_bsdf(bsdf, l) * in->lines[direction >> 1].omega.w;
     if (is_black(g)) continue;

@@ -20,9 +20,9 @@ namespace lucarium::vlf {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kAlbedoAverages = 129;  // specular_albedo.clh
-constexpr double kCellBytes = 16, kTileBytes = 4;
-constexpr double kFlat = 1e-4;  // of 1 - cos: within it normals are equal
+constexpr int kAlbedoAverages = 129;                                 // specular_albedo.clh
+constexpr double kCellBytes = 16, kTileBytes = 84, kEntryBytes = 4;  // of a tile: its norms, and its place in the list
+constexpr double kFlat = 1e-4;                                       // of 1 - cos: within it normals are equal
 
 double luminance(const glm::vec3& c) {
   return 0.2126 * static_cast<double>(c.x) + 0.7152 * static_cast<double>(c.y) + 0.0722 * static_cast<double>(c.z);
@@ -151,7 +151,8 @@ uint32_t best_tile(double area, double perimeter, double cell) {
   for (const uint32_t m : {2u, 4u, 8u, 16u, 32u}) {
     const double cells = expected_cells(area, perimeter, cell, m);
     // The table covers the rectangle about the projection, about twice its area.
-    const double bytes = kCellBytes * cells + kTileBytes * 2 * cells / (double{1} * m * m);
+    const double tiles = cells / (double{1} * m * m);
+    const double bytes = kCellBytes * cells + (kTileBytes + 2 * kEntryBytes) * tiles;
     if (bytes >= least) continue;
     least = bytes;
     best = m;

@@ -96,6 +96,21 @@ TEST_CASE("rays of lobes and look-ups show what path_tracing shows") {
   }
 }
 
+TEST_CASE("a wall half mirror and half diffuse shows its mirror once, however it is looked up") {
+  Scene scene = lobes(0);
+  for (SceneMaterial& material : scene.materials)
+    if (material.metallic > 0) material.metallic = 0.5f;
+  const Means expected = render(scene, "path_tracing", -1, 512);
+  const double all = expected.emission + expected.direct + expected.indirect;
+  for (const Options& eye : {Options{}, Options{{"eye_glossy", "vlf"}}, Options{{"eye_specular", "vlf"}},
+                             Options{{"preset", "walkthrough"}}}) {
+    CAPTURE(eye.empty() ? "" : eye.front().first);
+    CAPTURE(eye.empty() ? "" : eye.front().second);
+    const Means found = render(scene, "virtual_light_field", -1, 160, with(eye, field));
+    CHECK(found.emission + found.direct + found.indirect == relative(all, 0.03));
+  }
+}
+
 TEST_CASE("coats that keep no tiles are folded into the albedo or left out, as weak_lobes says") {
   Scene scene = lobes(0.5f);
   for (SceneMaterial& material : scene.materials)
@@ -125,6 +140,8 @@ TEST_CASE("rough metal throws on what point, spot and directional lights send it
     Scene scene = test::unit_box(
         {{0, dark}, {1, dark}, {2, test::mirror(0.9f, 0.6f)}, {3, dark}, {4, test::mirror(0.9f, 0.45f)}});
     SceneLight light;
+    light.intensity = glm::vec3(0);  // dark lights have no place among those that shine
+    scene.lights.push_back(light);
     light.type = type;
     light.intensity = glm::vec3(1);
     light.outer_angle = 0.9f;

@@ -103,8 +103,8 @@ class Tester:
             small = small[:-1]  # nothing to replace
         return [command, *kept, *(small[:-1] if '--extend' in kept else small)]
 
-    def stock(self, folder):
-        """The files that the pages speak of."""
+    def stock(self, folder, texts):
+        """The files that the pages speak of; of `texts` alone what takes long."""
         for name in 'FILE.gltf', 'FILE.glb', 'scene.glb', 'hall.glb':
             glb = folder / 'box.glb'
             if not glb.exists():
@@ -120,10 +120,16 @@ class Tester:
         (folder / 'study.json').write_text(
             '{"schema": "lucarium-comparison-1", "scenes": ["builtin:cornell"], "techniques": ["path_tracing"],'
             ' "budgets": [{"iterations": 1}], "size": [16, 12], "reference": {"samples": 32}}')
+        (folder / 'walk.json').write_text(
+            '{"keys": [{"seconds": 0, "eye": [0, 1, 3], "target": [0, 1, 0]},'
+            ' {"seconds": 2, "eye": [0.5, 1, 3], "target": [0, 1, 0]}]}')
+        if any('lucarium state' in text for text in texts):
+            self.call(['render', 'builtin:cornell', '-t', 'bundle_exchange:texels=1024,directions=8', '--size', '16x12',
+                       '--save-state', 'cornell.state'], folder)
 
     def run_all(self, name, texts):
         with tempfile.TemporaryDirectory() as work:
-            folder, stocked = pathlib.Path(work), False
+            folder, stocked, texts = pathlib.Path(work), False, list(texts)
             for text, block in dict.fromkeys(texts):
                 what = f'{name}: {text}'
                 problem = self.exists(text)
@@ -134,7 +140,7 @@ class Tester:
                     self.say('skipped', what, f'{reason}; its options exist')
                 else:
                     if not stocked:
-                        self.stock(folder)
+                        self.stock(folder, texts)
                         stocked = True
                     answer = self.call(self.reduced(text), folder)
                     # Status 1: a limit is exceeded. The test's images are noisy, so --max-relmse may say so.
