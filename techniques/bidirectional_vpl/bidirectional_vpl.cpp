@@ -33,8 +33,8 @@
 //                                            strategies: lucarium/path_mis.clh
 //   section 4.1, creating VPLs, p_e          light_paths/light_paths.clh: emit_light_paths(); lucarium/emission.clh:
 //                                            sample_emission(); light/store_light_vertices.cl: take_light_vertex()
-//   section 4.2, equation 3, via VPL         eye/connect.clh: connected_light()
-//   section 4.2, equation 3, via ray-bundle  eye/find_lights.clh: connect_light_sample(), at the next vertex
+//   section 4.2, equation 3, one-bounce: VPL eye/connect.clh: connected_light()
+//   section 4.2, equation 3, by ray-bundle   eye/find_lights.clh: connect_light_sample(), at the next vertex
 //   section 4.2, equation 4, density p_1     light_paths/light_paths.clh: arrive_light_path_mis()
 //   section 4.2, equation 5, density p_2     eye/eye_path.clh: arrive_eye_mis(). Both are by area here; the paper's are
 //                                            these over |cos| / d^2 of both edges, so that their ratio is the same
@@ -45,9 +45,10 @@
 //                                            path_mis_leave(), path_mis_arrive()
 //   section 7, multi-bounce, reuse           eye/shade_eye_vertices.cl: choose_bundle() (reuse)
 //
-// Not in the source: rasterized bundles with linked lists per pixel and their linear search, shadow maps and reflective
-// shadow maps (sections 3.2 and 4.1; rays instead), clamps of two bounces (section 4.3), artifact suppression by
-// clamped roughness and density estimation (section 5, equations 9 to 17), interleaving and filters (section 6).
+// Not in the source: rasterized bundles with linked lists per pixel and their linear search, shadow maps,
+// reflective shadow maps (sections 3.2 and 4.1; rays instead), clamps against spikes of two bounces (section 4.3),
+// artifact suppression for glossy surfaces by clamped roughness and density estimation (section 5, equations 9 to 17),
+// interleaving and filters (section 6).
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
 // strategies, the choice among candidates (light/candidates.clh).

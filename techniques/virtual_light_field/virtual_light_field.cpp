@@ -22,13 +22,18 @@
 //
 //   section 2.1, directions, parallel subfields (PSF)   directions/direction_grid.cpp: DirectionGrid(), make_lines()
 //   section 2.1, world to canonical PSF (M_WC)          tiles/film_cells.clh: film_point()
+//   section 2.1, tiles of cells, L_s (figure 3)         shared/field.h; tiles/film_cells.clh: film_radiance()
 //   section 3.1, sparse tiles (figure 4)                tiles/build_maps.cl: mark_tiles()
 //   section 3.1, locating a tile (figure 4)             tiles/film_cells.clh: find_cell()
-//   section 3.3, radiance interface, transport          exchange/exchange_line.cl: layered_ray_crosses();
+//   section 3.1, maps: current, next, total             field/light_field.h: sent_, incoming_, total_
+//   section 3.2, senders and receivers (figure 5)       exchange/exchange_line.cl: layered_ray_crosses(): both ways at
+//                                                       once, over fragments in depth order
+//   section 3.3, radiance interface (RI), transport     exchange/exchange_line.cl: receive(), field_end();
 //                                                       scatter/fold_sides.cl: fold_sides()
 //   section 3.3, skylight (figure 6)                    exchange/exchange_line.cl: layered_ray_begins(),
 //                                                       layered_ray_ends()
-//   section 3.4, non-diffuse scattering (figure 7)      scatter/scatter_cells.cl: scattered_light()
+//   section 3.4, non-diffuse scattering (figure 7)      scatter/scatter_cells.cl: scattered_light(); unshot radiance:
+//                                                       cURM, nURM: field/light_field.h: sent_, incoming_
 //   section 4, rendering, barycentric weights           directions/direction_grid.clh: look_up_direction();
 //                                                       pixels/field_lookup.clh: facet_radiance();
 //                                                       pixels/show_field.cl: show_field()

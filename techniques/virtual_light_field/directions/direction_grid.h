@@ -9,8 +9,9 @@
 
 namespace lucarium::vlf {
 
-/// The fixed directions of the field: nodes of an equal-area octahedral grid, n cells per edge of the octahedron,
-/// turned at random. 4 n² + 2 directions on 2 n² + 1 lines, closed under ω → -ω; the grid n / 2 is every second node.
+/// The fixed directions of the field, each with a parallel subfield (Mortensen et al. 2007, section 2.1): nodes of an
+/// equal-area octahedral grid, n cells per edge of the octahedron, turned at random. 4 n² + 2 directions on 2 n² + 1
+/// lines, closed under ω → -ω; the grid n / 2 is every second node.
 ///
 /// The map: a point (u, v) of [-1, 1]² with d = 1 - |u| - |v|, r = 1 - |d|, φ = π/4 (1 + (|v| - |u|) / r),
 /// k = r √(2 - r²) is ω = (sgn(u) k cos φ, sgn(v) k sin φ, sgn(d) (1 - r²)). Every triangle of the grid covers π / 2 n²

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transport along a line (Mortensen et al. 2007, section 3.3): a pixel of the film is a ray, whose radiance is the
 // paper's radiance interface; the radiance that runs along it is what the last surface has sent, or the sky.
-// Consecutive fragments see each other, in both directions at once. What arrives is added to the irradiance of texel
-// sides and to the cells of facets.
+// Consecutive fragments see each other, as senders and receivers in both directions at once (section 3.2, figure 5).
+// What arrives is added to the irradiance of texel sides and to the cells of facets.
 #include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/shared/surface_atlas.h"
 #include "virtual_light_field/shared/field.h"

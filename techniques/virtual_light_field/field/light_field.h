@@ -20,6 +20,10 @@ namespace lucarium::vlf {
 /// The light field of a scene and its propagation. Sweep s transports, along all lines, the light that was scattered
 /// exactly s times: out^(0) is emission; what a sweep has brought is scattered, and is sent in the next. Irradiance of
 /// texel sides and radiance of cells sum up over sweeps.
+///
+/// Three maps (Mortensen et al. 2007, section 3.1): `sent_`, what this sweep shoots (current; section 3.4:
+/// cURM), `incoming_`, what the sweep brings (next; nURM), and `total_`; of texel sides `records_`, which has what is
+/// sent and what comes, and `direct_` and `indirect_`.
 class LightField {
  public:
   struct Options {

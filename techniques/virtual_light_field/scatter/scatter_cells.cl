@@ -85,7 +85,8 @@ float3 transmission_albedo(const Scene* scene, const Bsdf* bsdf) {
   return bsdf->transmission * ((1.0f - bsdf->dielectric_f0) * (e.x - e.y) + (1.0f - bsdf->dielectric_f90) * e.y);
 }
 
-// Equation of a glossy lobe: a sum g L / sum g, g = f |cos| dOmega, over the directions that the facet knows.
+// A glossy lobe (out_j of virtual_light_field.cpp): a sum g L / sum g, g = f |cos| dOmega, over the directions that the
+// facet knows.
 float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uint facet, uint behind, float3 position) {
   float3 light = (float3)(0.0f), share = light, through = light, passed = light;
   const bool reflects = bsdf->p_reflect > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION);
