@@ -61,10 +61,7 @@
 // accessibility (texel_sides/side_accessibility.h), hidden surfaces (interior_surfaces/), specular chains (specular/),
 // the preview (senders/smooth_preview.cl) and the start from what is known (senders/side_means.cpp: start_from()).
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -88,13 +85,6 @@ enum class Phase {
   emission_only,  ///< reflected light is known well enough: they carry the emitted light alone
   done,           ///< used up, as accurate as wanted, or of no use
 };
-
-/// Wanted of the atlas in a saved state.
-uint64_t saved_texels(const StateReader& state) {
-  const uint64_t texels = state.get_value<uint64_t>("texels");
-  if (texels == 0 || texels > kMaxTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));
-  return texels;
-}
 
 class BundleExchange : public TechniqueBase<Parameters> {
  public:
@@ -128,13 +118,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
-    if (!parts_) return result;
-    result["indirect_directions"] = static_cast<double>(parts_->means.reflecting(directions_));
-    result["sides"] = parts_->atlas->info().texel_count;
-    result["bundle_pixels"] = parts_->transfer.mean_image();
-    result["chain_rays"] =
-        static_cast<double>((parts_->specular ? parts_->specular->rays() : 0) + parts_->camera.rays());
-    if (std::isfinite(parts_->means.relative_error())) result["relative_error"] = parts_->means.relative_error();
+    if (parts_) result.merge(parts_->counters(directions_));
     return result;
   }
 
@@ -178,7 +162,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
     directions_ = gathers_ = 0;
     step_ = {};
     batch_ = {};
-    sequence_ = make_sequence(parameters_, full_seed(), guide_, has_history());
+    const bool has_history = parts_->specular && parts_->specular->has_history();
+    sequence_ = make_sequence(parameters_, full_seed(), guide_, has_history);
     parts_->reset(seed());
     if (known_) parts_->means.start_from(std::move(*known_));
     known_.reset();
@@ -197,10 +182,11 @@ class BundleExchange : public TechniqueBase<Parameters> {
       parts_->set_frame(make_frame(settings()));
       return true;
     }
+    const bool touched = change.geometry() || !change.materials.empty();
     if (parameters_.warm_start && forgets(parameters_)) {
-      keep_senders(change);
-    } else if (!touches_surfaces(change)) {
-      kept_ = keep_surfaces();
+      keep_senders(change, touched);
+    } else if (!touched) {
+      kept_ = parts_->release_surfaces();
     }
     return false;
   }
@@ -337,12 +323,11 @@ class BundleExchange : public TechniqueBase<Parameters> {
     SideSpecular* specular = reflecting();
     if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
     if (gather && specular) parts_->transfer.gather(direction, seed, first);
-    if (gather && !specular && !gather_along(index, first)) return false;
-    if (parts_->means.direct_only(directions_)) {
+    if (gather && !specular && !parts_->gather_along(sequence_, index, seed, first)) return false;
+    if (parts_->means.direct_only(directions_))
       parts_->transfer.exchange_emission(direction, seed);
-    } else {
+    else
       parts_->transfer.exchange(direction, seed);
-    }
     if (specular) specular->receive(batch_.done);
     if (specular && parts_->side_state) parts_->side_state->add_history();
     return true;
@@ -360,21 +345,11 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   /// When texel sides have received enough: a direction for pixels only.
   bool run_gather() {
-    if (!parts_->means.make_senders() || !gather_along(directions_ + gathers_, true)) return false;
+    const uint64_t index = directions_ + gathers_;
+    if (!parts_->means.make_senders() || !parts_->gather_along(sequence_, index, direction_seed(index), true))
+      return false;
     parts_->camera.pixel_gather()->commit(1);
     ++gathers_;
-    return true;
-  }
-
-  /// Pixels gather what texel sides send along a direction, which itself changes nothing that texel sides know.
-  bool gather_along(uint64_t index, bool first) {
-    const BundleDirection direction = sequence_.at(index);
-    const uint32_t seed = direction_seed(index);
-    if (parts_->specular) {
-      parts_->specular->begin_batch(sequence_, index, 1);
-      if (!parts_->specular->send(direction, 0, seed, parts_->means.sends_direct())) return false;
-    }
-    parts_->transfer.gather(direction, seed, first);
     return true;
   }
 
@@ -382,26 +357,17 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   // ---- what a change of the scene leaves
 
-  static bool touches_surfaces(const SceneChange& change) { return change.geometry() || !change.materials.empty(); }
-
-  /// The atlas, which holds surfaces and their emission only, and the interior and accessibility of its texels.
-  BundleParts::Kept keep_surfaces() {
-    return {std::move(parts_->atlas), std::move(parts_->interior), std::move(parts_->accessibility)};
-  }
-
-  /// Texels stay what they are, and senders know what they knew, where the atlas can follow the change.
-  void keep_senders(const SceneChange& change) {
+  /// Texels stay what they are, and senders know what they knew, where the atlas can follow. touched: surfaces changed.
+  void keep_senders(const SceneChange& change, bool touched) {
     SideMeans::Kept known = parts_->means.keep();
-    BundleParts::Kept kept = keep_surfaces();
+    BundleParts::Kept kept = parts_->release_surfaces();
     parts_.reset();
     const uint64_t generation = kept.atlas->generation();
     kept.atlas->refit(scene(), change);
     if (kept.atlas->generation() == generation) known_ = std::move(known);
-    if (touches_surfaces(change)) kept.interior = nullptr, kept.accessibility = nullptr;
+    if (touched) kept.interior = nullptr, kept.accessibility = nullptr;
     kept_ = std::move(kept);
   }
-
-  bool has_history() const { return parts_->specular && parts_->specular->has_history(); }
 
   /// Where an iteration is.
   struct Step {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bundle_exchange/bundle_parts.h"
 
+#include <cmath>
+
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/name.h"
 #include "lucarium/base/error.h"
@@ -68,6 +70,30 @@ void BundleParts::reset(uint32_t seed) {
 void BundleParts::set_frame(const Frame& frame) {
   camera.set_frame(frame);
   if (debug) debug->clear();
+}
+
+bool BundleParts::gather_along(const DirectionSequence& sequence, uint64_t index, uint32_t seed, bool first) {
+  const BundleDirection direction = sequence.at(index);
+  if (specular) {
+    specular->begin_batch(sequence, index, 1);
+    if (!specular->send(direction, 0, seed, means.sends_direct())) return false;
+  }
+  transfer.gather(direction, seed, first);
+  return true;
+}
+
+BundleParts::Kept BundleParts::release_surfaces() {
+  return {std::move(atlas), std::move(interior), std::move(accessibility)};
+}
+
+std::map<std::string, double> BundleParts::counters(uint64_t directions) const {
+  std::map<std::string, double> result;
+  result["indirect_directions"] = static_cast<double>(means.reflecting(directions));
+  result["sides"] = atlas->info().texel_count;
+  result["bundle_pixels"] = transfer.mean_image();
+  result["chain_rays"] = static_cast<double>((specular ? specular->rays() : 0) + camera.rays());
+  if (std::isfinite(means.relative_error())) result["relative_error"] = means.relative_error();
+  return result;
 }
 
 void BundleParts::write(Film& film, bool smoothed) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -30,6 +31,13 @@ struct BundleParts {
   /// Forgets all light and all camera samples.
   void reset(uint32_t seed);
   void set_frame(const Frame& frame);
+  /// Pixels gather what texel sides send along direction `index`, which itself changes nothing that texel sides know.
+  /// `first` as for BundleTransfer::gather(). False when cancelled; may be done again.
+  bool gather_along(const DirectionSequence& sequence, uint64_t index, uint32_t seed, bool first);
+  /// Gives away what holds surfaces and their emission only; these parts are of no use then.
+  Kept release_surfaces();
+  /// After `directions` directions.
+  std::map<std::string, double> counters(uint64_t directions) const;
   void write(Film& film, bool smoothed) const;
   void warm_up();
 

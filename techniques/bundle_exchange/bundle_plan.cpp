@@ -12,6 +12,7 @@
 #include "bundle_exchange/specular/side_specular.h"
 #include "lucarium/services/texel_sides/side_light.h"
 #include "lucarium/shared/texel_sides.h"
+#include "lucarium/technique/technique_state.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -36,6 +37,12 @@ Channels make_channels(const Parameters& parameters, const Scene& scene, const R
 }
 
 }  // namespace
+
+uint64_t saved_texels(const StateReader& state) {
+  const uint64_t texels = state.get_value<uint64_t>("texels");
+  if (texels == 0 || texels > kMaxTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));
+  return texels;
+}
 
 bool has_specular_lobes(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {

@@ -12,6 +12,8 @@
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/base/text/byte_size.h"
 #include "lucarium/services/bvh/bvh.h"
+#include "lucarium/session/film_check.h"
+#include "lucarium/session/memory_needs.h"
 #include "lucarium/session/saved_state.h"
 #include "lucarium/version.h"
 
@@ -30,28 +32,6 @@ auto call_technique(const TechniqueInfo& info, Call&& call) {
   } catch (const std::exception& error) {
     throw_error(ErrorClass::technique, "{}: {}", info.name, error.what());
   }
-}
-
-/// Throws on layers of the wrong size, NaN and infinity; warns about negative radiance.
-void check_film(const Film& film, const TechniqueInfo& info) {
-  bool additive = false;
-  for (const FilmLayer& layer : film.layers()) {
-    additive |= layer.additive;
-    if (layer.pixels.size() != film.pixel_count() * layer.channels.size() ||
-        (layer.additive && layer.channels.size() != 3)) {
-      throw_error(ErrorClass::technique, "{}: layer {} has {} values for {} pixels of {} channels", info.name,
-                  layer.name, layer.pixels.size(), film.pixel_count(), layer.channels.size());
-    }
-  }
-  if (!additive) throw_error(ErrorClass::technique, "{}: wrote no layer of the image", info.name);
-  const BadPixels bad = film.count_bad_pixels();
-  const std::string where =
-      fmt::format("the first in layer {} at pixel ({}, {})", bad.first_layer, bad.first_x, bad.first_y);
-  if (bad.nan + bad.infinite > 0) {
-    throw_error(ErrorClass::technique, "{}: {} values are NaN and {} infinite, {}", info.name, bad.nan, bad.infinite,
-                where);
-  }
-  if (bad.negative > 0) log_warning("{}: {} values are negative, {}", info.name, bad.negative, where);
 }
 
 }  // namespace
@@ -74,44 +54,7 @@ void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
   }
 }
 
-size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const Scene& scene,
-                    const RenderSettings& settings) {
-  const size_t bvh = info.capabilities.uses_bvh ? Bvh::estimate_bytes(scene) : 0;
-  return SceneBuffers::estimate_bytes(scene) + bvh + technique.estimate_bytes(scene, settings);
-}
-
 namespace {
-
-/// Settings that save memory: those of the framework, and the technique's parameters, tried at half their value
-/// (at 1 where the smallest value stands for an automatic choice), largest savings first.
-std::string describe_remedy(Technique& technique, const Scene& scene, const RenderSettings& settings) {
-  constexpr double min_saving = 0.1;
-  constexpr size_t max_named = 3;
-  const auto bytes = static_cast<double>(technique.estimate_bytes(scene, settings));
-  std::vector<std::pair<double, std::string>> savings;  // bytes, name and present value
-  for (const ParameterTable::Entry& entry : technique.parameters().entries()) {
-    if (entry.info.type != "int") continue;
-    const std::string value = entry.get();
-    const long number = std::stol(value);
-    for (const long less : {number / 2, number - 1, 1L}) {
-      double saved = 0;
-      try {
-        entry.set(std::to_string(less));
-        saved = bytes - static_cast<double>(technique.estimate_bytes(scene, settings));
-      } catch (const Error&) {  // no value that it takes
-      }
-      entry.set(value);
-      if (saved < min_saving * bytes) continue;
-      savings.emplace_back(saved, fmt::format("{} ({})", entry.info.name, value));
-      break;
-    }
-  }
-  std::sort(savings.rbegin(), savings.rend());
-  savings.resize(std::min(savings.size(), max_named));
-  std::string remedy = "lower --size or --texture-size";
-  for (const auto& [saved, parameter] : savings) remedy += fmt::format(", {}", parameter);
-  return remedy;
-}
 
 /// While it lives, reports to on_preparing which of the device's kernels is being compiled.
 class ReportCompilation {
@@ -259,8 +202,7 @@ struct RenderSession::State {
     const size_t bytes = needed_bytes(type.info(), *technique, scene, settings);
     const MemoryAccount& memory = device->memory();
     if (bytes > memory.total_bytes() - memory.used_bytes())
-      memory.require_total("scene, BVH and technique", "all buffers", bytes,
-                           describe_remedy(*technique, scene, settings));
+      memory.require_total("scene, BVH and technique", "all buffers", bytes, memory_hint(*technique, scene, settings));
     log_info("technique {} {} {}: {}×{} pixels, {} bounces, seed {}", type.info().name, type.info().version,
              technique->parameters().to_string(), settings.width, settings.height,
              settings.max_bounces < 0 ? "all" : std::to_string(settings.max_bounces), settings.seed);

@@ -23,9 +23,6 @@ struct RenderBudget {
 
 /// Refuses settings that a technique does not declare: image size, bounces, pixel sampling. Throws Error.
 void check_settings(const TechniqueInfo& info, const RenderSettings& settings);
-/// Device bytes that rendering will take: scene, BVH where the technique uses one, and technique, as they state it.
-size_t needed_bytes(const TechniqueInfo& info, const Technique& technique, const Scene& scene,
-                    const RenderSettings& settings);
 
 /// One technique on one scene on one device: owns scene buffers, BVH, scheduler and the technique, in the right order,
 /// with clocks. The programs render and compare, and tests, all go through it.

@@ -10,6 +10,7 @@
 #include "lucarium/scene/exposure.h"
 #include "lucarium/scene/import_options.h"
 #include "lucarium/scene/load/scene_overrides.h"
+#include "lucarium/session/memory_needs.h"
 #include "lucarium/session/session.h"
 
 namespace lucarium {

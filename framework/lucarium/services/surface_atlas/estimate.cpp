@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "lucarium/services/surface_atlas/chart.h"
 #include "lucarium/services/surface_atlas/geometry.h"
-#include "lucarium/services/surface_atlas/mesh.h"
+#include "lucarium/services/surface_atlas/layout/chart.h"
+#include "lucarium/services/surface_atlas/layout/mesh.h"
 
 namespace lucarium {
 namespace {

@@ -2,7 +2,7 @@
 // How large an atlas gets: internal to the surface atlas.
 #pragma once
 #include "lucarium/scene/scene.h"
-#include "lucarium/services/surface_atlas/layout.h"
+#include "lucarium/services/surface_atlas/layout/layout.h"
 
 namespace lucarium {
 

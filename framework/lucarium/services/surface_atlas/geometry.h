@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "lucarium/scene/device/scene_buffers.h"
-#include "lucarium/services/surface_atlas/layout.h"
+#include "lucarium/services/surface_atlas/layout/layout.h"
 
 namespace lucarium {
 

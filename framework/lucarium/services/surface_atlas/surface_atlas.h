@@ -6,7 +6,7 @@
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/film/film.h"
 #include "lucarium/scene/device/scene_buffers.h"
-#include "lucarium/services/surface_atlas/layout.h"
+#include "lucarium/services/surface_atlas/layout/layout.h"
 #include "lucarium/shared/gbuffer.h"
 #include "lucarium/shared/surface_atlas.h"
 #include "lucarium/shared/surface_point.h"

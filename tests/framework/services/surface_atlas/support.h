@@ -17,8 +17,8 @@
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/services/surface_atlas/geometry.h"
-#include "lucarium/services/surface_atlas/layout.h"
-#include "lucarium/services/surface_atlas/look_up.h"
+#include "lucarium/services/surface_atlas/layout/layout.h"
+#include "lucarium/services/surface_atlas/layout/look_up.h"
 #include "tolerance.h"
 
 namespace lucarium::test {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "lucarium/services/surface_atlas/mesh.h"
+#include "lucarium/services/surface_atlas/layout/mesh.h"
 
 namespace lucarium {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lucarium/services/surface_atlas/clip.h"
-#include "lucarium/services/surface_atlas/table.h"
+#include "lucarium/services/surface_atlas/layout/clip.h"
+#include "lucarium/services/surface_atlas/layout/table.h"
 
 namespace lucarium {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "lucarium/services/surface_atlas/chart.h"
+#include "lucarium/services/surface_atlas/layout/chart.h"
 
 namespace lucarium {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/surface_atlas/texcoord.h"
+#include "lucarium/services/surface_atlas/layout/texcoord.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/surface_atlas/look_up.h"
+#include "lucarium/services/surface_atlas/layout/look_up.h"
 
 #include <algorithm>
 

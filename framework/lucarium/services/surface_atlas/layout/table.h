@@ -3,7 +3,7 @@
 #pragma once
 #include <span>
 
-#include "lucarium/services/surface_atlas/chart.h"
+#include "lucarium/services/surface_atlas/layout/chart.h"
 
 namespace lucarium {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "lucarium/services/surface_atlas/mesh.h"
+#include "lucarium/services/surface_atlas/layout/mesh.h"
 
 namespace lucarium {
 

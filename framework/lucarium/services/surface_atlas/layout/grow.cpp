@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/surface_atlas/grow.h"
+#include "lucarium/services/surface_atlas/layout/grow.h"
 
 #include <algorithm>
 #include <numeric>
 #include <queue>
 #include <tuple>
 
-#include "lucarium/services/surface_atlas/chart.h"
-#include "lucarium/services/surface_atlas/texcoord.h"
+#include "lucarium/services/surface_atlas/layout/chart.h"
+#include "lucarium/services/surface_atlas/layout/texcoord.h"
 
 namespace lucarium {
 

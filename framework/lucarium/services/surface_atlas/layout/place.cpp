@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
-#include "lucarium/services/surface_atlas/chart.h"
+#include "lucarium/services/surface_atlas/layout/chart.h"
 
 namespace lucarium {
 

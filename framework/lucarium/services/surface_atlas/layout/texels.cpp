@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "lucarium/services/surface_atlas/chart.h"
-#include "lucarium/services/surface_atlas/clip.h"
+#include "lucarium/services/surface_atlas/layout/chart.h"
+#include "lucarium/services/surface_atlas/layout/clip.h"
 
 namespace lucarium {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/surface_atlas/mesh.h"
+#include "lucarium/services/surface_atlas/layout/mesh.h"
 
 #include <algorithm>
 #include <tuple>

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "lucarium/services/surface_atlas/clip.h"
-#include "lucarium/services/surface_atlas/table.h"
+#include "lucarium/services/surface_atlas/layout/clip.h"
+#include "lucarium/services/surface_atlas/layout/table.h"
 
 namespace lucarium {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lucarium/scene/mesh_topology.h"
-#include "lucarium/services/surface_atlas/layout.h"
+#include "lucarium/services/surface_atlas/layout/layout.h"
 
 namespace lucarium {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/surface_atlas/clip.h"
+#include "lucarium/services/surface_atlas/layout/clip.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // Charts of a fraction of a texel join a texel of the chart beside them. Declared in table.h.
 #include <cmath>
 
-#include "lucarium/services/surface_atlas/table.h"
+#include "lucarium/services/surface_atlas/layout/table.h"
 
 namespace lucarium {
 

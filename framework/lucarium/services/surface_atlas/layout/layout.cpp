@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/surface_atlas/layout.h"
+#include "lucarium/services/surface_atlas/layout/layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/parallel.h"
-#include "lucarium/services/surface_atlas/chart.h"
-#include "lucarium/services/surface_atlas/grow.h"
-#include "lucarium/services/surface_atlas/table.h"
-#include "lucarium/services/surface_atlas/texcoord.h"
+#include "lucarium/services/surface_atlas/layout/chart.h"
+#include "lucarium/services/surface_atlas/layout/grow.h"
+#include "lucarium/services/surface_atlas/layout/table.h"
+#include "lucarium/services/surface_atlas/layout/texcoord.h"
 
 namespace lucarium {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/services/surface_atlas/table.h"
+#include "lucarium/services/surface_atlas/layout/table.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "lucarium/base/error.h"
-#include "lucarium/services/surface_atlas/look_up.h"
+#include "lucarium/services/surface_atlas/layout/look_up.h"
 
 namespace lucarium {
 
