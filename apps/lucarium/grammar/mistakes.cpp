@@ -177,8 +177,11 @@ std::string missing_value(const CLI::App& program, const Words& line) {
   }
   for (size_t i = 1; i < line.size(); ++i) {
     const CLI::Option* option = is_option(line[i - 1]) ? command.get_option_no_throw(line[i - 1]) : nullptr;
-    if (!option || !takes_value(*option) || !line[i].starts_with("--")) continue;
-    if (line[i] == "--" || command.get_option_no_throw(name_of(line[i])))
+    const bool wants_value = option && takes_value(*option);
+    if (line[i].empty() && !wants_value)
+      return fmt::format("'' is an empty word: {} takes {}{}", command.get_name(), places(command), see_help(command));
+    if (!wants_value || !(line[i].empty() || line[i].starts_with("--"))) continue;
+    if (line[i].empty() || line[i] == "--" || command.get_option_no_throw(name_of(line[i])))
       return wrong_value(program, option->get_name() + ":", true);
   }
   return "";

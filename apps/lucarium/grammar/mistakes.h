@@ -17,7 +17,8 @@ using Words = std::vector<std::string>;  ///< of the line, behind the program's 
 /// Complaint about a first word that names no command, which --help behind it would hide; else empty.
 std::string unknown_command(const CLI::App& program, const Words& line);
 
-/// Complaint about an option whose value was left out, so that the next option would be taken for it; else empty.
+/// Complaint about an option whose value was left out, so that the next option would be taken for it, or is empty, and
+/// about an empty word by its place; else empty.
 std::string missing_value(const CLI::App& program, const Words& line);
 
 /// "render needs SCENE: a .gltf or .glb file, or builtin:NAME (see lucarium render --help)".

@@ -129,6 +129,18 @@ TEST_CASE("the parser's own wordings reached the user") {
                 "--map-of: 'sgned' is none of signed, ldr_flip, hdr_flip; did you mean 'signed'?");
 }
 
+TEST_CASE("an empty value counted as an option that is not given") {
+  const std::string render = "render builtin:cornell -o a.png ";
+  check_refused(render + "--load-state ''", 2, "--load-state needs a value: FILE (see lucarium render --help)");
+  check_refused(render + "--save-state ''", 2, "--save-state needs a value: FILE");
+  check_refused(render + "--frames '' --at 1", 2, "--frames needs a value: FIRST:LAST");
+  check_refused(render + "-p ''", 2, "--parameter needs a value: KEY=VALUE");
+  check_refused("render builtin:cornell -o ''", 2, "--output needs a value: FILE.exr|.png");
+  check_refused("compare --comparison '' -o results", 2, "--comparison needs a value: FILE.json");
+  check_refused("scene ''", 2, "'' is an empty word: scene takes SCENE (see lucarium scene --help)");
+  check_refused("diff a.exr ''", 2, "'' is an empty word: diff takes TEST REFERENCE");
+}
+
 TEST_CASE("names that are nearly right are suggested, whatever they name") {
   const std::string render = "render builtin:cornell -o a.exr ", common = " --iterations 1 -o results";
   check_refused(render + "--material lamp:rouhness=1", 2, "'rouhness' does not exist; did you mean 'roughness'?");
