@@ -15,7 +15,8 @@
             that list, in full words ("section 2.3", "equation 4") so that a search finds it, beside which the head of
             the technique may have "Eq. 4"; what the list calls cited is cited at the code too; "FILE: function()" in
             comments names what exists
-  mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed;
+  mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed; each
+            list has one for the quick set;
             every kernel file has a planted fault, or stands in UNPLANTED with the reason why no fault of it shows
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
@@ -344,6 +345,8 @@ def check_mutants():
             continue
         area = json.loads(read(file))
         checks = {check['name'] for check in area['checks']}
+        if not any(mutant.get('quick') for mutant in area['mutants']):
+            yield f'{file}: none of its planted faults is tried in the quick set ("quick": true)'
         for mutant in area['mutants']:
             planted.add(mutant['file'])
             sources = [path for path in (f'{root}/{mutant["file"]}' for root in ROOTS) if os.path.exists(path)]
