@@ -15,9 +15,9 @@
             that list, in full words ("section 2.3", "equation 4") so that a search finds it, beside which the head of
             the technique may have "Eq. 4"; what the list calls cited is cited at the code too; "FILE: function()" in
             comments names what exists
-  mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed; each
-            list has one for the quick set;
-            every kernel file has a planted fault, or stands in UNPLANTED with the reason why no fault of it shows
+  mutants   the text that each planted fault of tests/mutation replaces occurs exactly once, and its test is listed;
+            each list has one for the quick set; every kernel file has a planted fault, or stands in UNPLANTED with the
+            reason why no fault of it shows
 Prints one line per breach and exits with 1 if there is one, with 77 if the tool that it needs is absent."""
 import collections
 import json
