@@ -22,6 +22,11 @@ SMALL = {
 DROPPED = {'render': ('--time', '--wall-time', '--spp', '--frames', '--fps'),
            'compare': ('--time', '--spp', '--relmse'), 'reference': ('--relmse', '--spp')}
 
+# Of techniques that prepare a scene first: what keeps that short, for `render` with this technique alone.
+COARSE = {'bundle_exchange': ['texels=1024', 'access_rays=128'],
+          'virtual_light_field': ['texels=1024', 'dir_n=2', 'cells=16'],
+          'voxel_abuffer': ['abuffer_size=128']}
+
 OPTION = re.compile(r'(?<=\s)(--[a-z][a-z0-9-]*|-[a-zA-Z](?=\s|$))')
 assert OPTION.findall('lucarium scene a.glb --atlas-texcoord1 -q --size=8x8 -V') == [
     '--atlas-texcoord1', '-q', '--size', '-V']
@@ -61,7 +66,7 @@ class Tester:
         self.program, self.source, self.helps, self.failed = program, source, {}, False
 
     def call(self, words, folder=None):
-        return subprocess.run([self.program, *words], cwd=folder, capture_output=True, text=True, timeout=300,
+        return subprocess.run([self.program, *words], cwd=folder, capture_output=True, text=True, timeout=1500,
                               stdin=subprocess.DEVNULL)
 
     def say(self, verdict, what, why=''):
@@ -98,7 +103,10 @@ class Tester:
                 kept.append(word)
         if '--comparison' in kept:
             return [command, *kept, '--overwrite']  # the file says the rest
-        small = SMALL.get(command, [])
+        small = list(SMALL.get(command, []))
+        for technique, values in COARSE.items():
+            if command == 'render' and re.search(rf'(-t|--technique)[ =]{technique}', text):
+                small = [word for value in values for word in ('-p', value)] + small
         if command == 'render' and '-o' not in kept and '--output' not in kept:
             small = small[:-1]  # nothing to replace
         return [command, *kept, *(small[:-1] if '--extend' in kept else small)]
