@@ -19,14 +19,17 @@
 // importance sampling). Weights are sums over all strategies, which both sides of a connection carry along
 // (kernels/lucarium/path_mis.clh has the derivation).
 //
-// Error. None but noise, except with reuse=shared, whose directions depend on each other.
+// Error. None but noise, except with reuse=shared, whose directions depend on each other, and with rasterized bundles
+// (bundle_mode=raster and linked_list), which show what lies up to a pixel beside a ray.
 //
 // Where the paper stands in the source (files below this folder; light_paths/ is a service of the framework, lucarium/
 // the kernel library in kernels/):
 //
 //   section 3.1, equation 1, path tracing    eye/shade_eye_vertices.cl: sample_direction(), shade_eye_vertices()
-//   section 3.2, global ray-bundles          eye/shade_eye_vertices.cl: choose_bundle(): their directions only, which
-//                                            all pixels of an iteration share (directions=bundle); visibility by rays
+//   section 3.2, global ray-bundles          bundles/bundle_set.clh: bundle_number(), bundle_set(): directions that all
+//                                            pixels of an iteration share (directions=bundle); with bundle_mode
+//                                            bundles/bundle_views.cl: make_bundle_views(), lists per pixel by
+//                                            layered_raster/, linear search in bundles/look_up_bundle.cl: look_up()
 //   section 3.3, equation 2, density p_r     base/eye_directions.clh: bundle_pdf(): of w and -w, uniform or after an
 //                                            environment map (dir_pdf)
 //   section 4, figure 3, combined paths      eye/shade_eye_vertices.cl: shade_eye_vertices();
@@ -43,12 +46,11 @@
 //                                            with weights (equation 6) in place of the paper's clamp
 //   section 4.3, equation 8, density p_1,2   the product of both sides, carried along: lucarium/path_mis.clh:
 //                                            path_mis_leave(), path_mis_arrive()
-//   section 7, multi-bounce, reuse           eye/shade_eye_vertices.cl: choose_bundle() (reuse)
+//   section 7, multi-bounce, reuse           bundles/bundle_set.clh: bundle_number(), bundle_set() (reuse)
 //
-// Not in the source: rasterized bundles with linked lists per pixel and their linear search, shadow maps,
-// reflective shadow maps (sections 3.2 and 4.1; rays instead), clamps against spikes of two bounces (section 4.3),
-// artifact suppression for glossy surfaces by clamped roughness and density estimation (section 5, equations 9 to 17),
-// interleaving and filters (section 6).
+// Not in the source: shadow maps and reflective shadow maps (section 4.1; rays instead), clamps against spikes of two
+// bounces (section 4.3), artifact suppression for glossy surfaces by clamped roughness and density estimation (section
+// 5, equations 9 to 17), interleaving and filters (section 6).
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
 // strategies, the choice among candidates (light/candidates.clh).
@@ -79,8 +81,8 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     return bidirectional::limitations(parameters_, scene, settings);
   }
   double admitted_bias(double declared) const override { return bidirectional::admitted_bias(parameters_, declared); }
-  size_t estimate_bytes(const Scene&, const RenderSettings& settings) const override {
-    return bidirectional::estimate_bytes(parameters_, settings);
+  size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
+    return bidirectional::estimate_bytes(parameters_, scene, settings);
   }
   std::map<std::string, double> counters() const override {
     if (!eye_) return {};
@@ -104,7 +106,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   }
 
   bool follow(const SceneChange&) override {
-    if (!built() || buffers_replaced()) return false;
+    if (!built() || buffers_replaced() || !eye_->update()) return false;
     restart_samples();
     return true;
   }

@@ -10,6 +10,13 @@
 
 namespace lucarium::bidirectional {
 
+namespace {
+
+// Relative error by pixels of rasterized bundles, over their number per axis.
+constexpr double kBundlePixelBias = 2;
+
+}  // namespace
+
 TechniqueInfo technique_info() {
   TechniqueInfo info;
   info.name = "bidirectional_vpl";
@@ -41,8 +48,12 @@ TechniqueInfo technique_info() {
 }
 
 double admitted_bias(const BidirectionalParameters& parameters, double declared) {
+  const bool bundles = parameters.directions != Directions::bsdf;
   const bool shared = parameters.directions == Directions::bundle && parameters.reuse == Reuse::shared;
-  return shared ? 0.1 : declared;
+  double bias = shared ? 0.1 : declared;
+  if (bundles && parameters.bundle_mode != BundleMode::rays && parameters.bundle_mode != BundleMode::exact)
+    bias += kBundlePixelBias / parameters.bundle_res;
+  return bias;
 }
 
 PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings) {
@@ -80,14 +91,16 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
   if (plan.bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
     list.push_back("reuse=distinct has nothing to choose from with one bundle (bundles)");
+  if (!plan.bundles && parameters.bundle_mode != BundleMode::rays)
+    list.push_back("bundle_mode has no effect: camera paths take no bundles (directions)");
   if (plan.choice == VplChoice::own && parameters.light_paths > 0)
     list.push_back("light_paths has no effect: vpl_choice=own takes one per pixel");
   return list;
 }
 
-size_t estimate_bytes(const BidirectionalParameters& parameters, const RenderSettings& settings) {
+size_t estimate_bytes(const BidirectionalParameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const Plan plan = make_plan(parameters, settings);
-  return EyePaths::estimate_bytes(plan, false) +
+  return EyePaths::estimate_bytes(plan, false, static_cast<size_t>(scene.triangle_count())) +
          (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, false) : 0);
 }
 

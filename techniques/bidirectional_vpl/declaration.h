@@ -11,7 +11,7 @@ namespace lucarium::bidirectional {
 
 TechniqueInfo technique_info();
 
-/// Systematic error, as Capabilities::bias says: only dependent directions have one.
+/// Systematic error, as Capabilities::bias says: that of dependent directions, and of pixels of rasterized bundles.
 double admitted_bias(const BidirectionalParameters& parameters, double declared);
 
 PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings& settings);
@@ -21,7 +21,7 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
                                      const RenderSettings& settings);
 
 /// Most device bytes that the technique takes.
-size_t estimate_bytes(const BidirectionalParameters& parameters, const RenderSettings& settings);
+size_t estimate_bytes(const BidirectionalParameters& parameters, const Scene& scene, const RenderSettings& settings);
 
 /// Throws Error{usage} for values that do not go together.
 void check_parameters(const BidirectionalParameters& parameters, const RenderSettings& settings);

@@ -8,12 +8,14 @@ enum class LightChoice { power, learned };
 enum class Directions { bsdf, bundle, both };
 enum class DirectionPdf { uniform, environment };
 enum class Reuse { per_depth, distinct, shared };
+enum class BundleMode { rays, raster, linked_list, exact };
 enum class Strategy { all, hit, nee, vpl, splat };
 
 struct BidirectionalParameters {
   static constexpr int kMaxLightVertices = 16;
   int light_vertices = 4, light_paths = 0, candidates = 32, camera_edges = 2, beta = 1;
-  int bundles = 21;
+  int bundles = 21, bundle_res = 256;
+  BundleMode bundle_mode = BundleMode::rays;
   Directions directions = Directions::bsdf;
   DirectionPdf dir_pdf = DirectionPdf::uniform;
   Reuse reuse = Reuse::per_depth;
@@ -56,6 +58,15 @@ struct BidirectionalParameters {
         "reuse", reuse, {{"per_depth", Reuse::per_depth}, {"distinct", Reuse::distinct}, {"shared", Reuse::shared}},
         "shared directions at later scatterings: from a set per depth, distinct independent ones, or the first set "
         "again (shared, biased)");
+    v.choice(
+        "bundle_mode", bundle_mode,
+        {{"rays", BundleMode::rays},
+         {"raster", BundleMode::raster},
+         {"linked_list", BundleMode::linked_list},
+         {"exact", BundleMode::exact}},
+        "what finds surfaces along shared directions: rays, fragments of a rasterized bundle (stored in tiles, or in "
+        "linked lists), or all triangles that a pixel touches (exact)");
+    v.number("bundle_res", bundle_res, 32, 4096, "pixels", "width and height of a rasterized bundle");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,
              {{"all", Strategy::all},

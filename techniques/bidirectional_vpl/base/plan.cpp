@@ -37,6 +37,8 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.bundles = parameters.directions != Directions::bsdf;
   plan.bundles_and_bsdf = parameters.directions == Directions::both;
   plan.bundles_follow_sky = plan.bundles && parameters.dir_pdf == DirectionPdf::environment;
+  if (plan.bundles) plan.bundle_mode = parameters.bundle_mode;
+  plan.bundle_res = static_cast<uint32_t>(parameters.bundle_res);
   plan.choice = parameters.vpl_choice;
   plan.shows_strategies = parameters.show_strategies;
 
@@ -82,6 +84,7 @@ std::map<std::string, std::string> plan_defines(const Plan& plan) {
   if (plan.bundles) defines["EYE_BUNDLES"] = "1";
   if (plan.bundles_and_bsdf) defines["EYE_BUNDLES_AND_BSDF"] = "1";
   if (plan.bundles_follow_sky) defines["EYE_BUNDLES_FOLLOW_SKY"] = "1";
+  if (plan.stores_bundles()) defines["EYE_BUNDLES_STORED"] = "1";
   return defines;
 }
 

@@ -17,6 +17,8 @@ struct Plan {
   uint32_t beta = 1;
   bool bundles = false, bundles_follow_sky = false;  ///< directions of camera paths
   bool bundles_and_bsdf = false;                     ///< both, at first surfaces
+  BundleMode bundle_mode = BundleMode::rays;         ///< rays where there are no bundles
+  uint32_t bundle_res = 0;                           ///< pixels per axis of a rasterized bundle
   VplChoice choice = VplChoice::resample;
   bool learned = false;  ///< lights of light paths
   bool vpl = false;      ///< camera paths are connected to light vertices
@@ -27,6 +29,8 @@ struct Plan {
   /// Whether connections compare candidates from a table.
   bool has_table() const { return vpl && choice == VplChoice::resample; }
   bool connects_to_all() const { return vpl && choice == VplChoice::all; }
+  /// Whether bundles are rasterized and looked up.
+  bool stores_bundles() const { return bundle_mode != BundleMode::rays; }
   size_t vertex_slots() const { return size_t{settings.light_paths} * light_vertices; }
   /// Layers of a sample, strategies behind them: hit, nee, vpl1 …, splat.
   uint32_t layers() const { return BIDIRECTIONAL_LAYERS + (shows_strategies ? light_vertices + 3 : 0); }

@@ -26,7 +26,7 @@ __kernel void begin_eye_paths(Frame frame, const BidirectionalSettings settings,
   if (film_plane(&frame).orthographic) state.flags |= EYE_PATH_PARALLEL;
   state.cosine = 1.0f;
   state.carried = path_mis_power(settings.splat_samples);
-  state.pad0 = state.pad1 = 0u;
+  state.bundle = state.left = LUCARIUM_NONE;
   states[pixel] = state;
   for (uint m = 0u; m < LIGHT_VERTICES; ++m) eye_mis[m * settings.pixels + pixel] = 0.0f;
 }

@@ -60,7 +60,7 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       mis_(device, owner, "weights of camera paths", size_t{plan.settings.pixels} * std::max(plan.light_vertices, 1u),
            kRemedy),
       sample_(device, owner, "light of a sample", size_t{plan.settings.pixels} * plan.layers(), kRemedy),
-      hits_(device, owner, "hits of camera paths", plan.connects_to_all() ? plan.settings.pixels : 1, kRemedy),
+      hits_(device, owner, "hits of camera paths", keeps_hits() ? plan.settings.pixels : 1, kRemedy),
       no_vertices_(device, owner, "no light vertices", 1),
       no_list_(device, owner, "no list", std::vector<uint32_t>{0}),
       no_table_(device, owner, "no candidates", 1),
@@ -68,10 +68,11 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       strategy_sums_(device, owner, plan.settings.pixels, strategy_names(plan)) {
   counts_.fill_zero();
   record_begin();
-  if (plan.connects_to_all()) {
-    record_closest();
-    record_connect_to_all();
-  }
+  if (keeps_hits()) record_closest();
+  if (plan_.connects_to_all()) record_connect_to_all();
+  if (plan_.stores_bundles())
+    bundles_ = std::make_unique<BundleEdges>(device, scheduler, scene, plan,
+                                             BundleRays{rays_, queue_, active_, states_, hits_}, owner);
   record_bounce();
   record_add();
 }
@@ -183,7 +184,7 @@ void EyePaths::record_bounce() {
     return transient_ray_ends(recorder, intersector_, "ends of " + name, capacity, kRemedy);
   };
   BufferRef hits = hits_;
-  if (!plan_.connects_to_all()) hits = recorder.transient<Hit>("hits", capacity, kRemedy);
+  if (!keeps_hits()) hits = recorder.transient<Hit>("hits", capacity, kRemedy);
   const BufferRef next_rays = recorder.transient<Ray>("next rays", capacity, kRemedy);
   const BufferRef next_ends = ends_of("next rays");
   const BufferRef next_queue = recorder.transient<uint32_t>("next queue", capacity, kRemedy);
@@ -200,8 +201,7 @@ void EyePaths::record_bounce() {
   const BufferRef occluded = recorder.transient<uint32_t>("occluded", capacity, kRemedy);
   const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
 
-  if (!plan_.connects_to_all())
-    intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
+  if (!keeps_hits()) intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
   PassBuilder shade = recorder.pass("shade camera paths", program_, "shade_eye_vertices");
   scene_.bind(shade);
   shade.global_by(active_)
@@ -307,8 +307,9 @@ bool EyePaths::trace(uint32_t index) {
   }
   remaining_ = plan_.settings.pixels;
   double segments = 0;
-  while (remaining_ > 0) {
+  for (uint32_t depth = 0; remaining_ > 0; ++depth) {
     segments += remaining_;
+    if (keeps_hits() && !find_surfaces(index, depth)) return false;
     if (plan_.connects_to_all() && !connect_to_all()) return false;
     if (scheduler_.run(bounce_) == RunResult::cancelled) return false;
   }
@@ -317,8 +318,12 @@ bool EyePaths::trace(uint32_t index) {
   return true;
 }
 
-bool EyePaths::connect_to_all() {
+bool EyePaths::find_surfaces(uint32_t index, uint32_t depth) {
   if (scheduler_.run(closest_) == RunResult::cancelled) return false;
+  return !bundles_ || depth == 0 || bundles_->trace(frame_.seed, index, depth - 1);
+}
+
+bool EyePaths::connect_to_all() {
   for (uint32_t number = 0; number < vertices_->vertex_count(); ++number) {
     connect_.set(connect_number_, number);
     if (scheduler_.run(connect_) == RunResult::cancelled) return false;
@@ -330,6 +335,7 @@ void EyePaths::add() {
   scheduler_.run_to_end(add_);
   scheduler_.finish();
   for (size_t i = 0; i < counted_.size(); ++i) totals_[i] += counted_[i];
+  if (bundles_) bundles_->complete();
   const uint32_t bad = counted_[BIDIRECTIONAL_COUNT_BAD];
   if (bad > 0)
     throw_error(ErrorClass::technique, "{} camera paths brought light that is NaN, infinite or negative", bad);
@@ -341,12 +347,14 @@ void EyePaths::clear() {
   strategy_sums_.clear();
   totals_ = {};
   paths_ = segments_ = 0;
+  if (bundles_) bundles_->clear_counters();
 }
 
 void EyePaths::warm_up() {
   for (Schedule* schedule : {&begin_, &bounce_, &add_}) scheduler_.warm_up(*schedule);
-  if (plan_.connects_to_all())
-    for (Schedule* schedule : {&closest_, &connect_}) scheduler_.warm_up(*schedule);
+  if (keeps_hits()) scheduler_.warm_up(closest_);
+  if (plan_.connects_to_all()) scheduler_.warm_up(connect_);
+  if (bundles_) bundles_->warm_up();
 }
 
 void EyePaths::write(Film& film) const {
@@ -362,17 +370,20 @@ std::map<std::string, double> EyePaths::counters() const {
                                        {"nonfinite", totals_[BIDIRECTIONAL_COUNT_BAD]},
                                        {"terminated_by_cap", totals_[BIDIRECTIONAL_COUNT_CAPPED]},
                                        {"terminated_in_mirrors", totals_[BIDIRECTIONAL_COUNT_MIRRORS]}};
+  if (bundles_)
+    for (const auto& [name, count] : bundles_->counters()) all[name] = count;
   // As many as there are virtual lights in an iteration at most.
   if (plan_.has_table()) all["candidates"] = totals_[BIDIRECTIONAL_COUNT_CHOICES] * plan_.settings.candidates;
   return all;
 }
 
-size_t EyePaths::estimate_bytes(const Plan& plan, bool ray_ends) {
+size_t EyePaths::estimate_bytes(const Plan& plan, bool ray_ends, size_t triangles) {
   const size_t ends = ray_ends ? sizeof(RayEnds) : 0, ray = sizeof(Ray) + ends;
   const size_t kept = ray + sizeof(uint32_t) + sizeof(EyePathState) +
                       sizeof(float) * std::max(plan.light_vertices, 1u) + sizeof(float4) * plan.layers() * 2;
   const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + (plan.learned ? 11 : 7) * sizeof(uint32_t);
-  return plan.settings.pixels * (kept + transient) + 4096;
+  const size_t bundles = plan.stores_bundles() ? BundleEdges::estimate_bytes(plan, triangles) : 0;
+  return plan.settings.pixels * (kept + transient) + bundles + 4096;
 }
 
 }  // namespace lucarium::bidirectional

@@ -2,9 +2,11 @@
 #pragma once
 #include <array>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "bidirectional_vpl/base/plan.h"
+#include "bidirectional_vpl/bundles/bundle_edges.h"
 #include "bidirectional_vpl/light/light_vertices.h"
 #include "lucarium/services/layer_sums/layer_sums.h"
 
@@ -14,6 +16,7 @@ namespace lucarium::bidirectional {
 ///
 ///   begin     begin_eye_paths                            rays, empty sample
 ///   bounce    closest hit           Intersector          rays -> hits
+///     ^       bundle_mode: BundleEdges, of rays along bundles
 ///     ^       vpl_choice=all: connect_to_all, shadow rays, add_connections, for each virtual light
 ///     |       shade_eye_vertices    hits of lights, light sample, connection, BSDF sample
 ///     |       shadow rays, twice    Intersector (any hit)
@@ -35,13 +38,15 @@ class EyePaths {
   void add();
 
   void set_frame(const Frame& frame) { frame_ = frame; }
+  /// Follows a change of the scene. False where this must be built again.
+  bool update() { return !bundles_ || bundles_->update(); }
   void clear();
   void warm_up();
   void write(Film& film) const;
   const TypedBuffer<float4>& sample() const { return sample_; }
   const TypedBuffer<EyePathState>& states() const { return states_; }
   std::map<std::string, double> counters() const;
-  static size_t estimate_bytes(const Plan& plan, bool ray_ends);
+  static size_t estimate_bytes(const Plan& plan, bool ray_ends, size_t triangles);
 
  private:
   void record_begin();
@@ -53,6 +58,9 @@ class EyePaths {
   void record_add();
   void count_rays(ScheduleRecorder& recorder, const BufferRef& rays, const BufferRef& light, uint32_t index) const;
   bool connect_to_all();
+  bool find_surfaces(uint32_t index, uint32_t depth);
+  /// Whether surfaces are found before the schedule that shades them: to be looked at by several, or looked up.
+  bool keeps_hits() const { return plan_.connects_to_all() || plan_.stores_bundles(); }
   std::map<std::string, std::string> defines() const;
 
   KernelScheduler& scheduler_;
@@ -70,11 +78,12 @@ class EyePaths {
   TypedBuffer<EyePathState> states_;
   TypedBuffer<float> mis_;
   TypedBuffer<float4> sample_;
-  TypedBuffer<Hit> hits_;  ///< of one pass, with vpl_choice=all, which looks at them once for every virtual light
+  TypedBuffer<Hit> hits_;                ///< of one pass, where several schedules need them (keeps_hits())
   TypedBuffer<PathVertex> no_vertices_;  ///< bound where there are no light paths
   TypedBuffer<uint32_t> no_list_;
   TypedBuffer<float> no_table_;
   LayerSums sums_, strategy_sums_;
+  std::unique_ptr<BundleEdges> bundles_;  ///< null where rays are traced
   Schedule begin_, closest_, connect_, bounce_, add_;
   Variable<Frame> begin_frame_;
   Variable<uint32_t> begin_index_, bounce_seed_, bounce_index_, connect_seed_, connect_index_, connect_number_;

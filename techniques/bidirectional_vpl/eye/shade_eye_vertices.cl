@@ -1,41 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vertex of every active camera path: what it emits (strategy -1), a light sample (0), a connection to a virtual
 // light (1 ... K-1), and the BSDF sample along which the path goes on.
+#include "bidirectional_vpl/bundles/bundle_set.clh"
 #include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/eye/find_lights.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
 
-// Apart from the numbers of the path itself:
-#define BUNDLE_STREAM 0x62756e64u
-#define TURN_STREAM 0x7475726eu
-
-// Number of the bundle that a path takes at a depth, modulo that of all. Depths of one path take different ones that
-// follow each other with reuse=distinct.
-uint choose_number(BidirectionalSettings settings, uint seed, uint sample_index, uint path, uint depth) {
-  const uint choice = hash_uint3(seed ^ BUNDLE_STREAM, sample_index, path);
-  return settings.reuse == BIDIRECTIONAL_REUSE_DISTINCT ? choice + depth : hash_uint2(choice, depth);
-}
-
-// The bundle that a path takes at a depth (Tokuyoshi and Ogaki 2012, sections 3.2 and 7: reuse for multi-bounce): a set
-// of directions, and which of them.
-Sampler choose_bundle(BidirectionalSettings settings, uint seed, uint sample_index, const EyeWalk* walk) {
-  const uint depth = walk->state.segment;
-  const uint number = choose_number(settings, seed, sample_index, walk->path, depth) % settings.bundles;
-  Sampler set = make_sampler(BUNDLE_STREAM, 0u, seed, 0u, LUCARIUM_SAMPLER_SOBOL);
-  if (settings.reuse == BIDIRECTIONAL_REUSE_DISTINCT) {
-    // Independent directions.
-    set.mode = LUCARIUM_SAMPLER_RANDOM;
-    set.seed = hash_uint2(set.seed, depth / settings.bundles);  // when all are used, others
-    set.index = sample_index * settings.bundles + number;
-    return set;
-  }
-  const uint scramble = settings.reuse == BIDIRECTIONAL_REUSE_SHARED ? 0u : depth;
-  set.seed = hash_uint3(set.seed, scramble, settings.reuse == BIDIRECTIONAL_REUSE_SHARED ? sample_index : 0u);
-  set.index = sample_index * settings.bundles + number;
-  return set;
-}
+#define TURN_STREAM 0x7475726eu  // apart from the numbers of the path itself
 
 // Whether bundles have their turn (directions=both): in one of two samples that follow each other, in random order.
 bool takes_turn(uint seed, uint sample_index, uint path) {
@@ -82,11 +55,13 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
                       const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe, Ray* ray,
                       RayEnds* ends) {
   const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
-  const Sampler bundle = choose_bundle(settings, seed, sampler->index, walk);
+  const uint number = bundle_number(settings, seed, sampler->index, walk->path, walk->state.segment);
+  const Sampler bundle = bundle_set(settings, seed, sampler->index, walk->state.segment, number);
   // Choose a direction.
   const bool first = walk->state.scatterings == 0u;
+  bool along_bundle;
   const BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle, first,
-                                                 takes_turn(seed, sampler->index, walk->path));
+                                                 takes_turn(seed, sampler->index, walk->path), &along_bundle);
   if (is_black(sample.weight)) return false;
   if (!count_scattering(settings, walk, sample.delta)) return false;
   // Carry weights and throughput on.
@@ -105,6 +80,15 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
   if (!survives(scene, settings, walk, sample.delta, u.roulette)) return false;
   *ray = make_ray(surface, sample.direction, eye_ray_seed(sampler, 2u * walk->state.segment + 1u));
   *ends = ray_ends(surface, sample.direction);
+  walk->state.bundle = LUCARIUM_NONE;
+#ifdef EYE_BUNDLES_STORED
+  if (along_bundle) {
+    // Looked up (look_up_bundle.cl), not traced.
+    ray->direction.w = -1.0f;
+    walk->state.bundle = number;
+    walk->state.left = surface->triangle;
+  }
+#endif
   walk->state.segment += 1u;
   return true;
 }
@@ -203,7 +187,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
       // One of a light path: of the same number, or of the bundle's.
       light_path = walk.path;
       if (settings.flags & BIDIRECTIONAL_PAIRED_VERTICES)
-        light_path = choose_number(settings, seed, sample_index, walk.path, 0u) % settings.light_paths;
+        light_path = bundle_choice(settings, seed, sample_index, walk.path, 0u) % settings.light_paths;
       light =
           choose_of_path(&scene, settings, &walk, &surface, &bsdf, &mis, vertices, light_path, v.x, &vertex, &towards);
     } else {

@@ -54,7 +54,8 @@ uint medium;        // that the ray runs through (medium.clh)
 uint flags;         // EYE_PATH_*
 float cosine;       // of the ray to the geometric normal where it begins
 float carried;      // x of what path_mis.clh carries; its y, for each number of light vertices, is in eye_mis
-uint pad0, pad1;
+uint bundle;        // in whose stored fragments the ray is looked up; LUCARIUM_NONE: it is traced
+uint left;          // the triangle that it leaves then
 LUCARIUM_STRUCT_END(EyePathState, 48)
 
 #define EYE_PATH_AFTER_DELTA 1u  // the last scattering was ideal, or there was none
