@@ -20,7 +20,7 @@ constexpr double kFilmPixelSeconds = 1.5e-7;    // a pixel of a film, in a sweep
 constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a line
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kSweeps = 6;                   // of unlimited bounces
-constexpr size_t kTileBytes = 84;               // a tile's norms, and its place in the list
+constexpr size_t kTileBytes = 24;               // a tile's share of norms, and its place in the list
 constexpr double kTileOverhead = 1.6;           // cells of tiles over those that surfaces meet
 
 /// A material that is likely to have tiles (patches.h).
@@ -63,7 +63,7 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
                  edge = std::ldexp(film.film, static_cast<int>(film.shift));
     const double sweeps = (plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps) + 1;
     device += texels * (parameters.open_rays * kAccessibilitySeconds + (plan.sampled ? kSideLightSeconds : 0)) +
-              sweeps * lines * (edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds);
+              sweeps * parameters.perturb * lines * (edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds);
   }
   return host / power.host + device / power.device;
 }
@@ -77,18 +77,25 @@ std::vector<ParameterSaving> savings() {
 
 size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scene& scene,
                       const RenderSettings& settings) {
-  size_t bytes = FieldView::estimate_bytes(settings.width, settings.height, plan.traced && plan.field);
+  size_t bytes = FieldView::estimate_bytes(settings.width, settings.height, plan.traced && plan.field,
+                                           plan.field && parameters.inspect_line >= 0);
   if (!plan.field) return bytes;
   const size_t sides = SurfaceAtlas::estimate_sides(scene, plan.atlas);
   const FilmPlan film = expected_film(plan, parameters, scene);
   const double directions = 4. * parameters.dir_n * parameters.dir_n + 2;
   const double edge = SurfaceAtlas::estimate_edge(scene, plan.atlas);
-  const double area = edge * edge * static_cast<double>(sides) * tiled_share(parameters, scene);
-  const double cells = directions * kTileOverhead * area / (4 * film.cell * film.cell);
+  const double area = edge * edge * static_cast<double>(sides);
+  const double cells = directions * kTileOverhead * area * tiled_share(parameters, scene) / (4 * film.cell * film.cell);
+  const bool keeps = plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces;
+  const size_t kept = !keeps ? 0
+                             : std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
+                                        KeptRows::estimate_bytes(LightField::estimate_fragments(
+                                            static_cast<uint32_t>(parameters.dir_n),
+                                            static_cast<uint32_t>(parameters.perturb), film.pixel(), area)));
   const auto tile = static_cast<size_t>(parameters.tile > 0 ? parameters.tile : 8);
   LayeredRasterOptions raster;
   raster.max_width = raster.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);
-  return bytes + SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + LightField::estimate_bytes(sides) +
+  return bytes + kept + SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + LightField::estimate_bytes(sides) +
          static_cast<size_t>(cells) *
              (LightField::kCellBytes + (parameters.split_layers ? LightField::kSplitBytes : 0) +
               kTileBytes / (tile * tile)) +

@@ -25,7 +25,7 @@ TechniqueInfo technique_info() {
   info.capabilities.max_bounces = -1;
   info.capabilities.view_independent = true;
   info.capabilities.bias = 0.03;  // mirror light is blurred by the spacing of directions, all light by cells and texels
-  info.layers = {"emission", "direct", "indirect"};
+  info.layers = {"emission", "direct", "indirect", "subfield"};
   info.check_parameters = {{"dir_n", "8"}, {"cells", "64"}, {"texels", "16384"}};  // coarser, refraction is off by 4 %
   return info;
 }
@@ -49,6 +49,9 @@ void check_parameters(const Parameters& parameters, const Scene& scene, const Re
   if (parameters.eye_direct == EyeDirect::atlas && !parameters.split_layers)
     throw Error(ErrorClass::usage,
                 "virtual_light_field: eye_direct=atlas needs the direct light of tiles; set split_layers=on");
+  if (parameters.inspect_line > 2 * parameters.dir_n * parameters.dir_n)
+    throw_error(ErrorClass::usage, "virtual_light_field: inspect_line={} with dir_n={}: lines are 0 to {}",
+                parameters.inspect_line, parameters.dir_n, 2 * parameters.dir_n * parameters.dir_n);
   if (!parameters.split_layers && parameters.eye_glossy == EyeLobes::vlf)
     throw Error(ErrorClass::usage,
                 "virtual_light_field: eye_glossy=vlf needs the direct light of tiles apart; set split_layers=on");
@@ -59,9 +62,13 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
   const Plan plan = make_plan(parameters, scene, settings);
   if (plan.traced && !scene.lights.empty() && parameters.eye_direct == EyeDirect::atlas)
     list.push_back("point, spot and directional lights make no highlights (eye_direct=atlas with eye_glossy=trace)");
-  if (plan.lobes && scene.lights.size() > LightField::kMaxLights)
+  if (plan.lobes && scene.lights.size() > CellScatter::kMaxLights)
     list.push_back(fmt::format("{} of {} point, spot and directional lights make no highlights on rough metal",
-                               scene.lights.size() - LightField::kMaxLights, scene.lights.size()));
+                               scene.lights.size() - CellScatter::kMaxLights, scene.lights.size()));
+  if (plan.lobes && parameters.scatter == ScatterMode::splat_raw)
+    list.push_back("light by mirrors and glass is uneven: its power is kept, not its radiance (scatter=splat_raw)");
+  if (plan.field && settings.max_bounces < 0 && !parameters.tail)
+    list.push_back("unlimited bounces end early, without what is missing (tail=off)");
   if (parameters.weak_lobes == WeakLobes::drop && plan.lobes && parameters.tile_albedo < 1)
     list.push_back("specular lobes below tile_albedo scatter no light on (weak_lobes=drop)");
   return list;

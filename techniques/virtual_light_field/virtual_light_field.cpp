@@ -25,22 +25,26 @@
 //   section 2.1, tiles of cells, L_s (figure 3)         shared/field.h; tiles/film_cells.clh: film_radiance()
 //   section 3.1, sparse tiles (figure 4)                tiles/build_maps.cl: mark_tiles()
 //   section 3.1, locating a tile (figure 4)             tiles/film_cells.clh: find_cell()
-//   section 3.1, maps: current, next, total             field/light_field.h: sent_, incoming_, total_
+//   section 2.1, a parallel subfield as an image        pixels/show_subfield.cl: show_subfield()
+//   section 3.1, maps: current, next, total             tiles/cell_buffers.h: sent, incoming, total
 //   section 3.2, senders and receivers (figure 5)       exchange/exchange_line.cl: layered_ray_crosses(): both ways at
 //                                                       once, over fragments in depth order
+//   section 3.2, sorted in advance                      exchange/exchange_line.cl: exchange_kept_line()
 //   section 3.3, radiance interface (RI), transport     exchange/exchange_line.cl: receive(), field_end();
 //                                                       scatter/fold_sides.cl: fold_sides()
 //   section 3.3, skylight (figure 6)                    exchange/exchange_line.cl: layered_ray_begins(),
 //                                                       layered_ray_ends()
 //   section 3.4, non-diffuse scattering (figure 7)      scatter/scatter_cells.cl: scattered_light(); unshot radiance:
-//                                                       cURM, nURM: field/light_field.h: sent_, incoming_
+//                                                       cURM, nURM: tiles/cell_buffers.h: sent, incoming;
+//                                                       scatter/splat_lobes.clh: splat_weight()
+//   section 3.5, virtual directions                     directions/direction_grid.cpp: directions_about();
+//                                                       exchange/perturbed_ends.clh: facet_sends(), add_to_cell()
 //   section 4, rendering, barycentric weights           directions/direction_grid.clh: look_up_direction();
-//                                                       pixels/field_lookup.clh: facet_radiance();
+//                                                       tiles/field_lookup.clh: facet_radiance();
 //                                                       pixels/show_field.cl: show_field()
 //
-// Not in the source: faces sorted in advance (section 3.2: painter's algorithm, Newell, merging, BSP), since
-// lucarium/services/layered_raster sorts the fragments of each pixel; virtual, perturbed directions (section 3.5);
-// splats into the nearest three directions; packed storage.
+// Not in the source: the painter's algorithm with Newell's sort, merging and BSP trees (section 3.2), since
+// lucarium/services/layered_raster sorts the fragments of each pixel.
 //
 // Not in the paper: the tail, light samples (direct_mode=nee), rays from pixels (pixels/trace_lobes.cl), glossy lobes
 // by gathers with normalised weights, patches that are not planar, accessibility (texel_sides/side_accessibility.h).
@@ -68,6 +72,11 @@ uint64_t saved_texels(const StateReader& state) {
   return texels;
 }
 
+/// A depth behind all of the scene, along any direction [m].
+float depth_beyond(const Bounds& bounds) {
+  return glm::length(0.5f * (bounds.min + bounds.max)) + 1.01f * bounds.radius() + 1e-3f;
+}
+
 class VirtualLightField : public TechniqueBase<Parameters> {
  public:
   PathSet path_set(const Scene& scene, const RenderSettings& settings) const override {
@@ -86,16 +95,22 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return vlf::savings(); }
 
   std::string state_refusal() const override { return {}; }
-  std::vector<std::string> parameters_of_view() const override { return {"camera_samples", "eye_interp"}; }
+  std::vector<std::string> parameters_of_view() const override {
+    return {"camera_samples", "eye_interp", "inspect_line"};
+  }
 
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> result;
     if (view_) result["lobe_rays"] = static_cast<double>(view_->rays());
     if (!field_) return result;
-    result["lines"] = static_cast<double>(field_->lines_drawn());
-    result["film_pixels"] = field_->film_pixels();
+    const LightField::Counts counts = field_->counts();
+    result["lines"] = static_cast<double>(counts.films);
+    result["kept_lines"] = static_cast<double>(counts.kept_films);
+    result["film_pixels"] = counts.film_pixels;
     result["cells"] = field_->maps().cells();
-    result["cells_scattered"] = static_cast<double>(field_->cells_scattered());
+    result["cells_scattered"] = static_cast<double>(counts.cells_scattered);
+    result["propagating_bytes"] = static_cast<double>(counts.propagating_bytes);
+    result["rendering_bytes"] = static_cast<double>(counts.rendering_bytes);
     result["sweeps"] = field_->sweeps();
     result["facets"] = field_->maps().info().facets;
     result["sides"] = surfaces_->atlas.info().texel_count;
@@ -167,6 +182,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     options.nearest = parameters_.eye_interp == EyeInterpolation::nearest;
     options.fold = plan_.fold;
     options.max_bounces = plan_.max_bounces;
+    options.inspect_line = parameters_.inspect_line;
+    options.reach = depth_beyond(scene().bounds());
     view_ = std::make_unique<FieldView>(device(), scheduler(), scene_buffers(), bvh(),
                                         surfaces_ ? &surfaces_->atlas : nullptr,
                                         surfaces_ ? &surfaces_->patches : nullptr, field_.get(), frame(), options);
@@ -192,18 +209,11 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   bool lit() const { return surfaces_->light.complete(); }
 
   void make_field() {
-    LightField::Options options;
-    options.dir_n = static_cast<uint32_t>(parameters_.dir_n);
+    LightField::Options options = field_options(plan_, parameters_);
     options.film = surfaces_->film;
     options.seed = full_seed();
     options.line_seed = seed();
-    options.max_bounces = plan_.max_bounces;
-    options.sampled = plan_.sampled;
-    options.scatter_last = parameters_.eye_glossy == EyeLobes::vlf || (plan_.first_surface && plan_.max_bounces < 0);
-    options.split = parameters_.split_layers;
-    options.fold = plan_.fold;
-    options.tail = parameters_.tail;
-    options.residual = static_cast<double>(parameters_.residual);
+    options.loaded = context().state != nullptr;
     field_ = std::make_unique<LightField>(device(), scheduler(), scene(), scene_buffers(), bvh(), surfaces_->atlas,
                                           surfaces_->patches, surfaces_->raster, surfaces_->interior,
                                           surfaces_->accessibility, surfaces_->light.light_samples(), options);

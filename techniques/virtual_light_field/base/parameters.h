@@ -9,6 +9,9 @@ enum class WeakLobes { fold, drop };
 enum class EyeDirect { samples, atlas };
 enum class EyeLobes { trace, vlf };
 enum class EyeInterpolation { bary, nearest };
+enum class SendInterpolation { bary, cell };
+enum class ScatterMode { gather, splat, splat_raw };  // in the order of splat_lobes.clh
+enum class Store { tiles, csr };
 enum class Supersample { automatic, one, two, four, eight };
 
 /// Every parameter of the technique, once: default, range, unit and meaning.
@@ -21,8 +24,11 @@ struct Parameters {
   float open_gap = 2;
   int open_rays = 256;
   Supersample supersample = Supersample::automatic;
+  int perturb = 1;
+  SendInterpolation send_interp = SendInterpolation::bary;
   float residual = 0.005f;
   bool tail = true;
+  ScatterMode scatter = ScatterMode::gather;
   DirectMode direct_mode = DirectMode::nee;
   bool split_layers = true;
   float tile_albedo = 0.1f;
@@ -32,6 +38,9 @@ struct Parameters {
   EyeLobes eye_glossy = EyeLobes::trace;
   EyeInterpolation eye_interp = EyeInterpolation::bary;
   float patch_cone = 30;
+  Store store = Store::tiles;
+  int cache_visibility = 512;
+  int inspect_line = -1;
   int camera_samples = 64;
 
   template <class V>
@@ -58,9 +67,20 @@ struct Parameters {
               {"4", Supersample::four},
               {"8", Supersample::eight}},
              "pixels per edge of a cell; auto: as pixel_size says");
+    v.number("perturb", perturb, 1, 256, "",
+             "directions that stand for each direction of the grid, drawn about it; time grows with it, memory does "
+             "not (paper: 1, 36)");
+    v.choice(
+        "send_interp", send_interp, {{"bary", SendInterpolation::bary}, {"cell", SendInterpolation::cell}},
+        "what specular surfaces send with perturb above 1: the three directions around (bary), or the cell (paper)");
     v.number("residual", residual, 0.f, 1.f, "",
              "bound of the relative error of unlimited bounces at which propagation ends; 0: never");
     v.flag("tail", tail, "add the bounces that are missing when propagation ends as a geometric series (paper: off)");
+    v.choice(
+        "scatter", scatter,
+        {{"gather", ScatterMode::gather}, {"splat", ScatterMode::splat}, {"splat_raw", ScatterMode::splat_raw}},
+        "ideal lobes: each direction gathers (gather), or each spreads over three, with weights normalised (splat) "
+        "or not (splat_raw, paper)");
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "direct light of emissive surfaces and the environment: light samples (nee) or propagation (exchange, "
              "paper)");
@@ -80,12 +100,20 @@ struct Parameters {
              "directions that a look-up of tiles mixes: the three around it (bary), or the nearest");
     v.number("patch_cone", patch_cone, 0.f, 60.f, "degrees",
              "maximum angle between normals of a patch and that of its largest triangle; 0: planar patches (paper)");
+    v.choice("store", store, {{"tiles", Store::tiles}, {"csr", Store::csr}},
+             "cells of a surface on a film: square tiles (tiles, paper), or rows of cells from edge to edge (csr)");
+    v.number("cache_visibility", cache_visibility, 0, 1 << 20, "MiB",
+             "memory for fragments of films that are kept from sweep to sweep (paper: sorted lists); 0: none");
+    v.number("inspect_line", inspect_line, -1, 8192, "",
+             "line whose film is shown as layer subfield, of 0 to 2 n^2: what leaves the scene along it; -1: none");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged");
     v.presets({{"paper",
-                {{"direct_mode", "exchange"},
-                 {"open_gap", "0"},
+                {{"send_interp", "cell"},
                  {"tail", "off"},
+                 {"scatter", "splat_raw"},
+                 {"direct_mode", "exchange"},
+                 {"open_gap", "0"},
                  {"eye_direct", "atlas"},
                  {"eye_specular", "vlf"},
                  {"eye_glossy", "vlf"},

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <random>
 
+#include "lucarium/shared/hash.h"
+#include "lucarium/shared/sobol_points.h"
+
 namespace lucarium::vlf {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr uint64_t kRotationStream = 0x726f7461;
-constexpr uint64_t kFilmStream = 0x66696c6d;
+constexpr uint64_t kFilmStream = 0x66696c6d, kPerturbedStream = 0x70657274;
 
 /// Of [0, 1), the same on every machine.
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
@@ -55,6 +58,32 @@ Node antipode(Node node, int n) {
   return {-sign(node.u) * (n - std::abs(node.v)), -sign(node.v) * (n - std::abs(node.u))};
 }
 
+/// The same point of the sphere within the square, of one that lies beyond its border.
+glm::dvec2 fold(glm::dvec2 at, double n) {
+  if (std::abs(at.x) > n) at = {std::copysign(2 * n - std::abs(at.x), at.x), -at.y};
+  if (std::abs(at.y) > n) at = {-at.x, std::copysign(2 * n - std::abs(at.y), at.y)};
+  return at;
+}
+
+/// A film across `z`.
+FieldLine make_line(const glm::dvec3& z, double solid_angle, const Bounds& bounds, uint32_t film, double cell,
+                    std::mt19937_64& random) {
+  const glm::dvec3 center = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
+  const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+  const glm::dvec3 u = glm::normalize(glm::cross(helper, z)), v = glm::cross(z, u);
+  const double angle = 2 * kPi * uniform(random);
+  const glm::dvec3 x = std::cos(angle) * u + std::sin(angle) * v, y = glm::cross(z, x);
+  const auto row = [&](const glm::dvec3& axis, double size, double shift) {
+    return float4(glm::vec3(axis / size), static_cast<float>(shift - glm::dot(axis, center) / size));
+  };
+  FieldLine result;
+  result.omega = float4(glm::vec3(z), static_cast<float>(solid_angle));
+  result.row_x = row(x, cell, 0.5 * film + uniform(random) - 0.5);
+  result.row_y = row(y, cell, 0.5 * film + uniform(random) - 0.5);
+  result.row_w = row(z, 1, 0);
+  return result;
+}
+
 }  // namespace
 
 DirectionGrid::DirectionGrid(uint32_t n, uint64_t seed) : n_(n), rotation_(random_rotation(seed)) {
@@ -69,6 +98,7 @@ DirectionGrid::DirectionGrid(uint32_t n, uint64_t seed) : n_(n), rotation_(rando
         const auto line = static_cast<uint32_t>(omegas_.size());
         nodes_[at(node)] = 2 * line;
         nodes_[at(canonical(antipode(node, size), size))] = 2 * line + 1;
+        places_.emplace_back(node.u, node.v);
         omegas_.push_back(to_world *
                           sphere_point(static_cast<double>(node.u) / size, static_cast<double>(node.v) / size));
         const bool corner = (node.u == 0 || std::abs(node.u) == size) && (node.v == 0 || std::abs(node.v) == size);
@@ -85,27 +115,59 @@ glm::dvec3 DirectionGrid::direction(uint32_t index) const {
 double DirectionGrid::spacing(uint32_t n) { return std::sqrt(4 * kPi / (4. * n * n + 2)); }
 double DirectionGrid::spacing() const { return spacing(n_); }
 
+double DirectionGrid::hat(uint32_t direction, const glm::dvec2& at) const {
+  const int n = static_cast<int>(n_), side = 2 * n + 1;
+  const glm::dvec2 from = at + static_cast<double>(n);
+  const int i = std::min(static_cast<int>(from.x), 2 * n - 1), j = std::min(static_cast<int>(from.y), 2 * n - 1);
+  const double x = from.x - i, y = from.y - j;
+  double result = 0;
+  const auto add = [&](int di, int dj, double weight) {
+    if (nodes_[static_cast<size_t>(j + dj) * side + (i + di)] == direction) result += weight;
+  };
+  if ((i >= n) == (j >= n)) {  // split along i + j = const
+    const bool lower = x + y < 1;
+    add(lower ? 0 : 1, lower ? 0 : 1, std::abs(1 - x - y));
+    add(1, 0, lower ? x : 1 - y);
+    add(0, 1, lower ? y : 1 - x);
+  } else {  // along i - j = const
+    add(0, 0, 1 - std::max(x, y));
+    add(x > y ? 1 : 0, x > y ? 0 : 1, std::abs(x - y));
+    add(1, 1, std::min(x, y));
+  }
+  return result;
+}
+
+std::vector<glm::dvec3> DirectionGrid::directions_about(uint32_t line, uint32_t count, uint64_t seed) const {
+  const uint32_t own = hash_uint3(static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32), line);
+  const uint4 seeds{hash_uint2(own, 1), hash_uint2(own, 2), hash_uint2(own, 3), 0};
+  const glm::dmat3 to_world = glm::transpose(rotation_);
+  const double n = n_;
+  std::vector<glm::dvec3> result;
+  for (uint32_t i = 0; result.size() < count; ++i) {
+    const uint4 point = reverse_bits4(owen_scramble_reversed(sobol_reversed(i), seeds));
+    const auto unit = [](uint32_t bits) { return (static_cast<double>(bits) + 0.5) * 0x1p-32; };
+    const glm::dvec2 at = fold(places_[line] + 2. * glm::dvec2(unit(point.x), unit(point.y)) - 1., n);
+    if (unit(point.z) < hat(2 * line, at)) result.push_back(to_world * sphere_point(at.x / n, at.y / n));
+  }
+  return result;
+}
+
 std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t film, double cell,
                                   uint64_t seed) {
   std::mt19937_64 random(seed ^ kFilmStream);
-  const glm::dvec3 center = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
   std::vector<FieldLine> lines;
-  for (uint32_t line = 0; line < grid.lines(); ++line) {
-    const glm::dvec3 z = grid.direction(2 * line);
-    const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
-    const glm::dvec3 u = glm::normalize(glm::cross(helper, z)), v = glm::cross(z, u);
-    const double angle = 2 * kPi * uniform(random);
-    const glm::dvec3 x = std::cos(angle) * u + std::sin(angle) * v, y = glm::cross(z, x);
-    const auto row = [&](const glm::dvec3& axis, double size, double shift) {
-      return float4(glm::vec3(axis / size), static_cast<float>(shift - glm::dot(axis, center) / size));
-    };
-    FieldLine result;
-    result.omega = float4(glm::vec3(z), static_cast<float>(grid.solid_angle(2 * line)));
-    result.row_x = row(x, cell, 0.5 * film + uniform(random) - 0.5);
-    result.row_y = row(y, cell, 0.5 * film + uniform(random) - 0.5);
-    result.row_w = row(z, 1, 0);
-    lines.push_back(result);
-  }
+  for (uint32_t line = 0; line < grid.lines(); ++line)
+    lines.push_back(make_line(grid.direction(2 * line), grid.solid_angle(2 * line), bounds, film, cell, random));
+  return lines;
+}
+
+std::vector<FieldLine> make_perturbed_lines(const DirectionGrid& grid, uint32_t count, const Bounds& bounds,
+                                            uint32_t film, double cell, uint64_t seed) {
+  std::mt19937_64 random(seed ^ kPerturbedStream);
+  std::vector<FieldLine> lines;
+  for (uint32_t line = 0; line < grid.lines(); ++line)
+    for (const glm::dvec3& direction : grid.directions_about(line, count, seed ^ kPerturbedStream))
+      lines.push_back(make_line(direction, grid.solid_angle(2 * line) / count, bounds, film, cell, random));
   return lines;
 }
 

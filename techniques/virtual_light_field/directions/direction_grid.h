@@ -31,6 +31,11 @@ class DirectionGrid {
   double solid_angle(uint32_t index) const { return solid_angles_[index / 2]; }
   /// Direction of each node of the square, (2 n + 1)², row by row.
   const std::vector<uint32_t>& nodes() const { return nodes_; }
+  /// `count` directions about that of direction 2 · line, with the density h / ∫ h, h its hat function: perturbed
+  /// directions (Mortensen et al. 2007, section 3.5; there uniform over the solid angle of the direction). Those of all
+  /// lines and their opposites cover the sphere uniformly when they count ∫ h / count each. Rejection of Owen-scrambled
+  /// Sobol points, whose scrambling `seed` and the line decide.
+  std::vector<glm::dvec3> directions_about(uint32_t line, uint32_t count, uint64_t seed) const;
   /// World to the axes of the grid.
   const glm::dmat3& rotation() const { return rotation_; }
   /// Distance between neighbours [rad]: δ = √(4 π / directions).
@@ -38,9 +43,13 @@ class DirectionGrid {
   static double spacing(uint32_t n);
 
  private:
+  /// Of a direction, at a point of the square in units of its cells, [-n, n]².
+  double hat(uint32_t direction, const glm::dvec2& at) const;
+
   uint32_t n_;
   glm::dmat3 rotation_{1};
   std::vector<glm::dvec3> omegas_;  ///< per line
+  std::vector<glm::dvec2> places_;  ///< per line: one of its nodes, in units of cells
   std::vector<double> solid_angles_;
   std::vector<uint32_t> nodes_;
 };
@@ -49,5 +58,10 @@ class DirectionGrid {
 /// `seed`: as of the grid.
 std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t film, double cell,
                                   uint64_t seed);
+
+/// The same of `count` directions about each line, those of a line behind each other. omega.w is its share of the
+/// line's solid angle.
+std::vector<FieldLine> make_perturbed_lines(const DirectionGrid& grid, uint32_t count, const Bounds& bounds,
+                                            uint32_t film, double cell, uint64_t seed);
 
 }  // namespace lucarium::vlf

@@ -6,6 +6,9 @@
 #include "lucarium/services/texel_sides/side_parts.clh"
 #include "lucarium/shared/surface_atlas.h"
 #include "virtual_light_field/shared/field.h"
+#ifdef FIELD_PERTURBED
+#include "virtual_light_field/exchange/perturbed_ends.clh"
+#endif
 
 typedef struct Exchange {
   const __global AtlasTriangle* atlas_triangles;
@@ -18,14 +21,18 @@ typedef struct Exchange {
   const __global float2* interior;  // y: what a ray counts that meets a back
   __global float4* records;         // fold_sides.cl
   const __global uint* sent;        // RGB9E5 per cell: what leaves towards its direction, times scale
-  __global float4* received;        // of the line's cells, from first_cell on: sum of radiance, rays
-  uint first_cell;
+  uint first_cell;                  // of the line
   float inverse_scale;
-  float weight;                // solid angle of either direction [sr]
+  float weight;                // solid angle that the rays of either direction stand for [sr]
   float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
 #ifdef FIELD_MEDIA
   const __global float4* extinction;  // per texel side, of the volume behind it [1/m]
   float step;                         // of LAYERED_KEY_DEPTH [m]
+#endif
+#ifdef FIELD_PERTURBED
+  PerturbedLine perturbed;
+#else
+  __global float4* received;  // of the line's cells: sum of radiance, rays
 #endif
 } Exchange;
 
@@ -36,6 +43,10 @@ void bundle_expect(Exchange* exchange, uint texel) {
   LUCARIUM_PREFETCH(exchange->records + 2u * (size_t)texel);
   LUCARIUM_PREFETCH(exchange->accessibility + (size_t)texel * SIDE_PART_WORDS);
 }
+
+#include "lucarium/services/layered_raster/kept_rows.clh"
+
+void layered_expect(Exchange* exchange, uint payload) { bundle_expect(exchange, payload & BUNDLE_TEXEL); }
 
 // One end of a ray in the scene.
 typedef struct FieldEnd {
@@ -55,12 +66,20 @@ FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint
   if (end.side == LUCARIUM_NONE) return result;
   const float4 record = exchange->records[2u * (size_t)end.side];
   result.weight = exchange->weight * part_accessibility(exchange->accessibility, end.side, end.part);
-  result.cell = line_cell(exchange, as_uint(record.w), pixel, backwards);
   result.leaves = record.xyz;
+#ifdef FIELD_PERTURBED
+  const uint facet = as_uint(record.w);
+  if (facet == LUCARIUM_NONE) return result;
+  const float3 hit = ray_hit(&exchange->perturbed, end.side, pixel);
+  result.cell = cell_of_point(&exchange->perturbed, facet, backwards, hit);
+  result.leaves += facet_sends(&exchange->perturbed, exchange->sent, facet, result.cell, backwards, hit);
+#else
+  result.cell = line_cell(exchange, as_uint(record.w), pixel, backwards);
   if (result.cell != LUCARIUM_NONE) {
     const uint bits = exchange->sent[result.cell];
     if (bits != FIELD_NO_CELL) result.leaves += exchange->inverse_scale * unpack_rgb9e5(bits);
   }
+#endif
   return result;
 }
 
@@ -68,7 +87,12 @@ FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint
 void receive(Exchange* exchange, FieldEnd end, float3 radiance, float rays) {
   if (end.side == LUCARIUM_NONE) return;
   exchange->records[2u * (size_t)end.side + 1u] += end.weight * (float4)(radiance, rays);
-  if (end.cell != LUCARIUM_NONE) exchange->received[end.cell - exchange->first_cell] += (float4)(radiance, rays);
+  if (end.cell == LUCARIUM_NONE) return;
+#ifdef FIELD_PERTURBED
+  add_to_cell(&exchange->perturbed, end.cell - exchange->first_cell, radiance, rays);
+#else
+  exchange->received[end.cell - exchange->first_cell] += (float4)(radiance, rays);
+#endif
 }
 
 void layered_ray_begins(Exchange* exchange, uint2 pixel, uint payload, bool front) {
@@ -100,37 +124,74 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
   receive(exchange, field_end(exchange, fragment_side(exchange, payload, front), pixel, 0u), exchange->from_far, 1.0f);
 }
 
-// ends: radiance that enters along omega, and along -omega.
-__kernel void exchange_line(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle* atlas_triangles,
-                            __global const uint* atlas_table, FieldInfo info, uint line, uint first_cell, uint shift,
-                            __global const FieldMap* maps, __global const uint* tile_cells,
-                            __global const uint* accessibility, __global const float2* interior, float weight,
-                            float inverse_scale, __global const float4* ends,
+// What both kernels take besides their rows. ends: radiance that enters along omega, and along -omega. received: of the
+// line's cells float4 (sum of radiance, rays), or FIELD_FIXED_WORDS uints.
 #ifdef FIELD_MEDIA
-                            __global const float4* extinction,
+#define EXCHANGE_MEDIA_PARAMETER __global const float4 *extinction,
+#define EXCHANGE_SET_MEDIA(exchange)   \
+  (exchange)->extinction = extinction; \
+  (exchange)->step = 1.0f / (layered_views[0].depth_scale * 4194304.0f);
+#else
+#define EXCHANGE_MEDIA_PARAMETER
+#define EXCHANGE_SET_MEDIA(exchange)
 #endif
-                            __global const uint* sent, __global float4* records, __global float4* received) {
+#ifdef FIELD_PERTURBED
+#define EXCHANGE_SUMS uint
+#define EXCHANGE_PERTURBED_PARAMETERS \
+  __global const FieldLine *lines, __global const uint *nodes, __global const SurfacePoint *atlas_points, uint cellwise,
+#define EXCHANGE_SET_SUMS(exchange)                                                      \
+  const LightField field = {info, lines, nodes, 0, maps, tile_cells, inverse_scale, 0u}; \
+  const PerturbedLine perturbed = {field,                                                \
+                                   film_of_view(layered_views[0]),                       \
+                                   info.cell / (float)(1u << shift),                     \
+                                   line,                                                 \
+                                   cellwise,                                             \
+                                   1.0f / inverse_scale,                                 \
+                                   atlas_points,                                         \
+                                   received};                                            \
+  (exchange)->perturbed = perturbed;
+#else
+#define EXCHANGE_SUMS float4
+#define EXCHANGE_PERTURBED_PARAMETERS
+#define EXCHANGE_SET_SUMS(exchange) (exchange)->received = received;
+#endif
+#define EXCHANGE_PARAMETERS                                                                                       \
+  AtlasInfo atlas_info, __global const AtlasTriangle *atlas_triangles, __global const uint *atlas_table,          \
+      FieldInfo info, uint line, uint first_cell, uint shift, __global const FieldMap *maps,                      \
+      __global const uint *tile_cells, __global const uint *accessibility, __global const float2 *interior,       \
+      float weight, float inverse_scale, __global const float4 *ends,                                             \
+      EXCHANGE_MEDIA_PARAMETER EXCHANGE_PERTURBED_PARAMETERS __global const uint *sent, __global float4 *records, \
+      __global EXCHANGE_SUMS *received
+#define EXCHANGE_SET(exchange)                                 \
+  (exchange)->atlas_triangles = atlas_triangles;               \
+  (exchange)->atlas_table = atlas_table;                       \
+  (exchange)->double_sided = atlas_info.double_sided_count;    \
+  (exchange)->maps = maps + (size_t)(2u * line) * info.facets; \
+  (exchange)->tile_cells = tile_cells;                         \
+  (exchange)->facets = info.facets;                            \
+  (exchange)->shift = shift;                                   \
+  (exchange)->accessibility = accessibility;                   \
+  (exchange)->interior = interior;                             \
+  (exchange)->records = records;                               \
+  (exchange)->sent = sent;                                     \
+  (exchange)->first_cell = first_cell;                         \
+  (exchange)->inverse_scale = inverse_scale;                   \
+  (exchange)->weight = weight;                                 \
+  (exchange)->from_near = ends[0].xyz;                         \
+  (exchange)->from_far = ends[1].xyz;                          \
+  EXCHANGE_SET_MEDIA(exchange)                                 \
+  EXCHANGE_SET_SUMS(exchange)
+
+__kernel void exchange_line(LAYERED_TILE_PARAMETERS EXCHANGE_PARAMETERS) {
   Exchange exchange;
-  exchange.atlas_triangles = atlas_triangles;
-  exchange.atlas_table = atlas_table;
-  exchange.double_sided = atlas_info.double_sided_count;
-  exchange.maps = maps + (size_t)(2u * line) * info.facets;
-  exchange.tile_cells = tile_cells;
-  exchange.facets = info.facets;
-  exchange.shift = shift;
-  exchange.accessibility = accessibility;
-  exchange.interior = interior;
-  exchange.records = records;
-  exchange.sent = sent;
-  exchange.received = received;
-  exchange.first_cell = first_cell;
-  exchange.inverse_scale = inverse_scale;
-  exchange.weight = weight;
-  exchange.from_near = ends[0].xyz;
-  exchange.from_far = ends[1].xyz;
-#ifdef FIELD_MEDIA
-  exchange.extinction = extinction;
-  exchange.step = 1.0f / (layered_views[layered_view].depth_scale * 4194304.0f);
-#endif
+  EXCHANGE_SET(&exchange);
   LAYERED_RUN_TILES(&exchange);
+}
+
+// The same of a line whose fragments are kept.
+__kernel void exchange_kept_line(LAYERED_KEPT_PARAMETERS __global const LayeredView* layered_views,
+                                 EXCHANGE_PARAMETERS) {
+  Exchange exchange;
+  EXCHANGE_SET(&exchange);
+  LAYERED_WALK_KEPT(&exchange);
 }

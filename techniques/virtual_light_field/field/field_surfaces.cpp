@@ -32,6 +32,7 @@ PatchOptions patch_options(const Parameters& parameters, const FilmPlan& film) {
   options.tile_albedo = static_cast<double>(parameters.tile_albedo);
   options.cone = static_cast<double>(parameters.patch_cone);
   options.tile = static_cast<uint32_t>(parameters.tile);
+  options.rows = parameters.store == Store::csr;
   options.cell = film.cell;
   return options;
 }

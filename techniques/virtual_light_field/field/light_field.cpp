@@ -5,10 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
-#include "lucarium/compute/program/source_library.h"
-#include "lucarium/services/ray_ends.h"
 #include "virtual_light_field/base/field_program.h"
 
 namespace lucarium::vlf {
@@ -16,51 +13,15 @@ namespace {
 
 constexpr double kWorkAtOnce = 4e6;             // pixels of films in a call of advance(), or what takes as long:
 constexpr double kCellWork = 4, kSideWork = 2;  // a cell that is scattered; a texel side at the end of a sweep
-constexpr uint32_t kTilesAtOnce = 1u << 12;     // in a pass
 constexpr uint32_t kMaxSweeps = 256;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMaxPeak = 1e5;   // of highlights, over diffuse light
 constexpr float kMaxStored = 256;  // stored radiance of the brightest sender; bounces add up to 255 times as much
-constexpr const char* kFewerCells = "lower dir_n or cells";
 constexpr const char* kFewerTexels = "lower texels";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
 double brightest(const glm::vec3& c) { return static_cast<double>(std::max(c.x, std::max(c.y, c.z))); }
-
-/// Per texel side the extinction of the volume that it looks into: of backs of refracting volumes. Empty: there is
-/// none.
-std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buffers, const SurfaceAtlas& atlas) {
-  const bool any = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-    return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
-  });
-  if (!any) return {};
-  const std::vector<Material> materials = buffers.scene_materials.download();
-  const std::vector<Instance> instances = buffers.scene_instances.download();
-  const std::vector<Triangle> triangles = buffers.scene_triangles.download();
-  const std::vector<AtlasTexel> texels = atlas.texels().download();
-  const uint32_t backs = atlas.info().double_sided_count;
-  std::vector<float4> result(texels.size());
-  for (uint32_t side = backs; side < 2 * backs; ++side) {
-    const Material& m = materials[instances[triangles[texels[side].triangle].instance].material];
-    if ((m.flags & LUCARIUM_MATERIAL_TRANSMISSIVE) && !(m.flags & LUCARIUM_MATERIAL_THIN))
-      result[side] = float4(m.attenuation.xyz(), 0);
-  }
-  return result;
-}
-
-/// Entries of the light mixture of the brightest punctual lights, which stand there first, without dark ones, in the
-/// order of the scene.
-std::vector<uint32_t> brightest_lights(const Scene& scene) {
-  std::vector<double> intensities;
-  for (const SceneLight& light : scene.lights)
-    if (light.intensity != glm::vec3(0)) intensities.push_back(brightest(light.intensity));
-  std::vector<uint32_t> order(intensities.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return intensities[a] > intensities[b]; });
-  order.resize(std::min<size_t>(order.size(), LightField::kMaxLights));
-  return order;
-}
 
 /// What texel sides reflect diffusely in propagation.
 std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials, const Patches& patches, bool fold) {
@@ -73,6 +34,16 @@ std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials
   return result;
 }
 
+/// Of the scene, every surface once [m²].
+double drawn_area(const SurfaceAtlas& atlas) {
+  const std::vector<AtlasTexel> texels = atlas.texels().download();
+  const uint32_t backs = atlas.info().double_sided_count;
+  double sum = 0;
+  for (uint32_t side = 0; side < texels.size(); ++side)
+    if (side < backs || side >= 2 * backs) sum += static_cast<double>(texels[side].area);
+  return sum;
+}
+
 }  // namespace
 
 LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
@@ -82,12 +53,11 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
                        const Options& options)
     : scheduler_(&scheduler),
       host_scene_(&host_scene),
-      scene_(&scene),
       atlas_(&atlas),
       options_(options),
       grid_(options.dir_n, options.seed),
       maps_(device, scheduler, host_scene, scene, grid_, patches,
-            {options.film.film, options.film.cell, atlas.info().texel_edge, options.seed}),
+            {options.film.film, options.film.cell, atlas.info().texel_edge, options.seed, options.rows}),
       tiled_(maps_.cells() > 0),
       sides_(atlas.info().texel_count),
       light_samples_(light_samples),
@@ -101,32 +71,32 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       shown_(device, technique_name, "displayed indirect light", sides_, kFewerTexels),
       held_(device, technique_name, "light that rays look up", sides_, kFewerTexels),
       shares_(accessibility.shares()),
-      cell_side_(device, technique_name, "texel sides of cells", maps_.cells(), kFewerCells),
-      incoming_(device, technique_name, "light received by cells", maps_.cells(), kFewerCells),
-      sent_(device, technique_name, "light sent by cells", maps_.cells(), kFewerCells),
-      total_(device, technique_name, "light of cells", maps_.cells(), kFewerCells),
-      direct_cells_(device, technique_name, "direct light of cells", options.split ? maps_.cells() : 0, kFewerCells),
-      received_(device, technique_name, "sums of a line's cells", maps_.largest_line(), kFewerCells),
       side_norms_(device, technique_name, "norms of texel sides",
                   size_t{FIELD_NORMS} * divide_up(sides_, FIELD_NORM_CHUNK), kFewerTexels),
-      tile_norms_(device, technique_name, "norms of tiles", size_t{FIELD_NORMS} * maps_.tiles(), kFewerCells),
       norms_(device, technique_name, "norms", FIELD_NORMS),
-      distance_(device, technique_name, "distances of a line's cells", maps_.largest_line(), kFewerCells),
-      views_(device, technique_name, "view of a line", 1),
-      ends_(device, technique_name, "ends of rays", 2),
-      host_lights_(brightest_lights(host_scene)),
-      lights_(device, technique_name, "punctual lights",
-              host_lights_.empty() ? std::vector<uint32_t>{0} : host_lights_),
-      visible_(device, technique_name, "lights that texel sides see", sides_, kFewerTexels),
+      cells_(device, maps_.cells(), options.split, !options.loaded),
       side_program_(make_field_program(device, "scatter/fold_sides")) {
-  const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
-  if (!extinctions.empty())
-    extinction_ = TypedBuffer<float4>(device, technique_name, "extinction at texel sides", extinctions, kFewerTexels);
+  if (options.loaded) {
+    end_propagation();
+    return;
+  }
   record_sides();
-  record_lines(device, raster, interior, accessibility);
+  FilmRuns::Options films;
+  films.film = options.film;
+  films.perturb = options.perturb;
+  films.cellwise = options.cellwise;
+  films.seed = options.seed;
+  films.blend_seed = options.line_seed;
+  if (options.max_bounces < 0 || options.max_bounces >= kKeptBounces)
+    films.cache =
+        std::min(options.cache, KeptRows::estimate_bytes(estimate_fragments(options.dir_n, options.perturb,
+                                                                            options.film.pixel(), drawn_area(atlas))));
+  films_ = std::make_unique<FilmRuns>(device, scheduler, host_scene, scene, grid_, maps_, atlas, raster, interior,
+                                      accessibility, cells_, records_, films);
   if (!tiled_) return;
-  record_scatter(device);
-  if (!host_lights_.empty()) record_visibility(device, intersector);
+  scatter_ = std::make_unique<CellScatter>(
+      device, scheduler, host_scene, scene, intersector, atlas, maps_, cells_, films_->host_films(), side_program_,
+      norms_, CellScatter::Options{options.split, options.scatter, options.perturb, options.line_seed});
 }
 
 // ---- schedules
@@ -181,183 +151,15 @@ void LightField::record_sides() {
   show_ = show.compile();
 }
 
-LightField::LineSchedule LightField::begin_line(ScheduleRecorder& recorder) {
-  LineSchedule line;
-  line.line = recorder.variable("line", 0u);
-  line.first_cell = recorder.variable("first_cell", 0u);
-  line.cells = recorder.variable("count", 0u);
-  return line;
-}
-
-void LightField::record_lines(Device& device, const LayeredRaster& raster, const TexelInterior& interior,
-                              const SideAccessibility& accessibility) {
-  const Program begin(
-      device, SourceLibrary(),
-      {"services/texel_sides/begin_direction", {"lucarium/services/texel_sides/begin_direction.cl"}, {}}),
-      average = make_field_program(device, "exchange/average_line");
-  ScheduleRecorder beginning = scheduler_->record("begin line", technique_name);
-  line_view_ = beginning.variable("view", LayeredView{});
-  line_omega_ = beginning.variable("omega", float4(0, 0, 1, 0));
-  line_emission_ = beginning.variable("emission", 0u);
-  PassBuilder first = beginning.pass("begin line", begin, "begin_direction");
-  scene_->bind(first);
-  first.global(1).local(1).arg("view", line_view_).arg("omega", line_omega_).arg("emission", line_emission_);
-  first.arg("views", views_).arg("ends", ends_);
-  begin_line_ = beginning.compile();
-  std::map<std::string, std::string> defines = raster.defines();
-  const auto bind_line = [&](PassBuilder& pass, const LineSchedule& line) {
-    atlas_->bind(pass);
-    maps_.bind(pass);
-    pass.arg("line", line.line).arg("first_cell", line.first_cell).arg("shift", options_.film.shift);
-  };
-  if (tiled_) {
-    ScheduleRecorder recorder = scheduler_->record("survey of a line", technique_name);
-    LineSchedule line = begin_line(recorder);
-    recorder.pass("clear distances", average, "clear_survey")
-        .global(maps_.largest_line())
-        .arg("count", line.cells)
-        .arg("distances", distance_);
-    const Program program = make_field_program(device, "exchange/survey_line", defines);
-    raster.record_tiles(recorder, "survey", {views_, recorder.variable("view index", 0u)}, program, "survey_line",
-                        [&](PassBuilder& pass) {
-                          bind_line(pass, line);
-                          pass.arg("distances", distance_).arg("cell_side", cell_side_);
-                        });
-    line.schedule = recorder.compile();
-    survey_ = std::move(line);
-  }
-  ScheduleRecorder recorder = scheduler_->record("exchange along a line", technique_name);
-  LineSchedule line = begin_line(recorder);
-  line.weight = recorder.variable("weight", 1.f);
-  line.scale = recorder.variable("scale", 1.f);
-  line.inverse_scale = recorder.variable("inverse_scale", 1.f);
-  if (extinction_) defines["FIELD_MEDIA"] = "";
-  const Program program = make_field_program(device, "exchange/exchange_line", defines);
-  raster.record_tiles(recorder, "exchange", {views_, recorder.variable("view index", 0u)}, program, "exchange_line",
-                      [&](PassBuilder& pass) {
-                        bind_line(pass, line);
-                        pass.arg("accessibility", accessibility.parts())
-                            .arg("interior", interior.shares())
-                            .arg("weight", line.weight)
-                            .arg("inverse_scale", line.inverse_scale)
-                            .arg("ends", ends_)
-                            .arg("sent", sent_)
-                            .arg("records", records_)
-                            .arg("received", received_);
-                        if (extinction_) pass.arg("extinction", extinction_);
-                      });
-  if (tiled_)
-    recorder.pass("average cells", average, "average_line")
-        .global(maps_.largest_line())
-        .arg("count", line.cells)
-        .arg("first_cell", line.first_cell)
-        .arg("scale", line.scale)
-        .arg("received", received_)
-        .arg("incoming", incoming_);
-  line.schedule = recorder.compile();
-  line_ = std::move(line);
-}
-
-void LightField::record_scatter(Device& device) {
-  const Program program = make_field_program(device, "scatter/scatter_cells");
-  ScheduleRecorder recorder = scheduler_->record("scatter", technique_name);
-  scatter_first_ = recorder.variable("first_tile", 0u);
-  scatter_end_ = recorder.variable("tiles", 0u);
-  scatter_sweep_ = recorder.variable("sweep", 0u);
-  scatter_scale_ = recorder.variable("inverse_scale", 1.f);
-  field_scale_ = recorder.variable("scale", 1.f);
-  PassBuilder pass = recorder.pass("scatter", program, "scatter_cells");
-  scene_->bind(pass);
-  atlas_->bind(pass);
-  maps_.bind(pass);
-  pass.global(std::min(kTilesAtOnce, maps_.tiles()))
-      .local(1)
-      .arg("tile_list", maps_.tile_list())
-      .arg("first_tile", scatter_first_)
-      .arg("tiles", scatter_end_)
-      .arg("sweep", scatter_sweep_)
-      .arg("split", options_.split ? 1u : 0u)
-      .arg("inverse_scale", scatter_scale_)
-      .arg("lights", lights_)
-      .arg("visible", visible_)
-      .arg("scale", field_scale_)
-      .arg("cell_side", cell_side_)
-      .arg("incoming", incoming_)
-      .arg("sent", sent_)
-      .arg("total", total_)
-      .arg("direct", direct_cells_)
-      .arg("norms", tile_norms_);
-  scatter_ = recorder.compile();
-
-  ScheduleRecorder sums = scheduler_->record("norms of cells", technique_name);
-  sums.pass("sum norms", side_program_, "sum_norms")
-      .global(FIELD_NORMS)
-      .arg("chunks", maps_.tiles())
-      .arg("partial", tile_norms_)
-      .arg("norms", norms_);
-  sum_tiles_ = sums.compile();
-
-  ScheduleRecorder totals = scheduler_->record("totals of cells", technique_name);
-  cell_tail_ = totals.variable("tail", float4{});
-  cell_sweep_ = totals.variable("sweep", 0u);
-  totals.pass("add cells", program, "add_cells")
-      .global(maps_.cells())
-      .arg("count", maps_.cells())
-      .arg("sweep", cell_sweep_)
-      .arg("split", options_.split ? 1u : 0u)
-      .arg("tail", cell_tail_)
-      .arg("sent", sent_)
-      .arg("direct", direct_cells_)
-      .arg("total", total_);
-  add_cells_ = totals.compile();
-}
-
-void LightField::record_visibility(Device& device, const Intersector& intersector) {
-  const Program program = make_field_program(device, "scatter/light_visibility", ray_end_defines(intersector));
-  ScheduleRecorder recorder = scheduler_->record("visibility of lights", technique_name);
-  seen_light_ = recorder.variable("light", 0u);
-  seen_bit_ = recorder.variable("bit", 0u);
-  const BufferRef rays = recorder.transient<Ray>("rays to a light", sides_, kFewerTexels),
-                  ends = transient_ray_ends(recorder, intersector, "ends of rays to a light", sides_),
-                  occluded = recorder.transient<uint32_t>("occluded", sides_, kFewerTexels);
-  PassBuilder aim = recorder.pass("aim at light", program, "aim_at_light");
-  scene_->bind(aim);
-  atlas_->bind(aim);
-  maps_.bind(aim);
-  aim.global(sides_)
-      .arg("sides", sides_)
-      .arg("light", seen_light_)
-      .arg("seed", options_.line_seed)
-      .arg("rays", rays)
-      .arg_if_present("ends", ends);
-  count_ = TypedBuffer<uint32_t>(device, technique_name, "number of texel sides", std::vector<uint32_t>{sides_});
-  intersector.record_any(recorder, "shadow rays", {rays, count_, 0, sides_, ends}, occluded);
-  recorder.pass("see light", program, "see_light")
-      .global(sides_)
-      .arg("sides", sides_)
-      .arg("bit", seen_bit_)
-      .arg("rays", rays)
-      .arg("occluded", occluded)
-      .arg("visible", visible_);
-  see_ = recorder.compile();
-}
-
 // ---- propagation
 
 void LightField::begin() {
   find_scale();
   scheduler_->run_to_end(emit_);
   scheduler_->finish();
-  if (tiled_) {
-    cell_side_.upload(std::vector<uint32_t>(maps_.cells(), LUCARIUM_NONE));
-    sent_.upload(std::vector<uint32_t>(maps_.cells(), FIELD_NO_CELL));
-    total_.upload(std::vector<uint32_t>(maps_.cells(), FIELD_NO_CELL));
-    if (options_.split) direct_cells_.upload(std::vector<uint32_t>(maps_.cells(), FIELD_NO_CELL));
-    stage_ = Stage::survey;
-  } else {
-    stage_ = Stage::transport;
-  }
-  next_light_ = next_line_ = next_tile_ = sweep_ = shown_sweeps_ = 0;
+  if (scatter_) scatter_->begin();
+  stage_ = tiled_ ? Stage::survey : films_->keeps() ? Stage::keep : Stage::transport;
+  next_film_ = sweep_ = shown_sweeps_ = 0;
   begun_ = true;
 }
 
@@ -373,7 +175,7 @@ void LightField::find_scale() {
     // Of a punctual light, rough metal sends as much as its lobe is narrow, D(n) = 1 / (pi alpha^2).
     const auto alpha = static_cast<double>(materials[side].diffuse.w);
     const double peak =
-        host_lights_.empty() || !tiled_ || alpha == 0 ? 1 : std::clamp(1 / (alpha * alpha), 1., kMaxPeak);
+        !scatter_ || !scatter_->has_lights() || alpha == 0 ? 1 : std::clamp(1 / (alpha * alpha), 1., kMaxPeak);
     largest = std::max(largest, peak * brightest(samples[side].xyz()) / static_cast<double>(samples[side].w) / kPi);
   }
   if (const auto& sky = host_scene_->environment) {
@@ -389,11 +191,8 @@ void LightField::find_scale() {
 
 bool LightField::advance() {
   if (!begun_) begin();
-  for (; next_light_ < host_lights_.size() && see_; ++next_light_) {
-    see_.set(seen_light_, host_lights_[next_light_]);
-    see_.set(seen_bit_, next_light_);
-    if (scheduler_->run(see_) == RunResult::cancelled) return false;
-  }
+  while (scatter_ && !scatter_->sees_all())
+    if (!scatter_->see_light()) return false;
   for (double work = kWorkAtOnce; work > 0 && !done();) {
     if (stage_ == Stage::scatter) {
       work -= kCellWork * scatter_tiles();
@@ -401,57 +200,37 @@ bool LightField::advance() {
     }
     // Sampled direct light needs no first sweep, unless facets reflect emitters and sky.
     const bool known = stage_ == Stage::transport && sweep_ == 0 && options_.sampled && !tiled_;
-    if (!known && next_line_ < grid_.lines()) {
-      if (!run_line()) return false;
-      work -= std::ldexp(1., static_cast<int>(2 * options_.film.shift)) * options_.film.film * options_.film.film;
+    if (!known && next_film_ < (stage_ == Stage::survey ? films_->lines() : films_->films())) {
+      if (!run_film()) return false;
+      ++next_film_;
+      work -= films_->pixels();
       continue;
     }
-    next_line_ = 0;
     work -= kSideWork * sides_;
-    if (stage_ == Stage::survey)
-      stage_ = Stage::transport;
-    else
-      end_sweep();
+    end_films();
   }
   return true;
 }
 
-bool LightField::run_line() {
-  LineSchedule& line = stage_ == Stage::survey ? survey_ : line_;
-  const uint32_t index = next_line_;
-  const FieldLine& frame = maps_.host_lines()[index];
-  const auto pixels = static_cast<float>(1u << options_.film.shift);
-  const auto times = [&](const float4& row) {
-    return float4(row.x * pixels, row.y * pixels, row.z * pixels, row.w * pixels);
-  };
-  const Bounds bounds = host_scene_->bounds();
-  const double range = 2.002 * static_cast<double>(bounds.radius()) + 1e-6;
-  LayeredView view{};
-  view.row_x = times(frame.row_x);
-  view.row_y = times(frame.row_y);
-  view.row_w = frame.row_w;
-  view.depth_min = static_cast<float>(-0.5 * range);
-  view.depth_scale = static_cast<float>(1 / range);
-  view.width = view.height = options_.film.film << options_.film.shift;
-  view.seed = options_.line_seed + index * 0x9e3779b9u;
-  const std::vector<uint32_t>& first = maps_.first_cells();
-  begin_line_.set(line_view_, view);
-  begin_line_.set(line_omega_, float4(frame.omega.xyz(), 0.f));
-  begin_line_.set(line_emission_, sweep_ == 0 ? 1u : 0u);
-  if (scheduler_->run(begin_line_) == RunResult::cancelled) return false;
-  line.schedule.set(line.line, index);
-  line.schedule.set(line.first_cell, first[2 * index]);
-  line.schedule.set(line.cells, first[2 * index + 2] - first[2 * index]);
-  if (stage_ == Stage::transport) {
-    line.schedule.set(line.weight, frame.omega.w);
-    line.schedule.set(line.scale, scale_);
-    line.schedule.set(line.inverse_scale, 1 / scale_);
+bool LightField::run_film() {
+  switch (stage_) {
+    case Stage::survey: return films_->survey(next_film_);
+    case Stage::keep: return films_->keep(next_film_);
+    default: return films_->exchange(next_film_, sweep_ == 0, scale_);
   }
-  scheduler_->run_to_end(line.schedule);  // half a line would be counted twice
-  ++next_line_;
-  ++lines_drawn_;
-  film_pixels_ += static_cast<double>(view.width) * view.height;
-  return true;
+}
+
+/// All films have been run through.
+void LightField::end_films() {
+  next_film_ = 0;
+  if (stage_ == Stage::transport)
+    end_sweep();
+  else if (stage_ == Stage::survey && films_->keeps())
+    stage_ = Stage::keep;
+  else {
+    if (stage_ == Stage::keep) films_->end_keeping();
+    stage_ = Stage::transport;
+  }
 }
 
 bool LightField::is_last() const {
@@ -462,7 +241,6 @@ void LightField::end_sweep() {
   fold_.set(fold_sweep_, sweep_);
   scheduler_->run_to_end(fold_);
   side_sums_ = take_norms();
-  next_tile_ = 0;
   if (tiled_ && (!is_last() || options_.scatter_last))
     stage_ = Stage::scatter;
   else
@@ -470,18 +248,8 @@ void LightField::end_sweep() {
 }
 
 double LightField::scatter_tiles() {
-  const uint32_t end = std::min(next_tile_ + kTilesAtOnce, maps_.tiles());
-  scatter_.set(scatter_first_, next_tile_);
-  scatter_.set(scatter_end_, end);
-  scatter_.set(scatter_sweep_, sweep_);
-  scatter_.set(scatter_scale_, 1 / scale_);
-  scatter_.set(field_scale_, scale_);
-  scheduler_->run_to_end(scatter_);  // norms take what was sent before
-  const double cells = static_cast<double>(maps_.cells()) * (end - next_tile_) / maps_.tiles();
-  cells_scattered_ += static_cast<uint64_t>(cells);
-  next_tile_ = end;
-  if (next_tile_ < maps_.tiles()) return cells;
-  scheduler_->run_to_end(sum_tiles_);
+  const double cells = scatter_->scatter(sweep_, scale_);
+  if (!scatter_->complete()) return cells;
   Norms sums = side_sums_;
   const Norms added = take_norms();
   for (size_t k = 0; k < sums.size(); ++k)
@@ -519,20 +287,46 @@ void LightField::finish_sweep(const Norms& norms) {
   show_.set(show_tail_, factor);
   show_.set(show_hold_, is_last() ? 1u : 0u);
   scheduler_->run_to_end(show_);
-  if (stage_ == Stage::scatter) {
-    add_cells_.set(cell_tail_, factor);
-    add_cells_.set(cell_sweep_, sweep_);
-    scheduler_->run_to_end(add_cells_);
-  }
+  if (stage_ == Stage::scatter) scatter_->add(sweep_, factor);
   ++sweep_;
   ++shown_sweeps_;
   stage_ = last ? Stage::done : Stage::transport;
+  if (last) end_propagation();
+}
+
+/// What only propagation needs goes: a walk keeps totals.
+void LightField::end_propagation() {
+  scheduler_->finish();
+  counts_ = counts();
+  films_.reset();
+  scatter_.reset();
+  cells_.end_propagation();
+  maps_.end_propagation();
+  records_ = direct_ = indirect_ = last_ = side_norms_ = {};
+  emit_ = Schedule();
+  fold_ = Schedule();
+  show_ = Schedule();
+}
+
+LightField::Counts LightField::counts() const {
+  Counts result = counts_;
+  const auto cells = size_t{maps_.cells()};
+  const size_t split = options_.split ? kSplitBytes : 0;
+  result.rendering_bytes = maps_.index_bytes() + cells * (sizeof(uint32_t) + split);
+  if (!films_) return result;
+  result.films = films_->drawn();
+  result.film_pixels = films_->drawn_pixels();
+  result.kept_films = films_->kept_films();
+  if (scatter_) result.cells_scattered = scatter_->cells_scattered();
+  result.propagating_bytes =
+      maps_.index_bytes() + cells * (kCellBytes + split) + (scatter_ ? scatter_->norm_bytes() + maps_.list_bytes() : 0);
+  return result;
 }
 
 double LightField::progress() const {
   if (done()) return 1;
   if (!begun_) return 0;
-  const double lines = static_cast<double>(next_line_) / grid_.lines();
+  const double lines = static_cast<double>(next_film_) / films_->films();
   if (options_.max_bounces >= 0) {
     const double all = options_.max_bounces + (tiled_ ? 2. : 1.);
     return std::min((sweep_ + lines + (tiled_ && stage_ != Stage::survey ? 1. : 0.)) / all, 0.99);
@@ -547,6 +341,7 @@ double LightField::progress() const {
 std::string LightField::phase() const {
   switch (stage_) {
     case Stage::survey: return "survey";
+    case Stage::keep: return "fragments";
     case Stage::transport: return fmt::format("sweep {}", sweep_);
     case Stage::scatter: return fmt::format("scatter {}", sweep_);
     case Stage::done: break;
@@ -555,62 +350,37 @@ std::string LightField::phase() const {
 }
 
 void LightField::warm_up() {
+  if (!films_) return;
   scheduler_->warm_up(emit_);
-  scheduler_->warm_up(begin_line_);
-  if (survey_.schedule) scheduler_->warm_up(survey_.schedule);
-  scheduler_->warm_up(line_.schedule);
+  films_->warm_up();
   scheduler_->warm_up(fold_);
   scheduler_->warm_up(show_);
-  if (!tiled_) return;
-  if (see_) scheduler_->warm_up(see_);
-  scheduler_->warm_up(scatter_);
-  scheduler_->warm_up(sum_tiles_);
-  scheduler_->warm_up(add_cells_);
+  if (scatter_) scatter_->warm_up();
 }
 
-// ---- what is saved
-
-namespace {
-
-struct SavedField {
-  float scale;
-  uint32_t shown_sweeps, sweeps, cells;
-};
-
-}  // namespace
-
-void LightField::save(StateWriter& chunks) const {
-  scheduler_->finish();
-  chunks.put_value("field", SavedField{scale_, shown_sweeps_, sweep_, maps_.cells()});
-  chunks.put("why_done", std::vector<char>(why_done_.begin(), why_done_.end()));
-  chunks.put("sides.direct", shown_direct_);
-  chunks.put("sides.indirect", shown_);
-  chunks.put("sides.held", held_);
-  if (!tiled_) return;
-  chunks.put("cells.total", total_);
-  if (options_.split) chunks.put("cells.direct", direct_cells_);
-}
-
-void LightField::load(const StateReader& chunks) {
-  const auto saved = chunks.get_value<SavedField>("field");
-  if (saved.cells != maps_.cells())
-    chunks.fail("field", fmt::format("{} cells, and the scene has {}", saved.cells, maps_.cells()));
-  if (!(saved.scale > 0) || !std::isfinite(saved.scale)) chunks.fail("field", fmt::format("the scale {}", saved.scale));
-  chunks.get_finite_buffer("sides.direct", shown_direct_);
-  chunks.get_finite_buffer("sides.indirect", shown_);
-  chunks.get_finite_buffer("sides.held", held_);
-  if (tiled_) {
-    chunks.get_buffer("cells.total", total_);
-    if (options_.split) chunks.get_buffer("cells.direct", direct_cells_);
-  }
-  const std::vector<char> why = chunks.get<char>("why_done");
-  why_done_.assign(why.begin(), why.end());
-  scale_ = saved.scale;
-  shown_sweeps_ = saved.shown_sweeps;
-  sweep_ = saved.sweeps;
-  begun_ = true;
+LightField::Options field_options(const Plan& plan, const Parameters& parameters) {
+  LightField::Options options;
+  options.dir_n = static_cast<uint32_t>(parameters.dir_n);
+  options.perturb = static_cast<uint32_t>(parameters.perturb);
+  options.cellwise = parameters.send_interp == SendInterpolation::cell;
+  options.cache = static_cast<size_t>(parameters.cache_visibility) << 20;
+  options.rows = parameters.store == Store::csr;
+  options.scatter = parameters.scatter;
+  options.max_bounces = plan.max_bounces;
+  options.sampled = plan.sampled;
+  options.scatter_last = parameters.eye_glossy == EyeLobes::vlf || (plan.first_surface && plan.max_bounces < 0);
+  options.split = parameters.split_layers;
+  options.fold = plan.fold;
+  options.tail = parameters.tail;
+  options.residual = static_cast<double>(parameters.residual);
+  return options;
 }
 
 size_t LightField::estimate_bytes(size_t sides) { return sides * (10 * sizeof(float4) + 2 * sizeof(uint32_t)); }
+
+double LightField::estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area) {
+  const double films = (2. * dir_n * dir_n + 1) * perturb;
+  return films * area / (2 * pixel * pixel);  // the mean projection of a surface is half of it
+}
 
 }  // namespace lucarium::vlf

@@ -4,16 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "lucarium/compute/schedule/scheduler.h"
-#include "lucarium/scene/device/scene_buffers.h"
-#include "lucarium/services/interior_surfaces/texel_interior.h"
-#include "lucarium/services/layered_raster/layered_raster.h"
-#include "lucarium/services/texel_sides/side_accessibility.h"
 #include "lucarium/technique/technique_state.h"
-#include "virtual_light_field/base/plan.h"
-#include "virtual_light_field/directions/direction_grid.h"
-#include "virtual_light_field/scatter/field_tail.h"
-#include "virtual_light_field/tiles/tile_maps.h"
+#include "virtual_light_field/field/film_runs.h"
+#include "virtual_light_field/scatter/cell_scatter.h"
 
 namespace lucarium::vlf {
 
@@ -29,8 +22,13 @@ class LightField {
   struct Options {
     uint32_t dir_n = 16;
     FilmPlan film;
+    uint32_t perturb = 1;   ///< Q: films of a line
+    bool cellwise = false;  ///< FilmRuns::Options::cellwise
+    size_t cache = 0;       ///< for kept fragments [bytes]
+    bool rows = false;      ///< store=csr
+    ScatterMode scatter = ScatterMode::gather;
     uint64_t seed = 1;
-    uint32_t line_seed = 1;  ///< decides BLEND, with the line
+    uint32_t line_seed = 1;  ///< decides BLEND, with the film
     int max_bounces = -1;
     bool sampled = true;       ///< Plan::sampled
     bool scatter_last = true;  ///< facets send what the last sweep of finite bounces brought, for look-ups by pixels
@@ -38,6 +36,7 @@ class LightField {
     bool fold = true;          ///< weak coats reflect diffusely
     bool tail = true;
     double residual = 0.005;
+    bool loaded = false;  ///< nothing will be propagated: load() follows
   };
   /// All must outlive this. `light_samples`: SideLight::light_samples().
   LightField(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
@@ -62,15 +61,18 @@ class LightField {
   const TypedBuffer<float4>& shown() const { return shown_; }
   const TypedBuffer<float4>& held() const { return held_; }
   const TileMaps& maps() const { return maps_; }
-  const TypedBuffer<uint32_t>& total() const { return total_; }  ///< per cell, RGB9E5 times scale()
-  const TypedBuffer<uint32_t>& direct() const { return direct_cells_; }
+  const TypedBuffer<uint32_t>& total() const { return cells_.total; }  ///< per cell, RGB9E5 times scale()
+  const TypedBuffer<uint32_t>& direct() const { return cells_.direct; }
   bool split() const { return options_.split; }
   float scale() const { return scale_; }
   const FieldTail& tail() const { return tail_; }
   uint32_t sweeps() const { return sweep_; }  ///< transported
-  uint64_t lines_drawn() const { return lines_drawn_; }
-  double film_pixels() const { return film_pixels_; }
-  uint64_t cells_scattered() const { return cells_scattered_; }
+  struct Counts {
+    uint64_t films = 0, kept_films = 0, cells_scattered = 0;
+    double film_pixels = 0;
+    size_t propagating_bytes = 0, rendering_bytes = 0;  ///< of cells with their index
+  };
+  Counts counts() const;
   void warm_up();
   /// What is displayed. A loaded field shows the same bits; it is not to be advanced.
   void save(StateWriter& chunks) const;
@@ -78,35 +80,27 @@ class LightField {
 
   /// Device memory without cells [bytes], and of a cell while light propagates.
   static size_t estimate_bytes(size_t sides);
-  static constexpr uint32_t kMaxLights = 32;  ///< punctual ones that make highlights on facets
   static constexpr size_t kCellBytes = 16, kSplitBytes = 4;
+  static constexpr int kKeptBounces = 3;  ///< so many at least: drawing twice to keep fragments pays
+  /// Expected fragments of all films. `pixel` [m]; `area`: of the scene's surfaces, each once [m²].
+  static double estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area);
 
  private:
-  enum class Stage { survey, transport, scatter, done };
-  /// What a line's schedule takes.
-  struct LineSchedule {
-    Schedule schedule;
-    Variable<uint32_t> line, first_cell, cells;
-    Variable<float> weight, scale, inverse_scale;
-  };
+  enum class Stage { survey, keep, transport, scatter, done };
   void record_sides();
-  static LineSchedule begin_line(ScheduleRecorder& recorder);
-  void record_lines(Device& device, const LayeredRaster& raster, const TexelInterior& interior,
-                    const SideAccessibility& accessibility);
-  void record_scatter(Device& device);
-  void record_visibility(Device& device, const Intersector& intersector);
   void begin();
   void find_scale();
-  bool run_line();
+  bool run_film();
+  void end_films();
   void end_sweep();
   double scatter_tiles();  ///< the next ones; how many cells
   void finish_sweep(const Norms& norms);
+  void end_propagation();
   bool is_last() const;
   Norms take_norms() const;
 
   KernelScheduler* scheduler_;
   const Scene* host_scene_;
-  const SceneBuffers* scene_;
   const SurfaceAtlas* atlas_;
   Options options_;
   DirectionGrid grid_;
@@ -115,34 +109,25 @@ class LightField {
   uint32_t sides_;
   TypedBuffer<float4> light_samples_, albedo_, records_, direct_, indirect_, last_, shown_direct_, shown_, held_;
   TypedBuffer<float> shares_;
-  TypedBuffer<uint32_t> cell_side_, incoming_, sent_, total_, direct_cells_;
-  TypedBuffer<float4> received_, extinction_, side_norms_, tile_norms_, norms_;
-  TypedBuffer<float> distance_;
-  TypedBuffer<LayeredView> views_;
-  TypedBuffer<float4> ends_;
-  std::vector<uint32_t> host_lights_;  ///< entries of the light mixture
-  TypedBuffer<uint32_t> lights_, visible_, count_;
+  TypedBuffer<float4> side_norms_, norms_;
+  CellBuffers cells_;
   Program side_program_;
-  Schedule see_, emit_, fold_, scatter_, sum_tiles_, show_, add_cells_;
-  Schedule begin_line_;
-  Variable<LayeredView> line_view_;
-  Variable<float4> line_omega_;
-  Variable<uint32_t> line_emission_;
-  LineSchedule survey_, line_;
-  Variable<uint32_t> cell_sweep_, fold_sweep_, scatter_first_, scatter_end_, scatter_sweep_;
-  Variable<float> scatter_scale_, field_scale_;
-  Variable<uint32_t> seen_light_, seen_bit_;
-  Variable<float4> show_tail_, cell_tail_;
-  Variable<uint32_t> show_hold_;
+  Schedule emit_, fold_, show_;
+  std::unique_ptr<FilmRuns> films_;       ///< null where nothing is propagated any more
+  std::unique_ptr<CellScatter> scatter_;  ///< likewise, and where there are no cells
+  Variable<uint32_t> fold_sweep_, show_hold_;
+  Variable<float4> show_tail_;
   Stage stage_ = Stage::survey;
   bool begun_ = false;
-  uint32_t next_light_ = 0, next_line_ = 0, next_tile_ = 0, sweep_ = 0, shown_sweeps_ = 0;
+  uint32_t next_film_ = 0, sweep_ = 0, shown_sweeps_ = 0;
   float scale_ = 1;
   FieldTail tail_;
   std::string why_done_;
   Norms side_sums_{};
-  uint64_t lines_drawn_ = 0, cells_scattered_ = 0;
-  double film_pixels_ = 0;
+  Counts counts_;
 };
+
+/// What parameters decide of it; film and seeds are left to the caller.
+LightField::Options field_options(const Plan& plan, const Parameters& parameters);
 
 }  // namespace lucarium::vlf

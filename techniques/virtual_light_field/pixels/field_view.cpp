@@ -30,11 +30,17 @@ FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuff
   scale_ = TypedBuffer<float>(device, technique_name, "scale of stored radiance", 1);
   if (options.traced) make_chains(device, scene, intersector, *atlas);
   record_field(scene, *atlas);
+  if (options.inspect_line < 0) return;
+  const SubfieldView::Options line = {
+      static_cast<uint32_t>(options.inspect_line), frame.width, frame.height, options.reach, frame.seed, options.fold};
+  subfield_ =
+      std::make_unique<SubfieldView>(device, scheduler, scene, intersector, *atlas, side_albedo_, scale_, *field, line);
 }
 
-size_t FieldView::estimate_bytes(uint32_t width, uint32_t height, bool traced) {
+size_t FieldView::estimate_bytes(uint32_t width, uint32_t height, bool traced, bool subfield) {
   const size_t pixels = size_t{width} * height;
   return EyeLight::estimate_bytes(width, height) + LayerSums::estimate_bytes(pixels, 2) +
+         (subfield ? SubfieldView::estimate_bytes(pixels) : 0) +
          (traced ? 2 * pixels * sizeof(float4) + SpecularChains::estimate_bytes(pixels) : 0);
 }
 
@@ -124,13 +130,15 @@ void FieldView::commit() {
   ++samples_;
   eye_.commit();
   if (!shows_field()) return;
-  if (shown_sweeps_ != field_->shown_sweeps()) field_samples_ = 0;
+  const bool grown = shown_sweeps_ != field_->shown_sweeps();
+  if (grown) field_samples_ = 0;
   shown_sweeps_ = field_->shown_sweeps();
   ++field_samples_;
   scheduler_->finish();
   scale_.upload({1 / field_->scale()});
   show_.set(weight_, 1.f / static_cast<float>(field_samples_));
   scheduler_->run_to_end(show_);
+  if (subfield_ && grown) subfield_->show();
 }
 
 void FieldView::reset(uint32_t seed) {
@@ -155,11 +163,13 @@ void FieldView::warm_up() {
     chains_->warm_up();
   }
   if (field_) scheduler_->warm_up(show_);
+  if (subfield_) subfield_->warm_up();
 }
 
 void FieldView::resolve(Film& film) const {
   eye_.write(film);
   sums_.write(film);
+  if (subfield_) subfield_->write(film);
 }
 
 }  // namespace lucarium::vlf

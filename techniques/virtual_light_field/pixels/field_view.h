@@ -5,6 +5,7 @@
 #include "lucarium/services/eye_light/eye_light.h"
 #include "lucarium/services/specular_chains/specular_chains.h"
 #include "virtual_light_field/field/light_field.h"
+#include "virtual_light_field/pixels/subfield_view.h"
 
 namespace lucarium::vlf {
 
@@ -20,6 +21,8 @@ class FieldView {
     bool nearest = false;        ///< eye_interp
     bool fold = true;
     int max_bounces = -1;
+    int inspect_line = -1;  ///< shown as layer `subfield`; -1: none
+    float reach = 0;        ///< SubfieldView::Options::reach
   };
   /// `field` may be null, and atlas and patches with it: direct light alone. All must outlive this.
   FieldView(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
@@ -36,7 +39,7 @@ class FieldView {
   uint32_t field_samples() const { return field_samples_; }  ///< of them, those that show the field as it is
   uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
   void resolve(Film& film) const;
-  static size_t estimate_bytes(uint32_t width, uint32_t height, bool traced);
+  static size_t estimate_bytes(uint32_t width, uint32_t height, bool traced, bool subfield);
 
  private:
   void record_field(const SceneBuffers& scene, const SurfaceAtlas& atlas);
@@ -54,6 +57,7 @@ class FieldView {
   LayerSums sums_;  ///< means of what the field shows
   TypedBuffer<float4> traced_, side_albedo_;
   std::unique_ptr<SpecularChains> chains_;  ///< null where no ray is sent
+  std::unique_ptr<SubfieldView> subfield_;  ///< null where no line is shown
   Schedule begin_, show_;
   Variable<ChainSettings> settings_;
   Variable<float> weight_;

@@ -3,7 +3,7 @@
 #include "lucarium/atlas_light.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
-#include "virtual_light_field/pixels/field_lookup.clh"
+#include "virtual_light_field/tiles/field_lookup.clh"
 
 // Adds a sample that counts `weight` of the mean: a field that has grown replaces what it was. traced: light of rays by
 // specular lobes, direct and other (trace_lobes.cl). They count where `rays`. lobes: 1: tiles, and coats as in

@@ -2,7 +2,7 @@
 // A ray per sample by the specular lobes of what a pixel shows, that looks up the field where it ends.
 #include "lucarium/gbuffer.clh"
 #include "lucarium/surface_atlas.clh"
-#include "virtual_light_field/pixels/field_lookup.clh"
+#include "virtual_light_field/tiles/field_lookup.clh"
 
 typedef struct Found {
   __global float4* light;  // per pixel: direct, where the ray meets emitters, then the rest

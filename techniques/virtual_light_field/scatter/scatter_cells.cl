@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What facets send towards every direction of what they have received from all: mirrors, glossy lobes, refraction
-// (Mortensen et al. 2007, section 3.4; there by splats). Each cell is gathered: it is written once,
+// (Mortensen et al. 2007, section 3.4; there by splats: splat_lobes.clh). Each cell is gathered: it is written once,
 // without atomics, and with normalised weights a uniform field stays what it is.
 #include "lucarium/atlas_surface.clh"
 #include "lucarium/random.clh"
@@ -11,12 +11,12 @@
 #include "virtual_light_field/scatter/norms.clh"
 #include "virtual_light_field/scatter/punctual_light.clh"
 #include "virtual_light_field/scatter/side_lobes.clh"
+#include "virtual_light_field/scatter/splat_lobes.clh"
 #include "virtual_light_field/tiles/film_cells.clh"
 
 #define LOBE_CUT 1e-3f   // of the largest value of a lobe: what is below does not count
 #define NARROW 0.5f      // lobes of GGX widths below this share of the spacing of directions count as ideal
 #define NEAREST_STEPS 4  // tries to find a covered direction
-#define CELL_REACH 2.0f  // farthest point of a cell from that of its texel side [texel edges]
 
 // What facets have received.
 typedef struct Incoming {
@@ -57,14 +57,31 @@ float3 ideal_radiance(const Incoming* in, uint facet, float3 from, float3 inward
   return (float3)(0.0f);
 }
 
-// The point that a cell shows: on the plane of its texel side, not far from that one's point.
-float3 cell_point(FieldInfo info, FieldLine line, float2 at, float3 point, float3 n_g) {
-  const float2 off = (at - film_point(line, point)) * info.cell * info.cell;
-  const float3 across = off.x * line.row_x.xyz + off.y * line.row_y.xyz;
-  const float slope = dot(n_g, line.omega.xyz);
-  const float3 along = fabs(slope) > 1e-3f ? across - dot(n_g, across) / slope * line.omega.xyz : across;
-  const float distance = length(along), reach = CELL_REACH * info.texel_edge;
-  return point + (distance > reach ? reach / distance : 1.0f) * along;
+// The same by splats; w 0: no direction brings anything.
+float4 splat_radiance(const Incoming* in, const Splats* splats, const Bsdf* bsdf, uint facet, bool transmitted,
+                      float3 from, float3 position) {
+  const float reach = SPLAT_REACH * in->info.angle * (transmitted ? SPLAT_SPREAD : 1.0f);
+  const float nearest = cos(fmin(reach, M_PI_F));
+  float4 sum = (float4)(0.0f);
+  for (uint i = 0u; i < 2u * in->info.lines; ++i) {
+    if (dot(field_direction(in->lines, i), from) < nearest) continue;
+    const float weight = splat_weight(splats, in->info, in->lines, in->nodes, bsdf, i, transmitted);
+    if (!(weight > 0.0f)) continue;
+    const float4 radiance = incoming_radiance(in, facet, i, position);
+    if (radiance.w > 0.0f) sum += weight * (float4)(radiance.xyz, 1.0f);
+  }
+  return sum;
+}
+
+// Radiance of an ideal lobe that shows what comes from `from`, on the side of `inwards`.
+float3 lobe_radiance(const Incoming* in, const Splats* splats, const Bsdf* bsdf, uint facet, bool transmitted,
+                     float3 from, float3 inwards, float3 position) {
+  if (splats) {
+    const float4 sum = splat_radiance(in, splats, bsdf, facet, transmitted, from, position);
+    if (!splats->means) return sum.xyz;
+    if (sum.w > 0.0f) return sum.xyz / sum.w;
+  }
+  return ideal_radiance(in, facet, from, inwards, position);
 }
 
 // Albedos of the rough lobes. Of opaque surfaces and thin walls exactly: a thin wall transmits by the reflection lobe
@@ -123,8 +140,9 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
 }
 
 // Radiance that a facet sends towards bsdf->view. behind: the facet of the other side, LUCARIUM_NONE: none.
-float3 scattered_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uint facet, uint behind,
-                       float3 position) {
+// splats: null: ideal lobes are gathered.
+float3 scattered_light(const Incoming* in, const Scene* scene, const Splats* splats, const Bsdf* bsdf, uint facet,
+                       uint behind, float3 position) {
   if (bsdf_is_black(bsdf)) return (float3)(0.0f);
   const bool narrow = bsdf->alpha < NARROW * in->info.angle;
   const float cos_v = dot(bsdf->n_s, bsdf->view), schlick = schlick_weight(bsdf->eta, cos_v);
@@ -133,7 +151,8 @@ float3 scattered_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf,
   if (bsdf->p_reflect > 0.0f && (narrow || (bsdf->flags & LUCARIUM_BSDF_DELTA_REFLECTION))) {
     const float3 from = normalize(2.0f * cos_v * bsdf->n_s - bsdf->view);
     const float3 albedo = bsdf->alpha > 0.0f ? reflection_albedo(scene, bsdf) : fresnel_reflection(bsdf, schlick);
-    if (dot(bsdf->n_g, from) > 0.0f) light += albedo * ideal_radiance(in, facet, from, bsdf->n_g, position);
+    if (dot(bsdf->n_g, from) > 0.0f)
+      light += albedo * lobe_radiance(in, splats, bsdf, facet, false, from, bsdf->n_g, position);
   }
   // Transmit what comes from the refracted direction.
   if (behind != LUCARIUM_NONE && bsdf->p_transmit > 0.0f && schlick >= 0.0f &&
@@ -143,7 +162,10 @@ float3 scattered_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf,
     const float3 tint = bsdf->alpha > 0.0f && !(bsdf->flags & LUCARIUM_BSDF_DELTA_TRANSMISSION)
                             ? transmission_albedo(scene, bsdf)
                             : bsdf->transmission * (fresnel_transmission(bsdf, schlick) * bsdf->eta * bsdf->eta);
-    if (dot(bsdf->n_g, from) < 0.0f) light += tint * ideal_radiance(in, behind, from, -bsdf->n_g, position);
+    // Sums of splats bring the change of radiance with the index themselves.
+    const float power = splats && !splats->means ? 1.0f / (bsdf->eta * bsdf->eta) : 1.0f;
+    if (dot(bsdf->n_g, from) < 0.0f)
+      light += tint * power * lobe_radiance(in, splats, bsdf, behind, true, from, -bsdf->n_g, position);
   }
   if (!narrow) light += rough_light(in, scene, bsdf, facet, behind, position);
   return light;
@@ -160,62 +182,89 @@ uint map_of_entry(const __global FieldMap* maps, uint count, uint entry) {
   return low;
 }
 
-// Work-item i: tile first_tile + i of the list. incoming: of the sweep that ended. sent: what was sent in it, and must
-// be in the next. Stored radiance is RGB9E5 over inverse_scale. direct, total: as before (add_cells()).
-// lights, visible: see punctual_highlights(); visible of each texel side. norms: of each
-// tile.
+// The cells of a tile, or of a row of cells (store=csr).
+typedef struct TileCells {
+  uint map;           // direction facets + facet
+  uint first, count;  // cells
+  uint x, y, width;   // film coordinates of the first cell; cells of a row
+} TileCells;
+
+TileCells cells_of_entry(FieldInfo info, const __global FieldMap* maps, const __global uint* tile_cells, uint entry) {
+  TileCells tile;
+  tile.map = map_of_entry(maps, 2u * info.lines * info.facets, entry);
+  tile.first = tile_cells[entry];
+  const FieldMap map = maps[tile.map];
+  const uint m = FIELD_MAP_TILE(map), w = FIELD_MAP_WIDTH(map), place = entry - map.first;
+  if (m == 0u) {
+    const uint span = tile_cells[entry + 1u];
+    tile.x = span & 0xffffu;
+    tile.y = (map.corner >> 16) + place / 2u;
+    tile.width = tile.count = span >> 16;
+  } else {
+    tile.x = (map.corner & 0xffffu) + place % w * m;
+    tile.y = (map.corner >> 16) + place / w * m;
+    tile.width = m;
+    tile.count = m * m;
+  }
+  return tile;
+}
+
+// Work-item i: FIELD_TILE_CHUNK tiles of the list, from first_tile + FIELD_TILE_CHUNK i on. incoming: of the sweep that
+// ended. sent: what was sent in it, and must be in the next. Stored radiance is RGB9E5 over inverse_scale. direct,
+// total: as before (add_cells()). lights, visible: see punctual_highlights(); visible of each texel side. splat: 0,
+// SPLAT_MEANS or SPLAT_SUMS. films, perturb: see Splats. norms: of each chunk of tiles.
 __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const SurfacePoint* restrict atlas_points,
                             __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
                             __global const FieldLine* restrict lines, __global const uint* restrict nodes,
                             __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
                             __global const uint* restrict tile_cells, __global const uint* restrict tile_list,
-                            uint first_tile, uint tiles, uint sweep, uint split, float inverse_scale, float scale,
+                            uint first_tile, uint tiles, uint sweep, uint split, uint splat,
+                            __global const float4* restrict films, uint perturb, float inverse_scale, float scale,
                             __global const uint* restrict lights, __global const uint* restrict visible,
                             __global const uint* restrict cell_side, __global const uint* restrict incoming,
                             __global uint* restrict sent, __global uint* restrict total, __global uint* restrict direct,
                             __global float4* restrict norms) {
-  const uint tile = first_tile + (uint)get_global_id(0);
-  if (tile >= tiles) return;
+  const uint first = first_tile + FIELD_TILE_CHUNK * (uint)get_global_id(0);
+  if (first >= tiles) return;
   LUCARIUM_SCENE_BIND(scene);
   const Incoming in = {info, lines, nodes, maps, tile_cells, incoming};
-  const uint entry = tile_list[tile];
-  const uint index = map_of_entry(maps, 2u * info.lines * info.facets, entry);
-  const FieldMap map = maps[index];
-  const uint direction = index / info.facets, facet = index - direction * info.facets;
-  const FieldLine line = lines[direction >> 1];
-  const float3 view = direction & 1u ? -line.omega.xyz : line.omega.xyz;
-  const uint m = FIELD_MAP_TILE(map), w = FIELD_MAP_WIDTH(map), place = entry - map.first;
-  const uint x0 = (map.corner & 0xffffu) + place % w * m, y0 = (map.corner >> 16) + place / w * m;
-  const uint first_cell = tile_cells[entry];
-  const float measure = info.cell * info.cell * line.omega.w;
   float4 sums[FIELD_NORMS];
   for (uint k = 0u; k < FIELD_NORMS; ++k) sums[k] = (float4)(0.0f);
-  for (uint k = 0u; k < m * m; ++k) {
-    const uint cell = first_cell + k, side = cell_side[cell];
-    if (side == LUCARIUM_NONE) {
-      sent[cell] = FIELD_NO_CELL;
-      continue;
+  for (uint i = first; i < min(first + FIELD_TILE_CHUNK, tiles); ++i) {
+    const TileCells tile = cells_of_entry(info, maps, tile_cells, tile_list[i]);
+    const uint direction = tile.map / info.facets, facet = tile.map - direction * info.facets;
+    const FieldLine line = lines[direction >> 1];
+    const float3 view = field_direction(lines, direction);
+    const Splats splats = {films, perturb, direction, splat == SPLAT_MEANS};
+    const float measure = info.cell * info.cell * line.omega.w;
+    for (uint k = 0u; k < tile.count; ++k) {
+      const uint cell = tile.first + k, side = cell_side[cell];
+      if (side == LUCARIUM_NONE) {
+        sent[cell] = FIELD_NO_CELL;
+        continue;
+      }
+      const SurfacePoint point = atlas_points[side];
+      const float2 at = (float2)((float)(tile.x + k % tile.width) + 0.5f, (float)(tile.y + k / tile.width) + 0.5f);
+      const float3 position =
+          film_hit(line, at, info.cell, point.position.xyz, point.normal.xyz, CELL_REACH * info.texel_edge);
+      const Bsdf bsdf = side_lobes(atlas_materials + side, point.normal.xyz, view);
+      const uint k_sides = atlas_info.double_sided_count;
+      const uint other = side < k_sides ? side + k_sides : side < 2u * k_sides ? side - k_sides : LUCARIUM_NONE;
+      const uint behind = other == LUCARIUM_NONE ? LUCARIUM_NONE : side_facet[other];
+      float3 now = scattered_light(&in, &scene, splat ? &splats : 0, &bsdf, facet, behind, position);
+      if (sweep == 0u) now += scale * punctual_highlights(&scene, &bsdf, lights, visible[side], position);
+      float3 before = (float3)(0.0f), sum = now;
+      if (sweep > 0u) {
+        before = unpack_rgb9e5(sent[cell]);
+        sum += unpack_rgb9e5(total[cell]);
+        if (split) sum += unpack_rgb9e5(direct[cell]);
+      }
+      sent[cell] = pack_cell(now);
+      add_norms(sums, measure, inverse_scale * now, inverse_scale * before, inverse_scale * sum);
     }
-    const SurfacePoint point = atlas_points[side];
-    const float2 at = (float2)((float)(x0 + k % m) + 0.5f, (float)(y0 + k / m) + 0.5f);
-    const float3 position = cell_point(info, line, at, point.position.xyz, point.normal.xyz);
-    const Bsdf bsdf = side_lobes(atlas_materials + side, point.normal.xyz, view);
-    const uint k_sides = atlas_info.double_sided_count;
-    const uint other = side < k_sides ? side + k_sides : side < 2u * k_sides ? side - k_sides : LUCARIUM_NONE;
-    float3 now =
-        scattered_light(&in, &scene, &bsdf, facet, other == LUCARIUM_NONE ? other : side_facet[other], position);
-    if (sweep == 0u) now += scale * punctual_highlights(&scene, &bsdf, lights, visible[side], position);
-    float3 before = (float3)(0.0f), sum = now;
-    if (sweep > 0u) {
-      before = unpack_rgb9e5(sent[cell]);
-      sum += unpack_rgb9e5(total[cell]);
-      if (split) sum += unpack_rgb9e5(direct[cell]);
-    }
-    sent[cell] = pack_cell(now);
-    add_norms(sums, measure, inverse_scale * now, inverse_scale * before, inverse_scale * sum);
   }
-  for (uint k = 0u; k < FIELD_NORMS; ++k) norms[(size_t)tile * FIELD_NORMS + k] = sums[k];
+  for (uint k = 0u; k < FIELD_NORMS; ++k) norms[(size_t)(first / FIELD_TILE_CHUNK) * FIELD_NORMS + k] = sums[k];
 }
 
 // Adds what is sent next to the totals of cells, and with it the tail of the series, `tail` times as much. split: after

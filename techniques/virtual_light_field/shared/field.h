@@ -17,9 +17,11 @@ LUCARIUM_STRUCT_END(FieldLine, 64)
 
 // Where the tiles of a map are: entries first + y w + x of tile_cells are the first cells of tiles, LUCARIUM_NONE where
 // there is none.
+// With store=csr a map is rows of cells instead: m is 0, w is 1, h the number of rows; entries first + 2 y are the
+// first cells of rows, LUCARIUM_NONE where there is none, first + 2 y + 1 where a row begins, x | cells << 16.
 LUCARIUM_STRUCT_BEGIN(FieldMap)
 uint first;
-uint corner;  // first cell x | y << 16 of the rectangle, multiples of m
+uint corner;  // first cell x | y << 16 of the rectangle, multiples of m; of rows x is 0
 uint size;    // in tiles: w | h << 12; m << 24
 LUCARIUM_STRUCT_END(FieldMap, 12)
 #define FIELD_MAP_WIDTH(map) ((map).size & 0xfffu)
@@ -45,10 +47,18 @@ LUCARIUM_STRUCT_END(FieldInfo, 80)
 LUCARIUM_STRUCT_BEGIN(FieldFacet)
 uint first, count;
 uint front;  // 1: fronts of triangles, 0: backs
-uint tile;
+uint tile;   // 0: rows
 LUCARIUM_STRUCT_END(FieldFacet, 16)
+
+#define CELL_REACH 2.0f  // farthest point of a cell from that of its texel side [texel edges]
+
+// What perturbed lines bring to a cell: four sums (radiance times scale, rays) of 64 bits, low word first, in steps of
+// 1 / FIELD_FIXED. Integers may be added in any order.
+#define FIELD_FIXED 1048576.0f
+#define FIELD_FIXED_WORDS 8u
 
 #define FIELD_NORMS 5u         // float4 of each partial sum of norms (norms.clh)
 #define FIELD_NORM_CHUNK 256u  // texel sides of a partial sum
+#define FIELD_TILE_CHUNK 4u    // tiles, or rows of cells, of one
 
 #endif

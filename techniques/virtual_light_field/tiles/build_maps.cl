@@ -36,7 +36,7 @@ Projected project_triangle(const __global Vertex* vertices, Triangle triangle, F
 int4 tile_range(Projected t, uint film, uint m) {
   const float last = (float)(film - 1u);
   const float2 low = clamp(t.low, 0.0f, last), high = clamp(t.high, 0.0f, last);
-  return (int4)((int)low.x, (int)low.y, (int)high.x, (int)high.y) / (int)m;
+  return (int4)((int)low.x, (int)low.y, (int)high.x, (int)high.y) / (int)max(m, 1u);
 }
 
 // Work-item (facet, direction): the rectangle of tiles, and how many it has.
@@ -53,15 +53,16 @@ __kernel void bound_maps(FACET_PARAMETERS, __global FieldMap* restrict maps, __g
     const int4 tiles = tile_range(t, info.film, own.tile);
     range = (int4)(min(range.xy, tiles.xy), max(range.zw, tiles.zw));
   }
-  const bool seen = range.z >= 0;
+  const bool seen = range.z >= 0, rows = own.tile == 0u;
+  if (rows) range.x = range.z = 0;
   const uint w = seen ? (uint)(range.z - range.x + 1) : 0u, h = seen ? (uint)(range.w - range.y + 1) : 0u;
   const size_t index = (size_t)direction * info.facets + facet;
   FieldMap map;
   map.first = 0u;
-  map.corner = seen ? (uint)range.x * own.tile | (uint)range.y * own.tile << 16 : 0u;
+  map.corner = seen ? (uint)range.x * own.tile | (uint)range.y * max(own.tile, 1u) << 16 : 0u;
   map.size = w | h << 12 | own.tile << 24;
   maps[index] = map;
-  counts[index] = w * h;
+  counts[index] = rows ? 2u * h : w * h;
 }
 
 // Whether a triangle comes near a square: not when it lies beyond one of the triangle's edges.
@@ -104,12 +105,63 @@ __kernel void mark_tiles(FACET_PARAMETERS, const __global uint* restrict starts,
   }
 }
 
-// Work-item: an entry. offsets: cells before it. tile_cells: its first cell, and flags for a list of tiles.
-__kernel void number_tiles(uint count, const __global uint* restrict cells, const __global uint* restrict offsets,
+// First and last cell of a triangle within a cell of the row y, clamped to the film; empty: last before first.
+int2 row_range(Projected t, int y, uint film) {
+  const float low = (float)(y - 1), high = (float)(y + 2);
+  float first = INFINITY, last = -INFINITY;
+  for (int k = 0; k < 3; ++k) {
+    const float2 a = t.p[k], b = t.p[(k + 1) % 3];
+    if (fmax(a.y, b.y) < low || fmin(a.y, b.y) > high) continue;
+    const float slope = b.y != a.y ? (b.x - a.x) / (b.y - a.y) : 0.0f;
+    const bool level = fabs(b.y - a.y) < 1e-3f;
+    const float from = level ? a.x : a.x + slope * (clamp(a.y, low, high) - a.y);
+    const float to = level ? b.x : a.x + slope * (clamp(b.y, low, high) - a.y);
+    first = fmin(first, fmin(from, to));
+    last = fmax(last, fmax(from, to));
+  }
+  if (first > last) return (int2)(0, -1);
+  return (int2)((int)clamp(first - 1.0f, 0.0f, (float)(film - 1u)), (int)clamp(last + 1.0f, 0.0f, (float)(film - 1u)));
+}
+
+// The same with store=csr. cells: of each row, at its even entry; spans: where it begins, x | cells << 16, at its odd
+// one. Between its ends a row has no gaps, whether or not the facet has.
+__kernel void mark_rows(FACET_PARAMETERS, const __global uint* restrict starts, __global FieldMap* restrict maps,
+                        __global uint* restrict cells, __global uint* restrict spans) {
+  const uint facet = get_global_id(0), direction = get_global_id(1);
+  if (facet >= info.facets) return;
+  const size_t index = (size_t)direction * info.facets + facet;
+  FieldMap map = maps[index];
+  map.first = starts[index];
+  maps[index] = map;
+  const FieldFacet own = facets[facet];
+  const FieldLine line = lines[direction >> 1];
+  const int y0 = (int)(map.corner >> 16);
+  const uint h = FIELD_MAP_HEIGHT(map);
+  for (uint i = 0u; i < 2u * h; ++i) cells[map.first + i] = spans[map.first + i] = 0u;
+  for (uint i = own.first; i < own.first + own.count; ++i) {
+    const Projected t =
+        project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
+    if (!t.faces) continue;
+    const int4 range = tile_range(t, info.film, 1u);
+    for (int y = range.y; y <= range.w; ++y) {
+      int2 row = row_range(t, y, info.film);
+      if (row.y < row.x) continue;
+      const uint entry = map.first + 2u * (uint)(y - y0), count = cells[entry], begin = spans[entry + 1u] & 0xffffu;
+      if (count) row = (int2)(min(row.x, (int)begin), max(row.y, (int)(begin + count) - 1));
+      cells[entry] = (uint)(row.y - row.x + 1);
+      spans[entry + 1u] = (uint)row.x | cells[entry] << 16;
+    }
+  }
+}
+
+// Work-item: an entry. rows: 1 with store=csr; spans: see mark_rows(). offsets: cells before it. tile_cells: its first
+// cell, and flags for a list of tiles.
+__kernel void number_tiles(uint count, uint rows, const __global uint* restrict spans,
+                           const __global uint* restrict cells, const __global uint* restrict offsets,
                            __global uint* restrict tile_cells, __global uint* restrict flags) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  tile_cells[i] = cells[i] ? offsets[i] : LUCARIUM_NONE;
+  tile_cells[i] = rows && i & 1u ? spans[i] : cells[i] ? offsets[i] : LUCARIUM_NONE;
   flags[i] = cells[i] != 0u;
 }
 

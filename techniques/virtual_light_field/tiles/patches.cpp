@@ -20,9 +20,10 @@ namespace lucarium::vlf {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kAlbedoAverages = 129;                                 // specular_albedo.clh
-constexpr double kCellBytes = 16, kTileBytes = 84, kEntryBytes = 4;  // of a tile: its norms, and its place in the list
-constexpr double kFlat = 1e-4;                                       // of 1 - cos: within it normals are equal
+constexpr int kAlbedoAverages = 129;  // specular_albedo.clh
+constexpr double kCellBytes = 16, kTileBytes = 24,
+                 kEntryBytes = 4;  // of a tile: its share of norms, and its place in the list
+constexpr double kFlat = 1e-4;     // of 1 - cos: within it normals are equal
 
 double luminance(const glm::vec3& c) {
   return 0.2126 * static_cast<double>(c.x) + 0.7152 * static_cast<double>(c.y) + 0.0722 * static_cast<double>(c.z);
@@ -212,8 +213,8 @@ Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, con
     made.first = static_cast<uint32_t>(result.triangles.size());
     made.count = static_cast<uint32_t>(list.size());
     made.front = facet & 1 ? 0 : 1;
-    made.tile = options.tile;
-    if (options.tile == 0) {
+    made.tile = options.rows ? 0 : options.tile;
+    if (options.tile == 0 && !options.rows) {
       const Outline shape = outline(mesh, list.data(), list.data() + list.size());
       made.tile = best_tile(shape.area, shape.perimeter, options.cell);
     }

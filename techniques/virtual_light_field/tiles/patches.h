@@ -24,6 +24,7 @@ struct PatchOptions {
   double tile_albedo = 0.1;  ///< least luminance of specular albedo and transmission [1]
   double cone = 30;          ///< between the normals of a patch and that of its largest triangle [degrees]
   uint32_t tile = 8;         ///< m; 0: chosen for each patch
+  bool rows = false;         ///< no tiles: FieldFacet::tile is 0
   double cell = 0;           ///< c [m]
 };
 Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options);

@@ -10,7 +10,7 @@
 namespace lucarium::vlf {
 namespace {
 
-constexpr const char* kRemedy = "lower dir_n or cells";
+constexpr const char* kRemedy = "lower dir_n, cells or texels";
 
 /// Sums as 64-bit numbers: what a scan of 32 bits could not hold is refused before it runs.
 void check_total(const TypedBuffer<uint32_t>& counts, const char* what) {
@@ -92,11 +92,14 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
   }
   check_total(counts, "entries of tile tables");
   const uint32_t entries = scan(scheduler, primitives, counts, counts, total);
-  // Tiles in them.
+  // Tiles in them, or rows.
+  const TypedBuffer<uint32_t> spans(device, technique_name, "rows of cells", options.rows ? entries : 1, kRemedy);
   TypedBuffer<uint32_t> sizes(device, technique_name, "cells of tiles", entries, kRemedy);
   {
     ScheduleRecorder recorder = scheduler.record("mark tiles", technique_name);
-    facet_pass(recorder, "mark_tiles").arg("starts", counts).arg("cells", sizes);
+    PassBuilder pass = facet_pass(recorder, options.rows ? "mark_rows" : "mark_tiles");
+    pass.arg("starts", counts).arg("cells", sizes);
+    if (options.rows) pass.arg("spans", spans);
     run(recorder);
   }
   check_total(sizes, "cells");
@@ -112,6 +115,8 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
     recorder.pass("number tiles", program, "number_tiles")
         .global(entries)
         .arg("count", entries)
+        .arg("rows", options.rows ? 1u : 0u)
+        .arg("spans", spans)
         .arg("cells", sizes)
         .arg("offsets", offsets)
         .arg("tile_cells", tile_cells_)

@@ -17,6 +17,7 @@ class TileMaps {
     double cell = 0;       ///< c [m]
     float texel_edge = 0;  ///< [m]
     uint64_t seed = 1;
+    bool rows = false;  ///< store=csr: cells in rows, without tiles
   };
   /// Finds the tiles. Refuses with Error{device}, naming dir_n and cells, what 32 bits cannot number or memory cannot
   /// hold. `scene` must outlive this.
@@ -37,6 +38,10 @@ class TileMaps {
   const TypedBuffer<FieldMap>& maps() const { return maps_; }              ///< [direction][facet]
   const TypedBuffer<uint32_t>& tile_cells() const { return tile_cells_; }  ///< see FieldMap
   const TypedBuffer<uint32_t>& tile_list() const { return tile_list_; }    ///< entries of tile_cells that are tiles
+  /// Bytes of maps and tile_cells, which find cells, and of tile_list, which only propagation needs.
+  size_t index_bytes() const { return maps_.bytes() + tile_cells_.bytes(); }
+  size_t list_bytes() const { return tile_list_ ? tile_list_.bytes() : 0; }
+  void end_propagation() { tile_list_ = {}; }
   /// Binds what the kernel has a parameter for: info (by value), lines, nodes, side_facet, maps, tile_cells.
   void bind(PassBuilder& pass) const;
 

@@ -50,6 +50,7 @@ class FieldRig {
     int max_bounces = -1;
     uint64_t seed = 1;
     uint32_t light_samples = 64;  ///< per texel side, at least
+    size_t cache_bytes = 0;       ///< for kept fragments, instead of cache_visibility
   };
   FieldRig(Scene scene, const vlf::Parameters& parameters) : FieldRig(std::move(scene), parameters, Options()) {}
   FieldRig(Scene scene, const vlf::Parameters& parameters, const Options& options)
@@ -69,18 +70,12 @@ class FieldRig {
         surfaces_.light.sample();
         surfaces_.light.commit();
       }
-    vlf::LightField::Options field;
-    field.dir_n = static_cast<uint32_t>(parameters_.dir_n);
+    vlf::LightField::Options field = vlf::field_options(plan_, parameters_);
     field.film = surfaces_.film;
     field.seed = options.seed;
     field.line_seed = static_cast<uint32_t>(options.seed);
-    field.max_bounces = options.max_bounces;
-    field.sampled = plan_.sampled;
     field.scatter_last = true;
-    field.split = parameters_.split_layers;
-    field.fold = plan_.fold;
-    field.tail = parameters_.tail;
-    field.residual = static_cast<double>(parameters_.residual);
+    if (options.cache_bytes > 0) field.cache = options.cache_bytes;
     field_ = std::make_unique<vlf::LightField>(*device_, scheduler_, scene_, buffers_, bvh_, surfaces_.atlas,
                                                surfaces_.patches, surfaces_.raster, surfaces_.interior,
                                                surfaces_.accessibility, surfaces_.light.light_samples(), field);

@@ -162,3 +162,31 @@ TEST_CASE("rough metal throws on what point, spot and directional lights send it
     CHECK(found.indirect == relative(expected.indirect, 0.05));
   }
 }
+
+TEST_CASE("the picture of a line shows a mirror under the sky from its front only") {
+  Scene scene;
+  test::add_polygon(scene, {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}, test::add_material(scene, test::mirror()));
+  Environment sky;
+  sky.width = sky.height = 4;
+  sky.radiance.assign(16, glm::vec3(1));
+  scene.environment = sky;
+  scene.cameras.push_back(look_at_camera("above", {0.5f, 2.f, 0.5f}, {0.5f, 0.f, 0.51f}, 40.f));
+  static const TechniqueRegistry all;
+  int fronts = 0, others = 0;
+  for (int line = 0; line < 9; ++line) {
+    RenderSettings settings;
+    settings.width = settings.height = 24;
+    settings.camera = scene.cameras.front();
+    RenderSession session(test::test_device(), scene, all.find("virtual_light_field"), settings,
+                          {{"dir_n", "2"}, {"cells", "32"}, {"texels", "512"}, {"inspect_line", std::to_string(line)}});
+    session.run({.iterations = 24});
+    double sum = 0;
+    for (const float v : session.resolve().find("subfield")->pixels) {
+      CHECK((v == 0 || (v > 0.99f && v < 1.01f)));
+      sum += static_cast<double>(v);
+    }
+    (sum > 0 ? fronts : others) += 1;
+  }
+  CHECK(fronts >= 2);
+  CHECK(others >= 2);
+}

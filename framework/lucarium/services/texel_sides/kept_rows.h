@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "lucarium/services/layered_raster/layered_raster.h"
+#include "lucarium/services/surface_atlas/surface_atlas.h"
+
+namespace lucarium {
+
+/// A-buffers of many views of one raster, with texels and their parts as payload (bundle_pairs.clh), that outlive the
+/// schedules: a consumer of bundle_pairs.clh walks over them again and again without rasterizing, in the same order, so
+/// that it gets the same bits. About one uint per fragment. Lengths of gaps are not kept.
+class KeptRows {
+ public:
+  struct Options {
+    uint32_t views = 0;   ///< how many there are
+    uint32_t height = 0;  ///< of every view [pixels]
+    size_t bytes = 0;     ///< for fragments; views beyond it are not kept
+    std::string owner;
+    std::string remedy;  ///< where memory does not suffice
+  };
+  /// All must outlive this. `view`: one LayeredView, the one that keep() rasterizes.
+  KeptRows(Device& device, KernelScheduler& scheduler, const LayeredRaster& raster, const SurfaceAtlas& atlas,
+           const TypedBuffer<LayeredView>& view, const Options& options);
+
+  /// Keeps the view that is in `view`, if it fits, under a number that has none yet.
+  void keep(uint32_t number);
+  /// Waits for the device: which views are kept.
+  void finish();
+  bool has(uint32_t number) const { return !kept_.empty() && kept_[number]; }
+  uint32_t kept_views() const;
+  size_t used_bytes() const;  ///< of those for fragments
+
+  /// Records a consumer's kernel with LAYERED_KEPT_PARAMETERS (kept_rows.clh), once for even rows of tiles and once for
+  /// odd ones, for the view `number`, which must be kept. `bind` binds the kernel's own arguments.
+  void record_walk(ScheduleRecorder& recorder, const std::string& name, const Variable<uint32_t>& number,
+                   const Program& program, std::string_view kernel,
+                   const std::function<void(PassBuilder&)>& bind) const;
+
+  void warm_up();
+  /// Expected bytes of so many fragments.
+  static size_t estimate_bytes(double fragments) { return static_cast<size_t>(4 * kWordsPerFragment * fragments); }
+
+ private:
+  static constexpr double kWordsPerFragment = 1.35;  // with masks and headers
+
+  KernelScheduler* scheduler_;
+  uint32_t rows_;
+  TypedBuffer<uint32_t> words_, starts_, counts_, taken_;
+  Schedule keep_;
+  Variable<uint32_t> number_;
+  std::vector<uint8_t> kept_;
+};
+
+}  // namespace lucarium

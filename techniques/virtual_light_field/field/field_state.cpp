@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is saved of a field, chunk by chunk.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "virtual_light_field/field/light_field.h"
+
+namespace lucarium::vlf {
+namespace {
+
+struct SavedField {
+  float scale;
+  uint32_t shown_sweeps, sweeps, cells;
+};
+
+}  // namespace
+
+void LightField::save(StateWriter& chunks) const {
+  scheduler_->finish();
+  chunks.put_value("field", SavedField{scale_, shown_sweeps_, sweep_, maps_.cells()});
+  chunks.put("why_done", std::vector<char>(why_done_.begin(), why_done_.end()));
+  chunks.put("sides.direct", shown_direct_);
+  chunks.put("sides.indirect", shown_);
+  chunks.put("sides.held", held_);
+  if (!tiled_) return;
+  chunks.put("cells.total", cells_.total);
+  if (options_.split) chunks.put("cells.direct", cells_.direct);
+}
+
+void LightField::load(const StateReader& chunks) {
+  const auto saved = chunks.get_value<SavedField>("field");
+  if (saved.cells != maps_.cells())
+    chunks.fail("field", fmt::format("{} cells, and the scene has {}", saved.cells, maps_.cells()));
+  if (!(saved.scale > 0) || !std::isfinite(saved.scale)) chunks.fail("field", fmt::format("the scale {}", saved.scale));
+  chunks.get_finite_buffer("sides.direct", shown_direct_);
+  chunks.get_finite_buffer("sides.indirect", shown_);
+  chunks.get_finite_buffer("sides.held", held_);
+  if (tiled_) {
+    chunks.get_buffer("cells.total", cells_.total);
+    if (options_.split) chunks.get_buffer("cells.direct", cells_.direct);
+  }
+  const std::vector<char> why = chunks.get<char>("why_done");
+  why_done_.assign(why.begin(), why.end());
+  scale_ = saved.scale;
+  shown_sweeps_ = saved.shown_sweeps;
+  sweep_ = saved.sweeps;
+  begun_ = true;
+}
+
+}  // namespace lucarium::vlf

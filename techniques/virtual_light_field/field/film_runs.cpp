@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "virtual_light_field/field/film_runs.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lucarium/compute/program/source_library.h"
+#include "virtual_light_field/base/field_program.h"
+
+namespace lucarium::vlf {
+namespace {
+
+constexpr const char* kFewerCells = "lower dir_n, cells or texels";
+
+/// Per texel side the extinction of the volume that it looks into: of backs of refracting volumes. Empty: there is
+/// none.
+std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buffers, const SurfaceAtlas& atlas) {
+  const bool any = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
+  });
+  if (!any) return {};
+  const std::vector<Material> materials = buffers.scene_materials.download();
+  const std::vector<Instance> instances = buffers.scene_instances.download();
+  const std::vector<Triangle> triangles = buffers.scene_triangles.download();
+  const std::vector<AtlasTexel> texels = atlas.texels().download();
+  const uint32_t backs = atlas.info().double_sided_count;
+  std::vector<float4> result(texels.size());
+  for (uint32_t side = backs; side < 2 * backs; ++side) {
+    const Material& m = materials[instances[triangles[texels[side].triangle].instance].material];
+    if ((m.flags & LUCARIUM_MATERIAL_TRANSMISSIVE) && !(m.flags & LUCARIUM_MATERIAL_THIN))
+      result[side] = float4(m.attenuation.xyz(), 0);
+  }
+  return result;
+}
+
+}  // namespace
+
+FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
+                   const DirectionGrid& grid, const TileMaps& maps, const SurfaceAtlas& atlas,
+                   const LayeredRaster& raster, const TexelInterior& interior, const SideAccessibility& accessibility,
+                   const CellBuffers& cells, const TypedBuffer<float4>& records, const Options& options)
+    : scheduler_(&scheduler),
+      host_scene_(&host_scene),
+      maps_(&maps),
+      options_(options),
+      views_(device, technique_name, "view of a film", 1),
+      ends_(device, technique_name, "ends of rays", 2),
+      distance_(device, technique_name, "distances of a line's cells", maps.largest_line(), kFewerCells) {
+  if (options.perturb > 1)
+    perturbed_ = make_perturbed_lines(grid, options.perturb, host_scene.bounds(), options.film.film, options.film.cell,
+                                      options.seed);
+  const size_t sums = maps.largest_line();
+  if (options.perturb > 1)
+    fixed_ =
+        TypedBuffer<uint32_t>(device, technique_name, "sums of a line's cells", FIELD_FIXED_WORDS * sums, kFewerCells);
+  else
+    received_ = TypedBuffer<float4>(device, technique_name, "sums of a line's cells", sums, kFewerCells);
+  const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
+  if (!extinctions.empty())
+    extinction_ = TypedBuffer<float4>(device, technique_name, "extinction at texel sides", extinctions, "lower texels");
+  record_begin(device, scene);
+  const Program average = make_field_program(device, "exchange/average_line");
+  if (maps.cells() > 0) {
+    record_survey(raster, atlas, cells, average);
+    record_average(cells, average);
+  }
+  record_exchange(device, raster, atlas, interior, accessibility, cells, records, false, &exchange_);
+  // Attenuation asks for lengths of gaps, which are not kept.
+  if (options.cache == 0 || extinction_) return;
+  KeptRows::Options keeping;
+  keeping.views = films();
+  keeping.height = options.film.film << options.film.shift;
+  keeping.bytes = options.cache;
+  keeping.owner = technique_name;
+  keeping.remedy = "lower cache_visibility";
+  kept_ = std::make_unique<KeptRows>(device, scheduler, raster, atlas, views_, keeping);
+  record_exchange(device, raster, atlas, interior, accessibility, cells, records, true, &exchange_kept_);
+}
+
+void FilmRuns::record_begin(Device& device, const SceneBuffers& scene) {
+  const Program program(
+      device, SourceLibrary(),
+      {"services/texel_sides/begin_direction", {"lucarium/services/texel_sides/begin_direction.cl"}, {}});
+  ScheduleRecorder recorder = scheduler_->record("begin film", technique_name);
+  view_ = recorder.variable("view", LayeredView{});
+  omega_ = recorder.variable("omega", float4(0, 0, 1, 0));
+  emission_ = recorder.variable("emission", 0u);
+  PassBuilder pass = recorder.pass("begin film", program, "begin_direction");
+  scene.bind(pass);
+  pass.global(1).local(1).arg("view", view_).arg("omega", omega_).arg("emission", emission_);
+  pass.arg("views", views_).arg("ends", ends_);
+  begin_ = recorder.compile();
+}
+
+void FilmRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas& atlas, const CellBuffers& cells,
+                             const Program& average) {
+  ScheduleRecorder recorder = scheduler_->record("survey of a line", technique_name);
+  Run run;
+  run.line = recorder.variable("line", 0u);
+  run.first_cell = recorder.variable("first_cell", 0u);
+  run.cells = recorder.variable("count", 0u);
+  recorder.pass("clear distances", average, "clear_survey")
+      .global(maps_->largest_line())
+      .arg("count", run.cells)
+      .arg("distances", distance_);
+  const Program program = make_field_program(views_.device(), "exchange/survey_line", raster.defines());
+  raster.record_tiles(recorder, "survey", {views_, recorder.variable("view index", 0u)}, program, "survey_line",
+                      [&](PassBuilder& pass) {
+                        atlas.bind(pass);
+                        maps_->bind(pass);
+                        pass.arg("line", run.line)
+                            .arg("first_cell", run.first_cell)
+                            .arg("shift", options_.film.shift)
+                            .arg("distances", distance_)
+                            .arg("cell_side", cells.side);
+                      });
+  run.schedule = recorder.compile();
+  survey_ = std::move(run);
+}
+
+void FilmRuns::record_exchange(Device& device, const LayeredRaster& raster, const SurfaceAtlas& atlas,
+                               const TexelInterior& interior, const SideAccessibility& accessibility,
+                               const CellBuffers& cells, const TypedBuffer<float4>& records, bool kept, Run* run) {
+  std::map<std::string, std::string> defines = raster.defines();
+  if (extinction_) defines["FIELD_MEDIA"] = "";
+  if (options_.perturb > 1) defines["FIELD_PERTURBED"] = "";
+  const Program program = make_field_program(device, "exchange/exchange_line", defines);
+  ScheduleRecorder recorder =
+      scheduler_->record(kept ? "exchange along a kept film" : "exchange along a film", technique_name);
+  run->line = recorder.variable("line", 0u);
+  run->first_cell = recorder.variable("first_cell", 0u);
+  run->film = recorder.variable("film", 0u);
+  run->weight = recorder.variable("weight", 1.f);
+  run->inverse_scale = recorder.variable("inverse_scale", 1.f);
+  const auto bind = [&](PassBuilder& pass) {
+    atlas.bind(pass);
+    maps_->bind(pass);
+    pass.arg("line", run->line)
+        .arg("first_cell", run->first_cell)
+        .arg("shift", options_.film.shift)
+        .arg("accessibility", accessibility.parts())
+        .arg("interior", interior.shares())
+        .arg("weight", run->weight)
+        .arg("inverse_scale", run->inverse_scale)
+        .arg("ends", ends_)
+        .arg("sent", cells.sent)
+        .arg("records", records);
+    if (fixed_)
+      pass.arg("cellwise", options_.cellwise ? 1u : 0u).arg("received", fixed_);
+    else
+      pass.arg("received", received_);
+    if (extinction_) pass.arg("extinction", extinction_);
+    if (kept) pass.arg("layered_views", views_);
+  };
+  if (kept)
+    kept_->record_walk(recorder, "exchange", run->film, program, "exchange_kept_line", bind);
+  else
+    raster.record_tiles(recorder, "exchange", {views_, recorder.variable("view index", 0u)}, program, "exchange_line",
+                        bind);
+  run->schedule = recorder.compile();
+}
+
+void FilmRuns::record_average(const CellBuffers& cells, const Program& average) {
+  ScheduleRecorder recorder = scheduler_->record("average cells", technique_name);
+  average_.first_cell = recorder.variable("first_cell", 0u);
+  average_.cells = recorder.variable("count", 0u);
+  average_.scale = recorder.variable("scale", 1.f);
+  PassBuilder pass = recorder.pass("average cells", average, fixed_ ? "average_perturbed" : "average_line");
+  pass.global(maps_->largest_line())
+      .arg("count", average_.cells)
+      .arg("first_cell", average_.first_cell)
+      .arg("incoming", cells.incoming);
+  if (fixed_)
+    pass.arg("received", fixed_);
+  else
+    pass.arg("scale", average_.scale).arg("received", received_);
+  average_.schedule = recorder.compile();
+}
+
+double FilmRuns::pixels() const {
+  return std::ldexp(1., static_cast<int>(2 * options_.film.shift)) * options_.film.film * options_.film.film;
+}
+
+bool FilmRuns::begin(const FieldLine& film, uint32_t number, bool emission) {
+  const auto pixels = static_cast<float>(1u << options_.film.shift);
+  const auto times = [&](const float4& row) {
+    return float4(row.x * pixels, row.y * pixels, row.z * pixels, row.w * pixels);
+  };
+  const double range = 2.002 * static_cast<double>(host_scene_->bounds().radius()) + 1e-6;
+  LayeredView view{};
+  view.row_x = times(film.row_x);
+  view.row_y = times(film.row_y);
+  view.row_w = film.row_w;
+  view.depth_min = static_cast<float>(-0.5 * range);
+  view.depth_scale = static_cast<float>(1 / range);
+  view.width = view.height = options_.film.film << options_.film.shift;
+  view.seed = options_.blend_seed + number * 0x9e3779b9u;
+  begin_.set(view_, view);
+  begin_.set(omega_, float4(film.omega.xyz(), 0.f));
+  begin_.set(emission_, emission ? 1u : 0u);
+  return scheduler_->run(begin_) == RunResult::done;
+}
+
+bool FilmRuns::survey(uint32_t line) {
+  if (!begin(maps_->host_lines()[line], line, false)) return false;
+  const std::vector<uint32_t>& first = maps_->first_cells();
+  survey_.schedule.set(survey_.line, line);
+  survey_.schedule.set(survey_.first_cell, first[2 * line]);
+  survey_.schedule.set(survey_.cells, first[2 * line + 2] - first[2 * line]);
+  scheduler_->run_to_end(survey_.schedule);
+  return true;
+}
+
+bool FilmRuns::keep(uint32_t film) {
+  if (!begin(host_films()[film], film, false)) return false;
+  kept_->keep(film);
+  return true;
+}
+
+bool FilmRuns::exchange(uint32_t film, bool emission, float scale) {
+  const FieldLine& frame = host_films()[film];
+  if (!begin(frame, film, emission)) return false;
+  const uint32_t line = film / options_.perturb;
+  const std::vector<uint32_t>& first = maps_->first_cells();
+  Run& run = kept_ && kept_->has(film) ? exchange_kept_ : exchange_;
+  run.schedule.set(run.line, line);
+  run.schedule.set(run.first_cell, first[2 * line]);
+  run.schedule.set(run.film, film);
+  run.schedule.set(run.weight, frame.omega.w);
+  run.schedule.set(run.inverse_scale, 1 / scale);
+  scheduler_->run_to_end(run.schedule);
+  ++drawn_;
+  if (!average_.schedule || film % options_.perturb + 1 < options_.perturb) return true;
+  average_.schedule.set(average_.first_cell, first[2 * line]);
+  average_.schedule.set(average_.cells, first[2 * line + 2] - first[2 * line]);
+  average_.schedule.set(average_.scale, scale);
+  scheduler_->run_to_end(average_.schedule);
+  return true;
+}
+
+void FilmRuns::warm_up() {
+  scheduler_->warm_up(begin_);
+  if (survey_.schedule) scheduler_->warm_up(survey_.schedule);
+  if (kept_) {
+    kept_->warm_up();
+    scheduler_->warm_up(exchange_kept_.schedule);
+  }
+  scheduler_->warm_up(exchange_.schedule);
+  if (average_.schedule) scheduler_->warm_up(average_.schedule);
+}
+
+}  // namespace lucarium::vlf

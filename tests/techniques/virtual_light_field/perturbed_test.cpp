@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// Perturbed directions, which stand for those of the grid, and fragments that are kept from sweep to sweep.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "field_rig.h"
+#include "test_support.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using test::relative;
+using test::within;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+vlf::Parameters field(int dir_n, int cells, int texels, int perturb) {
+  vlf::Parameters parameters;
+  parameters.dir_n = dir_n;
+  parameters.cells = cells;
+  parameters.texels = texels;
+  parameters.perturb = perturb;
+  parameters.direct_mode = vlf::DirectMode::exchange;
+  return parameters;
+}
+
+Scene mirror_furnace() {
+  const SceneMaterial wall = test::emitter(1, 0.5f);
+  return test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror()}});
+}
+
+double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
+
+/// The bits of all that a field shows.
+std::vector<uint32_t> bits_of(const test::FieldRig& rig) {
+  std::vector<uint32_t> result = rig.field().total().download();
+  for (const TypedBuffer<float4>* buffer : {&rig.field().shown_direct(), &rig.field().shown()}) {
+    const std::vector<float4> values = buffer->download();
+    const auto* words = reinterpret_cast<const uint32_t*>(values.data());
+    result.insert(result.end(), words, words + 4 * values.size());
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("perturbed directions cover the sphere uniformly, near the direction they stand for") {
+  for (const uint32_t n : {2u, 5u}) {
+    CAPTURE(n);
+    constexpr uint32_t count = 8192;
+    const vlf::DirectionGrid grid(n, 5);
+    glm::dmat3 second(0);
+    double farthest = 0;
+    for (uint32_t line = 0; line < grid.lines(); ++line) {
+      const std::vector<glm::dvec3> directions = grid.directions_about(line, count, 7);
+      REQUIRE(directions.size() == count);
+      for (const glm::dvec3& d : directions) {
+        farthest = std::max(farthest, std::acos(std::min(1., glm::dot(d, grid.direction(2 * line)))));
+        second += 2 * grid.solid_angle(2 * line) / count * glm::outerProduct(d, d);
+      }
+    }
+    // The integral of ω ωᵀ over the sphere is 4 π / 3 times the unit matrix.
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) CHECK(second[c][r] == within(r == c ? 4 * kPi / 3 : 0, 0.01));
+    CHECK(farthest < 2 * grid.spacing());
+    CHECK(farthest > 0.7 * grid.spacing());
+  }
+}
+
+TEST_CASE("perturbed rays keep a uniform field and form factors") {
+  const SceneMaterial lamp = test::emitter(1);
+  test::FieldRig box(test::unit_box({{0, lamp}, {1, lamp}, {2, lamp}, {3, lamp}, {4, lamp}, {5, lamp}}),
+                     field(3, 32, 1024, 3), {.max_bounces = 0});
+  box.propagate();
+  CHECK(least(box.direct()) == within(1, 1e-5));
+  const SceneMaterial black = test::lambert(0);
+  for (const bool parallel : {true, false}) {
+    CAPTURE(parallel);
+    test::FieldRig rig(test::unit_box({{2, black}, {parallel ? 3 : 0, lamp}}),
+                       field(test::full_run() ? 16 : 6, 32, 1024, 16), {.max_bounces = 0});
+    rig.propagate();
+    CHECK(rig.mean(rig.direct(), 0) == relative(parallel ? 0.199825 : 0.200044, 0.01));
+  }
+}
+
+TEST_CASE("perturbed rays by a mirror bring the light of the image lamp, and leave a furnace alone") {
+  const SceneMaterial black = test::lambert(0);
+  for (const vlf::SendInterpolation send : {vlf::SendInterpolation::bary, vlf::SendInterpolation::cell}) {
+    CAPTURE(static_cast<int>(send));
+    vlf::Parameters parameters = field(8, 32, 1024, 4);
+    parameters.send_interp = send;
+    test::FieldRig rig(test::unit_box({{2, black}, {0, black}, {3, test::emitter(1)}, {1, test::mirror()}}), parameters,
+                       {.max_bounces = 1});
+    rig.propagate();
+    CHECK(rig.mean(rig.all(), 0) == relative(0.199825 + 0.086050, 0.01));
+    CHECK(rig.mean(rig.all(), 1) == relative(0.200044 + 0.032809, 0.01));
+  }
+  vlf::Parameters parameters = field(5, 32, 1024, 2);
+  parameters.tail = false;
+  parameters.residual = 0;
+  test::FieldRig rig(mirror_furnace(), parameters);
+  rig.propagate(20);
+  CHECK(rig.mean(rig.all(), 1) == within(2, 0.002));
+  CHECK(least(rig.of_instance(rig.all(), 1)) > 1.99);
+}
+
+TEST_CASE("kept fragments give the bits of drawn ones, all or some of them kept") {
+  for (const int perturb : {1, 2}) {
+    CAPTURE(perturb);
+    const auto bits = [&](int megabytes, size_t bytes, uint32_t* kept, uint64_t* films) {
+      vlf::Parameters parameters = field(4, 32, 1024, perturb);
+      parameters.cache_visibility = megabytes;
+      test::FieldRig rig(mirror_furnace(), parameters, {.max_bounces = 3, .cache_bytes = bytes});
+      rig.propagate();
+      *kept = static_cast<uint32_t>(rig.field().counts().kept_films);
+      *films = rig.field().counts().films;
+      return bits_of(rig);
+    };
+    uint32_t kept = 0;
+    uint64_t films = 0;
+    const std::vector<uint32_t> drawn = bits(0, 0, &kept, &films);
+    CHECK(kept == 0);
+    CHECK(drawn == bits(512, 0, &kept, &films));
+    CHECK(4 * kept == films);
+    CHECK(drawn == bits(512, 1u << 17, &kept, &films));
+    CHECK(kept > 0);
+    CHECK(4 * kept < films);
+  }
+}
+
+TEST_CASE("rows of cells hold what tiles hold, in fewer cells") {
+  const auto rig_of = [](vlf::Store store) {
+    vlf::Parameters parameters = field(5, 64, 1024, 1);
+    parameters.store = store;
+    auto rig =
+        std::make_unique<test::FieldRig>(mirror_furnace(), parameters, test::FieldRig::Options{.max_bounces = 2});
+    rig->propagate();
+    return rig;
+  };
+  const auto tiles = rig_of(vlf::Store::tiles), rows = rig_of(vlf::Store::csr);
+  // Totals are rounded at random by the number of their cell; irradiance is the same.
+  CHECK(tiles->all() == rows->all());
+  CHECK(rows->field().maps().cells() < 0.85 * tiles->field().maps().cells());
+  // Those that the projection covers, with a cell on each side, of a square of 1 m² whose mean projection is half.
+  const double c = static_cast<double>(rows->field().maps().info().cell), grown = (1 + 2 * c) * (1 + 2 * c);
+  CHECK(rows->field().maps().cells() == relative(rows->field().maps().info().lines * grown / (2 * c * c), 0.15));
+}
+
+TEST_CASE("splats divided by their columns keep a furnace with a mirror, the paper's do not") {
+  for (const vlf::ScatterMode mode : {vlf::ScatterMode::splat, vlf::ScatterMode::splat_raw}) {
+    vlf::Parameters parameters = field(8, 32, 1024, 1);
+    parameters.scatter = mode;
+    parameters.tail = false;
+    parameters.residual = 0;
+    test::FieldRig rig(mirror_furnace(), parameters);
+    rig.propagate(24);
+    const double mean = rig.mean(rig.all(), 1), minimum = least(rig.of_instance(rig.all(), 1));
+    if (mode == vlf::ScatterMode::splat) {
+      CHECK(mean == within(2, 0.001));
+      CHECK(minimum > 1.99);
+    } else {  // power is kept in the mean, radiance is not
+      CHECK(mean == within(2, 0.05));
+      CHECK(minimum < 1.98);
+    }
+  }
+}
+
+TEST_CASE("cells take the bytes that are stated, propagating and displayed") {
+  vlf::Parameters parameters = field(8, 128, 2048, 1);
+  parameters.split_layers = false;
+  parameters.tile = 0;
+  test::FieldRig rig(mirror_furnace(), parameters, {.max_bounces = 1});
+  const auto held = [&] { return rig.device().memory().by_owner().at(vlf::technique_name); };
+  const double cells = rig.field().maps().cells();
+  const size_t before = held();
+  CHECK(static_cast<double>(rig.field().counts().propagating_bytes) / cells <= 18);
+  rig.propagate();
+  CHECK(static_cast<double>(rig.field().counts().rendering_bytes) / cells <= 4.6);
+  CHECK(before - held() > rig.field().counts().propagating_bytes - rig.field().counts().rendering_bytes);
+}
