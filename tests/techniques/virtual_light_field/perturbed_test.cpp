@@ -143,9 +143,10 @@ TEST_CASE("rows of cells hold what tiles hold, in fewer cells") {
   // Totals are rounded at random by the number of their cell; irradiance is the same.
   CHECK(tiles->all() == rows->all());
   CHECK(rows->field().maps().cells() < 0.85 * tiles->field().maps().cells());
-  // Those that the projection covers, with a cell on each side, of a square of 1 m² whose mean projection is half.
-  const double c = static_cast<double>(rows->field().maps().info().cell), grown = (1 + 2 * c) * (1 + 2 * c);
-  CHECK(rows->field().maps().cells() == relative(rows->field().maps().info().lines * grown / (2 * c * c), 0.15));
+  // As of tiles of one cell, which reach a cell farther on each side.
+  const FieldInfo& info = rows->field().maps().info();
+  const double c = static_cast<double>(info.cell), edge = 1 + 2 * c;
+  CHECK(rows->field().maps().cells() == relative(info.lines * vlf::expected_cells(edge * edge, 4 * edge, c, 1), 0.1));
 }
 
 TEST_CASE("splats divided by their columns keep a furnace with a mirror, the paper's do not") {
