@@ -107,6 +107,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
 
   bool follow(const SceneChange&) override {
     if (!built() || buffers_replaced() || !eye_->update()) return false;
+    moves_on_ = true;
     restart_samples();
     return true;
   }
@@ -117,7 +118,8 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
       vertices_->restart();
     }
     eye_->set_frame(frame());
-    eye_->clear();
+    eye_->clear(moves_on_);
+    moves_on_ = false;
   }
 
   bool step() override {
@@ -125,7 +127,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     if (!eye_->begin(index)) return false;
     if (vertices_ && !vertices_->trace(index)) return false;
     if (!eye_->trace(index)) return false;
-    eye_->add();
+    eye_->add(samples() + 1);
     if (vertices_) vertices_->complete();
     return true;
   }
@@ -145,6 +147,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
  private:
   std::unique_ptr<LightVertices> vertices_;  ///< null where no strategy needs light paths
   std::unique_ptr<EyePaths> eye_;
+  bool moves_on_ = false;  ///< restart() comes with the next frame of a moving picture
 };
 
 std::unique_ptr<Technique> create_bidirectional_vpl() { return std::make_unique<BidirectionalVpl>(); }

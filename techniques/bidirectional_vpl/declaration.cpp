@@ -53,6 +53,8 @@ double admitted_bias(const BidirectionalParameters& parameters, double declared)
   double bias = shared ? 0.1 : declared;
   if (bundles && parameters.bundle_mode != BundleMode::rays && parameters.bundle_mode != BundleMode::exact)
     bias += kBundlePixelBias / parameters.bundle_res;
+  if (parameters.two_bounce == TwoBounce::clamp || parameters.gloss != Gloss::none) bias += 0.5;
+  if (parameters.caches || parameters.filter) bias += 0.3;
   return bias;
 }
 
@@ -83,7 +85,8 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("one strategy alone misses most light that mirrors and glass pass on (strategy)");
   if (parameters.splat && parameters.strategy == Strategy::all && settings.pixel_sampling != LUCARIUM_PIXEL_JITTER)
     list.push_back("splat has no effect: light paths are connected to the camera with jittered pixels only");
-  if (plan.light_vertices > 0 && static_cast<int>(plan.light_vertices) < parameters.light_vertices &&
+  if (plan.two_bounce == TwoBounce::mis && plan.light_vertices > 0 &&
+      static_cast<int>(plan.light_vertices) < parameters.light_vertices &&
       parameters.light_vertices != BidirectionalParameters().light_vertices)
     list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) +
                    ": paths of so few bounces have no more");
@@ -93,6 +96,16 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("reuse=distinct has nothing to choose from with one bundle (bundles)");
   if (!plan.bundles && parameters.bundle_mode != BundleMode::rays)
     list.push_back("bundle_mode has no effect: camera paths take no bundles (directions)");
+  if (plan.two_bounce != TwoBounce::mis && parameters.light_vertices > 1)
+    list.push_back("light_vertices is lowered to 1 (two_bounce)");
+  if (plan.two_bounce == TwoBounce::clamp && plan.settings.max_scatterings > 2)
+    list.push_back("two_bounce=clamp is biased: corners lose light of two and more bounces");
+  if (parameters.filter && parameters.interleave < 2)
+    list.push_back("filter has no effect: its window is a tile of one pixel (interleave)");
+  if (plan.filter && plan.shows_strategies) list.push_back("filter leaves the layers of strategies as they are");
+  if (parameters.interleave > 1 && plan.choice == VplChoice::own && !plan.bundles)
+    list.push_back("interleave has no effect: every pixel has virtual lights of its own (vpl_choice=own)");
+  if (plan.caches) list.push_back("caches=on shows indirect light of up to four frames before");
   if (plan.choice == VplChoice::own && parameters.light_paths > 0)
     list.push_back("light_paths has no effect: vpl_choice=own takes one per pixel");
   return list;
@@ -100,7 +113,7 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
 
 size_t estimate_bytes(const BidirectionalParameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const Plan plan = make_plan(parameters, settings);
-  return EyePaths::estimate_bytes(plan, false, static_cast<size_t>(scene.triangle_count())) +
+  return EyePaths::estimate_bytes(plan, scene, false) +
          (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, false) : 0);
 }
 

@@ -9,6 +9,8 @@ enum class Directions { bsdf, bundle, both };
 enum class DirectionPdf { uniform, environment };
 enum class Reuse { per_depth, distinct, shared };
 enum class BundleMode { rays, raster, linked_list, exact };
+enum class TwoBounce { mis, compensate, clamp };
+enum class Gloss { none, clamp, vsl, roughness };
 enum class Strategy { all, hit, nee, vpl, splat };
 
 struct BidirectionalParameters {
@@ -21,7 +23,12 @@ struct BidirectionalParameters {
   Reuse reuse = Reuse::per_depth;
   VplChoice vpl_choice = VplChoice::resample;
   LightChoice light_choice = LightChoice::power;
+  TwoBounce two_bounce = TwoBounce::mis;
+  float g_max = 1, m_prime = 16;
+  Gloss gloss = Gloss::none;
   bool splat = true, show_strategies = false;
+  int interleave = 1;
+  bool caches = false, filter = false;
   Strategy strategy = Strategy::all;
 
   template <class V>
@@ -67,6 +74,22 @@ struct BidirectionalParameters {
         "what finds surfaces along shared directions: rays, fragments of a rasterized bundle (stored in tiles, or in "
         "linked lists), or all triangles that a pixel touches (exact)");
     v.number("bundle_res", bundle_res, 32, 4096, "pixels", "width and height of a rasterized bundle");
+    v.choice("two_bounce", two_bounce,
+             {{"mis", TwoBounce::mis}, {"compensate", TwoBounce::compensate}, {"clamp", TwoBounce::clamp}},
+             "two and more bounces: weighted as all paths (mis), by connections to first vertices whose geometric "
+             "factor is clamped, and the rest by camera paths (compensate) or not at all (clamp, biased)");
+    v.number("g_max", g_max, 1e-6f, 1e12f, "1/m²", "largest geometric factor of a connection that is clamped");
+    v.choice("gloss", gloss,
+             {{"none", Gloss::none}, {"clamp", Gloss::clamp}, {"vsl", Gloss::vsl}, {"roughness", Gloss::roughness}},
+             "spikes of glossy surfaces by few samples: kept (none), cut (clamp), spread over spheres about virtual "
+             "lights (vsl) or by wider lobes (roughness); the bias dies out with samples");
+    v.number("m_prime", m_prime, 1.f, 64.f, "samples", "samples that a glossy lobe covers at least (gloss)");
+    v.number("interleave", interleave, 1, 8, "pixels",
+             "side of the tiles whose pixels take different bundles and virtual lights of an iteration");
+    v.flag("filter", filter, "mean over a tile of interleave until its pixels have as many samples as it has pixels");
+    v.flag("caches", caches,
+           "of moving pictures: indirect light of one in four samples is computed anew, the rest comes from the frame "
+           "before");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,
              {{"all", Strategy::all},
@@ -76,8 +99,10 @@ struct BidirectionalParameters {
               {"splat", Strategy::splat}},
              "strategies that are run: all, or one alone, which finds only a part of the paths");
     v.flag("show_strategies", show_strategies, "write a layer of each strategy's light");
-    v.presets({{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}}}},
-              "set of values; bdpt: bidirectional path tracing with one light path per pixel");
+    v.presets({{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}}},
+               {"preview", {{"interleave", "4"}, {"filter", "on"}, {"caches", "on"}}}},
+              "set of values; bdpt: bidirectional path tracing with one light path per pixel; preview: few samples, "
+              "filtered");
     v.basic({"preset", "light_vertices", "light_paths", "candidates", "splat", "strategy", "show_strategies"});
   }
 };

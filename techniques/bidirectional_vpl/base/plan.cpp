@@ -13,9 +13,8 @@ constexpr uint32_t kPixelsPerLightPath = 8;
 
 /// Vertices of a light path that some strategy can use: of K scatterings connections leave one to the camera path,
 /// splats none.
-uint32_t useful_vertices(const BidirectionalParameters& parameters, uint32_t max_scatterings, bool vpl, bool splat) {
+uint32_t useful_vertices(uint32_t wanted, uint32_t max_scatterings, bool vpl, bool splat) {
   const uint32_t limit = splat ? max_scatterings : max_scatterings - 1;
-  const auto wanted = static_cast<uint32_t>(parameters.light_vertices);
   if (max_scatterings < 2 || (!vpl && wanted < 2)) return 0;
   return std::min(wanted, limit);
 }
@@ -27,6 +26,10 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   BidirectionalSettings& s = plan.settings;
   const bool all = parameters.strategy == Strategy::all;
   s.pixels = settings.width * settings.height;
+  s.width = settings.width;
+  s.interleave = static_cast<uint32_t>(parameters.interleave);
+  plan.filter = parameters.filter && parameters.interleave > 1;
+  plan.caches = parameters.caches;
   s.max_scatterings =
       settings.max_bounces < 0 ? LUCARIUM_PATH_SCATTERING_CAP : static_cast<uint32_t>(settings.max_bounces) + 1;
   s.camera_edges = static_cast<uint32_t>(parameters.camera_edges);
@@ -45,10 +48,15 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   // Choose the strategies.
   plan.lights = all || parameters.strategy == Strategy::nee;
   plan.vpl = all || parameters.strategy == Strategy::vpl;
+  if (plan.vpl) plan.two_bounce = parameters.two_bounce;
+  plan.gloss = parameters.gloss;
+  s.g_max = parameters.g_max;
+  s.m_prime = parameters.m_prime;
+  const uint32_t wanted = plan.two_bounce == TwoBounce::mis ? static_cast<uint32_t>(parameters.light_vertices) : 1;
   plan.splat = (all ? parameters.splat : parameters.strategy == Strategy::splat) &&
-               settings.pixel_sampling == LUCARIUM_PIXEL_JITTER && parameters.light_vertices >= 2;
+               settings.pixel_sampling == LUCARIUM_PIXEL_JITTER && wanted >= 2;
   plan.light_vertices =
-      plan.vpl || plan.splat ? useful_vertices(parameters, s.max_scatterings, plan.vpl, plan.splat) : 0;
+      plan.vpl || plan.splat ? useful_vertices(wanted, s.max_scatterings, plan.vpl, plan.splat) : 0;
   plan.vpl = plan.vpl && plan.light_vertices > 0;
   plan.splat = plan.splat && plan.light_vertices >= 2;
   plan.learned = parameters.light_choice == LightChoice::learned && plan.light_vertices > 0;
@@ -67,13 +75,15 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   float compared = 1.0f;
   if (plan.choice == VplChoice::resample)
     compared = std::max(compared, static_cast<float>(s.candidates) / (static_cast<float>(plan.light_vertices) + 1.0f));
-  if (plan.choice == VplChoice::all) compared = static_cast<float>(s.light_paths);
+  const auto tile = static_cast<float>(s.interleave * s.interleave);
+  if (plan.choice == VplChoice::all) compared = static_cast<float>(s.light_paths) / tile;
   s.connection_samples = plan.vpl ? compared : 0.0f;
   s.splat_samples = plan.splat ? static_cast<float>(s.light_paths) : 0.0f;
   s.flags = (plan.choice == VplChoice::own ? BIDIRECTIONAL_OWN_VERTICES : 0u) |
             (plan.choice == VplChoice::pair ? BIDIRECTIONAL_PAIRED_VERTICES : 0u) |
             (plan.choice == VplChoice::all ? BIDIRECTIONAL_ALL_VERTICES : 0u) |
-            (plan.shows_strategies ? BIDIRECTIONAL_STRATEGIES : 0u);
+            (plan.two_bounce == TwoBounce::compensate ? BIDIRECTIONAL_COMPENSATES : 0u) |
+            (plan.filter ? BIDIRECTIONAL_FILTERED : 0u) | (plan.shows_strategies ? BIDIRECTIONAL_STRATEGIES : 0u);
   return plan;
 }
 
@@ -85,6 +95,19 @@ std::map<std::string, std::string> plan_defines(const Plan& plan) {
   if (plan.bundles_and_bsdf) defines["EYE_BUNDLES_AND_BSDF"] = "1";
   if (plan.bundles_follow_sky) defines["EYE_BUNDLES_FOLLOW_SKY"] = "1";
   if (plan.stores_bundles()) defines["EYE_BUNDLES_STORED"] = "1";
+  if (plan.gloss != Gloss::none) {
+    const char* const names[] = {"", "GLOSS_CLAMP", "GLOSS_VSL", "GLOSS_ROUGHNESS"};
+    defines[names[static_cast<int>(plan.gloss)]] = "1";
+  }
+  return defines;
+}
+
+std::map<std::string, std::string> eye_defines(const Plan& plan) {
+  std::map<std::string, std::string> defines = plan_defines(plan);
+  defines["LIGHT_VERTICES"] = std::to_string(plan.light_vertices);
+  if (plan.two_bounce != TwoBounce::mis) defines["TWO_BOUNCE"] = "1";
+  if (plan.settings.interleave > 1) defines["EYE_INTERLEAVED"] = "1";
+  if (plan.caches) defines["EYE_CACHES"] = "1";
   return defines;
 }
 

@@ -20,6 +20,9 @@ struct Plan {
   BundleMode bundle_mode = BundleMode::rays;         ///< rays where there are no bundles
   uint32_t bundle_res = 0;                           ///< pixels per axis of a rasterized bundle
   VplChoice choice = VplChoice::resample;
+  TwoBounce two_bounce = TwoBounce::mis;
+  Gloss gloss = Gloss::none;
+  bool filter = false, caches = false;
   bool learned = false;  ///< lights of light paths
   bool vpl = false;      ///< camera paths are connected to light vertices
   bool splat = false;    ///< light vertices are connected to the camera
@@ -40,5 +43,7 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
 
 /// What all programs of the technique are compiled with.
 std::map<std::string, std::string> plan_defines(const Plan& plan);
+/// And those of camera paths.
+std::map<std::string, std::string> eye_defines(const Plan& plan);
 
 }  // namespace lucarium::bidirectional

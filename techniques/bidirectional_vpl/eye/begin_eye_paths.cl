@@ -7,6 +7,9 @@ __kernel void begin_eye_paths(Frame frame, const BidirectionalSettings settings,
                               LUCARIUM_RAY_ENDS_PARAMETER(ends) __global Ray* restrict rays,
                               __global uint* restrict queue, __global uint* restrict active,
                               __global EyePathState* restrict states, __global float* restrict eye_mis,
+#ifdef EYE_CACHES
+                              __global const float4* restrict reused,
+#endif
                               uint slice_base) {
   const uint pixel = slice_base + (uint)get_global_id(0);
   if (pixel == 0u) active[0] = settings.pixels;
@@ -24,9 +27,14 @@ __kernel void begin_eye_paths(Frame frame, const BidirectionalSettings settings,
   state.medium = LUCARIUM_NONE;
   state.flags = EYE_PATH_AFTER_DELTA | EYE_PATH_CHAIN;
   if (film_plane(&frame).orthographic) state.flags |= EYE_PATH_PARALLEL;
+#ifdef EYE_CACHES
+  if (reused[pixel].w > 0.0f) state.flags |= EYE_PATH_CACHED;
+#endif
   state.cosine = 1.0f;
   state.carried = path_mis_power(settings.splat_samples);
   state.bundle = state.left = LUCARIUM_NONE;
+  state.rest = 1.0f;
+  state.pad0 = state.pad1 = state.pad2 = 0u;
   states[pixel] = state;
   for (uint m = 0u; m < LIGHT_VERTICES; ++m) eye_mis[m * settings.pixels + pixel] = 0.0f;
 }

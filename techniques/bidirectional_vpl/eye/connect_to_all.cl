@@ -2,6 +2,7 @@
 // vpl_choice=all: every active camera path's vertex is connected to one of the virtual lights, the same for all; a
 // launch for each. Comes before shade_eye_vertices, which moves the paths on.
 #include "bidirectional_vpl/eye/connect.clh"
+#include "bidirectional_vpl/eye/interleave.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 
@@ -9,6 +10,7 @@
 // there is no light, and connections[i], w: connection_path(), and connection_paths[i], the light path.
 __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
                              uint sample_index, uint number, __global const PathVertex* restrict vertices,
+                             GLOSS_PARAMETER(vertex_densities)
                              __global const uint* restrict vertex_list, __global const Ray* restrict rays,
                              __global const Hit* restrict hits, __global const uint* restrict queue,
                              __global const uint* restrict active, __global EyePathState* restrict states,
@@ -23,11 +25,19 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
   connection_rays[i] = inactive_ray();
   const Hit hit = hits[i];
   if (hit.triangle == LUCARIUM_NO_HIT) return;
+#ifdef EYE_INTERLEAVED
+  // One of n^2 virtual lights (section 6, split).
+  const uint parts = settings.interleave * settings.interleave;
+  if (interleaved_part(settings, seed, sample_index, queue[i]) != number % parts) return;
+#endif
   EyeWalk walk;
   walk.path = queue[i];
   walk.state = states[walk.path];
-  if (walk.state.scatterings + 1u >= settings.max_scatterings) return;
+  if (walk.state.scatterings + 1u >= path_settings(settings, walk.state.flags).max_scatterings) return;
   load_carried(eye_mis, settings.pixels, &walk);
+#ifdef GLOSS
+  walk.samples = gloss_samples(settings, sample_index);
+#endif
 
   // The vertex, as shade_eye_vertices finds it.
   const Surface surface = make_surface(&scene, hit, rays[i].direction.xyz, 0u);
@@ -38,10 +48,15 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
   const EyeMis mis = arrive_eye_mis(&walk, &surface, hit.distance);
 
   // The connection. Fluxes are shares of all light paths', so that there is nothing to multiply by.
-  const PathVertex vertex = vertices[vertex_list[number]];
+  const uint slot = vertex_list[number];
+  const PathVertex vertex = vertices[slot];
   float3 towards;
-  float3 light = connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex, &towards);
+  float3 light = connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex,
+                                 GLOSS_LOAD(vertex_densities, slot), &towards);
   light *= walk.state.throughput.xyz;
+#ifdef EYE_INTERLEAVED
+  light *= (float)parts;
+#endif
   if (!is_contribution(light)) {
     states[walk.path].flags |= EYE_PATH_BAD;
     return;
@@ -56,5 +71,5 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
   connection_rays[i] = ray;
   LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
   connections[i] = (float4)(light, connection_path(&walk, &vertex));
-  connection_paths[i] = vertex_list[number] / LIGHT_VERTICES;
+  connection_paths[i] = slot / LIGHT_VERTICES;
 }

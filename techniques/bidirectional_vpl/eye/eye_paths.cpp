@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/ray.h"
 
@@ -30,8 +31,7 @@ std::vector<std::string> strategy_names(const Plan& plan) {
 
 std::map<std::string, std::string> EyePaths::defines() const {
   std::map<std::string, std::string> all = ray_end_defines(intersector_);
-  all["LIGHT_VERTICES"] = std::to_string(plan_.light_vertices);
-  all.merge(plan_defines(plan_));
+  all.merge(eye_defines(plan_));
   return all;
 }
 
@@ -61,12 +61,20 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
            kRemedy),
       sample_(device, owner, "light of a sample", size_t{plan.settings.pixels} * plan.layers(), kRemedy),
       hits_(device, owner, "hits of camera paths", keeps_hits() ? plan.settings.pixels : 1, kRemedy),
+      first_vertices_(device, owner, "first vertices of camera paths",
+                      plan.gloss == Gloss::none ? 1 : plan.settings.pixels, kRemedy),
       no_vertices_(device, owner, "no light vertices", 1),
+      no_densities_(device, owner, "no densities", 1),
       no_list_(device, owner, "no list", std::vector<uint32_t>{0}),
       no_table_(device, owner, "no candidates", 1),
-      sums_(device, owner, plan.settings.pixels, {"emission", "direct", "indirect"}),
+      sums_(device, owner, plan.settings.pixels, {"emission", "direct"}),
+      indirect_sums_(device, owner, plan.settings.pixels, {"indirect"}),
       strategy_sums_(device, owner, plan.settings.pixels, strategy_names(plan)) {
   counts_.fill_zero();
+  if (plan.caches) caches_ = std::make_unique<Caches>(device, scheduler, scene, intersector, frame, plan, owner);
+  if (plan.filter)
+    filter_ = std::make_unique<PixelFilter>(device, scheduler, scene, intersector, frame, plan,
+                                            indirect_sums_["indirect"], owner);
   record_begin();
   if (keeps_hits()) record_closest();
   if (plan_.connects_to_all()) record_connect_to_all();
@@ -88,8 +96,9 @@ void EyePaths::record_begin() {
       .arg("sample", sample_)
       .arg("count", values);
   recorder.fill_zero("no events of camera paths", counts_);
-  recorder.pass("begin camera paths", program_, "begin_eye_paths")
-      .global(plan_.settings.pixels)
+  PassBuilder begin = recorder.pass("begin camera paths", program_, "begin_eye_paths");
+  if (caches_) begin.arg("reused", caches_->reused());
+  begin.global(plan_.settings.pixels)
       .slice(kSlice)
       .arg("frame", begin_frame_)
       .arg("settings", plan_.settings)
@@ -157,6 +166,7 @@ void EyePaths::record_connect_to_all() {
       .arg("sample_index", connect_index_)
       .arg("number", connect_number_)
       .arg("vertices", vertices_->vertices())
+      .arg_if_present("vertex_densities", vertices_->densities())
       .arg("vertex_list", vertices_->list())
       .arg("rays", rays_)
       .arg("hits", hits_)
@@ -210,6 +220,8 @@ void EyePaths::record_bounce() {
       .arg("settings", plan_.settings)
       .arg("sample_index", bounce_index_)
       .arg("vertices", vertices_ ? vertices_->vertices() : no_vertices_)
+      .arg_if_present("vertex_densities", vertices_ ? vertices_->densities() : no_densities_)
+      .arg_if_present("first_vertices", first_vertices_)
       .arg("vertex_list", vertices_ ? vertices_->list() : no_list_)
       .arg("vertex_count", vertices_ ? vertices_->count() : no_list_)
       .arg("candidate_table", vertices_ ? vertices_->table() : no_table_)
@@ -266,6 +278,7 @@ void EyePaths::record_bounce() {
 
 void EyePaths::record_add() {
   ScheduleRecorder recorder = scheduler_.record("add iteration", owner_);
+  if (caches_) caches_->record_keep(recorder, sample_, BIDIRECTIONAL_INDIRECT);
   const uint32_t pixels = plan_.settings.pixels;
   const auto add = [&](uint32_t layer, const TypedBuffer<float4>& sums) {
     recorder.pass("add layer", program_, "add_layer")
@@ -277,7 +290,7 @@ void EyePaths::record_add() {
   };
   add(BIDIRECTIONAL_EMISSION, sums_["emission"]);
   add(BIDIRECTIONAL_DIRECT, sums_["direct"]);
-  add(BIDIRECTIONAL_INDIRECT, sums_["indirect"]);
+  add(BIDIRECTIONAL_INDIRECT, indirect_sums_["indirect"]);
   uint32_t layer = BIDIRECTIONAL_LAYERS;
   for (const std::string& name : strategy_names(plan_)) add(layer++, strategy_sums_[name]);
   recorder.pass("count ends of paths", program_, "count_path_ends")
@@ -292,7 +305,14 @@ void EyePaths::record_add() {
   add_ = recorder.compile();
 }
 
+void EyePaths::set_frame(const Frame& frame) {
+  frame_ = frame;
+  if (filter_) filter_->set_frame(frame);
+}
+
 bool EyePaths::begin(uint32_t index) {
+  if (filter_ && !filter_->find_surfaces()) return false;
+  if (caches_ && !caches_->look_up(index)) return false;
   begin_.set(begin_frame_, frame_);
   begin_.set(begin_index_, index);
   return scheduler_.run(begin_) != RunResult::cancelled;
@@ -331,9 +351,11 @@ bool EyePaths::connect_to_all() {
   return true;
 }
 
-void EyePaths::add() {
+void EyePaths::add(uint64_t iterations) {
+  if (caches_) caches_->prepare_keep(add_);
   scheduler_.run_to_end(add_);
   scheduler_.finish();
+  if (filter_) filter_->apply(iterations);
   for (size_t i = 0; i < counted_.size(); ++i) totals_[i] += counted_[i];
   if (bundles_) bundles_->complete();
   const uint32_t bad = counted_[BIDIRECTIONAL_COUNT_BAD];
@@ -341,9 +363,11 @@ void EyePaths::add() {
     throw_error(ErrorClass::technique, "{} camera paths brought light that is NaN, infinite or negative", bad);
 }
 
-void EyePaths::clear() {
+void EyePaths::clear(bool moves_on) {
   scheduler_.finish();
+  if (caches_) moves_on ? caches_->next_frame(frame_) : caches_->clear(frame_);
   sums_.clear();
+  indirect_sums_.clear();
   strategy_sums_.clear();
   totals_ = {};
   paths_ = segments_ = 0;
@@ -355,10 +379,16 @@ void EyePaths::warm_up() {
   if (keeps_hits()) scheduler_.warm_up(closest_);
   if (plan_.connects_to_all()) scheduler_.warm_up(connect_);
   if (bundles_) bundles_->warm_up();
+  if (caches_) caches_->warm_up();
+  if (filter_) filter_->warm_up();
 }
 
 void EyePaths::write(Film& film) const {
   sums_.write(film);
+  if (filter_ && filter_->shows())
+    add_mean(film, "indirect", filter_->filtered());
+  else
+    indirect_sums_.write(film);
   strategy_sums_.write(film, false);
 }
 
@@ -377,13 +407,19 @@ std::map<std::string, double> EyePaths::counters() const {
   return all;
 }
 
-size_t EyePaths::estimate_bytes(const Plan& plan, bool ray_ends, size_t triangles) {
+size_t EyePaths::estimate_bytes(const Plan& plan, const Scene& scene, bool ray_ends) {
   const size_t ends = ray_ends ? sizeof(RayEnds) : 0, ray = sizeof(Ray) + ends;
   const size_t kept = ray + sizeof(uint32_t) + sizeof(EyePathState) +
                       sizeof(float) * std::max(plan.light_vertices, 1u) + sizeof(float4) * plan.layers() * 2;
   const size_t transient = sizeof(Hit) + 3 * ray + 2 * sizeof(float4) + (plan.learned ? 11 : 7) * sizeof(uint32_t);
-  const size_t bundles = plan.stores_bundles() ? BundleEdges::estimate_bytes(plan, triangles) : 0;
-  return plan.settings.pixels * (kept + transient) + bundles + 4096;
+  const size_t first = plan.gloss == Gloss::none ? 0 : sizeof(PathVertex);
+  size_t vertices = 0;
+  if (plan.caches) vertices = SceneLayout(scene).world_vertices;
+  const auto triangles = static_cast<size_t>(scene.triangle_count());
+  return plan.settings.pixels * (kept + first + transient) + 4096 +
+         (plan.stores_bundles() ? BundleEdges::estimate_bytes(plan, triangles) : 0) +
+         (plan.filter ? PixelFilter::estimate_bytes(plan, ray_ends) : 0) +
+         (plan.caches ? Caches::estimate_bytes(plan, vertices, ray_ends) : 0);
 }
 
 }  // namespace lucarium::bidirectional

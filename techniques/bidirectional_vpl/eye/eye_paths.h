@@ -7,6 +7,8 @@
 
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/bundles/bundle_edges.h"
+#include "bidirectional_vpl/eye/caches.h"
+#include "bidirectional_vpl/eye/pixel_filter.h"
 #include "bidirectional_vpl/light/light_vertices.h"
 #include "lucarium/services/layer_sums/layer_sums.h"
 
@@ -33,20 +35,21 @@ class EyePaths {
   bool begin(uint32_t index);
   /// Follows all paths. False when cancelled.
   bool trace(uint32_t index);
-  /// Adds the sample to the sums, and what was counted. Throws Error{technique} where one was NaN, infinite or
+  /// Adds the sample to the sums, `iterations` with it, and what was counted. Throws Error{technique} where one was NaN, infinite or
   /// negative.
-  void add();
+  void add(uint64_t iterations);
 
-  void set_frame(const Frame& frame) { frame_ = frame; }
+  void set_frame(const Frame& frame);
   /// Follows a change of the scene. False where this must be built again.
   bool update() { return !bundles_ || bundles_->update(); }
-  void clear();
+  /// Back to no samples. `moves_on`: with the next frame, for which caches keep light.
+  void clear(bool moves_on);
   void warm_up();
   void write(Film& film) const;
   const TypedBuffer<float4>& sample() const { return sample_; }
   const TypedBuffer<EyePathState>& states() const { return states_; }
   std::map<std::string, double> counters() const;
-  static size_t estimate_bytes(const Plan& plan, bool ray_ends, size_t triangles);
+  static size_t estimate_bytes(const Plan& plan, const Scene& scene, bool ray_ends);
 
  private:
   void record_begin();
@@ -78,11 +81,15 @@ class EyePaths {
   TypedBuffer<EyePathState> states_;
   TypedBuffer<float> mis_;
   TypedBuffer<float4> sample_;
-  TypedBuffer<Hit> hits_;                ///< of one pass, where several schedules need them (keeps_hits())
-  TypedBuffer<PathVertex> no_vertices_;  ///< bound where there are no light paths
+  TypedBuffer<Hit> hits_;                   ///< of one pass, where several schedules need them (keeps_hits())
+  TypedBuffer<PathVertex> first_vertices_;  ///< for gloss: of each path
+  TypedBuffer<PathVertex> no_vertices_;     ///< bound where there are no light paths
+  TypedBuffer<float2> no_densities_;
   TypedBuffer<uint32_t> no_list_;
   TypedBuffer<float> no_table_;
-  LayerSums sums_, strategy_sums_;
+  LayerSums sums_, indirect_sums_, strategy_sums_;
+  std::unique_ptr<Caches> caches_;        ///< null without Plan::caches
+  std::unique_ptr<PixelFilter> filter_;   ///< null without Plan::filter
   std::unique_ptr<BundleEdges> bundles_;  ///< null where rays are traced
   Schedule begin_, closest_, connect_, bounce_, add_;
   Variable<Frame> begin_frame_;

@@ -4,6 +4,7 @@
 #include "bidirectional_vpl/bundles/bundle_set.clh"
 #include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/eye/find_lights.clh"
+#include "bidirectional_vpl/eye/interleave.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
@@ -52,17 +53,25 @@ bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk,
 
 // The next direction of the path (equation 1). False when the path ends here.
 bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, const Surface* surface,
-                      const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe, Ray* ray,
-                      RayEnds* ends) {
+                      const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe,
+                      GLOSS_FIRST_PARAMETER(first_vertices) Ray* ray, RayEnds* ends) {
   const DirectionSample u = sample_direction_dimensions(sampler, walk->state.segment);
   const uint number = bundle_number(settings, seed, sampler->index, walk->path, walk->state.segment);
   const Sampler bundle = bundle_set(settings, seed, sampler->index, walk->state.segment, number);
   // Choose a direction.
   const bool first = walk->state.scatterings == 0u;
   bool along_bundle;
-  const BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle, first,
-                                                 takes_turn(seed, sampler->index, walk->path), &along_bundle);
+  BsdfSample sample = sample_eye_direction(scene, bsdf, u_lobe, u.direction, &bundle, first,
+                                           takes_turn(seed, sampler->index, walk->path), &along_bundle);
   if (is_black(sample.weight)) return false;
+#ifdef GLOSS_SUPPRESSES
+  if (!sample.delta)
+    sample.weight = suppressed_bsdf(scene, settings, bsdf, sample.direction, walk->samples * sample.pdf) / sample.pdf;
+  if (first) {
+    const PathMis none = {0.0f, 0.0f};
+    first_vertices[walk->path] = pack_path_vertex(surface, bsdf, (float3)(0.0f), LUCARIUM_NONE, 1u, none);
+  }
+#endif
   if (!count_scattering(settings, walk, sample.delta)) return false;
   // Carry weights and throughput on.
   const Bsdf turned = turn_bsdf(bsdf, sample.direction);
@@ -99,6 +108,7 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 // virtual light was to be chosen. connection_paths[i]: the light path of the connection.
 __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
                                  uint sample_index, __global const PathVertex* restrict vertices,
+                                 GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices)
                                  __global const uint* restrict vertex_list, __global const uint* restrict vertex_count,
                                  __global const float* restrict candidate_table, uint table_capacity,
                                  __global const float* restrict shares, __global const Ray* restrict rays,
@@ -120,7 +130,11 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   EyeWalk walk;
   walk.path = queue[i];
   walk.state = states[walk.path];
+  const BidirectionalSettings rules = path_settings(settings, walk.state.flags);
   load_carried(eye_mis, settings.pixels, &walk);
+#ifdef GLOSS
+  walk.samples = gloss_samples(rules, sample_index);
+#endif
   light_rays[i] = inactive_ray();
   connection_rays[i] = inactive_ray();
   connections[i].w = as_float(LUCARIUM_NONE);  // no choice
@@ -129,7 +143,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 
   // The environment ends the path.
   if (hit.triangle == LUCARIUM_NO_HIT) {
-    add_environment(&scene, settings, shares, &walk, direction, sample);
+    add_environment(&scene, rules, shares, &walk, direction, sample);
     states[walk.path].flags = walk.state.flags;
     return;
   }
@@ -138,9 +152,9 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   const Surface surface = make_surface(&scene, hit, direction, 0u);
   walk.state.medium = medium_at(&scene, &surface, walk.state.medium);
   walk.state.throughput.xyz *= medium_transmittance(&scene, walk.state.medium, hit.distance);
-  add_emission(&scene, settings, shares, &walk, &surface, hit.distance, sample);
+  add_emission(&scene, rules, shares, &walk, &surface, hit.distance, sample);
   const bool chain = walk.state.flags & EYE_PATH_CHAIN;
-  bool goes_on = walk.state.scatterings < settings.max_scatterings || chain;
+  bool goes_on = walk.state.scatterings < rules.max_scatterings || chain;
   const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
   goes_on = goes_on && !bsdf_is_black(&bsdf);
   if (!goes_on) {
@@ -150,19 +164,23 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 
   // Prepare weights and random numbers.
   const EyeMis mis = arrive_eye_mis(&walk, &surface, hit.distance);
+  walk.state.rest = arrive_rest(rules, &walk, &surface, hit.distance);
+#ifdef GLOSS_SUPPRESSES
+  arrive_gloss(&walk, &surface, hit.distance);
+#endif
   const Sampler sampler = make_pixel_sampler(seed, walk.path, sample_index);
   const LightChoiceSample u = sample_light_dimensions(&sampler, walk.state.segment);
   const uint scatterings = walk.state.scatterings + 1u;
   const uint ray_seed = eye_ray_seed(&sampler, 2u * walk.state.segment);
-  const bool smooth = bsdf_has_smooth_lobe(&bsdf) && scatterings <= settings.max_scatterings;
+  const bool smooth = bsdf_has_smooth_lobe(&bsdf) && scatterings <= rules.max_scatterings;
 
   // Sample a light.
-  if (smooth && settings.light_samples > 0.0f) {
+  if (smooth && rules.light_samples > 0.0f) {
     float3 light;
     Ray ray;
     RayEnds ends;
-    if (connect_light_sample(&scene, settings, shares, &walk, &surface, &bsdf, &mis, u, ray_seed, &light, &ray,
-                             &ends)) {
+    if (connect_light_sample(&scene, rules, shares, &walk, &surface, &bsdf, &mis, GLOSS_ARGUMENT(first_vertices) u,
+                             ray_seed, &light, &ray, &ends)) {
       if (!is_contribution(light)) {
         walk.state.flags |= EYE_PATH_BAD;
       } else {
@@ -175,34 +193,47 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 
 #if LIGHT_VERTICES > 0
   // Connect to a virtual light.
-  const bool chooses = !(settings.flags & BIDIRECTIONAL_ALL_VERTICES);  // else connect_to_all.cl has connected it
-  if (chooses && smooth && settings.connection_samples > 0.0f && scatterings < settings.max_scatterings &&
+  const bool chooses = !(rules.flags & BIDIRECTIONAL_ALL_VERTICES);  // else connect_to_all.cl has connected it
+  if (chooses && smooth && rules.connection_samples > 0.0f && scatterings < rules.max_scatterings &&
       vertex_count[0] > 0u) {
     const float4 v = random_float4(sampler.seed ^ CONNECTION_STREAM, sampler.index, walk.state.segment);
     connections[i].w = as_float(0u);
     float3 light = (float3)(0.0f), towards = surface.n_s;
     PathVertex vertex;
     uint light_path = 0u;
-    if (settings.flags & (BIDIRECTIONAL_OWN_VERTICES | BIDIRECTIONAL_PAIRED_VERTICES)) {
+    if (rules.flags & (BIDIRECTIONAL_OWN_VERTICES | BIDIRECTIONAL_PAIRED_VERTICES)) {
       // One of a light path: of the same number, or of the bundle's.
       light_path = walk.path;
-      if (settings.flags & BIDIRECTIONAL_PAIRED_VERTICES)
-        light_path = bundle_choice(settings, seed, sample_index, walk.path, 0u) % settings.light_paths;
+      if (rules.flags & BIDIRECTIONAL_PAIRED_VERTICES)
+        light_path = bundle_choice(rules, seed, sample_index, walk.path, 0u) % rules.light_paths;
       light =
-          choose_of_path(&scene, settings, &walk, &surface, &bsdf, &mis, vertices, light_path, v.x, &vertex, &towards);
+          choose_of_path(&scene, rules, &walk, &surface, &bsdf, &mis, vertices,
+                         GLOSS_ARGUMENT(vertex_densities) light_path, v.x, &vertex, &towards);
     } else {
       // One of all, by resampling.
       const uint last = LIGHT_VERTICES - 1u;
       const float camera_side =
           mis.fixed + path_mis_power(fabs(dot(bsdf.n_s, bsdf.view)) * M_1_PI_F) * mis.turning[last];
-      const CandidateTarget target = make_candidate_target(&surface, &bsdf, camera_side, settings.connection_samples);
+      CandidateTarget target = make_candidate_target(&surface, &bsdf, camera_side, rules.connection_samples);
+#ifdef TWO_BOUNCE
+      if (has_shares(scatterings + 1u)) {
+        target.samples = INFINITY;  // shares in place of weights
+        target.most = rules.g_max;
+      }
+#endif
       float scale;
-      const uint chosen = choose_candidate(settings, candidate_table, table_capacity, vertex_count[0], &target,
-                                           hash_uint(as_uint(v.x) ^ as_uint(v.z)), v.y, &scale);
-      vertex = vertices[vertex_list[chosen]];
-      light_path = vertex_list[chosen] / LIGHT_VERTICES;
+      uint place = hash_uint(as_uint(v.x) ^ as_uint(v.z));
+#ifdef EYE_INTERLEAVED
+      place = interleaved_place(rules, interleaved_part(rules, seed, sample_index, walk.path), place);
+#endif
+      const uint chosen = choose_candidate(rules, candidate_table, table_capacity, vertex_count[0], &target, place, v.y,
+                                           &scale);
+      const uint slot = vertex_list[chosen];
+      vertex = vertices[slot];
+      light_path = slot / LIGHT_VERTICES;
       if (scale > 0.0f)
-        light = scale * connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex, &towards);
+        light = scale * connected_light(&scene, rules, &walk, &surface, &bsdf, &mis, &vertex,
+                                        GLOSS_LOAD(vertex_densities, slot), &towards);
     }
     // Aim a shadow ray at it.
     light *= walk.state.throughput.xyz;
@@ -223,10 +254,11 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   // Go on.
   Ray next = inactive_ray();
   RayEnds ends = no_ray_ends();
-  goes_on = sample_direction(&scene, settings, &walk, &surface, &bsdf, &mis, &sampler, seed, u.lobe, &next, &ends);
+  goes_on = sample_direction(&scene, rules, &walk, &surface, &bsdf, &mis, &sampler, seed, u.lobe,
+                             GLOSS_ARGUMENT(first_vertices) &next, &ends);
   alive[i] = goes_on;
   next_rays[i] = next;
   LUCARIUM_STORE_RAY_ENDS(next_ends, i, ends);
   states[walk.path] = walk.state;
-  store_carried(eye_mis, settings.pixels, &walk);
+  store_carried(eye_mis, rules.pixels, &walk);
 }

@@ -66,6 +66,7 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
                                   with_mis(ray_end_defines(intersector), plan))),
       learn_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/learn_lights"}, {})),
       vertices_(device, owner, "light vertices", plan.vertex_slots(), kRemedy),
+      densities_(device, owner, "densities of light vertices", plan.gloss == Gloss::none ? 1 : plan.vertex_slots(), kRemedy),
       table_(device, owner, "table of virtual lights", plan.has_table() ? size_t{table_capacity_} * kTableArrays : 1,
              kRemedy),
       light_sums_(device, owner, "light of each light's paths", plan.learned ? scene.scene_lights.count() : 1),
@@ -104,6 +105,7 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
       recorder, run_, seed_, store_,
       [this](PassBuilder& pass) {
         pass.arg("vertices", vertices_).arg("vertices_per_path", plan_.light_vertices).arg("path_lights", path_lights_);
+        pass.arg_if_present("vertex_densities", densities_);
       },
       [this](PassBuilder& pass) { pass.arg("shares", light_shares_); });
   const BufferRef present = recorder.transient<uint32_t>("vertices that are there", slots, kRemedy);
@@ -282,7 +284,8 @@ size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
   const size_t transients = std::max({LightPaths::estimate_bytes(plan.settings.light_paths),
                                       splats * (ray + sizeof(float4) + (plan.learned ? 9 : 5) * sizeof(uint32_t)),
                                       slots * 3 * sizeof(uint32_t)});
-  return slots * (sizeof(PathVertex) + sizeof(uint32_t)) + plan.settings.light_paths * sizeof(uint32_t) + table +
+  const size_t densities = plan.gloss == Gloss::none ? 0 : slots * sizeof(float2);
+  return densities + slots * (sizeof(PathVertex) + sizeof(uint32_t)) + plan.settings.light_paths * sizeof(uint32_t) + table +
          transients;
 }
 

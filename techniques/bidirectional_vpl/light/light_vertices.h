@@ -29,6 +29,7 @@ class LightVertices {
   }
 
   const TypedBuffer<PathVertex>& vertices() const { return vertices_; }
+  const TypedBuffer<float2>& densities() const { return densities_; }  ///< of vertices, by slot (eye/gloss.clh)
   const TypedBuffer<float>& table() const { return table_; }
   const TypedBuffer<uint32_t>& list() const { return list_; }    ///< indices of the vertices that are there
   const TypedBuffer<uint32_t>& count() const { return count_; }  ///< one element: how many
@@ -68,6 +69,7 @@ class LightVertices {
   LightPaths paths_;
   Program store_, list_program_, splat_program_, learn_program_;
   TypedBuffer<PathVertex> vertices_;
+  TypedBuffer<float2> densities_;  ///< empty where Plan::gloss is none
   TypedBuffer<float> table_, light_sums_, light_news_, light_shares_;
   TypedBuffer<uint32_t> path_lights_;  ///< of each light path with a vertex
   TypedBuffer<uint32_t> list_, count_, slot_count_, splat_count_, splat_events_;

@@ -8,6 +8,8 @@
 #define BIDIRECTIONAL_STRATEGIES 2u       // light is summed by strategy, too
 #define BIDIRECTIONAL_PAIRED_VERTICES 4u  // a camera path is connected to the light path of its bundle's number
 #define BIDIRECTIONAL_ALL_VERTICES 8u     // a camera path is connected to all light vertices
+#define BIDIRECTIONAL_COMPENSATES 16u     // what clamps of connections leave is left to camera paths (two_bounce.clh)
+#define BIDIRECTIONAL_FILTERED 32u        // pixels have their tile's samples, too (filter_pixels.cl)
 
 // Layers of a sample, and behind them its strategies: hit, nee, vpl1 ..., splat last.
 #define BIDIRECTIONAL_EMISSION 0u
@@ -29,7 +31,11 @@ float connection_samples;  // n of strategies 1 ... K-1
 float splat_samples;       // n of strategy K
 uint bundles;              // directions of an iteration
 uint reuse;                // BIDIRECTIONAL_REUSE_*
-LUCARIUM_STRUCT_END(BidirectionalSettings, 48)
+uint interleave;           // pixels along a tile whose pixels take different bundles and virtual lights (interleave.clh)
+uint width;                // of the image
+float g_max;               // of connections of two and more bounces, with BIDIRECTIONAL_TWO_BOUNCE [1/m^2]
+float m_prime;             // samples that a glossy lobe covers at least (gloss.clh)
+LUCARIUM_STRUCT_END(BidirectionalSettings, 64)
 
 // Bundles of deeper scatterings: a scrambled set for each depth, different ones of independent directions, or the same.
 #define BIDIRECTIONAL_REUSE_PER_DEPTH 0u
@@ -56,12 +62,15 @@ float cosine;       // of the ray to the geometric normal where it begins
 float carried;      // x of what path_mis.clh carries; its y, for each number of light vertices, is in eye_mis
 uint bundle;        // in whose stored fragments the ray is looked up; LUCARIUM_NONE: it is traced
 uint left;          // the triangle that it leaves then
-LUCARIUM_STRUCT_END(EyePathState, 48)
+float rest;         // of paths over the last edge, what connections leave (two_bounce.clh)
+uint pad0, pad1, pad2;
+LUCARIUM_STRUCT_END(EyePathState, 64)
 
 #define EYE_PATH_AFTER_DELTA 1u  // the last scattering was ideal, or there was none
 #define EYE_PATH_CHAIN 2u        // there were ideal scatterings only
 #define EYE_PATH_BAD 4u          // a contribution was NaN, infinite or negative
 #define EYE_PATH_CAPPED 16u      // ended by LUCARIUM_PATH_SCATTERING_CAP
+#define EYE_PATH_CACHED 64u      // its indirect light is known (caches.cl): one scattering is enough
 #define EYE_PATH_MIRRORS 32u     // ended by LUCARIUM_PATH_EYE_DELTA_LIMIT
 #define EYE_PATH_PARALLEL 8u     // the ray is an orthographic camera's: its density is over area
 
