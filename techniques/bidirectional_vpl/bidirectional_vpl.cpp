@@ -19,8 +19,9 @@
 // importance sampling). Weights are sums over all strategies, which both sides of a connection carry along
 // (kernels/lucarium/path_mis.clh has the derivation).
 //
-// Error. None but noise, except with reuse=shared, whose directions depend on each other, and with rasterized bundles
-// (bundle_mode=raster and linked_list), which show what lies up to a pixel beside a ray.
+// Error. None but noise, except with reuse=shared, whose directions depend on each other, with rasterized bundles
+// (bundle_mode=raster and linked_list), which show what lies up to a pixel beside a ray, and with the modes for few
+// samples: two_bounce=clamp, gloss, filter, caches.
 //
 // Where the paper stands in the source (files below this folder; light_paths/ is a service of the framework, lucarium/
 // the kernel library in kernels/):
@@ -43,14 +44,20 @@
 //                                            these over |cos| / d^2 of both edges, so that their ratio is the same
 //   section 4.2, equation 6, weights, β      lucarium/path_mis.clh: path_mis_sum(), path_mis_power() (beta)
 //   section 4.3, equation 7, two-bounce      eye/connect.clh: connected_light(), at later vertices of a camera path,
-//                                            with weights (equation 6) in place of the paper's clamp
+//                                            with weights (equation 6)
+//   section 4.3, clamp of two bounces        eye/two_bounce.clh: connected_share(), rest_share() (two_bounce)
 //   section 4.3, equation 8, density p_1,2   the product of both sides, carried along: lucarium/path_mis.clh:
 //                                            path_mis_leave(), path_mis_arrive()
+//   section 5.1, equations 9, 10 and 12      base/clamped_roughness.clh; base/gloss.clh: widened_bsdf() (gloss)
+//   section 5.2, equation 13                 base/clamped_roughness.clh: joint_density()
+//   section 5.2, equation 14                 eye/shade_eye_vertices.cl: sample_direction()
+//   section 5.2, equations 15 to 17          eye/gloss_paths.clh: suppress_connection(), suppressed_light_sample()
+//   section 6, split, gather, filter         base/interleave.clh; eye/filter_pixels.cl
+//   section 6, 2 x 2 supersampling, caches   eye/caches.cl
 //   section 7, multi-bounce, reuse           bundles/bundle_set.clh: bundle_number(), bundle_set() (reuse)
 //
-// Not in the source: shadow maps and reflective shadow maps (section 4.1; rays instead), clamps against spikes of two
-// bounces (section 4.3), artifact suppression for glossy surfaces by clamped roughness and density estimation (section
-// 5, equations 9 to 17), interleaving and filters (section 6).
+// Not in the source: shadow maps and reflective shadow maps (section 4.1; rays instead), the anisotropic lobe of
+// equation 11, which no material has.
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
 // strategies, the choice among candidates (light/candidates.clh).

@@ -76,8 +76,8 @@ struct BidirectionalParameters {
     v.number("bundle_res", bundle_res, 32, 4096, "pixels", "width and height of a rasterized bundle");
     v.choice("two_bounce", two_bounce,
              {{"mis", TwoBounce::mis}, {"compensate", TwoBounce::compensate}, {"clamp", TwoBounce::clamp}},
-             "two and more bounces: weighted as all paths (mis), by connections to first vertices whose geometric "
-             "factor is clamped, and the rest by camera paths (compensate) or not at all (clamp, biased)");
+             "two and more bounces: weighted (mis), or by connections of clamped geometric factor, the rest left to "
+             "camera paths (compensate) or out (clamp, biased)");
     v.number("g_max", g_max, 1e-6f, 1e12f, "1/m²", "largest geometric factor of a connection that is clamped");
     v.choice("gloss", gloss,
              {{"none", Gloss::none}, {"clamp", Gloss::clamp}, {"vsl", Gloss::vsl}, {"roughness", Gloss::roughness}},
@@ -88,7 +88,7 @@ struct BidirectionalParameters {
              "side of the tiles whose pixels take different bundles and virtual lights of an iteration");
     v.flag("filter", filter, "mean over a tile of interleave until its pixels have as many samples as it has pixels");
     v.flag("caches", caches,
-           "of moving pictures: indirect light of one in four samples is computed anew, the rest comes from the frame "
+           "of moving pictures: indirect light of one in four samples is computed, the rest comes from the frame "
            "before");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,

@@ -55,8 +55,7 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   const uint32_t wanted = plan.two_bounce == TwoBounce::mis ? static_cast<uint32_t>(parameters.light_vertices) : 1;
   plan.splat = (all ? parameters.splat : parameters.strategy == Strategy::splat) &&
                settings.pixel_sampling == LUCARIUM_PIXEL_JITTER && wanted >= 2;
-  plan.light_vertices =
-      plan.vpl || plan.splat ? useful_vertices(wanted, s.max_scatterings, plan.vpl, plan.splat) : 0;
+  plan.light_vertices = plan.vpl || plan.splat ? useful_vertices(wanted, s.max_scatterings, plan.vpl, plan.splat) : 0;
   plan.vpl = plan.vpl && plan.light_vertices > 0;
   plan.splat = plan.splat && plan.light_vertices >= 2;
   plan.learned = parameters.light_choice == LightChoice::learned && plan.light_vertices > 0;

@@ -5,6 +5,7 @@
 // that saw it.
 #include "bidirectional_vpl/shared/cached_pixel.h"
 #include "lucarium/camera.clh"
+#include "lucarium/math.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/gbuffer.h"
 
@@ -35,8 +36,7 @@ uint find_cached(__global const Triangle* triangles, __global const float4* posi
   if (point->state != LUCARIUM_GBUFFER_SURFACE || point->throughput.w > 0.0f) return LUCARIUM_NONE;
   // Where it was.
   const Triangle triangle = triangles[point->triangle];
-  const float3 a = positions[triangle.v0].xyz, ab = positions[triangle.v1].xyz - a,
-               ac = positions[triangle.v2].xyz - a;
+  const float3 a = positions[triangle.v0].xyz, ab = positions[triangle.v1].xyz - a, ac = positions[triangle.v2].xyz - a;
   const float3 was = a + point->u * ab + point->v * ac;
   const float3 normal = safe_normalize(cross(ab, ac), (float3)(0.0f));
   // Who saw it: the same depth within two pixels' edges across its plane, and the same normal.
@@ -47,8 +47,8 @@ uint find_cached(__global const Triangle* triangles, __global const float4* posi
   const CachedPixel cached = caches[found];
   if (cached.position.w == 0.0f || !(cached.light.w > 0.0f)) return LUCARIUM_NONE;
   const float footprint = rsqrt(seen.density);
-  const bool agrees = fabs(dot(cached.normal.xyz, normal)) > 0.9f &&
-                      fabs(dot(cached.position.xyz - was, normal)) < 2.0f * footprint;
+  const bool agrees =
+      fabs(dot(cached.normal.xyz, normal)) > 0.9f && fabs(dot(cached.position.xyz - was, normal)) < 2.0f * footprint;
   return agrees ? found : LUCARIUM_NONE;
 }
 
@@ -56,13 +56,13 @@ uint find_cached(__global const Triangle* triangles, __global const float4* posi
 // before, of this sub-pixel.
 __kernel void reproject_caches(__global const Triangle* restrict scene_triangles,
                                __global const float4* restrict positions, Frame before,
-                               __global const CachedPixel* restrict caches, uint first, uint anew,
+                               __global const CachedPixel* restrict caches, uint first, uint computed,
                                __global const GBufferPoint* restrict points, __global float4* restrict reused,
                                uint slice_base) {
   const uint pixel = slice_base + (uint)get_global_id(0);
   if (pixel >= before.width * before.height) return;
   reused[pixel] = (float4)(0.0f);
-  if (anew) return;
+  if (computed) return;
   const uint found = find_cached(scene_triangles, positions, &before, caches + first, points + pixel);
   if (found == LUCARIUM_NONE) return;
   const float4 light = caches[first + found].light;

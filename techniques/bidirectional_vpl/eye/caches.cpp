@@ -33,7 +33,7 @@ void Caches::record_look_up(const SceneBuffers& scene, const std::string& owner)
   ScheduleRecorder recorder = scheduler_.record("look up caches", owner);
   before_variable_ = recorder.variable("frame before", before_);
   first_ = recorder.variable("first of the sub-pixel", 0u);
-  anew_ = recorder.variable("computed anew", 1u);
+  computed_ = recorder.variable("all computed", 1u);
   recorder.pass("reproject caches", program_, "reproject_caches")
       .global(pixels_)
       .slice(kSlice)
@@ -42,7 +42,7 @@ void Caches::record_look_up(const SceneBuffers& scene, const std::string& owner)
       .arg("before", before_variable_)
       .arg("caches", caches_)
       .arg("first", first_)
-      .arg("anew", anew_)
+      .arg("computed", computed_)
       .arg("points", surfaces_.points())
       .arg("reused", reused_);
   look_up_ = recorder.compile();
@@ -88,10 +88,10 @@ void Caches::prepare_keep(Schedule& schedule) const { schedule.set(keep_first_, 
 bool Caches::look_up(uint32_t index) {
   index_ = index;
   if (!surfaces_.render(index)) return false;
-  const bool anew = frames_ == 0 || index % BIDIRECTIONAL_SUB_PIXELS == frames_ % BIDIRECTIONAL_SUB_PIXELS;
+  const bool computed = frames_ == 0 || index % BIDIRECTIONAL_SUB_PIXELS == frames_ % BIDIRECTIONAL_SUB_PIXELS;
   look_up_.set(before_variable_, before_);
   look_up_.set(first_, first_of(index));
-  look_up_.set(anew_, anew ? 1u : 0u);
+  look_up_.set(computed_, computed ? 1u : 0u);
   return scheduler_.run(look_up_) != RunResult::cancelled;
 }
 

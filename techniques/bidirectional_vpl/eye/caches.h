@@ -41,12 +41,12 @@ class Caches {
   uint32_t pixels_;
   GBuffer surfaces_;
   Program program_;
-  TypedBuffer<CachedPixel> caches_, kept_;     ///< of the frame before, and of this one
-  TypedBuffer<float4> positions_, present_;    ///< of vertices: in the frame before, and in this one
+  TypedBuffer<CachedPixel> caches_, kept_;   ///< of the frame before, and of this one
+  TypedBuffer<float4> positions_, present_;  ///< of vertices: in the frame before, and in this one
   TypedBuffer<float4> reused_;
   Schedule look_up_, advance_;
   Variable<Frame> before_variable_;
-  Variable<uint32_t> first_, anew_, begin_, keep_first_;
+  Variable<uint32_t> first_, computed_, begin_, keep_first_;
   uint32_t frames_ = 0, index_ = 0;
 };
 

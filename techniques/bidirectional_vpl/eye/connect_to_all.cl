@@ -2,7 +2,7 @@
 // vpl_choice=all: every active camera path's vertex is connected to one of the virtual lights, the same for all; a
 // launch for each. Comes before shade_eye_vertices, which moves the paths on.
 #include "bidirectional_vpl/eye/connect.clh"
-#include "bidirectional_vpl/eye/interleave.clh"
+#include "bidirectional_vpl/base/interleave.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 
@@ -10,11 +10,10 @@
 // there is no light, and connections[i], w: connection_path(), and connection_paths[i], the light path.
 __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
                              uint sample_index, uint number, __global const PathVertex* restrict vertices,
-                             GLOSS_PARAMETER(vertex_densities)
-                             __global const uint* restrict vertex_list, __global const Ray* restrict rays,
-                             __global const Hit* restrict hits, __global const uint* restrict queue,
-                             __global const uint* restrict active, __global EyePathState* restrict states,
-                             __global const float* restrict eye_mis,
+                             GLOSS_PARAMETER(vertex_densities) __global const uint* restrict vertex_list,
+                             __global const Ray* restrict rays, __global const Hit* restrict hits,
+                             __global const uint* restrict queue, __global const uint* restrict active,
+                             __global EyePathState* restrict states, __global const float* restrict eye_mis,
                              LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict connection_rays,
                              __global float4* restrict connections, __global uint* restrict connection_paths,
                              uint slice_base) {

@@ -35,8 +35,8 @@ class EyePaths {
   bool begin(uint32_t index);
   /// Follows all paths. False when cancelled.
   bool trace(uint32_t index);
-  /// Adds the sample to the sums, `iterations` with it, and what was counted. Throws Error{technique} where one was NaN, infinite or
-  /// negative.
+  /// Adds the sample to the sums, `iterations` with it, and what was counted. Throws Error{technique} where one was
+  /// NaN, infinite or negative.
   void add(uint64_t iterations);
 
   void set_frame(const Frame& frame);

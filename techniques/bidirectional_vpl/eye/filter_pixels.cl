@@ -34,13 +34,15 @@ __kernel void filter_pixels(Frame frame, __global const GBufferPoint* restrict p
   const int x0 = (int)(pixel % frame.width) - (int)((side - 1u) / 2u),
             y0 = (int)(pixel / frame.width) - (int)((side - 1u) / 2u);
   const float footprint = pixel_footprint(&frame, point);
-  float4 sum = (float4)(0.0f);
+  // Light of all over reflectance of all: a lamp in a ceiling has none, and nothing is divided by that.
+  float3 light = (float3)(0.0f), modulation = (float3)(0.0f);
   for (int y = max(y0, 0); y < min(y0 + (int)side, (int)frame.height); ++y) {
     for (int x = max(x0, 0); x < min(x0 + (int)side, (int)frame.width); ++x) {
       const uint other = (uint)y * frame.width + (uint)x;
       if (!same_surface(point, points + other, footprint)) continue;
-      sum += (float4)(sums[other].xyz / pixel_modulation(points + other), sums[other].w);
+      light += sums[other].xyz;
+      modulation += sums[other].w * pixel_modulation(points + other);
     }
   }
-  filtered[pixel] = (float4)(sum.w > 0.0f ? sum.xyz / sum.w * pixel_modulation(point) : (float3)(0.0f), 1.0f);
+  filtered[pixel] = (float4)(modulation.x > 0.0f ? light / modulation * pixel_modulation(point) : 0.0f, 1.0f);
 }

@@ -19,7 +19,7 @@ class PixelFilter {
   bool find_surfaces();
   /// Filters the sums of that many iterations; to its end. Nothing where each pixel has as many as a tile has pixels.
   void apply(uint64_t iterations);
-  /// Whether filtered() is to be shown.
+  /// Whether the picture shows filtered().
   bool shows() const { return shows_; }
   std::vector<float4> filtered() const { return filtered_.download(); }
   void set_frame(const Frame& frame);

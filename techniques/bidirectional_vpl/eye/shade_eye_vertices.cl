@@ -4,7 +4,7 @@
 #include "bidirectional_vpl/bundles/bundle_set.clh"
 #include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/eye/find_lights.clh"
-#include "bidirectional_vpl/eye/interleave.clh"
+#include "bidirectional_vpl/base/interleave.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
@@ -106,21 +106,19 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 // Light that still waits for its shadow ray: light_samples[i], w: bits of the scatterings of the whole path, and
 // connections[i], w: connection_path(); the rays are inactive where there is none. connections[i].w is NONE where no
 // virtual light was to be chosen. connection_paths[i]: the light path of the connection.
-__kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings,
-                                 uint sample_index, __global const PathVertex* restrict vertices,
-                                 GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices)
-                                 __global const uint* restrict vertex_list, __global const uint* restrict vertex_count,
-                                 __global const float* restrict candidate_table, uint table_capacity,
-                                 __global const float* restrict shares, __global const Ray* restrict rays,
-                                 __global const Hit* restrict hits, __global const uint* restrict queue,
-                                 __global const uint* restrict active, __global EyePathState* restrict states,
-                                 __global float* restrict eye_mis, __global float4* restrict sample,
-                                 LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
-                                     LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
-                                 __global uint* restrict next_queue, __global uint* restrict alive,
-                                 __global Ray* restrict light_rays, __global float4* restrict light_samples,
-                                 __global Ray* restrict connection_rays, __global float4* restrict connections,
-                                 __global uint* restrict connection_paths, uint slice_base) {
+__kernel void shade_eye_vertices(
+    LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings, uint sample_index,
+    __global const PathVertex* restrict vertices,
+    GLOSS_PARAMETER(vertex_densities) GLOSS_FIRST_PARAMETER(first_vertices) __global const uint* restrict vertex_list,
+    __global const uint* restrict vertex_count, __global const float* restrict candidate_table, uint table_capacity,
+    __global const float* restrict shares, __global const Ray* restrict rays, __global const Hit* restrict hits,
+    __global const uint* restrict queue, __global const uint* restrict active, __global EyePathState* restrict states,
+    __global float* restrict eye_mis, __global float4* restrict sample,
+    LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
+        LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
+    __global uint* restrict next_queue, __global uint* restrict alive, __global Ray* restrict light_rays,
+    __global float4* restrict light_samples, __global Ray* restrict connection_rays,
+    __global float4* restrict connections, __global uint* restrict connection_paths, uint slice_base) {
   const uint i = slice_base + (uint)get_global_id(0);
   if (i >= active[0]) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -206,9 +204,8 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
       light_path = walk.path;
       if (rules.flags & BIDIRECTIONAL_PAIRED_VERTICES)
         light_path = bundle_choice(rules, seed, sample_index, walk.path, 0u) % rules.light_paths;
-      light =
-          choose_of_path(&scene, rules, &walk, &surface, &bsdf, &mis, vertices,
-                         GLOSS_ARGUMENT(vertex_densities) light_path, v.x, &vertex, &towards);
+      light = choose_of_path(&scene, rules, &walk, &surface, &bsdf, &mis, vertices,
+                             GLOSS_ARGUMENT(vertex_densities) light_path, v.x, &vertex, &towards);
     } else {
       // One of all, by resampling.
       const uint last = LIGHT_VERTICES - 1u;
@@ -218,7 +215,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 #ifdef TWO_BOUNCE
       if (has_shares(scatterings + 1u)) {
         target.samples = INFINITY;  // shares in place of weights
-        target.most = rules.g_max;
+        target.limit = rules.g_max;
       }
 #endif
       float scale;
@@ -226,8 +223,8 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 #ifdef EYE_INTERLEAVED
       place = interleaved_place(rules, interleaved_part(rules, seed, sample_index, walk.path), place);
 #endif
-      const uint chosen = choose_candidate(rules, candidate_table, table_capacity, vertex_count[0], &target, place, v.y,
-                                           &scale);
+      const uint chosen =
+          choose_candidate(rules, candidate_table, table_capacity, vertex_count[0], &target, place, v.y, &scale);
       const uint slot = vertex_list[chosen];
       vertex = vertices[slot];
       light_path = slot / LIGHT_VERTICES;
@@ -255,7 +252,7 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
   Ray next = inactive_ray();
   RayEnds ends = no_ray_ends();
   goes_on = sample_direction(&scene, rules, &walk, &surface, &bsdf, &mis, &sampler, seed, u.lobe,
-                             GLOSS_ARGUMENT(first_vertices) &next, &ends);
+                             GLOSS_ARGUMENT(first_vertices) & next, &ends);
   alive[i] = goes_on;
   next_rays[i] = next;
   LUCARIUM_STORE_RAY_ENDS(next_ends, i, ends);

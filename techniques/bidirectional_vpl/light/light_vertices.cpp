@@ -66,7 +66,8 @@ LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const S
                                   with_mis(ray_end_defines(intersector), plan))),
       learn_program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/light/learn_lights"}, {})),
       vertices_(device, owner, "light vertices", plan.vertex_slots(), kRemedy),
-      densities_(device, owner, "densities of light vertices", plan.gloss == Gloss::none ? 1 : plan.vertex_slots(), kRemedy),
+      densities_(device, owner, "densities of light vertices", plan.gloss == Gloss::none ? 1 : plan.vertex_slots(),
+                 kRemedy),
       table_(device, owner, "table of virtual lights", plan.has_table() ? size_t{table_capacity_} * kTableArrays : 1,
              kRemedy),
       light_sums_(device, owner, "light of each light's paths", plan.learned ? scene.scene_lights.count() : 1),
@@ -285,8 +286,8 @@ size_t LightVertices::estimate_bytes(const Plan& plan, bool ray_ends) {
                                       splats * (ray + sizeof(float4) + (plan.learned ? 9 : 5) * sizeof(uint32_t)),
                                       slots * 3 * sizeof(uint32_t)});
   const size_t densities = plan.gloss == Gloss::none ? 0 : slots * sizeof(float2);
-  return densities + slots * (sizeof(PathVertex) + sizeof(uint32_t)) + plan.settings.light_paths * sizeof(uint32_t) + table +
-         transients;
+  return densities + slots * (sizeof(PathVertex) + sizeof(uint32_t)) + plan.settings.light_paths * sizeof(uint32_t) +
+         table + transients;
 }
 
 }  // namespace lucarium::bidirectional

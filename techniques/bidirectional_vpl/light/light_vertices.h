@@ -29,7 +29,7 @@ class LightVertices {
   }
 
   const TypedBuffer<PathVertex>& vertices() const { return vertices_; }
-  const TypedBuffer<float2>& densities() const { return densities_; }  ///< of vertices, by slot (eye/gloss.clh)
+  const TypedBuffer<float2>& densities() const { return densities_; }  ///< of vertices, by slot (base/gloss.clh)
   const TypedBuffer<float>& table() const { return table_; }
   const TypedBuffer<uint32_t>& list() const { return list_; }    ///< indices of the vertices that are there
   const TypedBuffer<uint32_t>& count() const { return count_; }  ///< one element: how many

@@ -5,10 +5,10 @@
 #include "lucarium/path_vertex.clh"
 // Light goes on behind these vertices, so that they are not the first of a camera path.
 #define LIGHT_PATH_EYE_PDF(scene, bsdf, direction) eye_direction_pdf(scene, bsdf, direction, false)
-#include "bidirectional_vpl/eye/gloss.clh"
-#define LIGHT_VERTEX_PARAMETERS                                                     \
-  __global PathVertex *restrict vertices, GLOSS_PARAMETER(vertex_densities)          \
-      const uint vertices_per_path, __global uint *restrict path_lights,
+#include "bidirectional_vpl/base/gloss.clh"
+#define LIGHT_VERTEX_PARAMETERS                                                                           \
+  __global PathVertex *restrict vertices, GLOSS_PARAMETER(vertex_densities) const uint vertices_per_path, \
+      __global uint *restrict path_lights,
 #define LIGHT_VERTEX_ARGUMENTS vertices, GLOSS_ARGUMENT(vertex_densities) vertices_per_path, path_lights,
 #define LIGHT_EMISSION_PARAMETERS __global const float* restrict shares,
 #ifdef LEARNED_LIGHTS
@@ -23,14 +23,13 @@ void take_light_vertex(const Scene* scene, LIGHT_VERTEX_PARAMETERS const LightVe
   path_lights[vertex->path] = vertex->light;
   const uint slot = vertex->path * vertices_per_path + vertex->number;
 #ifdef GLOSS
-  // p_1 by the scene's table of lights, and d^2 / c towards the vertex before.
+  // p_1 (Tokuyoshi and Ogaki 2012, equation 4) by the scene's table of lights, and d^2 / c towards the vertex before.
   const bool infinite = vertex->number == 0u && light_is_infinite(scene, vertex->light);
   const float choice = vertex->number == 0u ? scene->scene_light_table[vertex->light].pmf : 1.0f;
   const float cosine = fmax(fabs(dot(vertex->surface.n_g, vertex->surface.view)), 1e-6f);
   vertex_densities[slot] = (float2)(choice * vertex->found, infinite ? INFINITY : sqr(vertex->distance) / cosine);
 #endif
-  vertices[slot] =
-      pack_path_vertex(&vertex->surface, &vertex->bsdf, vertex->flux, vertex->medium, number, vertex->mis);
+  vertices[slot] = pack_path_vertex(&vertex->surface, &vertex->bsdf, vertex->flux, vertex->medium, number, vertex->mis);
 }
 
 // Before a run: no path has a vertex.

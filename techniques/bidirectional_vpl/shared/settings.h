@@ -31,10 +31,10 @@ float connection_samples;  // n of strategies 1 ... K-1
 float splat_samples;       // n of strategy K
 uint bundles;              // directions of an iteration
 uint reuse;                // BIDIRECTIONAL_REUSE_*
-uint interleave;           // pixels along a tile whose pixels take different bundles and virtual lights (interleave.clh)
-uint width;                // of the image
-float g_max;               // of connections of two and more bounces, with BIDIRECTIONAL_TWO_BOUNCE [1/m^2]
-float m_prime;             // samples that a glossy lobe covers at least (gloss.clh)
+uint interleave;  // pixels along a tile whose pixels take different bundles and virtual lights (interleave.clh)
+uint width;       // of the image
+float g_max;      // of connections of two and more bounces, with BIDIRECTIONAL_TWO_BOUNCE [1/m^2]
+float m_prime;    // samples that a glossy lobe covers at least (gloss.clh)
 LUCARIUM_STRUCT_END(BidirectionalSettings, 64)
 
 // Bundles of deeper scatterings: a scrambled set for each depth, different ones of independent directions, or the same.

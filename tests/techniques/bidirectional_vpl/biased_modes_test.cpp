@@ -44,7 +44,8 @@ Picture point_picture(uint64_t iterations) {
 
 }  // namespace
 
-TEST_CASE("two bounces: clamps lose light, most in corners, what compensates brings it back, and a high limit loses none") {
+TEST_CASE(
+    "two bounces: clamps lose light, most in corners, what compensates brings it back, and a high limit loses none") {
   // Irradiances of one and both bounces (closed_rooms_test.cpp), reflected; by two-bounce connections alone -9 % on the
   // floor and -39 % in the corner of the second at 1 / m^2.
   struct Point {
@@ -56,8 +57,8 @@ TEST_CASE("two bounces: clamps lose light, most in corners, what compensates bri
     const Scene scene = floor_point(point.x, point.z);
     const double all = (point.first + point.second) * 0.7 / M_PI, second = point.second * 0.7 / M_PI;
     const std::string place = "(" + std::to_string(point.x) + ", " + std::to_string(point.z) + ") ";
-    table.add(place + "compensated", estimate_of(means_of_indirect(scene, point_picture(24), {{"two_bounce", "compensate"}})),
-              all, 1e-4);
+    table.add(place + "compensated",
+              estimate_of(means_of_indirect(scene, point_picture(24), {{"two_bounce", "compensate"}})), all, 1e-4);
     if (point.lost < 0.1)  // in the corner few paths bring most
       table.add(place + "high limit",
                 estimate_of(means_of_indirect(scene, point_picture(24), {{"two_bounce", "clamp"}, {"g_max", "1e6"}})),
@@ -118,7 +119,8 @@ TEST_CASE("glossy surfaces by few samples: less noise, errors of the right sign,
   if (full_run()) CHECK(std::abs(bias("roughness", 4096).mean) <= 0.02);
 }
 
-TEST_CASE("clamped lobes reach density over m and no more, Phong and GGX, and samples from both sides have less density") {
+TEST_CASE(
+    "clamped lobes reach density over m and no more, Phong and GGX, and samples from both sides have less density") {
   SourceLibrary library;
   library.add(bidirectional_vpl_kernels());
   library.add(test_bidirectional_vpl_kernels());
@@ -141,7 +143,8 @@ TEST_CASE("clamped lobes reach density over m and no more, Phong and GGX, and sa
     CAPTURE(density);
     CAPTURE(m);
     // max D is (a + 1) / 2 pi and 1 / (pi alpha^2); the widest lobes are a = 0 and alpha = 1.
-    const double phong = (double{found[4 * i]} + 1) / (2 * M_PI), ggx = 1 / (M_PI * std::pow(double{found[4 * i + 1]}, 2));
+    const double phong = (double{found[4 * i]} + 1) / (2 * M_PI),
+                 ggx = 1 / (M_PI * std::pow(double{found[4 * i + 1]}, 2));
     const double most = density / m;
     CHECK(phong == test::relative(std::max(std::min((exponent + 1) / (2 * M_PI), most), 1 / (2 * M_PI)), 1e-4));
     CHECK(ggx == test::relative(std::max(std::min(1 / (M_PI * width * width), most), 1 / M_PI), 1e-4));
