@@ -88,7 +88,7 @@ TEST_CASE("the filter does not mix walls: an edge between black and white stays 
   CHECK(black > 20);
 }
 
-TEST_CASE("caches bring light along with camera and objects, for fewer rays, and begin anew with a seed") {
+TEST_CASE("caches bring light along with camera and objects, for fewer rays, and a seed is a new beginning") {
   Scene scene = load_scene("builtin:cornell");
   RenderSettings settings;
   settings.width = settings.height = 48;
