@@ -11,6 +11,7 @@
 #include "lucarium/base/interrupt.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/memory_needs.h"
 
 using namespace lucarium;
 
