@@ -13,6 +13,18 @@ find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)
 find_library(XXHASH_LIBRARY xxhash REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(muparser REQUIRED)
+# The server of `lucarium view`; without it the library has none, and that command says so.
+option(LUCARIUM_VIEW "Build the viewer in a browser (lucarium view)" ON)
+set(LUCARIUM_HAS_VIEW OFF)
+if(LUCARIUM_VIEW)
+  find_path(LIBWEBSOCKETS_INCLUDE_DIR libwebsockets.h)
+  find_library(LIBWEBSOCKETS_LIBRARY websockets)
+  if(LIBWEBSOCKETS_INCLUDE_DIR AND LIBWEBSOCKETS_LIBRARY)
+    set(LUCARIUM_HAS_VIEW ON)
+  else()
+    message(STATUS "libwebsockets not found: lucarium view is left out; install the package libwebsockets-dev for it")
+  endif()
+endif()
 # Plots in reports; a JavaScript file that is copied into every page.
 find_file(LUCARIUM_CHART_JS chart.min.js PATHS /usr/share/javascript/chart.js /usr/local/share/javascript/chart.js
   NO_DEFAULT_PATH)

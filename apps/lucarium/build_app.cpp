@@ -16,6 +16,7 @@ CommandLine build_app(Action& action) {
   add_report_command(program, action);
   add_diff_command(program, action);
   add_scene_command(program, action);
+  add_view_command(program, action);
   add_state_command(program, action);
   add_techniques_command(program, action);
   add_devices_command(program, action);

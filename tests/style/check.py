@@ -45,7 +45,7 @@ GENERATED = ('docs/techniques.md', 'docs/command_line.md')
 # Each folder may include those before it.
 ORDER = ['kernels/lucarium'] + ['framework/lucarium/' + folder for folder in (
     'base', 'compute', 'film', 'scene', 'services', 'technique', 'session', 'job', 'metrics', 'statistics', 'compare',
-    'conformance')] + ['techniques', 'apps']
+    'view', 'conformance')] + ['techniques', 'apps']
 
 
 def tracked(endings):

@@ -18,6 +18,7 @@ void add_reproduce_command(Command program, Action& action);
 void add_report_command(Command program, Action& action);
 void add_diff_command(Command program, Action& action);
 void add_scene_command(Command program, Action& action);
+void add_view_command(Command program, Action& action);
 void add_state_command(Command program, Action& action);
 void add_techniques_command(Command program, Action& action);
 void add_devices_command(Command program, Action& action);

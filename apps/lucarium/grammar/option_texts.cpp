@@ -87,6 +87,10 @@ const OptionText entries[] = {
     {"--load-state", "Technique", "FILE", "begin with light that --save-state wrote"},
     {"--path-set", "Technique", "KEY=VALUE,…", "light paths, instead of a technique's"},
 
+    {"--port", "Page", "N", "port of the page; 0: a free one"},
+    {"--listen", "Page", "ADDRESS", "where to listen; other machines reach what is not 127.0.0.1"},
+    {"--open", "Page", "", "open the page in this system's browser"},
+
     {"--at", "Animation", "SECONDS", "time of the animation"},
     {"--animation", "Animation", "NAME", "animation by name or index"},
     {"--frames", "Animation", "FIRST:LAST", "render frames; out.exr becomes out.0000.exr and so on"},
@@ -120,8 +124,8 @@ const OptionText& option_text(std::string_view name) {
 std::vector<std::string> option_words(std::string_view name) { return split(option_text(name).words, '|'); }
 
 const std::vector<const char*>& option_groups() {
-  static const std::vector<const char*> groups = {"Output",    "Budget",    "Image",  "Scene",   "Atlas",
-                                                  "Technique", "Animation", "Device", "Messages"};
+  static const std::vector<const char*> groups = {"Output",    "Budget", "Image",     "Scene",  "Atlas",
+                                                  "Technique", "Page",   "Animation", "Device", "Messages"};
   return groups;
 }
 

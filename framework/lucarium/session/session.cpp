@@ -73,15 +73,29 @@ class ReportCompilation {
 
 }  // namespace
 
+struct SceneOnDevice {
+  Scene scene;
+  std::unique_ptr<SceneBuffers> buffers;
+  std::unique_ptr<Bvh> bvh;
+  int sessions = 0;  ///< that render it
+};
+
+std::shared_ptr<SceneOnDevice> share_scene(Scene scene) {
+  auto shared = std::make_shared<SceneOnDevice>();
+  shared->scene = std::move(scene);
+  return shared;
+}
+
 struct RenderSession::State {
   // In order of construction; the technique goes first at the end, then what it refers to.
   TechniqueType type;
   std::shared_ptr<Device> device;
-  Scene scene;
+  std::shared_ptr<SceneOnDevice> shared;
+  Scene& scene = shared->scene;
+  std::unique_ptr<SceneBuffers>& buffers = shared->buffers;
+  std::unique_ptr<Bvh>& bvh = shared->bvh;
   RenderSettings settings;
   KernelScheduler scheduler;
-  std::unique_ptr<SceneBuffers> buffers;
-  std::unique_ptr<Bvh> bvh;
   std::unique_ptr<Technique> technique;
   std::vector<std::string> limitations;
   Clocks clocks;
@@ -91,15 +105,19 @@ struct RenderSession::State {
   BudgetPlan plan;
   bool light_done = false;  ///< IterationResult::light_done, also after the camera has moved
 
-  State(std::shared_ptr<Device> d, Scene s, TechniqueType t, RenderSettings r, OnPreparing p)
+  State(std::shared_ptr<Device> d, std::shared_ptr<SceneOnDevice> s, TechniqueType t, RenderSettings r, OnPreparing p)
       : type(std::move(t)),
         device(std::move(d)),
-        scene(std::move(s)),
+        shared(std::move(s)),
         settings(std::move(r)),
         scheduler(device),
         on_preparing(std::move(p)) {
     if (!on_preparing) on_preparing = [](double, const std::string&) {};
+    ++shared->sessions;
   }
+  ~State() { --shared->sessions; }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
 
   Bvh& built_bvh() {
     if (!type.info().capabilities.uses_bvh)
@@ -124,6 +142,11 @@ struct RenderSession::State {
     clock += watch.seconds() - compile - (clocks.bvh - built);
   }
 
+  /// The scene is changed by whoever has it alone: other sessions would not follow.
+  void require_own_scene() const {
+    if (shared->sessions > 1) throw_error(ErrorClass::internal, "the scene is changed while sessions share it");
+  }
+
   /// Refuses a change that the technique does not declare.
   void require_change(const SceneChange& change) const {
     const std::vector<ChangeKind>& can = type.info().capabilities.changes;
@@ -143,6 +166,7 @@ struct RenderSession::State {
   /// Moves the scene to a time of its animation, in place: a sequence of frames must not copy meshes and images. Where
   /// the technique cannot follow, the scene goes back to its old time.
   SceneChange evaluate_at(double seconds) {
+    require_own_scene();
     const double before = scene.time;
     SceneChange change = evaluate(scene, seconds, scene.animation);
     try {
@@ -156,6 +180,7 @@ struct RenderSession::State {
 
   /// Edits a copy, which replaces the scene when the technique can follow.
   SceneChange edit_scene(const std::function<SceneChange(Scene&)>& edit) {
+    require_own_scene();
     Scene edited = scene;
     SceneChange change = edit(edited);
     require_change(change);
@@ -199,7 +224,9 @@ struct RenderSession::State {
     if (seconds > 0)
       plan = plan_budget(*technique, parameters, scene, settings, compute_power(device->info()), seconds);
     limitations = technique->limitations(scene, settings);
-    const size_t bytes = needed_bytes(type.info(), *technique, scene, settings);
+    size_t bytes = needed_bytes(type.info(), *technique, scene, settings);
+    if (buffers) bytes -= SceneBuffers::estimate_bytes(scene);
+    if (bvh && type.info().capabilities.uses_bvh) bytes -= Bvh::estimate_bytes(scene);
     const MemoryAccount& memory = device->memory();
     if (bytes > memory.total_bytes() - memory.used_bytes())
       memory.require_total("scene, BVH and technique", "all buffers", bytes, memory_hint(*technique, scene, settings));
@@ -211,8 +238,10 @@ struct RenderSession::State {
                plan.changes.empty() ? "nothing lowered" : plan.changes_text());
     log_info("memory: {} needed, {} of {} in use", format_bytes(bytes), format_bytes(memory.used_bytes()),
              format_bytes(memory.total_bytes()));
-    on_preparing(-1, "upload");
-    timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
+    if (!buffers) {
+      on_preparing(-1, "upload");
+      timed(clocks.upload, [&] { buffers = std::make_unique<SceneBuffers>(*device, scene); });
+    }
     const TechniqueContext context{device,   scheduler,    scene, *buffers, [this]() -> Bvh& { return built_bvh(); },
                                    settings, on_preparing, state};
     const ReportCompilation reporting(*device, on_preparing);
@@ -231,6 +260,13 @@ struct RenderSession::State {
 
 RenderSession::RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type,
                              RenderSettings settings,
+                             const std::vector<std::pair<std::string, std::string>>& parameters,
+                             OnPreparing on_preparing, double seconds, const StateFile* state)
+    : RenderSession(std::move(device), share_scene(std::move(scene)), type, std::move(settings), parameters,
+                    std::move(on_preparing), seconds, state) {}
+
+RenderSession::RenderSession(std::shared_ptr<Device> device, std::shared_ptr<SceneOnDevice> scene,
+                             const TechniqueType& type, RenderSettings settings,
                              const std::vector<std::pair<std::string, std::string>>& parameters,
                              OnPreparing on_preparing, double seconds, const StateFile* state) {
   check_settings(type.info(), settings);

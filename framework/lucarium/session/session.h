@@ -24,6 +24,11 @@ struct RenderBudget {
 /// Refuses settings that a technique does not declare: image size, bounces, pixel sampling. Throws Error.
 void check_settings(const TechniqueInfo& info, const RenderSettings& settings);
 
+/// A scene and what is made of it on the device, for sessions that share it. It outlives none of the device's users:
+/// whoever keeps one keeps the device.
+struct SceneOnDevice;
+std::shared_ptr<SceneOnDevice> share_scene(Scene scene);
+
 /// One technique on one scene on one device: owns scene buffers, BVH, scheduler and the technique, in the right order,
 /// with clocks. The programs render and compare, and tests, all go through it.
 class RenderSession {
@@ -46,6 +51,11 @@ class RenderSession {
   RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
                 const std::vector<std::pair<std::string, std::string>>& parameters = {}, OnPreparing on_preparing = {},
                 double seconds = 0, const StateFile* state = nullptr);
+  /// The same on a scene that sessions share, each with its own technique and size: its buffers and its BVH serve all
+  /// of them. While there are several none of them changes the scene (set_time, change_scene).
+  RenderSession(std::shared_ptr<Device> device, std::shared_ptr<SceneOnDevice> scene, const TechniqueType& type,
+                RenderSettings settings, const std::vector<std::pair<std::string, std::string>>& parameters = {},
+                OnPreparing on_preparing = {}, double seconds = 0, const StateFile* state = nullptr);
   ~RenderSession();
 
   Technique& technique();

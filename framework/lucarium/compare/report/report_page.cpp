@@ -10,7 +10,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
-#include "lucarium/base/files/embedded_files.h"
+#include "lucarium/base/files/embedded_page.h"
 #include "lucarium/base/json.h"
 #include "lucarium/compare/report/report_images.h"
 #include "lucarium/compare/results/result_folder.h"
@@ -38,22 +38,6 @@ std::string script_safe(const std::string& json) {
       safe += c;
   }
   return safe;
-}
-
-/// Replaces every "@include NAME@" by the asset of that name.
-std::string assemble_page() {
-  const EmbeddedSources& assets = lucarium_report_assets();
-  const std::string_view source = assets.at("page.html");
-  const std::string_view opening = "@include ";
-  std::string page;
-  size_t at = 0;
-  for (size_t begin; (begin = source.find(opening, at)) != std::string_view::npos;) {
-    const size_t end = source.find('@', begin + 1);
-    page += source.substr(at, begin - at);
-    page += assets.find(source.substr(begin + opening.size(), end - begin - opening.size()))->second;
-    at = end + 1;
-  }
-  return page.append(source.substr(at));
 }
 
 ordered_json read_results(const fs::path& file) {
@@ -110,7 +94,7 @@ void substitute(std::string& page, std::string_view marker, const std::string& t
 
 void write_report(const fs::path& folder, const ReportOptions& options) {
   const ordered_json results = read_results(folder / "results.json");
-  std::string page = assemble_page();
+  std::string page = assemble_page(lucarium_report_assets().at("page.html"), {&lucarium_report_assets()});
   const std::string results_text = script_safe(results.dump());
 
   const std::vector<ReportSource> sources = list_report_sources(results, folder);

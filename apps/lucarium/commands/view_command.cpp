@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// lucarium view: techniques live in a browser. Declared in commands.h.
+#include <fcntl.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "commands/commands.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+#include "lucarium/base/json.h"
+#include "lucarium/base/log.h"
+#include "lucarium/base/terminal.h"
+#include "lucarium/view/access.h"
+#include "lucarium/view/hub.h"
+#include "lucarium/view/server.h"
+#include "lucarium/view/viewer.h"
+#include "options/options.h"
+#include "outputs/repeat_commands.h"
+
+namespace lucarium::app {
+using nlohmann::ordered_json;
+
+namespace {
+
+struct ViewArguments : RenderingArguments {
+  ViewServerOptions server;
+  bool open = false;
+  RenderBudget budget;
+};
+
+constexpr int largest_port = 65535;
+constexpr double patience_at_end = 0.7;  // [s] for an iteration that is being done
+
+std::vector<ViewTechnique> techniques_of(const ViewArguments& arguments, const TechniqueRegistry& registry) {
+  std::vector<TechniqueArguments::Spec> specs = arguments.technique.specs;
+  if (specs.empty()) specs = {arguments.technique.single("view", "path_tracing")};
+  std::vector<ViewTechnique> techniques;
+  for (const TechniqueArguments::Spec& spec : specs) {
+    check_parameters(registry.find(spec.name), spec);
+    techniques.push_back({spec.name, spec.parameters});
+  }
+  return techniques;
+}
+
+/// Starts this system's browser; where there is none the address is on the terminal.
+void open_page(const std::string& url) {
+  std::string program = "xdg-open", address = url;
+  std::array<char*, 3> words = {program.data(), address.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  ::posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  if (::posix_spawnp(&child, program.c_str(), &actions, nullptr, words.data(), environ) != 0)
+    log_warning("--open: there is no xdg-open; open the address in a browser");
+  ::posix_spawn_file_actions_destroy(&actions);
+}
+
+/// Renders on a thread of its own while this one serves. What is being computed when the end comes need not be
+/// finished: nothing of it is kept.
+void serve(Viewer& viewer, ViewServer& server) {
+  std::atomic<bool> rendering{true};
+  std::thread renderer([&] {
+    viewer.run();
+    rendering = false;
+  });
+  server.run([] { return interrupt_requested(); });
+  viewer.stop();
+  const Stopwatch waiting;
+  while (rendering && waiting.seconds() < patience_at_end) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  if (rendering) {  // kernels that compile cannot be stopped
+    flush_results();
+    std::_Exit(0);
+  }
+  renderer.join();
+}
+
+int view(const ViewArguments& arguments, const Messages& messages) {
+  if (const std::string obstacle = view_server_obstacle(); !obstacle.empty())
+    throw_error(ErrorClass::usage, "{}", obstacle);
+  const TechniqueRegistry registry(arguments.technique.folders);
+  ViewerOptions options;
+  options.techniques = techniques_of(arguments, registry);
+  options.settings = arguments.image.settings();
+  options.budget = arguments.budget;
+  Scene scene = arguments.load();
+  options.settings.camera = scene.cameras.front();
+  options.commands = repeat_commands(arguments, scene);
+  const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
+  ViewHub hub;
+  ViewServer server(hub, arguments.server);
+  Viewer viewer(device, std::move(scene), registry, std::move(options), hub);
+  if (!is_loopback(arguments.server.address))
+    log_warning("--listen {}: whoever learns the address below reaches this viewer from other machines, unencrypted",
+                arguments.server.address);
+  if (messages.json) {
+    print_result("{}\n", ordered_json{{"address", server.url()}}.dump());
+  } else {
+    print_result("{}\n", server.url());
+    if (!messages.quiet) print_note("Open this address in a browser; Ctrl-C ends.\n");
+  }
+  flush_results();
+  if (arguments.open) open_page(server.url());
+  const KeepOnInterrupt end_in_order;
+  serve(viewer, server);
+  return 0;
+}
+
+}  // namespace
+
+void add_view_command(Command program, Action& action) {
+  auto arguments = std::make_shared<ViewArguments>();
+  Command command = program.add_subcommand("view", "show techniques at work, in a browser");
+  command.option("scene", arguments->scene).required();
+  command.option("--port", arguments->server.port).check(in_range(0, largest_port)).capture_default_str();
+  command.option("--listen", arguments->server.address).capture_default_str();
+  command.flag("--open", arguments->open);
+  command.option("--spp", arguments->budget.samples).check(whole_number(1)).default_text("no limit");
+  command.option("--iterations", arguments->budget.iterations).check(whole_number(1)).default_text("no limit");
+  arguments->image.add_to(command, true);
+  arguments->overrides.add_exposure_to(command);
+  arguments->overrides.add_to(command);
+  arguments->technique.add_to(command, "path_tracing", true);
+  arguments->device.add_to(command);
+  command.examples(
+      {"lucarium view builtin:cornell", "lucarium view builtin:cornell -t path_tracing -t bundle_exchange"},
+      "docs/viewing.md");
+  command.callback(
+      [arguments, &action] { action = [arguments](const Messages& messages) { return view(*arguments, messages); }; });
+}
+
+}  // namespace lucarium::app

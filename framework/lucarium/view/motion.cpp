@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/view/motion.h"
+
+#include <algorithm>
+#include <array>
+
+namespace lucarium {
+
+namespace {
+
+constexpr std::array<uint32_t, 6> divisors = {1, 2, 3, 4, 6, 8};
+constexpr uint32_t first_divisor = 4;  // while nothing was measured
+constexpr double newest_share = 0.5;   // of the last measurement in the mean
+
+}  // namespace
+
+void MotionSize::measured(double seconds, double pixels) {
+  const double now = seconds / std::max(pixels, 1.0);
+  seconds_per_pixel_ = seconds_per_pixel_ < 0 ? now : newest_share * now + (1 - newest_share) * seconds_per_pixel_;
+}
+
+double MotionSize::expected_seconds(double pixels) const {
+  return seconds_per_pixel_ < 0 ? -1 : seconds_per_pixel_ * pixels;
+}
+
+uint32_t MotionSize::divisor(double pixels, uint32_t present) const {
+  if (seconds_per_pixel_ < 0) return present > 1 ? present : first_divisor;
+  const auto seconds = [&](uint32_t divisor) { return expected_seconds(pixels / (divisor * divisor)); };
+  if (present > 1 && seconds(present) < 1.5 * wanted_seconds && seconds(present) > 0.3 * wanted_seconds) return present;
+  for (const uint32_t divisor : divisors)
+    if (seconds(divisor) <= wanted_seconds) return divisor;
+  return divisors.back();
+}
+
+}  // namespace lucarium

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <cstdint>
+
+namespace lucarium {
+
+/// The size of pictures while the camera moves: the finest of 1/1, 1/2, 1/3, 1/4, 1/6 and 1/8 whose iterations keep the
+/// wanted rate, from the time that earlier ones took.
+class MotionSize {
+ public:
+  static constexpr double wanted_seconds = 1.0 / 12;
+
+  /// An iteration of so many pixels took that long.
+  void measured(double seconds, double pixels);
+  /// How long one is expected to take; negative: nothing was measured.
+  double expected_seconds(double pixels) const;
+  /// The divisor for pictures of that many pixels at their whole size. Stays at `present` (0: none) while that is about
+  /// right, since another size costs a session.
+  uint32_t divisor(double pixels, uint32_t present) const;
+  void forget() { seconds_per_pixel_ = -1; }
+
+ private:
+  double seconds_per_pixel_ = -1;
+};
+
+}  // namespace lucarium

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the viewer is doing, what it costs, and the commands that repeat it.
+
+function stageText(status) {
+  if (status.stage === 'preparing') {
+    const {text, fraction} = status.preparing;
+    return fraction >= 0 ? `preparing: ${text}, ${percent(fraction)}` : `preparing: ${text}`;
+  }
+  return status.stage;
+}
+
+class StateLine {
+  constructor() {
+    this.lamp = h('strong', {class: 'lamp', role: 'status'}, 'connecting');
+    this.numbers = h('span', {});
+    this.node = h('div', {class: 'state'}, this.lamp, this.numbers);
+  }
+
+  update(status) {
+    this.lamp.textContent = stageText(status);
+    this.node.dataset.stage = status.stage;
+    const p = status.progress;
+    if (!p) return;
+    const rate = p.seconds > 0 ? `${number(p.iterations / p.seconds)} iterations/s` : '';
+    const coarse = status.divisor > 1 ? `coarse, 1/${status.divisor}` : '';
+    const progress = p.progress > 0 && p.progress < 1 ? percent(p.progress) : '';
+    this.numbers.textContent =
+        [`${p.samples} samples`, `${p.iterations} iterations`, seconds(p.seconds), rate, p.phase, progress, coarse]
+            .filter(Boolean).join(' · ');
+  }
+
+  closed() {
+    this.lamp.textContent = 'not connected; trying again';
+    this.node.dataset.stage = 'closed';
+  }
+}
+
+class MachinePanel {
+  constructor() {
+    this.body = h('div', {});
+    this.node = h('details', {class: 'panel'}, h('summary', {}, 'Inside the machine'), this.body);
+  }
+
+  update(status) {
+    if (!status.machine || !this.node.open) return;
+    const {passes, memory, counters} = status.machine, time = status.progress.seconds || 1;
+    const table = rows => h('table', {class: 'passes'},
+      rows.map(row => h('tr', {}, row.map(cell => h('td', {}, cell)))));
+    const total = passes.reduce((sum, pass) => sum + pass.seconds, 0) || 1;
+    this.body.replaceChildren(
+      h('h3', {}, 'Time per pass'),
+      table(passes.map(p => [p.name, seconds(p.seconds / p.count), percent(p.seconds / total)])),
+      h('h3', {}, 'Device memory'), table(Object.entries(memory).map(([owner, size]) => [owner, bytes(size)])),
+      h('h3', {}, 'Counters'), table(Object.entries(counters).map(
+        ([name, count]) => [name, number(count), `${number(count / time)}/s`])));
+  }
+}
+
+class RepeatPanel {
+  constructor() {
+    this.body = h('div', {});
+    this.node = h('details', {class: 'panel'}, h('summary', {}, 'Repeat this'), this.body);
+  }
+
+  update(status) {
+    if (!status.repeat) return;
+    const lines = status.repeat.commands;
+    const key = JSON.stringify(status.repeat);
+    if (key === this.key) return;
+    this.key = key;
+    this.body.replaceChildren(
+      status.repeat.exact ? h('p', {class: 'note'}, 'These pixels again:') :
+                            h('p', {class: 'note'}, 'Light was kept from earlier cameras: press Restart for a picture ' +
+                              'that a command repeats bit for bit.'),
+      ...lines.flatMap(({name, line}) => [
+        h('div', {class: 'note'}, name),
+        h('code', {class: 'line', 'data-command': name}, line),
+        copyButton('Copy', () => line)]));
+  }
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/view/view_sessions.h"
+
+#include <algorithm>
+
+#include "lucarium/base/error.h"
+#include "lucarium/base/interrupt.h"
+
+namespace lucarium {
+
+RenderSettings divided_size(RenderSettings settings, uint32_t divisor) {
+  settings.width = (settings.width + divisor - 1) / divisor;
+  settings.height = (settings.height + divisor - 1) / divisor;
+  return settings;
+}
+
+ViewSessions::ViewSessions(std::shared_ptr<Device> device, Scene scene, RenderSession::OnPreparing on_preparing,
+                           std::function<bool()> cancel)
+    : device_(std::move(device)),
+      scene_(share_scene(std::move(scene))),
+      on_preparing_(std::move(on_preparing)),
+      cancel_(std::move(cancel)) {}
+
+ViewSessions::Sized ViewSessions::make(const TechniqueType& type, const ViewTechnique& technique,
+                                       const RenderSettings& settings, uint32_t divisor) const {
+  Sized sized;
+  sized.divisor = divisor;
+  sized.camera_number = camera_number_;
+  sized.session = std::make_unique<RenderSession>(device_, scene_, type, divided_size(settings, divisor),
+                                                  technique.parameters, on_preparing_);
+  // Light that does not depend on the camera is kept: an iteration of it is never in vain.
+  if (divisor == 1 && !type.info().capabilities.view_independent)
+    sized.session->scheduler().set_cancel([this] { return interrupt_requested() || cancel_(); });
+  return sized;
+}
+
+void ViewSessions::change(const TechniqueType& type, const ViewTechnique& technique, const RenderSettings& settings,
+                          uint32_t divisor) {
+  Sized made;
+  try {
+    made = make(type, technique, settings, divisor);
+  } catch (const Error& error) {
+    if (error.error_class() != ErrorClass::device || empty()) throw;
+    clear();
+    made = make(type, technique, settings, divisor);
+  }
+  clear();
+  type_ = &type;
+  technique_ = technique;
+  settings_ = settings;
+  slot(divisor) = std::move(made);
+}
+
+RenderSession& ViewSessions::at(uint32_t divisor) {
+  Sized& sized = slot(divisor);
+  if (!sized.session || sized.divisor != divisor) {
+    sized = {};
+    sized = make(*type_, technique_, settings_, divisor);
+  }
+  if (sized.camera_number != camera_number_) {
+    sized.session->set_camera(settings_.camera);
+    sized.camera_number = camera_number_;
+    if (type_->info().capabilities.view_independent) sized.fresh = false;
+  }
+  return *sized.session;
+}
+
+void ViewSessions::set_camera(const SceneCamera& camera) {
+  settings_.camera = camera;
+  ++camera_number_;
+}
+
+void ViewSessions::restart() {
+  for (Sized* sized : {&whole_, &coarse_}) {
+    if (!sized->session) continue;
+    sized->session->restart(settings_.seed);
+    sized->fresh = true;
+  }
+}
+
+bool ViewSessions::is_fresh(uint32_t divisor) const { return (divisor == 1 ? whole_ : coarse_).fresh; }
+
+void ViewSessions::clear() {
+  whole_ = {};
+  coarse_ = {};
+  type_ = nullptr;
+}
+
+}  // namespace lucarium

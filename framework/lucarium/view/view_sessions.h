@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lucarium/session/session.h"
+
+namespace lucarium {
+
+/// A technique with the parameters that were given; all others have their defaults.
+struct ViewTechnique {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> parameters;
+};
+
+/// The sessions of one technique on one scene: one of the whole size, and beside it a coarse one for moments in which a
+/// picture matters more than its pixels. Both stay, so that a move of the camera builds nothing again.
+class ViewSessions {
+ public:
+  /// `cancel`: asked between passes of an iteration of the whole size; true where its picture is no longer wanted.
+  ViewSessions(std::shared_ptr<Device> device, Scene scene, RenderSession::OnPreparing on_preparing,
+               std::function<bool()> cancel);
+
+  /// Another technique, other parameters. Throws Error where they are refused; all is then as it was before. It needs
+  /// the memory of both for a moment; where that does not suffice the old one goes first, and may be lost.
+  void change(const TechniqueType& type, const ViewTechnique& technique, const RenderSettings& settings,
+              uint32_t divisor);
+  bool empty() const { return !type_; }
+  const TechniqueType& type() const { return *type_; }
+  const ViewTechnique& technique() const { return technique_; }
+
+  /// The session whose size is the whole one divided by that, brought to the camera.
+  RenderSession& at(uint32_t divisor);
+  void set_camera(const SceneCamera& camera);
+  /// From the first sample.
+  void restart();
+  /// Whether nothing but iterations happened to the session since it was made: a rendering from the start gives the
+  /// same picture.
+  bool is_fresh(uint32_t divisor) const;
+  void clear();
+
+ private:
+  struct Sized {
+    std::unique_ptr<RenderSession> session;
+    uint32_t divisor = 0;
+    uint64_t camera_number = 0;
+    bool fresh = true;
+  };
+  Sized make(const TechniqueType& type, const ViewTechnique& technique, const RenderSettings& settings,
+             uint32_t divisor) const;
+  Sized& slot(uint32_t divisor) { return divisor == 1 ? whole_ : coarse_; }
+
+  std::shared_ptr<Device> device_;
+  std::shared_ptr<SceneOnDevice> scene_;
+  RenderSession::OnPreparing on_preparing_;
+  std::function<bool()> cancel_;
+  const TechniqueType* type_ = nullptr;
+  ViewTechnique technique_;
+  RenderSettings settings_;
+  uint64_t camera_number_ = 0;
+  Sized whole_, coarse_;
+};
+
+/// The size divided, rounded up.
+RenderSettings divided_size(RenderSettings settings, uint32_t divisor);
+
+}  // namespace lucarium
