@@ -70,8 +70,8 @@ class RepeatPanel {
     this.key = key;
     this.body.replaceChildren(
       status.repeat.exact ? h('p', {class: 'note'}, 'These pixels again:') :
-                            h('p', {class: 'note'}, 'Light was kept from earlier cameras: press Restart for a picture ' +
-                              'that a command repeats bit for bit.'),
+                            h('p', {class: 'note'}, 'Light was kept from earlier cameras: press Restart for a ' +
+                              'picture that a command repeats bit for bit.'),
       ...lines.flatMap(({name, line}) => [
         h('div', {class: 'note'}, name),
         h('code', {class: 'line', 'data-command': name}, line),
