@@ -8,7 +8,7 @@ import urllib.request
 
 PATIENCE = 480  # seconds; a busy machine is slow, not wrong, and report_browser_test ends what takes longer than 540
 END = time.monotonic() + PATIENCE
-KEYS = {'ArrowRight': '\ue014', 'ArrowLeft': '\ue012', 'Escape': '\ue00c', 'Tab': '\ue004'}
+KEYS = {'ArrowRight': '\ue014', 'ArrowLeft': '\ue012', 'Escape': '\ue00c', 'Tab': '\ue004', 'Home': '\ue011'}
 
 
 class Browser:

@@ -83,7 +83,10 @@ void Viewer::step() {
     work();
   } else {
     stage_ = failed_ ? Stage::failed : done_ ? Stage::done : request_.paused ? Stage::paused : Stage::waiting;
-    if (session_ && is_picture_due(*session_)) send_picture(*session_);
+    if (session_ && is_picture_due(*session_)) {
+      send_picture(*session_);
+      report(true);  // its layers
+    }
     hub_.wait(nap);
   }
   send_files();

@@ -103,7 +103,7 @@ def picture(browser, viewer):
     difference = largest_difference(browser.run(PIXELS), plain)
     check(f'it is that of lucarium render, to the step of 8 bits ({difference})', difference <= 1)
     check('the layers of the technique are there',
-          browser.run("return document.getElementById('layer').options.length") > 1)
+          wait(lambda: browser.run("return document.getElementById('layer').options.length") > 1))
     before = browser.run(PIXELS)
     browser.run(SET, '#layer', 'direct')
     check('a layer is shown', wait(lambda: browser.run(DATA)['layer'] == 'direct' and browser.run(PIXELS) != before))
