@@ -77,7 +77,8 @@ class CameraInput {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     if (heldKeys[key]) {
       // A key that is let go before the next frame moves too.
-      if (!this.held.has(key)) this.mover.move(c => moves.shift(c, ...heldKeys[key].map(v => 0.02 * v * distanceOf(c))));
+      if (!this.held.has(key))
+        this.mover.move(c => moves.shift(c, ...heldKeys[key].map(v => 0.02 * v * distanceOf(c))));
       if (!this.held.size) this.flyFrom(performance.now());
       this.held.add(key);
     } else if (turnKeys[key]) {
