@@ -21,7 +21,10 @@ SIZE, ITERATIONS = (48, 32), 4
 SCENE = ['builtin:cornell', '--size', f'{SIZE[0]}x{SIZE[1]}', '--exposure', '0']
 DATA = "return {...document.querySelector('.picture').dataset};"
 PIXELS = """const c = document.querySelector('.picture');
-return [c.width, c.height, ...c.getContext('2d').getImageData(0, 0, c.width, c.height).data];"""
+const copy = Object.assign(document.createElement('canvas'), {width: c.width, height: c.height});
+const context = copy.getContext('2d', {willReadFrequently: true});  // else reading complains on the console
+context.drawImage(c, 0, 0);
+return [c.width, c.height, ...context.getImageData(0, 0, c.width, c.height).data];"""
 STAGE = "return document.querySelector('.state')?.dataset.stage;"
 LUMINANCE = """const rgb = getComputedStyle(document.body)[arguments[0]].match(/[0-9.]+/g).map(Number);
 return .2126 * rgb[0] + .7152 * rgb[1] + .0722 * rgb[2];"""
