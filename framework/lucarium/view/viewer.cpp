@@ -141,9 +141,9 @@ void Viewer::take(const ViewTechnique& technique) {
   stage_ = Stage::preparing;
   stage_text_ = "preparing";
   report(true);
-  session_ = nullptr;
   const uint32_t divisor = type.info().capabilities.view_independent ? 1 : motion_.divisor(whole_pixels(), 0);
   sessions_.change(type, technique, settings(), divisor);
+  session_ = nullptr;
   failed_ = false;
   begin_picture();
 }
@@ -152,7 +152,10 @@ void Viewer::take(const ViewTechnique& technique) {
 void Viewer::refuse(const ViewTechnique& technique, const Error& error) {
   refusal_ = error.what();
   log_info("{} was refused: {}", technique.name, error.what());
-  if (sessions_.empty()) failed_ = true;
+  if (sessions_.empty()) {
+    failed_ = true;
+    session_ = nullptr;
+  }
   report(true);
 }
 

@@ -1,8 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The viewer as its users have it: view_browser.py PROGRAM FOLDER [all] starts `lucarium view` and opens its page in
-Chromium through its driver and turns the camera; with `all` it changes technique and parameters, reloads, opens a
-second tab, saves and repeats too.
+"""The viewer as its users have it: view_browser.py PROGRAM FOLDER starts `lucarium view` and opens its page in Chromium
+through its driver, turns the camera, changes technique and parameters, reloads, opens a second tab, saves, repeats.
 FOLDER is for what it writes. One line per check: "ok …" or "FAILED …", then "end". Exit code 77 when Chromium or its
 driver is absent."""
 import pathlib
@@ -230,11 +229,10 @@ def main():
         session.call('/url', {'url': viewer.address})
         picture(session, viewer)
         camera(session, viewer)
-        if 'all' in sys.argv[3:]:
-            technique(session, viewer)
-            tabs(session, viewer)
-            files(session, viewer)
-            looks(session, viewer)
+        technique(session, viewer)
+        tabs(session, viewer)
+        files(session, viewer)
+        looks(session, viewer)
         messages = session.call('/se/log', {'type': 'browser'})
         check(f'nothing on the console {[m["message"] for m in messages]}', not messages)
         check('Ctrl-C ends the viewer', viewer.end() == 0)

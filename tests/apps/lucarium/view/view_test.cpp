@@ -29,13 +29,12 @@ TEST_CASE("the viewer answers its pages, refuses strangers and malformed message
                           540));
 }
 
-TEST_CASE("viewer in a browser: picture, camera and keys; in full runs technique, tabs, files and looks") {
+TEST_CASE("viewer in a browser: picture, camera, technique, parameters, tabs, files, looks, keys") {
   if (!has_viewer()) return skip("libwebsockets");
   const TemporaryFolder folder;
-  const ProgramResult found =
-      run_program("python3 " + (here() / "view_browser.py").string() + " " + lucarium_program() + " " +
-                      folder.path().string() + (full_run() ? " all" : ""),
-                  540);
+  const ProgramResult found = run_program(
+      "python3 " + (here() / "view_browser.py").string() + " " + lucarium_program() + " " + folder.path().string(),
+      540);
   if (found.exit_code == 77) return skip("chromium");
   check_found(found);
 }
