@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // vpl_choice=all: every active camera path's vertex is connected to one of the virtual lights, the same for all; a
 // launch for each. Comes before shade_eye_vertices, which moves the paths on.
-#include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/base/interleave.clh"
+#include "bidirectional_vpl/eye/connect.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // One vertex of every active camera path: what it emits (strategy -1), a light sample (0), a connection to a virtual
 // light (1 ... K-1), and the BSDF sample along which the path goes on.
+#include "bidirectional_vpl/base/interleave.clh"
 #include "bidirectional_vpl/bundles/bundle_set.clh"
 #include "bidirectional_vpl/eye/connect.clh"
 #include "bidirectional_vpl/eye/find_lights.clh"
-#include "bidirectional_vpl/base/interleave.clh"
 #include "lucarium/prefetch.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/path_settings.h"
