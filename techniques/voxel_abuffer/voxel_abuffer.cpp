@@ -39,12 +39,12 @@
 //   section 3.1, average normal of a voxel   structure/pack_lists.cl: abuffer_pack_parity() (sums);
 //                                            structure/choose_axes.cl: abuffer_choose_axes() (axis_rule=average)
 //   section 3.2, figure 3, 3D-DDA            search/grid_ray.clh: abuffer_leave(), abuffer_enter()
-//   section 3.2, entry and exit P_in, P_out  search/parity_columns.clh: abuffer_trace_parity()
+//   section 3.2, entry and exit P_in, P_out  search/parity_flights.clh: abuffer_read_parity_cells()
 //   section 3.2, inside or outside           search/winding.clh: abuffer_winding()
-//   section 3.2, 2D-DDA                      search/parity_columns.clh: abuffer_walk_columns() (search=2d)
-//   section 3.2, figure 4, three-step        search/parity_columns.clh: abuffer_step_voxel() (search=3): linear
+//   section 3.2, 2D-DDA                      search/parity_columns.clh: abuffer_list_way() (search=2d)
+//   section 3.2, figure 4, three-step        search/parity_steps.clh: abuffer_cross_points() (search=3): linear
 //                                            search, then binary search between P_k-1 and P_k
-//   section 3.2, figure 5, one-step          search/parity_columns.clh: abuffer_step_voxel() (search=1)
+//   section 3.2, figure 5, one-step          search/parity_steps.clh: abuffer_cross_points() (search=1)
 //   section 3.2, shadow rays                 search/parity_hit.clh: abuffer_must_look() (no binary search)
 //   section 4, deferred shading              modes/primary_raster.cpp: rasterize() (primary=raster)
 //   section 4, ray casting, multi-layer      modes/shade_tree_rays.cl: shade_tree_rays() (mode=cast)

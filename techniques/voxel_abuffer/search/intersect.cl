@@ -11,7 +11,7 @@
 #ifdef ABUFFER_PLANES
 #include "voxel_abuffer/search/plane_columns.clh"
 #else
-#include "voxel_abuffer/search/parity_columns.clh"
+#include "voxel_abuffer/search/parity_flights.clh"
 #endif
 
 #ifndef ABUFFER_CHUNK
@@ -28,12 +28,19 @@
 #define ABUFFER_SET_SCENE(context)
 #endif
 
+#if defined(ABUFFER_WITH_EXACT) || (defined(ABUFFER_WITH_PARITY) && !defined(ABUFFER_PLANES))
+#define ABUFFER_CELLS_PARAMETER , __global const ulong* abuffer_cells
+#define ABUFFER_SET_CELLS(context) context.cells = abuffer_cells
+#else
+#define ABUFFER_CELLS_PARAMETER
+#define ABUFFER_SET_CELLS(context)
+#endif
+
 #ifdef ABUFFER_WITH_EXACT
-#define ABUFFER_EXACT_PARAMETERS                                                   \
-  , __global const ulong *abuffer_cells, __global const uint *abuffer_exact_start, \
-      __global const uint *abuffer_exact_depths, __global const uint *abuffer_exact_fragments
+#define ABUFFER_EXACT_PARAMETERS                                                         \
+  , __global const uint *abuffer_exact_start, __global const uint *abuffer_exact_depths, \
+      __global const uint *abuffer_exact_fragments
 #define ABUFFER_SET_EXACT(context)             \
-  context.cells = abuffer_cells;               \
   context.exact_start = abuffer_exact_start;   \
   context.exact_depths = abuffer_exact_depths; \
   context.exact_fragments = abuffer_exact_fragments
@@ -70,8 +77,8 @@
 
 #define ABUFFER_PARAMETERS                                                                                             \
   __global const AbufferGrid *abuffer_grid, __global const ulong *abuffer_bricks, __global const uint *abuffer_voxels, \
-      __global const float *abuffer_triangles ABUFFER_EXACT_PARAMETERS ABUFFER_PARITY_PARAMETERS                       \
-          ABUFFER_WORK_PARAMETER
+      __global const float *abuffer_triangles ABUFFER_CELLS_PARAMETER ABUFFER_EXACT_PARAMETERS                         \
+          ABUFFER_PARITY_PARAMETERS ABUFFER_WORK_PARAMETER
 
 #define ABUFFER_CONTEXT(context)                \
   AbufferContext context;                       \
@@ -80,38 +87,37 @@
   context.grid = abuffer_grid[0];               \
   context.bricks = abuffer_bricks;              \
   context.voxels = abuffer_voxels;              \
+  ABUFFER_SET_CELLS(context);                   \
   ABUFFER_SET_EXACT(context);                   \
   ABUFFER_SET_PARITY(context);                  \
   ABUFFER_BEGIN_WORK(context);                  \
   ABUFFER_SET_SCENE(context)
 
-#ifdef ABUFFER_WITH_PARITY
 // What the triangles for parity say of the rays first … end; those for exact search are a set of their own, and the
 // nearer hit counts.
-static void abuffer_trace_parity_chunk(const AbufferContext* context, __global const Ray* rays,
-                                       __global const RayEnds* ends, __global Hit* hits, __global uint* occluded,
-                                       uint first, uint end, const bool any) {
-  for (uint i = first; i < end; ++i) {
-    const Ray ray = rays[i];
+#if defined(ABUFFER_WITH_PARITY) && defined(ABUFFER_PLANES)
+static void abuffer_trace_plane_chunk(const AbufferContext* context, const AbufferQueue queue,
+                                      __global const RayEnds* ends, const bool any) {
+  for (uint i = queue.next; i < queue.end; ++i) {
+    const Ray ray = queue.rays[i];
     Hit best = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
-#ifdef ABUFFER_PLANES
     AbufferPlaneRay r;
     const bool hit = abuffer_begin_planes(context, ray, ends[i], &r) && abuffer_trace_planes(context, &r, &best);
-#else
-    AbufferParityRay r;
-    const bool hit = abuffer_begin_parity(context, ray, ends[i], &r) && abuffer_trace_parity(context, &r, &best, any);
-#endif
-    const bool within = hit && (any || best.distance <= ray.direction.w);
-    if (any)
-      occluded[i] = within;
-    else if (within)
-      hits[i] = best;
-    else
-      hits[i] = (Hit){INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
+    if (!hit || !(any || best.distance <= ray.direction.w)) best.triangle = LUCARIUM_NO_HIT;
+    abuffer_land(&queue, i, best, any);
   }
 }
-#define ABUFFER_TRACE_PARITY(hits, occluded, any) \
-  abuffer_trace_parity_chunk(&context, rays, ends, hits, occluded, first, end, any);
+#define ABUFFER_TRACE_PARITY(hits, occluded, any)                  \
+  {                                                                \
+    const AbufferQueue queue = {rays, hits, occluded, first, end}; \
+    abuffer_trace_plane_chunk(&context, queue, ends, any);         \
+  }
+#elif defined(ABUFFER_WITH_PARITY)
+#define ABUFFER_TRACE_PARITY(hits, occluded, any)                                \
+  {                                                                              \
+    const AbufferParityQueue queue = {{rays, hits, occluded, first, end}, ends}; \
+    abuffer_trace_parity_flights(&context, queue, any);                          \
+  }
 #else
 #define ABUFFER_TRACE_PARITY(hits, occluded, any)
 #endif

@@ -38,14 +38,15 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 
 // A voxel's word: bits 0, 1, 2: triangles for exact search in the columns of that axis; bit 3: triangles for parity;
 // bits 4, 5: the axis by whose columns it is searched for parity, 3: any; bits 6 and above: its first cell block, one
-// for each bit of 0, 1, 2 in turn.
+// for each bit of 0, 1, 2, 3 in turn.
 #define ABUFFER_EXACT_AXES 7u
 #define ABUFFER_OCCUPIED 15u
 #define ABUFFER_AXIS_SHIFT 4u
 #define ABUFFER_CELLS_SHIFT 6u
 
-// A cell block says which of a voxel's 8 × 8 × 8 cells the depth intervals of exact fragments of one axis touch. Word
-// 8 m + j is the slice j across axis m: bit 8 c + b for the coordinates b along m + 1 and c along m + 2, modulo 3.
+// A cell block says which of a voxel's 8 × 8 × 8 cells the depth intervals of exact fragments of one axis touch, or, of
+// bit 3, in which cells the state of points changes along its axis, or along all axes where that is 3. Word 8 m + j is
+// the slice j across axis m: bit 8 c + b for the coordinates b along m + 1 and c along m + 2, modulo 3.
 #define ABUFFER_CELL_WORDS 24u
 
 // Triangle t, as a leaf block of one triangle (lucarium/shared/bvh_layout.h), starts at word t ·

@@ -44,7 +44,9 @@ AbufferLists::AbufferLists(KernelScheduler& scheduler, const SceneBuffers& buffe
       primitives_(scheduler.device()),
       buffers_(&buffers),
       pack_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/pack_lists"})),
-      cells_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_cells"})),
+      cells_(make_program(
+          scheduler.device(), voxel_abuffer_kernels(),
+          {kind == Kind::exact ? "voxel_abuffer/structure/mark_cells" : "voxel_abuffer/structure/mark_walls"})),
       voxels_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/mark_fragments"})) {
   if (stored) attributes_program_ = exact_program(scheduler.device(), "voxel_abuffer/structure/store_attributes");
 }
@@ -183,10 +185,12 @@ void AbufferLists::record_measures(ScheduleRecorder& recorder, const Sources& so
 }
 
 void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const {
+  const bool exact = kind_ == Kind::exact;
   for (uint32_t k = 0; k < 3; ++k) {
     const Axis axis(kind_, k);
-    recorder.pass(axis.name + ".mark_cells", cells_, "abuffer_mark_cells_of_row")
-        .global(axis_rows(grid, static_cast<int>(k)))
+    PassBuilder pass = recorder.pass(axis.name + (exact ? ".mark_cells" : ".mark_walls"), cells_,
+                                     exact ? "abuffer_mark_cells_of_row" : "abuffer_mark_walls_of_row");
+    pass.global(axis_rows(grid, static_cast<int>(k)))
         .local(1)
         .arg("abuffer_grid", sources.grid)
         .arg("abuffer_start", start_)
@@ -198,6 +202,7 @@ void AbufferLists::record_cells(ScheduleRecorder& recorder, const AbufferGrid& g
         .arg("abuffer_voxels", sources.voxels)
         .arg("cell_capacity", sources.cell_capacity)
         .arg("abuffer_cells", sources.cells);
+    if (!exact) pass.arg("abuffer_fragments", fragments_);
   }
 }
 

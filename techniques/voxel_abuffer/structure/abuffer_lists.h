@@ -43,7 +43,8 @@ class AbufferLists {
   void record_voxels(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const;
   /// Counts how long lists are: ABUFFER_COUNT_LONGEST, ABUFFER_COUNT_FILLED.
   void record_measures(ScheduleRecorder& recorder, const Sources& sources) const;
-  /// Marks the cells of voxels that exact fragments touch; once voxels know where theirs are.
+  /// Marks the cells of voxels that exact fragments touch, or in which states change; once voxels know where theirs
+  /// are.
   void record_cells(ScheduleRecorder& recorder, const AbufferGrid& grid, const Sources& sources) const;
 
   const TypedBuffer<uint32_t>& start() const { return start_; }

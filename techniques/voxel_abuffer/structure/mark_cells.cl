@@ -1,32 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which cells of voxels the exact fragments of an axis touch.
-#include "voxel_abuffer/structure/grid.clh"
-
-// The cells along an axis, first to last, that a pixel of a voxel covers: 8 pixel / edge and (8 pixel + 7) / edge, kept
-// as quotients with remainders, since a division for every column would take as long as all the rest.
-typedef struct AbufferCellSpan {
-  uint first, first_rest, last, last_rest;
-} AbufferCellSpan;
-
-static AbufferCellSpan abuffer_first_span(uint edge) {
-  const AbufferCellSpan span = {0u, 0u, 7u / edge, 7u % edge};
-  return span;
-}
-
-static void abuffer_next_span(AbufferCellSpan* span, uint edge) {
-  for (span->first_rest += 8u; span->first_rest >= edge; span->first_rest -= edge) ++span->first;
-  for (span->last_rest += 8u; span->last_rest >= edge; span->last_rest -= edge) ++span->last;
-}
-
-// Cells (bits 8 y + x) of a column's cross section.
-static ulong abuffer_cell_section(AbufferCellSpan x, AbufferCellSpan y) {
-  const ulong row = (2ul << x.last) - (1ul << x.first);
-  ulong section = 0ul;
-  for (uint i = y.first; i <= y.last; ++i) section |= row << (8u * i);
-  return section;
-}
-
-#define ABUFFER_NO_CELLS 0xffffffffu
+#include "voxel_abuffer/structure/cell_marks.clh"
 
 // Where the cells of each voxel along a voxel column begin that are slices across `axis`.
 static void abuffer_cells_of_column(const AbufferGrid* grid, __global const uint* voxels, uint axis, uint voxel_x,
@@ -38,17 +12,14 @@ static void abuffer_cells_of_column(const AbufferGrid* grid, __global const uint
   }
 }
 
-// Marks the cells of one depth interval, in the slices across the axis only: abuffer_turn_cells() makes the others.
-// per_step: cells per step of depth; adding a half makes the float quotient's integer part exact.
-static void abuffer_mark_cells(__global ulong* cells, const uint* places, ulong section, uint interval, float per_step,
-                               uint last_slab) {
+// Marks the cells of one depth interval. per_step: cells per step of depth; adding a half makes the float quotient's
+// integer part exact. What lies in no voxel with cells is near the triangle only.
+static void abuffer_mark_interval(__global ulong* cells, const uint* places, ulong section, uint interval,
+                                  float per_step, uint last_slab) {
   const uint near = interval & 0xffffu, far = (uint)ABUFFER_DEPTH_LAST - (interval >> 16);
   const uint first = min((uint)(((float)near + 0.5f) * per_step), last_slab);
   const uint last = min((uint)(((float)far + 0.5f) * per_step), last_slab);
-  for (uint slab = first; slab <= last; ++slab) {
-    const uint place = places[slab >> 3];
-    if (place != ABUFFER_NO_CELLS) cells[place + (slab & 7u)] |= section;  // else near the triangle only
-  }
+  abuffer_mark_slabs(cells, places, section, first, last);
 }
 
 // One row of voxel columns per work-item: no two write to one voxel.
@@ -80,7 +51,7 @@ __kernel void abuffer_mark_cells_of_row(__global const AbufferGrid* abuffer_grid
         if (start[0] == start[1]) continue;
         const ulong section = abuffer_cell_section(x_cells, y_cells);
         for (uint i = start[0]; i < start[1]; ++i)
-          abuffer_mark_cells(abuffer_cells, places, section, abuffer_depths[i], per_step, 8u * depth - 1u);
+          abuffer_mark_interval(abuffer_cells, places, section, abuffer_depths[i], per_step, 8u * depth - 1u);
       }
     }
   }

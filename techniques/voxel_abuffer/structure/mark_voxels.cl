@@ -40,9 +40,11 @@ __kernel void abuffer_mark_voxels(__global const AbufferGrid* abuffer_grid, __gl
       }
 }
 
-__kernel void abuffer_count_cells(__global const uint* abuffer_voxels, uint count, __global uint* abuffer_cell_first) {
-  const uint i = get_global_id(0);
-  if (i < count) abuffer_cell_first[i] = popcount(abuffer_voxels[i] & ABUFFER_EXACT_AXES);
+// Cell blocks of each voxel. walls: those of parity, too (mark_walls.cl).
+__kernel void abuffer_count_cells(__global const uint* abuffer_voxels, uint count, uint walls,
+                                  __global uint* abuffer_cell_first) {
+  const uint i = get_global_id(0), kinds = walls ? ABUFFER_OCCUPIED : ABUFFER_EXACT_AXES;
+  if (i < count) abuffer_cell_first[i] = popcount(abuffer_voxels[i] & kinds);
 }
 
 __kernel void abuffer_keep_cell_count(__global const uint* abuffer_cell_count, __global uint* abuffer_counts) {

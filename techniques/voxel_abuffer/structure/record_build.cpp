@@ -26,8 +26,8 @@ void VoxelAbuffer::State::record_build() {
   if (exact) exact->record(recorder, grid, sources, views_of_exact, store);
   if (parity) parity->record(recorder, grid, sources, views_of_parity, store);
   record_voxels(recorder, sources);
-  record_cells(recorder, sources);
   if (parity) record_axes(recorder);
+  record_cells(recorder, sources);
   if (options.count_work) {
     if (exact) exact->record_measures(recorder, sources);
     if (parity) parity->record_measures(recorder, sources);
@@ -50,15 +50,17 @@ void VoxelAbuffer::State::record_voxels(ScheduleRecorder& recorder, const Abuffe
       .arg("abuffer_voxels", voxels);
 }
 
-/// Bricks, and the cells that exact fragments touch.
+/// Bricks, the cells that exact fragments touch, and those in which states change. Search by planes looks at no states.
 void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const AbufferLists::Sources& sources) {
   const auto voxel_count = static_cast<uint32_t>(64 * brick_count(grid));
+  const bool walls = parity && options.intersect != Intersect::plane;
   const BufferRef cell_first = recorder.transient<uint32_t>("cell_first", voxel_count, coarser_grid);
   const BufferRef cell_count = recorder.transient<uint32_t>("cell_count", 1);
   recorder.pass("count_cells", voxel_program, "abuffer_count_cells")
       .global(voxel_count)
       .arg("abuffer_voxels", voxels)
       .arg("count", voxel_count)
+      .arg("walls", walls ? 1u : 0u)
       .arg("abuffer_cell_first", cell_first);
   primitives.record_exclusive_scan(recorder, "scan_cells", cell_first, cell_first, cell_count, voxel_count);
   recorder.pass("mark_bricks", voxel_program, "abuffer_mark_bricks")
@@ -74,10 +76,12 @@ void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const Abuffer
       .arg("abuffer_counts", counts);
   recorder.fill_zero("clear_cells", cells);
   if (exact) exact->record_cells(recorder, grid, sources);
+  if (walls) parity->record_cells(recorder, grid, sources);
   recorder.pass("turn_cells", voxel_program, "abuffer_turn_cells")
       .global(voxel_count)
       .arg("abuffer_voxels", voxels)
       .arg("count", voxel_count)
+      .arg("walls", walls ? 1u : 0u)
       .arg("abuffer_counts", counts)
       .arg("cell_capacity", sources.cell_capacity)
       .arg("abuffer_cells", cells);

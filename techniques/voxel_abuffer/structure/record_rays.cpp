@@ -28,9 +28,9 @@ void VoxelAbuffer::State::record(ScheduleRecorder& recorder, const std::string& 
       .arg("abuffer_bricks", bricks)
       .arg("abuffer_voxels", voxels)
       .arg("abuffer_triangles", triangles);
+  if (exact || (parity && options.intersect != Intersect::plane)) pass.arg("abuffer_cells", cells);
   if (exact)
-    pass.arg("abuffer_cells", cells)
-        .arg("abuffer_exact_start", exact->start())
+    pass.arg("abuffer_exact_start", exact->start())
         .arg("abuffer_exact_depths", exact->depths())
         .arg("abuffer_exact_fragments", exact->fragments());
   if (parity)

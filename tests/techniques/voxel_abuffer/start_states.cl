@@ -19,5 +19,7 @@ __kernel void start_states(__global const AbufferGrid* abuffer_grid, __global co
   context.parity_depths = abuffer_parity_depths;
   context.parity_fragments = abuffer_parity_fragments;
   AbufferParityRay r;
-  states[i] = abuffer_begin_parity(&context, rays[i], ends[i], &r) ? r.w0 : 1000;
+  AbufferStart start;
+  const bool begins = abuffer_begin_parity(&context, rays[i], ends[i], &r, &start);
+  states[i] = begins ? abuffer_start_state(&context, ends[i], &start) : 1000;
 }
