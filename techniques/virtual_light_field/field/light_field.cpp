@@ -11,8 +11,7 @@
 namespace lucarium::vlf {
 namespace {
 
-constexpr double kWorkAtOnce = 4e6;             // pixels of films in a call of advance(), or what takes as long:
-constexpr double kCellWork = 4, kSideWork = 2;  // a cell that is scattered; a texel side at the end of a sweep
+constexpr double kCellWork = 4, kSideWork = 2;  // of a cell that is scattered; of a texel side at the end of a sweep
 constexpr uint32_t kMaxSweeps = 256;
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kMaxPeak = 1e5;   // of highlights, over diffuse light
@@ -189,11 +188,11 @@ void LightField::find_scale() {
   scale_ = std::clamp(scale_, 0x1p-100f, 0x1p100f);
 }
 
-bool LightField::advance() {
+bool LightField::advance(double film_pixels) {
   if (!begun_) begin();
   while (scatter_ && !scatter_->sees_all())
     if (!scatter_->see_light()) return false;
-  for (double work = kWorkAtOnce; work > 0 && !done();) {
+  for (double work = film_pixels; work > 0 && !done();) {
     if (stage_ == Stage::scatter) {
       work -= kCellWork * scatter_tiles();
       continue;

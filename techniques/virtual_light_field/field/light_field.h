@@ -44,9 +44,9 @@ class LightField {
              const LayeredRaster& raster, const TexelInterior& interior, const SideAccessibility& accessibility,
              const TypedBuffer<float4>& light_samples, const Options& options);
 
-  /// When the light samples are known: the next part of the propagation, about 4 million pixels of films or a million
-  /// cells. False when cancelled: the next call goes on there.
-  bool advance();
+  /// When the light samples are known: the next part of the propagation, about so many pixels of films, or a quarter as
+  /// many cells; at least a line. False when cancelled: the next call goes on there.
+  bool advance(double film_pixels = 4e6);
   bool done() const { return stage_ == Stage::done; }
   double progress() const;  ///< [1], of finite bounces; of unlimited ones estimated by the error
   std::string phase() const;
@@ -60,6 +60,8 @@ class LightField {
   const TypedBuffer<float4>& shown_direct() const { return shown_direct_; }
   const TypedBuffer<float4>& shown() const { return shown_; }
   const TypedBuffer<float4>& held() const { return held_; }
+  /// Of the last sweep that has ended, xyz irradiance over π; w: Σ ΔΩ a of the rays that met the side [sr].
+  const TypedBuffer<float4>& last() const { return last_; }
   const TileMaps& maps() const { return maps_; }
   const TypedBuffer<uint32_t>& total() const { return cells_.total; }  ///< per cell, RGB9E5 times scale()
   const TypedBuffer<uint32_t>& direct() const { return cells_.direct; }

@@ -20,7 +20,7 @@ __kernel void emit_sides(uint sides, __global const AtlasMaterial* restrict atla
 // Irradiance over pi, e = sum w L / sum w (a ratio, exact in a uniform field whatever the rays), of sweep `sweep`; in
 // the first one that of light samples, unless all light is exchanged. Work-item: FIELD_NORM_CHUNK texel sides. albedo:
 // xyz of what they reflect diffusely. areas: AtlasTexel::area times accessibility. totals: xyz the direct e, then the
-// sum over later sweeps. last: e of this sweep, w what is known of it.
+// sum over later sweeps. last: xyz e of this sweep, w: sum of w [sr].
 __kernel void fold_sides(uint sides, uint sweep, uint sampled, __global const float4* restrict albedo,
                          __global const AtlasTexel* restrict atlas_texels, __global const float* restrict shares,
                          __global const float4* restrict light_samples, __global float4* restrict records,
@@ -43,7 +43,7 @@ __kernel void fold_sides(uint sides, uint sweep, uint sampled, __global const fl
     } else {
       indirect[side] = (float4)(indirect[side].xyz + e.xyz, fmax(indirect[side].w, e.w));
     }
-    last[side] = e;
+    last[side] = (float4)(e.xyz, received.w);
     const float4 sent = records[2u * side];
     const float3 now = albedo[side].xyz * e.xyz, before = sent.xyz;
     const float measure = M_PI_F * atlas_texels[side].area * shares[side];

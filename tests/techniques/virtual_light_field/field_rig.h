@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene and its light field, without the technique around them.
 #pragma once
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
@@ -83,7 +84,8 @@ class FieldRig {
 
   /// To its end, or to so many sweeps.
   void propagate(uint32_t sweeps = UINT32_MAX) {
-    while (!field_->done() && field_->sweeps() < sweeps) field_->advance();
+    const bool all = sweeps == UINT32_MAX;
+    while (!field_->done() && field_->sweeps() < sweeps) all ? field_->advance() : field_->advance(1);
     scheduler_.finish();
   }
 
@@ -93,6 +95,32 @@ class FieldRig {
   const Scene& scene() const { return scene_; }
   Device& device() { return *device_; }
   KernelScheduler& scheduler() { return scheduler_; }
+  const SceneBuffers& buffers() const { return buffers_; }
+  const Bvh& bvh() const { return bvh_; }
+
+  /// Of the triangle behind each texel side.
+  std::vector<uint32_t> instances() const {
+    const std::vector<Triangle> triangles = buffers_.scene_triangles.download();
+    std::vector<uint32_t> result;
+    for (const AtlasTexel& texel : surfaces_.atlas.texels().download())
+      result.push_back(triangles[texel.triangle].instance);
+    return result;
+  }
+
+  /// What every cell sends of all light, red; 0 where a cell shows nothing.
+  std::vector<double> cells() const {
+    const std::vector<uint32_t> total = field_->total().download(), direct = field_->direct().download();
+    std::vector<double> result(total.size(), 0);
+    for (size_t cell = 0; cell < total.size(); ++cell) {
+      if (total[cell] == FIELD_NO_CELL) continue;
+      const auto red = [](uint32_t bits) {
+        return static_cast<double>(bits & 511) * std::exp2(static_cast<double>(bits >> 27) - 24);
+      };
+      result[cell] =
+          (red(total[cell]) + (field_->split() ? red(direct[cell]) : 0)) / static_cast<double>(field_->scale());
+    }
+    return result;
+  }
 
   /// e of every texel side, red: all of it, direct, or that of later sweeps.
   std::vector<double> all() const { return sum(direct(), indirect()); }
