@@ -90,7 +90,7 @@ std::string commands(const CLI::App& program) {
   const std::vector<const CLI::App*> shown = program.get_subcommands(is_shown);
   size_t width = 0;
   for (const CLI::App* command : shown) width = std::max(width, command->get_name().size());
-  std::string text = "\nCommands\n";
+  std::string text = "Commands\n";
   for (const CLI::App* command : shown) text += row(command->get_name(), command->get_description(), width);
   return text;
 }
