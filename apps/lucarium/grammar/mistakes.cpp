@@ -178,6 +178,7 @@ std::string missing_value(const CLI::App& program, const Words& line) {
   for (size_t i = 1; i < line.size(); ++i) {
     const CLI::Option* option = is_option(line[i - 1]) ? command.get_option_no_throw(line[i - 1]) : nullptr;
     const bool wants_value = option && takes_value(*option);
+    if (line[i] == "--" && !wants_value) break;  // behind it words stand as they are: completion has empty ones
     if (line[i].empty() && !wants_value)
       return fmt::format("'' is an empty word: {} takes {}{}", command.get_name(), places(command), see_help(command));
     if (!wants_value || !(line[i].empty() || line[i].starts_with("--"))) continue;

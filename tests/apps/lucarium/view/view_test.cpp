@@ -41,7 +41,7 @@ TEST_CASE("viewer in a browser: picture, camera, technique, parameters, tabs, fi
 
 TEST_CASE("what cannot be viewed is refused before anything is served") {
   if (!has_viewer()) return check_refused("view builtin:cornell", 2, "libwebsockets-dev");
-  check_refused("view builtin:cornell -t no_such", 5, "no_such");
+  check_refused("view builtin:cornell -t no_such", 2, "no_such");
   check_refused("view builtin:cornell -t path_tracing -t path_tracing:roulette_start=9999", 2, "roulette_start");
   check_refused("view builtin:cornell --listen nowhere.invalid", 2, "--listen");
   check_refused("view builtin:cornell --port 70000", 2, "--port");
