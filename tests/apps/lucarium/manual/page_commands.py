@@ -37,6 +37,7 @@ NOT_RUN = (
     (r'my_technique|occlusion|instant_radiosity|new-technique', 'the sdk tests run it with a plug-in that they build'),
     (r'--watch|ref\.exr', 'waits, or needs what another page makes'),
     (r'^lucarium reproduce (?!--list)', 'cli/commands/reproduce_test runs experiments'),
+    (r'^lucarium view', 'serves until it is interrupted; cli/view/view_test does it'),
     (r'^lucarium check', 'cli/commands/check_test runs checks'),
     (r'micro_rendering|fox\.glb', 'its points take seconds; cli/commands/render_test renders with it'),
 )
@@ -148,7 +149,7 @@ class Tester:
                     self.say('skipped', what, f'{reason}; its options exist')
                 else:
                     if not stocked:
-                        self.stock(folder, texts)
+                        self.stock(folder, [words for words, _ in texts])
                         stocked = True
                     answer = self.call(self.reduced(text), folder)
                     # Status 1: a limit is exceeded. The test's images are noisy, so --max-relmse may say so.
