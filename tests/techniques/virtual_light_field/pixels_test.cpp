@@ -181,7 +181,8 @@ TEST_CASE("the picture of a line shows a mirror under the sky from its front onl
                           {{"dir_n", "2"}, {"cells", "32"}, {"texels", "512"}, {"inspect_line", std::to_string(line)}});
     session.run({.iterations = 24});
     double sum = 0;
-    for (const float v : session.resolve().find("subfield")->pixels) {
+    const Film film = session.resolve();
+    for (const float v : film.find("subfield")->pixels) {
       CHECK((v == 0 || (v > 0.99f && v < 1.01f)));
       sum += static_cast<double>(v);
     }

@@ -108,7 +108,7 @@ class Tester:
         for technique, values in COARSE.items():
             if command == 'render' and re.search(rf'(-t|--technique)[ =]{technique}', text):
                 small = [word for value in values for word in ('-p', value)] + small
-        if command == 'render' and '-o' not in kept and '--output' not in kept:
+        if command == 'render' and not {'-o', '--output', '--save-state'} & set(kept):
             small = small[:-1]  # nothing to replace
         return [command, *kept, *(small[:-1] if '--extend' in kept else small)]
 
