@@ -15,6 +15,7 @@
 #include "lucarium/session/film_check.h"
 #include "lucarium/session/memory_needs.h"
 #include "lucarium/session/saved_state.h"
+#include "lucarium/session/scene_on_device.h"
 #include "lucarium/version.h"
 
 namespace lucarium {
@@ -72,19 +73,6 @@ class ReportCompilation {
 };
 
 }  // namespace
-
-struct SceneOnDevice {
-  Scene scene;
-  std::unique_ptr<SceneBuffers> buffers;
-  std::unique_ptr<Bvh> bvh;
-  int sessions = 0;  ///< that render it
-};
-
-std::shared_ptr<SceneOnDevice> share_scene(Scene scene) {
-  auto shared = std::make_shared<SceneOnDevice>();
-  shared->scene = std::move(scene);
-  return shared;
-}
 
 struct RenderSession::State {
   // In order of construction; the technique goes first at the end, then what it refers to.
