@@ -21,6 +21,14 @@ uint32_t useful_vertices(uint32_t wanted, uint32_t max_scatterings, bool vpl, bo
 
 }  // namespace
 
+std::vector<std::string> Plan::strategy_names() const {
+  if (!shows_strategies) return {};
+  std::vector<std::string> names = {"hit", "nee"};
+  for (uint32_t s = 1; s <= light_vertices; ++s) names.push_back("vpl" + std::to_string(s));
+  names.push_back("splat");
+  return names;
+}
+
 Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings) {
   Plan plan;
   BidirectionalSettings& s = plan.settings;

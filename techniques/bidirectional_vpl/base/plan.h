@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "bidirectional_vpl/base/parameters.h"
 #include "bidirectional_vpl/shared/settings.h"
@@ -37,6 +38,8 @@ struct Plan {
   size_t vertex_slots() const { return size_t{settings.light_paths} * light_vertices; }
   /// Layers of a sample, strategies behind them: hit, nee, vpl1 …, splat.
   uint32_t layers() const { return BIDIRECTIONAL_LAYERS + (shows_strategies ? light_vertices + 3 : 0); }
+  /// Of the layers of strategies, in their order.
+  std::vector<std::string> strategy_names() const;
 };
 
 Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings);

@@ -7,7 +7,6 @@
 #include "lucarium/base/error.h"
 #include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/services/ray_ends.h"
-#include "lucarium/shared/ray.h"
 
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
@@ -16,16 +15,6 @@ namespace lucarium::bidirectional {
 namespace {
 
 const char* const kRemedy = "lower --size";
-constexpr size_t kSlice = 1 << 15;
-constexpr uint32_t kCountChunk = 1 << 14;
-
-std::vector<std::string> strategy_names(const Plan& plan) {
-  if (!plan.shows_strategies) return {};
-  std::vector<std::string> names = {"hit", "nee"};
-  for (uint32_t s = 1; s <= plan.light_vertices; ++s) names.push_back("vpl" + std::to_string(s));
-  names.push_back("splat");
-  return names;
-}
 
 }  // namespace
 
@@ -69,7 +58,7 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       no_table_(device, owner, "no candidates", 1),
       sums_(device, owner, plan.settings.pixels, {"emission", "direct"}),
       indirect_sums_(device, owner, plan.settings.pixels, {"indirect"}),
-      strategy_sums_(device, owner, plan.settings.pixels, strategy_names(plan)) {
+      strategy_sums_(device, owner, plan.settings.pixels, plan.strategy_names()) {
   counts_.fill_zero();
   if (plan.caches) caches_ = std::make_unique<Caches>(device, scheduler, scene, intersector, frame, plan, owner);
   if (plan.filter)
@@ -83,226 +72,6 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
                                              BundleRays{rays_, queue_, active_, states_, hits_}, owner);
   record_bounce();
   record_add();
-}
-
-void EyePaths::record_begin() {
-  ScheduleRecorder recorder = scheduler_.record("begin camera paths", owner_);
-  begin_frame_ = recorder.variable("frame", frame_);
-  begin_index_ = recorder.variable("sample", 0u);
-  const uint32_t values = plan_.settings.pixels * plan_.layers();
-  recorder.pass("clear sample", program_, "clear_sample")
-      .global(values)
-      .slice(kSlice)
-      .arg("sample", sample_)
-      .arg("count", values);
-  recorder.fill_zero("no events of camera paths", counts_);
-  PassBuilder begin = recorder.pass("begin camera paths", program_, "begin_eye_paths");
-  if (caches_) begin.arg("reused", caches_->reused());
-  begin.global(plan_.settings.pixels)
-      .slice(kSlice)
-      .arg("frame", begin_frame_)
-      .arg("settings", plan_.settings)
-      .arg("sample_index", begin_index_)
-      .arg_if_present("ends", ends_)
-      .arg("rays", rays_)
-      .arg("queue", queue_)
-      .arg("active", active_)
-      .arg("states", states_)
-      .arg("eye_mis", mis_);
-  begin_ = recorder.compile();
-}
-
-void EyePaths::add_shadowed(ScheduleRecorder& recorder, const std::string& name, const std::string& kernel,
-                            const BufferRef& rays, const BufferRef& values, const BufferRef& blocked) const {
-  recorder.pass(name, program_, kernel)
-      .global_by(active_)
-      .arg("settings", plan_.settings)
-      .arg("queue", queue_)
-      .arg("active", active_)
-      .arg("rays", rays)
-      .arg("light", values)
-      .arg("occluded", blocked)
-      .arg("sample", sample_);
-}
-
-void EyePaths::count_rays(ScheduleRecorder& recorder, const BufferRef& rays, const BufferRef& light,
-                          uint32_t index) const {
-  const uint32_t choices = index == BIDIRECTIONAL_COUNT_CONNECTION_RAYS && plan_.has_table() ? 1 : 0;
-  recorder.pass("count shadow rays", program_, "count_shadow_rays")
-      .global((plan_.settings.pixels + kCountChunk - 1) / kCountChunk)
-      .arg("active", active_)
-      .arg("rays", rays)
-      .arg("light", light)
-      .arg("index", index)
-      .arg("choices", choices)
-      .arg("chunk", kCountChunk)
-      .arg("counts", counts_);
-}
-
-void EyePaths::record_closest() {
-  ScheduleRecorder recorder = scheduler_.record("surfaces of camera paths", owner_);
-  intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, plan_.settings.pixels, ends_}, hits_);
-  closest_ = recorder.compile();
-}
-
-void EyePaths::record_connect_to_all() {
-  ScheduleRecorder recorder = scheduler_.record("connections to a virtual light", owner_);
-  connect_seed_ = recorder.variable("seed", 0u);
-  connect_index_ = recorder.variable("sample", 0u);
-  connect_number_ = recorder.variable("virtual light", 0u);
-  const uint32_t capacity = plan_.settings.pixels;
-  const BufferRef rays = recorder.transient<Ray>("shadow rays of connections", capacity, kRemedy);
-  const BufferRef ends =
-      transient_ray_ends(recorder, intersector_, "ends of shadow rays of connections", capacity, kRemedy);
-  const BufferRef connections = recorder.transient<float4>("connections", capacity, kRemedy);
-  const BufferRef connection_paths = recorder.transient<uint32_t>("light paths of connections", capacity, kRemedy);
-  const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
-  PassBuilder connect = recorder.pass("connect camera paths", program_, "connect_to_all");
-  scene_.bind(connect);
-  connect.global_by(active_)
-      .slice(kSlice)
-      .arg("seed", connect_seed_)
-      .arg("settings", plan_.settings)
-      .arg("sample_index", connect_index_)
-      .arg("number", connect_number_)
-      .arg("vertices", vertices_->vertices())
-      .arg_if_present("vertex_densities", vertices_->densities())
-      .arg("vertex_list", vertices_->list())
-      .arg("rays", rays_)
-      .arg("hits", hits_)
-      .arg("queue", queue_)
-      .arg("active", active_)
-      .arg("states", states_)
-      .arg("eye_mis", mis_)
-      .arg_if_present("connection_ends", ends)
-      .arg("connection_rays", rays)
-      .arg("connections", connections)
-      .arg("connection_paths", connection_paths);
-  intersector_.record_any(recorder, "shadow rays of connections", {rays, active_, 0, capacity, ends}, hidden);
-  add_shadowed(recorder, "add connections", "add_connections", rays, connections, hidden);
-  vertices_->record_learning(recorder, active_, rays, hidden, connection_paths, connections, capacity);
-  count_rays(recorder, rays, connections, BIDIRECTIONAL_COUNT_CONNECTION_RAYS);
-  connect_ = recorder.compile();
-}
-
-void EyePaths::record_bounce() {
-  ScheduleRecorder recorder = scheduler_.record("bounce of camera paths", owner_);
-  bounce_seed_ = recorder.variable("seed", 0u);
-  bounce_index_ = recorder.variable("sample", 0u);
-  const uint32_t capacity = plan_.settings.pixels;
-  const auto ends_of = [&](const std::string& name) {
-    return transient_ray_ends(recorder, intersector_, "ends of " + name, capacity, kRemedy);
-  };
-  BufferRef hits = hits_;
-  if (!keeps_hits()) hits = recorder.transient<Hit>("hits", capacity, kRemedy);
-  const BufferRef next_rays = recorder.transient<Ray>("next rays", capacity, kRemedy);
-  const BufferRef next_ends = ends_of("next rays");
-  const BufferRef next_queue = recorder.transient<uint32_t>("next queue", capacity, kRemedy);
-  const BufferRef alive = recorder.transient<uint32_t>("alive", capacity, kRemedy);
-  const BufferRef survivors = recorder.transient<uint32_t>("survivors", capacity, kRemedy);
-  const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
-  const BufferRef light_rays = recorder.transient<Ray>("shadow rays of light samples", capacity, kRemedy);
-  const BufferRef light_ends = ends_of("shadow rays of light samples");
-  const BufferRef light = recorder.transient<float4>("light samples", capacity, kRemedy);
-  const BufferRef connection_rays = recorder.transient<Ray>("shadow rays of connections", capacity, kRemedy);
-  const BufferRef connection_ends = ends_of("shadow rays of connections");
-  const BufferRef connections = recorder.transient<float4>("connections", capacity, kRemedy);
-  const BufferRef connection_paths = recorder.transient<uint32_t>("light paths of connections", capacity, kRemedy);
-  const BufferRef occluded = recorder.transient<uint32_t>("occluded", capacity, kRemedy);
-  const BufferRef hidden = recorder.transient<uint32_t>("hidden connections", capacity, kRemedy);
-
-  if (!keeps_hits()) intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
-  PassBuilder shade = recorder.pass("shade camera paths", program_, "shade_eye_vertices");
-  scene_.bind(shade);
-  shade.global_by(active_)
-      .slice(kSlice)
-      .arg("seed", bounce_seed_)
-      .arg("settings", plan_.settings)
-      .arg("sample_index", bounce_index_)
-      .arg("vertices", vertices_ ? vertices_->vertices() : no_vertices_)
-      .arg_if_present("vertex_densities", vertices_ ? vertices_->densities() : no_densities_)
-      .arg_if_present("first_vertices", first_vertices_)
-      .arg("vertex_list", vertices_ ? vertices_->list() : no_list_)
-      .arg("vertex_count", vertices_ ? vertices_->count() : no_list_)
-      .arg("candidate_table", vertices_ ? vertices_->table() : no_table_)
-      .arg("table_capacity", vertices_ ? vertices_->table_capacity() : 1u)
-      .arg("shares", vertices_ ? vertices_->light_shares() : no_table_)
-      .arg("rays", rays_)
-      .arg("hits", hits)
-      .arg("queue", queue_)
-      .arg("active", active_)
-      .arg("states", states_)
-      .arg("eye_mis", mis_)
-      .arg("sample", sample_)
-      .arg_if_present("next_ends", next_ends)
-      .arg_if_present("light_ends", light_ends)
-      .arg_if_present("connection_ends", connection_ends)
-      .arg("next_rays", next_rays)
-      .arg("next_queue", next_queue)
-      .arg("alive", alive)
-      .arg("light_rays", light_rays)
-      .arg("light_samples", light)
-      .arg("connection_rays", connection_rays)
-      .arg("connections", connections)
-      .arg("connection_paths", connection_paths);
-  if (plan_.lights) {
-    intersector_.record_any(recorder, "shadow rays of light samples", {light_rays, active_, 0, capacity, light_ends},
-                            occluded);
-    add_shadowed(recorder, "add light samples", "add_eye_light_samples", light_rays, light, occluded);
-    count_rays(recorder, light_rays, light, BIDIRECTIONAL_COUNT_LIGHT_RAYS);
-  }
-  if (plan_.vpl && !plan_.connects_to_all()) {
-    intersector_.record_any(recorder, "shadow rays of connections",
-                            {connection_rays, active_, 0, capacity, connection_ends}, hidden);
-    add_shadowed(recorder, "add connections", "add_connections", connection_rays, connections, hidden);
-    vertices_->record_learning(recorder, active_, connection_rays, hidden, connection_paths, connections, capacity);
-    count_rays(recorder, connection_rays, connections, BIDIRECTIONAL_COUNT_CONNECTION_RAYS);
-  }
-  primitives_.record_compact(recorder, "compact camera paths", alive, survivors, next_active, 0, active_, 0, capacity);
-  recorder.pass("advance camera paths", program_, "advance_paths")
-      .global_by(active_)
-      .arg("survivors", survivors)
-      .arg("next_active", next_active)
-      .arg("next_rays", next_rays)
-      .arg("next_queue", next_queue)
-      .arg_if_present("next_ends", next_ends)
-      .arg_if_present("ends", ends_)
-      .arg("rays", rays_)
-      .arg("queue", queue_)
-      .arg("active", active_);
-  recorder.read_back("active camera paths", active_, [this](std::span<const std::byte> bytes) {
-    std::memcpy(&remaining_, bytes.data(), sizeof remaining_);
-  });
-  bounce_ = recorder.compile();
-}
-
-void EyePaths::record_add() {
-  ScheduleRecorder recorder = scheduler_.record("add iteration", owner_);
-  if (caches_) caches_->record_keep(recorder, sample_, BIDIRECTIONAL_INDIRECT);
-  const uint32_t pixels = plan_.settings.pixels;
-  const auto add = [&](uint32_t layer, const TypedBuffer<float4>& sums) {
-    recorder.pass("add layer", program_, "add_layer")
-        .global(pixels)
-        .arg("sample", sample_)
-        .arg("layer", layer)
-        .arg("pixels", pixels)
-        .arg("sums", sums);
-  };
-  add(BIDIRECTIONAL_EMISSION, sums_["emission"]);
-  add(BIDIRECTIONAL_DIRECT, sums_["direct"]);
-  add(BIDIRECTIONAL_INDIRECT, indirect_sums_["indirect"]);
-  uint32_t layer = BIDIRECTIONAL_LAYERS;
-  for (const std::string& name : strategy_names(plan_)) add(layer++, strategy_sums_[name]);
-  recorder.pass("count ends of paths", program_, "count_path_ends")
-      .global((pixels + kCountChunk - 1) / kCountChunk)
-      .arg("states", states_)
-      .arg("pixels", pixels)
-      .arg("chunk", kCountChunk)
-      .arg("counts", counts_);
-  recorder.read_back("events of camera paths", counts_, [this](std::span<const std::byte> bytes) {
-    std::memcpy(counted_.data(), bytes.data(), sizeof counted_);
-  });
-  add_ = recorder.compile();
 }
 
 void EyePaths::set_frame(const Frame& frame) {

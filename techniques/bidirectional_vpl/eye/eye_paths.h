@@ -52,14 +52,28 @@ class EyePaths {
   static size_t estimate_bytes(const Plan& plan, const Scene& scene, bool ray_ends);
 
  private:
+  /// Light that shadow rays bring to the paths of a pass.
+  struct ShadowedLight {
+    std::string name;
+    BufferRef rays, ends, values, hidden;
+  };
+  /// What a path goes on with, and whether it does.
+  struct NextRays {
+    BufferRef rays, ends, queue, alive;
+  };
   void record_begin();
   void record_closest();
   void record_connect_to_all();
   void record_bounce();
-  void add_shadowed(ScheduleRecorder& recorder, const std::string& name, const std::string& kernel,
-                    const BufferRef& rays, const BufferRef& values, const BufferRef& blocked) const;
+  void record_shade(ScheduleRecorder& recorder, const BufferRef& hits, const NextRays& next,
+                    const ShadowedLight& samples, const ShadowedLight& connections,
+                    const BufferRef& connection_paths) const;
+  void record_connections(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& light_paths) const;
+  void record_advance(ScheduleRecorder& recorder, const NextRays& next);
   void record_add();
-  void count_rays(ScheduleRecorder& recorder, const BufferRef& rays, const BufferRef& light, uint32_t index) const;
+  ShadowedLight shadowed_light(ScheduleRecorder& recorder, const std::string& name) const;
+  void record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light, const std::string& kernel) const;
+  void count_rays(ScheduleRecorder& recorder, const ShadowedLight& light, uint32_t index) const;
   bool connect_to_all();
   bool find_surfaces(uint32_t index, uint32_t depth);
   /// Whether surfaces are found before the schedule that shades them: to be looked at by several, or looked up.
