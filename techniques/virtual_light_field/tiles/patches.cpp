@@ -12,6 +12,7 @@
 #include <limits>
 #include <numeric>
 
+#include "lucarium/base/luminance.h"
 #include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/specular_albedo.h"
 #include "lucarium/scene/mesh_topology.h"
@@ -25,8 +26,8 @@ constexpr double kCellBytes = 16, kTileBytes = 24,
                  kEntryBytes = 4;  // of a tile: its share of norms, and its place in the list
 constexpr double kFlat = 1e-4;     // of 1 - cos: within it normals are equal
 
-double luminance(const glm::vec3& c) {
-  return 0.2126 * static_cast<double>(c.x) + 0.7152 * static_cast<double>(c.y) + 0.0722 * static_cast<double>(c.z);
+double bright(const glm::vec3& c) {
+  return luminance(static_cast<double>(c.x), static_cast<double>(c.y), static_cast<double>(c.z));
 }
 
 /// Cosine-averaged albedo of the reflection lobe (bsdf.clh: bsdf_average_albedo()).
@@ -139,6 +140,82 @@ Outline outline(const Mesh& mesh, const uint32_t* begin, const uint32_t* end) {
   return result;
 }
 
+/// Sides of texels, and what lies on them.
+struct AtlasSides {
+  uint32_t count, backs;  ///< sides [backs, 2 backs) are backs of [0, backs)
+  std::vector<AtlasMaterial> materials;
+  std::vector<uint2> ranges;
+  std::vector<TexelPiece> pieces;
+  std::vector<AtlasTexel> texels;
+
+  explicit AtlasSides(const SurfaceAtlas& atlas)
+      : count(atlas.info().texel_count),
+        backs(atlas.info().double_sided_count),
+        materials(atlas.materials().download()),
+        ranges(atlas.ranges().download()),
+        pieces(atlas.pieces().download()),
+        texels(atlas.texels().download()) {}
+
+  bool is_back(uint32_t side) const { return side >= backs && side < 2 * backs; }
+};
+
+/// 1 for sides that reflect and let through at least `least`, and for their other sides.
+std::vector<uint8_t> choose_sides(const AtlasSides& sides, double least, std::vector<float4>* albedos) {
+  const std::vector<float> table = specular_albedo_table();
+  std::vector<uint8_t> chosen(sides.count, 0);
+  for (uint32_t side = 0; side < sides.count; ++side) {
+    const glm::vec3 albedo = average_albedo(table, sides.materials[side]);
+    albedos->emplace_back(albedo, 0.f);
+    const double known = bright(albedo) + bright(sides.materials[side].transmission.xyz());
+    if (!(known > 0 && known >= least)) continue;
+    chosen[side] = 1;
+    if (side < sides.backs) chosen[side + sides.backs] = 1;
+    if (sides.is_back(side)) chosen[side - sides.backs] = 1;
+  }
+  return chosen;
+}
+
+/// Triangles of facets, ascending: fronts of patches at even places, each before its back; empty where there is none.
+std::vector<std::vector<uint32_t>> collect_members(const AtlasSides& sides, const Mesh& mesh,
+                                                   const std::vector<uint8_t>& chosen, double cone,
+                                                   std::vector<uint32_t>* side_facet) {
+  const auto visit = [&](const auto& take) {
+    for (uint32_t side = 0; side < sides.count; ++side)
+      for (uint32_t i = sides.ranges[side].x; chosen[side] && i < sides.ranges[side].x + sides.ranges[side].y; ++i)
+        take(side, sides.pieces[i].triangle);
+  };
+  std::vector<uint8_t> taken(mesh.triangles.size(), 0);
+  visit([&](uint32_t, uint32_t triangle) { taken[triangle] = 1; });
+  uint32_t count = 0;
+  const std::vector<uint32_t> patch_of = grow_patches(mesh, taken, cone, &count);
+  for (uint32_t side = 0; side < sides.count; ++side)
+    if (chosen[side]) (*side_facet)[side] = 2 * patch_of[sides.texels[side].triangle] + (sides.is_back(side) ? 1 : 0);
+  std::vector<std::vector<uint32_t>> members(2 * size_t{count});
+  visit([&](uint32_t side, uint32_t triangle) {
+    if (mesh.areas[triangle] > 0) members[(*side_facet)[side]].push_back(triangle);
+  });
+  for (std::vector<uint32_t>& list : members) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return members;
+}
+
+void add_facet(const Mesh& mesh, const std::vector<uint32_t>& triangles, bool front, const PatchOptions& options,
+               Patches* result) {
+  FieldFacet made{};
+  made.first = static_cast<uint32_t>(result->triangles.size());
+  made.count = static_cast<uint32_t>(triangles.size());
+  made.front = front ? 1 : 0;
+  made.tile = options.rows ? 0 : options.tile;
+  if (options.tile == 0 && !options.rows) {
+    const Outline shape = outline(mesh, triangles.data(), triangles.data() + triangles.size());
+    made.tile = best_tile(shape.area, shape.perimeter, options.cell);
+  }
+  result->facets.push_back(made);
+  result->triangles.insert(result->triangles.end(), triangles.begin(), triangles.end());
+}
+
 }  // namespace
 
 double expected_cells(double area, double perimeter, double cell, uint32_t tile) {
@@ -163,63 +240,18 @@ uint32_t best_tile(double area, double perimeter, double cell) {
 
 Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options) {
   Patches result;
-  const std::vector<AtlasMaterial> materials = atlas.materials().download();
-  const std::vector<float> table = specular_albedo_table();
-  const uint32_t sides = atlas.info().texel_count, backs = atlas.info().double_sided_count;
-  result.side_facet.assign(sides, LUCARIUM_NONE);
-  std::vector<uint8_t> tiled(sides, 0);
-  bool any = false;
-  for (uint32_t side = 0; side < sides; ++side) {
-    const glm::vec3 albedo = average_albedo(table, materials[side]);
-    result.side_albedo.emplace_back(albedo, 0.f);
-    const double known = luminance(albedo) + luminance(materials[side].transmission.xyz());
-    if (!(known > 0 && known >= options.tile_albedo)) continue;
-    any = true;
-    tiled[side] = 1;
-    if (side < backs) tiled[side + backs] = 1;
-    if (side >= backs && side < 2 * backs) tiled[side - backs] = 1;
-  }
-  if (!any) return result;
-
+  const AtlasSides sides(atlas);
+  const std::vector<uint8_t> tiled = choose_sides(sides, options.tile_albedo, &result.side_albedo);
+  result.side_facet.assign(sides.count, LUCARIUM_NONE);
+  if (std::none_of(tiled.begin(), tiled.end(), [](uint8_t t) { return t != 0; })) return result;
   const Mesh mesh(buffers);
-  const std::vector<uint2> ranges = atlas.ranges().download();
-  const std::vector<TexelPiece> pieces = atlas.pieces().download();
-  const std::vector<AtlasTexel> texels = atlas.texels().download();
-  std::vector<uint8_t> taken(mesh.triangles.size(), 0);
-  for (uint32_t side = 0; side < sides; ++side)
-    for (uint32_t i = ranges[side].x; tiled[side] && i < ranges[side].x + ranges[side].y; ++i)
-      taken[pieces[i].triangle] = 1;
-  uint32_t count = 0;
-  const std::vector<uint32_t> patch_of = grow_patches(mesh, taken, options.cone, &count);
-
-  // Facets: fronts of patches, then their backs where there are any.
-  std::vector<std::vector<uint32_t>> members(2 * size_t{count});
-  for (uint32_t side = 0; side < sides; ++side) {
-    if (!tiled[side]) continue;
-    const bool back = side >= backs && side < 2 * backs;
-    const uint32_t facet = 2 * patch_of[texels[side].triangle] + (back ? 1 : 0);
-    result.side_facet[side] = facet;
-    for (uint32_t i = ranges[side].x; i < ranges[side].x + ranges[side].y; ++i)
-      if (mesh.areas[pieces[i].triangle] > 0) members[facet].push_back(pieces[i].triangle);
-  }
+  const std::vector<std::vector<uint32_t>> members =
+      collect_members(sides, mesh, tiled, options.cone, &result.side_facet);
   std::vector<uint32_t> number(members.size(), LUCARIUM_NONE);
   for (uint32_t facet = 0; facet < members.size(); ++facet) {
-    std::vector<uint32_t>& list = members[facet];
-    if (list.empty()) continue;
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
+    if (members[facet].empty()) continue;
     number[facet] = static_cast<uint32_t>(result.facets.size());
-    FieldFacet made{};
-    made.first = static_cast<uint32_t>(result.triangles.size());
-    made.count = static_cast<uint32_t>(list.size());
-    made.front = facet & 1 ? 0 : 1;
-    made.tile = options.rows ? 0 : options.tile;
-    if (options.tile == 0 && !options.rows) {
-      const Outline shape = outline(mesh, list.data(), list.data() + list.size());
-      made.tile = best_tile(shape.area, shape.perimeter, options.cell);
-    }
-    result.facets.push_back(made);
-    result.triangles.insert(result.triangles.end(), list.begin(), list.end());
+    add_facet(mesh, members[facet], facet % 2 == 0, options, &result);
   }
   for (uint32_t& facet : result.side_facet)
     if (facet != LUCARIUM_NONE) facet = number[facet];
