@@ -7,7 +7,7 @@
 #include "voxel_abuffer/compared/sparse_octree.h"
 #include "voxel_abuffer/compared/triangle_grid.h"
 #include "voxel_abuffer/compared/voxel_bits.h"
-#include "voxel_abuffer/structure/moving_set.h"
+#include "voxel_abuffer/moving/moving_set.h"
 #include "voxel_abuffer/structure_bytes.h"
 
 namespace lucarium::abuffer {

@@ -58,7 +58,7 @@
 //   section 5, grid of (√(3n))³ voxels       structure/grid_layout.cpp: choose_grid_size()
 //   section 5.2, regular voxels              compared/trace_voxel.cl (structure=voxel)
 //   section 5.2, table 1, octree (SVO)       compared/build_octree.cl, compared/trace_octree.cl (structure=octree)
-//   section 6, static and dynamic buffers    structure/moving_set.h (static_set)
+//   section 6, static and dynamic buffers    moving/moving_set.h (static_set)
 //
 // Not in the paper: exact search (search/exact_flights.clh), search by planes (search/plane_columns.clh), hits moved
 // into their triangles' planes (search/parity_hit.clh), the number of surfaces around a point instead of its parity,

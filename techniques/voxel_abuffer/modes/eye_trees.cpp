@@ -58,10 +58,17 @@ void EyeTrees::record(const ModeContext& context) {
       scheduler_->device(), voxel_abuffer_kernels(),
       {"voxel_abuffer/modes/begin_trees", "voxel_abuffer/modes/shade_tree_rays", "voxel_abuffer/modes/add_tree_light"},
       ray_end_defines(context.intersector));
-  ScheduleRecorder camera = scheduler_->record("begin trees", technique_name);
-  camera_frame_ = camera.variable("frame", frame_);
-  camera_rules_ = camera.variable("rules", TreeRules{});
-  camera.pass("camera rays", program, "begin_camera_rays")
+  record_camera(program);
+  record_load(program);
+  record_shade(context, program);
+  record_add(program);
+}
+
+void EyeTrees::record_camera(const Program& program) {
+  ScheduleRecorder recorder = scheduler_->record("begin trees", technique_name);
+  camera_frame_ = recorder.variable("frame", frame_);
+  camera_rules_ = recorder.variable("rules", TreeRules{});
+  recorder.pass("camera rays", program, "begin_camera_rays")
       .global(chunk_)
       .arg("frame", camera_frame_)
       .arg("rules", camera_rules_)
@@ -69,11 +76,13 @@ void EyeTrees::record(const ModeContext& context) {
       .arg("rays", rays_)
       .arg("tree_rays", tree_rays_)
       .arg("counts", counts_);
-  camera_ = camera.compile();
+  camera_ = recorder.compile();
+}
 
-  ScheduleRecorder load = scheduler_->record("load rays of trees", technique_name);
-  load_rules_ = load.variable("rules", TreeRules{});
-  load.pass("load rays", program, "load_rays")
+void EyeTrees::record_load(const Program& program) {
+  ScheduleRecorder recorder = scheduler_->record("load rays of trees", technique_name);
+  load_rules_ = recorder.variable("rules", TreeRules{});
+  recorder.pass("load rays", program, "load_rays")
       .global(chunk_)
       .arg("rules", load_rules_)
       .arg("queued_rays", queued_rays_)
@@ -83,52 +92,61 @@ void EyeTrees::record(const ModeContext& context) {
       .arg("rays", rays_)
       .arg("tree_rays", tree_rays_)
       .arg("counts", counts_);
-  load_ = load.compile();
+  load_ = recorder.compile();
+}
 
+void EyeTrees::record_shade(const ModeContext& context, const Program& program) {
+  ScheduleRecorder recorder = scheduler_->record("grow trees", technique_name);
+  shade_rules_ = recorder.variable("rules", TreeRules{});
   const uint32_t places = 2 * chunk_;
-  ScheduleRecorder shade = scheduler_->record("grow trees", technique_name);
-  shade_rules_ = shade.variable("rules", TreeRules{});
-  const BufferRef hits = shade.transient<Hit>("hits", chunk_, kLowerSize),
-                  next_rays = shade.transient<Ray>("next rays", places, kLowerSize),
-                  next_tree_rays = shade.transient<TreeRay>("next rays of trees", places, kLowerSize),
-                  next_ends = transient_ray_ends(shade, context.intersector, "ends of next rays", places, kLowerSize),
-                  goes_on = shade.transient<uint32_t>("goes on", places, kLowerSize),
-                  survivors = shade.transient<uint32_t>("survivors", places, kLowerSize);
-  context.primary.record_closest(shade, "closest hit", {rays_, counts_, 0, chunk_, ends_}, hits);
-  PassBuilder pass = shade.pass("shade rays of trees", program, "shade_tree_rays");
-  context.scene.bind(pass);
-  pass.global(chunk_)
+  const BufferRef hits = recorder.transient<Hit>("hits", chunk_, kLowerSize);
+  const NextRays next = {recorder.transient<Ray>("next rays", places, kLowerSize),
+                         recorder.transient<TreeRay>("next rays of trees", places, kLowerSize),
+                         transient_ray_ends(recorder, context.intersector, "ends of next rays", places, kLowerSize),
+                         recorder.transient<uint32_t>("goes on", places, kLowerSize)};
+  context.primary.record_closest(recorder, "closest hit", {rays_, counts_, 0, chunk_, ends_}, hits);
+  PassBuilder shade = recorder.pass("shade rays of trees", program, "shade_tree_rays");
+  context.scene.bind(shade);
+  shade.global(chunk_)
       .arg("rules", shade_rules_)
       .arg("places", chunk_)
       .arg("rays", rays_)
       .arg("hits", hits)
       .arg("tree_rays", tree_rays_)
-      .arg_if_present("next_ends", next_ends)
+      .arg_if_present("next_ends", next.ends)
       .arg("points", points_)
-      .arg("next_rays", next_rays)
-      .arg("next_tree_rays", next_tree_rays)
-      .arg("goes_on", goes_on);
-  primitives_.record_compact(shade, "compact rays", goes_on, survivors, next_count_, 0, counts_, 1, places);
-  shade.pass("queue rays", program, "queue_rays")
+      .arg("next_rays", next.rays)
+      .arg("next_tree_rays", next.tree_rays)
+      .arg("goes_on", next.goes_on);
+  record_queue(recorder, program, next);
+  recorder.fill_zero("clear direct light", lit_);
+  recorder.read_back("rays that go on", next_count_, [this](std::span<const std::byte> bytes) {
+    std::memcpy(&next_rays_, bytes.data(), sizeof next_rays_);
+  });
+  shade_ = recorder.compile();
+}
+
+void EyeTrees::record_queue(ScheduleRecorder& recorder, const Program& program, const NextRays& next) {
+  const uint32_t places = 2 * chunk_;
+  const BufferRef survivors = recorder.transient<uint32_t>("survivors", places, kLowerSize);
+  primitives_.record_compact(recorder, "compact rays", next.goes_on, survivors, next_count_, 0, counts_, 1, places);
+  recorder.pass("queue rays", program, "queue_rays")
       .global(places)
       .arg("rules", shade_rules_)
       .arg("survivors", survivors)
       .arg("survivor_count", next_count_)
-      .arg("next_rays", next_rays)
-      .arg("next_tree_rays", next_tree_rays)
-      .arg_if_present("next_ends", next_ends)
+      .arg("next_rays", next.rays)
+      .arg("next_tree_rays", next.tree_rays)
+      .arg_if_present("next_ends", next.ends)
       .arg_if_present("queued_ends", queued_ends_)
       .arg("queued_rays", queued_rays_)
       .arg("queued_tree_rays", queued_tree_rays_);
-  shade.fill_zero("clear direct light", lit_);
-  shade.read_back("rays that go on", next_count_, [this](std::span<const std::byte> bytes) {
-    std::memcpy(&next_rays_, bytes.data(), sizeof next_rays_);
-  });
-  shade_ = shade.compile();
+}
 
-  ScheduleRecorder add = scheduler_->record("add light of trees", technique_name);
-  add_rules_ = add.variable("rules", TreeRules{});
-  add.pass("add light of trees", program, "add_tree_light")
+void EyeTrees::record_add(const Program& program) {
+  ScheduleRecorder recorder = scheduler_->record("add light of trees", technique_name);
+  add_rules_ = recorder.variable("rules", TreeRules{});
+  recorder.pass("add light of trees", program, "add_tree_light")
       .global(chunk_)
       .arg("rules", add_rules_)
       .arg("ambient", options_.ambient)
@@ -139,7 +157,7 @@ void EyeTrees::record(const ModeContext& context) {
       .arg("direct", sums_.pass(direct))
       .arg("ambient_light", sums_.pass(ambient))
       .arg("crossings", sums_.pass(crossings));
-  add_ = add.compile();
+  add_ = recorder.compile();
 }
 
 bool EyeTrees::trace(const TreeRules& rules, uint32_t chunk) {

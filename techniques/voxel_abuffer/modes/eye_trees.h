@@ -45,7 +45,16 @@ class EyeTrees : public Mode {
   };
   uint32_t queues() const { return options_.straight ? 2 : options_.depth; }
   uint32_t place(uint32_t level) const;  ///< of the first ray in its queue
+  /// What rays of trees go on with, two places for each, and whether they do.
+  struct NextRays {
+    BufferRef rays, tree_rays, ends, goes_on;
+  };
   void record(const ModeContext& context);
+  void record_camera(const Program& program);
+  void record_load(const Program& program);
+  void record_shade(const ModeContext& context, const Program& program);
+  void record_queue(ScheduleRecorder& recorder, const Program& program, const NextRays& next);
+  void record_add(const Program& program);
   bool sample(uint32_t index);
   bool grow(uint32_t sample_index);
   bool trace(const TreeRules& rules, uint32_t chunk);

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "voxel_abuffer/structure/scene_subset.h"
+#include "voxel_abuffer/base/scene_subset.h"
 
 namespace lucarium::abuffer {
 

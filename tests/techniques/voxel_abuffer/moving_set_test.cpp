@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A structure of its own for what moves: the hits of one structure for all, and nothing that rests is built again.
-#include "voxel_abuffer/structure/moving_set.h"
+#include "voxel_abuffer/moving/moving_set.h"
 
 #include <doctest/doctest.h>
 

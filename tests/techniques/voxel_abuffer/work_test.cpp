@@ -9,7 +9,7 @@
 #include "abuffer_rig.h"
 #include "closed_bodies.h"
 #include "test_support.h"
-#include "voxel_abuffer/structure/moving_set.h"
+#include "voxel_abuffer/moving/moving_set.h"
 #include "voxel_abuffer/structure/state.h"
 
 using namespace lucarium;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "voxel_abuffer/structure/moving_set.h"
+#include "voxel_abuffer/moving/moving_set.h"
 
 #include <algorithm>
 
@@ -19,7 +19,7 @@ SceneSubset MovingSet::moving_subset(const Scene& scene, const VoxelAbufferOptio
 
 MovingSet::MovingSet(KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
                      const VoxelAbufferOptions& options)
-    : program_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/structure/nearer_hits"})),
+    : program_(make_program(scheduler.device(), voxel_abuffer_kernels(), {"voxel_abuffer/moving/nearer_hits"})),
       resting_(scheduler, scene, buffers, options, resting_instances(scene)),
       moving_(scheduler, scene, buffers, options, moving_subset(scene, options)) {}
 

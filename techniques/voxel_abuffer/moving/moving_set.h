@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "voxel_abuffer/structure/scene_subset.h"
+#include "voxel_abuffer/base/scene_subset.h"
 #include "voxel_abuffer/structure/voxel_abuffer.h"
 
 namespace lucarium::abuffer {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "voxel_abuffer/structure/scene_subset.h"
+#include "voxel_abuffer/base/scene_subset.h"
 
 #include "lucarium/scene/animation.h"
 
