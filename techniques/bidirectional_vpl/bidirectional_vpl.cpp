@@ -23,8 +23,8 @@
 // (bundle_mode=raster and linked_list), which show what lies up to a pixel beside a ray, and with the modes for few
 // samples: two_bounce=clamp, gloss, filter, caches.
 //
-// Where the paper stands in the source (files below this folder; light_paths/ is a service of the framework, lucarium/
-// the kernel library in kernels/):
+// Where the paper stands in the source (files below this folder; light_paths/ and layered_raster/ are in
+// framework/lucarium/services and kernels/lucarium; lucarium/ is kernels/lucarium):
 //
 //   section 3.1, equation 1, path tracing    eye/shade_eye_vertices.cl: sample_direction(), shade_eye_vertices()
 //   section 3.2, global ray-bundles          bundles/bundle_set.clh: bundle_number(), bundle_set(): directions that all
@@ -37,6 +37,7 @@
 //                                            strategies: lucarium/path_mis.clh
 //   section 4.1, creating VPLs, p_e          light_paths/light_paths.clh: emit_light_paths(); lucarium/emission.clh:
 //                                            sample_emission(); light/store_light_vertices.cl: take_light_vertex()
+//   section 4.1, Russian roulette            light_paths/light_paths.clh: scatter_light()
 //   section 4.2, equation 3, one-bounce: VPL eye/connect.clh: connected_light()
 //   section 4.2, equation 3, by ray-bundle   eye/find_lights.clh: connect_light_sample(), at the next vertex
 //   section 4.2, equation 4, density p_1     light_paths/light_paths.clh: arrive_light_path_mis()
@@ -51,7 +52,7 @@
 //   section 5.1, equations 9, 10 and 12      base/clamped_roughness.clh; base/gloss.clh: widened_bsdf() (gloss)
 //   section 5.2, equation 13                 base/clamped_roughness.clh: joint_density()
 //   section 5.2, equation 14                 eye/shade_eye_vertices.cl: sample_direction()
-//   section 5.2, equations 15 to 17          eye/gloss_paths.clh: suppress_connection(), suppressed_light_sample()
+//   section 5.2, equations 15, 16 and 17     eye/gloss_paths.clh: suppress_connection(), suppressed_light_sample()
 //   section 6, split, gather, filter         base/interleave.clh; eye/filter_pixels.cl
 //   section 6, 2 x 2 supersampling, caches   eye/caches.cl
 //   section 7, multi-bounce, reuse           bundles/bundle_set.clh: bundle_number(), bundle_set() (reuse)

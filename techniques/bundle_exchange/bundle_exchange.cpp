@@ -17,7 +17,7 @@
 // uniform field.
 //
 // All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
-// kept (sender_weights.h): S forgets quickly, so that light that was missing at the beginning fades as
+// kept (senders/sender_weights.h): S forgets quickly, so that light that was missing at the beginning fades as
 // exp(-2 (1 - ρ) √N), and is what is sent; D is nearly a plain mean, and is what is displayed. A balance of the power
 // sent and held scales S meanwhile. With max_bounces there is a mean per bounce, each fed by the one before.
 //
@@ -28,7 +28,7 @@
 // towards the eye.
 //
 // Where the paper stands in the source (files below this folder; bundles/, layered_raster/, surface_atlas/,
-// texel_sides/ and interior_surfaces/ are services of the framework):
+// texel_sides/ and interior_surfaces/ are in framework/lucarium/services and kernels/lucarium):
 //
 //   equation 1 (Eq. 1), rendering equation   f_r: lucarium/bsdf.clh: eval_bsdf();
 //                                            the integral: exchange/exchange_pairs.cl: receive()

@@ -59,8 +59,7 @@ std::vector<std::string> limitations(const MicroParameters& parameters, const Sc
                                      const RenderSettings& settings) {
   std::vector<std::string> list;
   if (settings.max_bounces < 0)
-    list.push_back(fmt::format("computes {} bounces instead of unlimited ones (unlimited_bounces)",
-                               bounces(parameters, settings)));
+    list.push_back(fmt::format("limits paths to {} bounces (unlimited_bounces)", bounces(parameters, settings)));
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
     return m.transmission > 0 || m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
   });

@@ -24,8 +24,8 @@
 // Error. Points stand for surfaces: light is smoothed over a leaf's disc, and visibility below a micro-pixel is
 // approximate. Both vanish with more points and smaller cut_kappa; jitter is averaged over frames.
 //
-// Where the paper stands in the source (files below this folder, light_at_points/ and light_paths/ services of the
-// framework):
+// Where the paper stands in the source (files below this folder; light_at_points/ and light_paths/ are in
+// framework/lucarium/services):
 //
 //   section 2.1, point generation            points/point_sampling.cpp: sample_surface() (best candidates)
 //   section 2.1, figure 2, complete tree     tree/tree_order.cpp: split()

@@ -18,11 +18,13 @@
 //
 // Error. Light in mirrors is blurred by the spacing of directions at every bounce; all light by cells and texels.
 //
-// Where the paper stands in the source (below this folder):
+// Where the paper stands in the source (files below this folder; layered_raster/, texel_sides/ and surface_atlas/
+// are in framework/lucarium/services and kernels/lucarium):
 //
 //   section 2.1, directions, parallel subfields (PSF)   directions/direction_grid.cpp: DirectionGrid(), make_lines()
 //   section 2.1, world to canonical PSF (M_WC)          tiles/film_cells.clh: film_point()
 //   section 2.1, tiles of cells, L_s (figure 3)         shared/field.h; tiles/film_cells.clh: film_radiance()
+//   section 2.1, intersections of a ray in order        layered_raster/layered_raster.h: rows of sorted fragments
 //   section 3.1, sparse tiles (figure 4)                tiles/build_maps.cl: mark_tiles()
 //   section 3.1, locating a tile (figure 4)             tiles/film_cells.clh: find_cell()
 //   section 2.1, a parallel subfield as an image        pixels/show_subfield.cl: show_subfield()
@@ -32,6 +34,7 @@
 //   section 3.2, sorted in advance                      exchange/exchange_line.cl: exchange_kept_line()
 //   section 3.3, radiance interface (RI), transport     exchange/exchange_line.cl: receive(), field_end();
 //                                                       scatter/fold_sides.cl: fold_sides()
+//   section 3.3, diffuse reflectance K_d                field/light_field.cpp: transport_albedo()
 //   section 3.3, skylight (figure 6)                    exchange/exchange_line.cl: layered_ray_begins(),
 //                                                       layered_ray_ends()
 //   section 3.4, non-diffuse scattering (figure 7)      scatter/scatter_cells.cl: scattered_light(); unshot radiance:
@@ -128,11 +131,13 @@ class VirtualLightField : public TechniqueBase<Parameters> {
 
   IterationResult state() const override {
     IterationResult result;
-    result.samples = view_->samples();
     const bool settled = !field_ || field_->done() || light_held();
+    const uint32_t shown = field_ && field_->shown_sweeps() > 0 ? view_->field_samples() : view_->samples();
+    // A sample has all light: those before it lack some, and are no part of what --spp asks for.
+    result.samples = settled ? shown : 0;
+    result.visible = view_->samples() > 0;
     result.light_done = settled;
     result.progress = settled ? 1 : lit() ? field_->progress() : 0;
-    const uint32_t shown = field_ && field_->shown_sweeps() > 0 ? view_->field_samples() : view_->samples();
     result.converged = settled && shown >= static_cast<uint32_t>(parameters_.camera_samples);
     result.phase = settled ? "walk" : lit() ? field_->phase() : "light";
     if (result.converged)

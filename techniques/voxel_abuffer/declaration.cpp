@@ -94,7 +94,7 @@ std::vector<std::string> limitations(const AbufferParameters& parameters, const 
   if (ideal && parameters.mode == ModeChoice::cast)
     list.push_back("mode=cast shows no light of mirrors and clear glass");
   if (ideal && parameters.mode == ModeChoice::whitted)
-    list.push_back(fmt::format("after {} mirrors and refractions a ray ends (depth)", parameters.depth));
+    list.push_back(fmt::format("a path ends after {} mirrors and refractions (depth)", parameters.depth));
   if (ideal && !scene.lights.empty())
     list.push_back("point, spot and directional light that reaches a surface through a mirror or glass is left out");
   if (parameters.mode == ModeChoice::whitted && parameters.ambient > 0)

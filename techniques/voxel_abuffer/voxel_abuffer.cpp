@@ -25,7 +25,8 @@
 // Error. Exact search finds the hits of a hierarchy, to the bit. Search by parity loses what is thinner than a pixel,
 // and the common wall of solids that touch; hits lie in the planes of their triangles.
 //
-// Where the paper stands in the source (files below this folder; layered_raster/ is a service of the framework):
+// Where the paper stands in the source (files below this folder; layered_raster/ is in
+// framework/lucarium/services and kernels/lucarium):
 //
 //   section 3, figure 2, two levels          structure/record_build.cpp: record_build(); structure/state.h
 //   section 3.1, three A-buffers             structure/abuffer_lists.cpp: record(), record_packed()
@@ -58,6 +59,7 @@
 //   section 5, grid of (√(3n))³ voxels       structure/grid_layout.cpp: choose_grid_size()
 //   section 5.2, regular voxels              compared/trace_voxel.cl (structure=voxel)
 //   section 5.2, table 1, octree (SVO)       compared/build_octree.cl, compared/trace_octree.cl (structure=octree)
+//   section 6, watertight objects          structure/triangle_classes.h: classify() (closed components)
 //   section 6, static and dynamic buffers    moving/moving_set.h (static_set)
 //
 // Not in the paper: exact search (search/exact_flights.clh), search by planes (search/plane_columns.clh), hits moved

@@ -16,7 +16,7 @@ namespace {
 const double half_octave = std::sqrt(2.0);
 
 std::vector<float> read_truth(const std::filesystem::path& file, const RenderSettings& settings) {
-  const Film film = read_image(file);
+  const Film film = read_reference_image(file);
   if (film.width() != settings.width || film.height() != settings.height) {
     throw_error(ErrorClass::input, "{} is {}×{}, the rendering {}×{}; give --size {}x{}", file.string(), film.width(),
                 film.height(), settings.width, settings.height, film.width(), film.height());

@@ -37,6 +37,8 @@ class CurveRecorder {
   std::optional<double> sample(RenderSession& session);
   /// All metrics of the finished image, FLIP among them, and the last snapshot if it is not there yet.
   void finish(RenderSession& session, const std::vector<float>& image);
+  /// Of the finished image.
+  double relmse() const { return final_.relmse; }
   /// {"metrics": {name: value}, "snapshots": […]} (docs/results.md).
   nlohmann::ordered_json to_json() const;
 

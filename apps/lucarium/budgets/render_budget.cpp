@@ -24,6 +24,12 @@ double seconds_left_of(const char* option, double seconds, double spent, const s
   return std::max(no_time, seconds - spent);
 }
 
+/// "0.84 Msamples/s", or of slow ones "1200 samples/s".
+std::string sample_rate(double per_second) {
+  return per_second < 1e4 ? fmt::format("{:.0f} samples/s", per_second)
+                          : fmt::format("{:.2f} Msamples/s", per_second / 1e6);
+}
+
 /// A budget of the session, and the option that its time is of.
 struct SessionBudget : RenderBudget {
   const char* time_option = "--time";
@@ -140,11 +146,11 @@ RenderEnd render_within_budget(const BudgetArguments& arguments, RenderSession& 
     used(static_cast<double>(now.samples), static_cast<double>(budget.samples));
     used(static_cast<double>(session.iterations()), static_cast<double>(budget.iterations));
     used(seconds, budget.seconds);
-    const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height / 1e6 /
+    const double rate = static_cast<double>(now.samples) * session.settings().width * session.settings().height /
                         std::max(1e-9, seconds);
     const std::string phase = now.phase.empty() ? "" : now.phase + ", ";
     progress.update(fraction,
-                    fmt::format("{}{} per pixel, {:.2f} Msamples/s", phase, counted(now.samples, "sample"), rate));
+                    fmt::format("{}{} per pixel, {}", phase, counted(now.samples, "sample"), sample_rate(rate)));
     const std::optional<double> error = relmse(session);
     accurate = error && arguments.relmse > 0 && *error <= arguments.relmse;
     if (now.phase != phase_told) log_info("stage '{}' at {:.2f} s of iterating", now.phase, seconds);

@@ -168,7 +168,8 @@ int render_reference(ReferenceArguments arguments, const Messages& messages) {
     print_result("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
   } else {
     print_result("{}: {} per pixel, its own relMSE {}\n", arguments.file.string(), counted(image.samples(), "sample"),
-                 image.error_known() ? fmt::format("{:.3g}", image.error().relmse) : "unknown (one half only)");
+                 image.error_known() ? fmt::format("{:.3g}", image.error().relmse)
+                                     : "not known from so few samples; give --spp 32 or more");
   }
   if (done) return 0;
   log_warning("interrupted after {} per pixel; continue with --extend", counted(image.samples(), "sample"));

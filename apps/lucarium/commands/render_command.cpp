@@ -110,14 +110,16 @@ bool render_frames(const RenderArguments& arguments, const Messages& messages, R
     write_outputs(outputs[i], film, exposure, arguments.half);
     const double seconds = since_start.seconds();
     summaries.push_back(frame_json(session, film, end, i == 0 ? load_seconds : 0, seconds, exposure, outputs[i]));
-    if (!messages.json) {
-      print_result("{}: {} per pixel, {:.1f} s{}{}\n", names_of(outputs[i]), counted(session.last().samples, "sample"),
-                   seconds, chosen_exposure(session, exposure, outputs[i]),
-                   session.last().converged ? fmt::format("; ended by {}: {}", technique, end.by) : "");
-    }
     if (curve) {
       curve->finish(session, film.image());
       summaries.back().update(curve->to_json());
+    }
+    if (!messages.json) {
+      print_result(
+          "{}: {} per pixel, {:.1f} s{}{}{}\n", names_of(outputs[i]), counted(session.last().samples, "sample"),
+          seconds, chosen_exposure(session, exposure, outputs[i]),
+          session.last().converged ? fmt::format("; ended by {}: {}", technique, end.by) : "",
+          curve ? fmt::format("; relMSE {:.4g} against {}", curve->relmse(), arguments.reference.string()) : "");
     }
     if (arguments.walk.frames > 0 && !end.interrupted) summaries.back()["walk"] = walk_json(session, arguments.walk);
     if (end.interrupted) return true;
@@ -281,7 +283,6 @@ void add_render_command(Command program, Action& action) {
   command.needs({"--fps"}, {"--frames"});
   command.needs({"--relmse", "--curve"}, {"--reference"});
   command.needs({"--curve"}, {"--json"});
-  command.needs({"--reference"}, {"--relmse", "--json"});
   command.excludes({"--frames"}, {"--at", "--reference"});
   command.examples({"lucarium render builtin:cornell -o cornell.png",
                     "lucarium render builtin:cornell -t bundle_exchange --time 10 -o cornell.exr -o cornell.png"},

@@ -6,6 +6,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/scene/builtin/scenes.h"
 #include "lucarium/scene/gltf/export.h"
 #include "lucarium/scene/report/scene_report.h"
 #include "options/options.h"
@@ -42,7 +43,30 @@ std::string json_of(const SceneReport& report, const std::vector<std::filesystem
   return atlas ? with_atlas(json.dump(2), *atlas) : json.dump(2);
 }
 
+/// The scenes that need no file, each with what may be given behind its name.
+int list_scenes(const Messages& messages) {
+  nlohmann::ordered_json json = {{"schema", "lucarium-scenes-1"}, {"scenes", nlohmann::ordered_json::array()}};
+  for (const std::string& name : builtin_scene_names()) {
+    nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
+    if (!messages.json) print_result("builtin:{}\n", name);
+    for (const BuiltinParameter& parameter : builtin_scene_parameters(name)) {
+      parameters.push_back({{"name", parameter.name},
+                            {"doc", parameter.doc},
+                            {"default", parameter.value},
+                            {"min", parameter.min},
+                            {"max", parameter.max}});
+      if (!messages.json)
+        print_result("  :{}={:<8} {} to {}: {}\n", parameter.name, parameter.value, parameter.min, parameter.max,
+                     parameter.doc);
+    }
+    json["scenes"].push_back({{"name", "builtin:" + name}, {"parameters", std::move(parameters)}});
+  }
+  if (messages.json) print_result("{}\n", json.dump(2));
+  return 0;
+}
+
 int scene(const SceneCommandArguments& arguments, const Messages& messages) {
+  if (arguments.scene.empty()) return list_scenes(messages);
   const Scene loaded = arguments.overrides.load(arguments.scene);
   const SceneReport report = make_scene_report(loaded);
   const std::vector<std::filesystem::path> exported = export_scene(arguments, loaded);
@@ -61,16 +85,19 @@ int scene(const SceneCommandArguments& arguments, const Messages& messages) {
 
 void add_scene_command(Command program, Action& action) {
   auto arguments = std::make_shared<SceneCommandArguments>();
-  Command command = program.add_subcommand("scene", "report what is in a scene");
-  command.option("scene", arguments->scene).required();
+  Command command = program.add_subcommand("scene", "report what is in a scene, or list the built-in ones");
+  command.option("scene", arguments->scene).default_text("list the built-in scenes");
   command.option("--export", arguments->export_file).default_text("none");
   command.flag("--overwrite", arguments->overwrite);
   arguments->overrides.add_exposure_to(command);
   arguments->overrides.add_to(command);
   arguments->atlas.add_to(command);
+  command.needs({"--export", "--atlas", "--atlas-view", "--camera", "--camera-path", "--environment", "--light",
+                 "--material", "--at", "--animation", "--no-sidecar", "--texture-size"},
+                {"scene"});
   command.needs({"--exposure"}, {"--export"});  // whose sidecar states it
   command.needs({"--overwrite"}, {"--export", "--atlas", "--atlas-view"});
-  command.examples({"lucarium scene builtin:atrium",
+  command.examples({"lucarium scene", "lucarium scene builtin:atrium",
                     "lucarium scene builtin:cornell --material lamp:emissive_factor=40 --export bright.glb"},
                    "docs/scenes.md");
   command.callback(

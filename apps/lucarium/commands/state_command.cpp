@@ -51,7 +51,7 @@ std::string text_of(const StateFile& state) {
   text += fmt::format("technique     {} {}, seed {}\n", header.technique, header.technique_version, header.seed);
   text += fmt::format("parameters    {}\n", parameters);
   text += fmt::format("light paths   {}\n", header.path_set);
-  text += fmt::format("saved by      lucarium {}, after {:.1f} s, at {}x{} pixels\n", header.program_version,
+  text += fmt::format("saved by      lucarium {}, whose light took {:.1f} s, at {}x{} pixels\n", header.program_version,
                       header.seconds, header.width, header.height);
   text += fmt::format("chunks        {}\n", state.chunks().size());
   for (const StateChunk& chunk : state.chunks()) {

@@ -225,9 +225,11 @@ void Command::needs(const std::vector<std::string>& names, const std::vector<std
   rules_->push_back([app = app_, names, others] {
     const auto given = [app](const std::string& name) { return is_given(*app, name); };
     if (std::any_of(others.begin(), others.end(), given)) return;
+    std::vector<std::string> wanted;
+    for (const std::string& other : others) wanted.push_back(shown(*app, other));
     for (const std::string& name : names) {
       if (given(name))
-        throw_error(ErrorClass::usage, "{} does nothing without {}", shown(*app, name), fmt::join(others, " or "));
+        throw_error(ErrorClass::usage, "{} does nothing without {}", shown(*app, name), fmt::join(wanted, " or "));
     }
   });
 }

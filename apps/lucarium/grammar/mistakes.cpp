@@ -42,13 +42,21 @@ std::string shown_name(const CLI::Option& option) {
   return option.get_positional() ? option.get_type_name() : "--" + option.get_lnames().front();
 }
 
+/// The one name that `word` is a part of, as '--max-bounces' of bounces; empty when there is none, or several.
+std::string the_one_with(const std::string& word, const std::vector<std::string>& names) {
+  const auto has_word = [&word](const std::string& name) { return name.find(word) != std::string::npos; };
+  if (word.size() < 4 || std::count_if(names.begin(), names.end(), has_word) != 1) return "";
+  return *std::find_if(names.begin(), names.end(), has_word);
+}
+
 /// "; did you mean '--spp'?", or nothing: all names would be a page.
 std::string suggest_option(const std::string& name, const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
     for (const std::string& own : option->get_lnames()) names.push_back("--" + own);
   }
-  const std::string near = nearest_name(name, names);
+  std::string near = nearest_name(name, names);
+  if (near.empty()) near = the_one_with(name.substr(std::min<size_t>(name.size(), 2)), names);
   return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
 }
 

@@ -192,7 +192,9 @@ std::string encode_png(uint32_t width, uint32_t height, const std::vector<float>
   return {encoded.begin(), encoded.end()};
 }
 
-Film read_image(const fs::path& file) {
+namespace {
+
+Film read(const fs::path& file, bool is_reference) {
   require_regular_file(file);
   check_encoded(file);
   const std::unique_ptr<OIIO::ImageInput> in = OIIO::ImageInput::open(file.string());
@@ -211,6 +213,9 @@ Film read_image(const fs::path& file) {
   if (!read_rows(*in, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, add_rows)) {
     throw_error(ErrorClass::input, "{}: damaged image: {}", file.string(), in->geterror());
   }
+  if (is_reference && !spec.format.is_floating_point())
+    log_warning("{}: {}-bit picture as a reference: values above 1 are lost; give an .exr", file.string(),
+                8 * spec.format.size());
   if (spec.get_string_attribute("oiio:ColorSpace") == "sRGB") decode_srgb(spec, pixels);
   Film film(static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height));
   fill_layers(film, spec, pixels);
@@ -223,5 +228,10 @@ Film read_image(const fs::path& file) {
   log_info("read {}: {}×{} pixels, {} layers", file.string(), film.width(), film.height(), film.layers().size());
   return film;
 }
+
+}  // namespace
+
+Film read_image(const fs::path& file) { return read(file, false); }
+Film read_reference_image(const fs::path& file) { return read(file, true); }
 
 }  // namespace lucarium

@@ -28,5 +28,7 @@ std::string encode_png(uint32_t width, uint32_t height, const std::vector<float>
 /// Reads EXR (layers and metadata restored), HDR, or any image OpenImageIO reads (one additive layer "image"; values
 /// that the file says are sRGB, as those of PNG and JPEG files, become linear).
 Film read_image(const std::filesystem::path& file);
+/// The same of an image that errors are measured against: warns when the file holds whole numbers, which end at 1.
+Film read_reference_image(const std::filesystem::path& file);
 
 }  // namespace lucarium

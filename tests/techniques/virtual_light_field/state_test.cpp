@@ -247,3 +247,16 @@ TEST_CASE("values that no propagation brings are refused: NaN, other numbers of 
   write_state_file(file, header, false, [](StateWriter&) {});
   check_refusal([&] { loaded(file, scene, coarse); }, ErrorClass::input, "it is missing");
 }
+
+TEST_CASE("samples per pixel counted before all light was there, so that --spp ended in a dark picture") {
+  const auto run = session(load_scene("builtin:cornell"), -1, coarse);
+  bool seen = false;
+  while (!run->last().light_done) {
+    run->iterate();
+    seen = seen || run->last().visible;
+    if (!run->last().light_done) CHECK(run->last().samples == 0);
+  }
+  CHECK(seen);  // pictures meanwhile show what there is
+  run->run({.samples = 3});
+  CHECK(run->last().samples == 3);
+}

@@ -39,7 +39,7 @@ void check_one_reference(const SceneResult& scene) {
 
 Film read_reference_file(const ComparisonSpec& spec, const SceneResult& scene, const ReferenceResult& wanted) {
   const fs::path& file = *spec.reference.file;
-  Film film = read_image(file);
+  Film film = read_reference_image(file);
   if (film.width() != spec.width || film.height() != spec.height) {
     throw_error(ErrorClass::input, "{} is {}×{}, the comparison {}×{}; give --size {}x{}", file.string(), film.width(),
                 film.height(), spec.width, spec.height, film.width(), film.height());

@@ -221,3 +221,15 @@ TEST_CASE("Ctrl-C keeps the partial result, marked as such, and ends with 6") {
   CHECK(contains(run_program("cat " + log).out, "the partial result is kept"));
   CHECK(count_files(folder.path()) == 2);
 }
+
+TEST_CASE("the error against a reference is printed, and a reference of eight bits draws a warning") {
+  const TemporaryFolder folder;
+  const auto file = [&folder](const char* name) { return (folder.path() / name).string(); };
+  const std::string common = "render builtin:cornell --iterations 1 -o ";
+  REQUIRE(run_lucarium(common + file("a.exr") + " -o " + file("a.png") + " " + constant_technique()).exit_code == 0);
+  const std::string again = common + file("b.exr") + " --overwrite " + constant_technique() + " --reference ";
+  const ProgramResult same = run_lucarium(again + file("a.exr"));
+  CHECK(contains(same.out, "; relMSE 0 against " + file("a.exr")));
+  CHECK(same.err.find("values above 1 are lost") == std::string::npos);
+  CHECK(contains(run_lucarium(again + file("a.png")).err, "8-bit picture as a reference: values above 1 are lost"));
+}

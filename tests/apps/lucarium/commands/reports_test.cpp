@@ -204,3 +204,18 @@ TEST_CASE("diff subtracts the reference's own error, and says when that is too l
   CHECK(own["mse_resolved"] == false);
   CHECK(contains(run_lucarium("diff " + image + " " + reference).out, "too noisy"));
 }
+
+TEST_CASE("scene without a scene lists the built-in ones, with what may be given") {
+  const ProgramResult list = run_lucarium("scene");
+  CHECK(list.exit_code == 0);
+  CHECK(contains(list.out, "builtin:cornell\n"));
+  CHECK(contains(list.out, ":pieces=4000"));
+  const json answer = json::parse(run_lucarium("scene --json").out);
+  CHECK(answer["schema"] == "lucarium-scenes-1");
+  for (const json& scene : answer["scenes"]) {
+    CAPTURE(scene.dump());
+    CHECK(contains(list.out, scene["name"].get<std::string>() + "\n"));
+    for (const json& parameter : scene["parameters"])
+      CHECK(parameter["min"].get<int>() <= parameter["default"].get<int>());
+  }
+}
