@@ -241,7 +241,8 @@ Scene RenderingArguments::load() const {
 }
 
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
-  const std::string what = fmt::format("a size: give --size WIDTHxHEIGHT, each from 1 to {} pixels", largest_image_side);
+  const std::string what =
+      fmt::format("a size: give --size WIDTHxHEIGHT, each from 1 to {} pixels", largest_image_side);
   const size_t x = text.find('x');
   if (x == std::string::npos) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
   const uint32_t width = parse_uint(text.substr(0, x), text, what), height = parse_uint(text.substr(x + 1), text, what);

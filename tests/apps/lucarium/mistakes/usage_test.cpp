@@ -13,7 +13,8 @@ TEST_CASE("usage: exit code 2, and the nearest valid name") {
   const std::string out = " -o " + (folder.path() / "a.exr").string() + " ";
   check_refused("rendr builtin:cornell", 2, "did you mean 'render'?");
   check_refused("render builtin:cornell --sppp 3" + out, 2, "unknown option --sppp; did you mean '--spp'?");
-  check_refused("render builtin:cornell --bounces 3" + out, 2, "unknown option --bounces; did you mean '--max-bounces'?");
+  check_refused("render builtin:cornell --bounces 3" + out, 2,
+                "unknown option --bounces; did you mean '--max-bounces'?");
   check_refused("scene --export a.glb", 2, "--export does nothing without SCENE");
   check_refused("render", 2, "render needs SCENE: a .gltf or .glb file");
   check_refused("render builtin:cornell", 2, "--output");
