@@ -174,6 +174,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     view_.reset();
     field_.reset();
     stepped_ = false;
+    runs_left_ = 0;
     if (plan_.field) {
       if (!context().state) surfaces_->measure(context().progress);  // where a state that was loaded has spared it
       surfaces_->light.reset(seed());
@@ -228,10 +229,12 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   bool propagate() {
     if (!field_ || stepped_ || light_held()) return true;
     if (!lit()) {
-      for (uint32_t runs = surfaces_->light.runs(); runs > 0 && !lit(); --runs) {
+      if (runs_left_ == 0) runs_left_ = surfaces_->light.runs();
+      for (; runs_left_ > 0 && !lit(); --runs_left_) {
         if (!surfaces_->light.sample()) return false;
         surfaces_->light.commit();
       }
+      runs_left_ = 0;
     } else if (!field_->advance()) {
       return false;
     }
@@ -243,7 +246,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   std::unique_ptr<FieldSurfaces> surfaces_;  ///< null where no light is propagated
   std::unique_ptr<LightField> field_;        ///< likewise
   std::unique_ptr<FieldView> view_;
-  bool stepped_ = false;  ///< the propagation of this iteration is done
+  bool stepped_ = false;    ///< the propagation of this iteration is done
+  uint32_t runs_left_ = 0;  ///< of light samples, in an iteration that was cancelled
 };
 
 std::unique_ptr<Technique> create_virtual_light_field() { return std::make_unique<VirtualLightField>(); }

@@ -65,6 +65,17 @@ glm::dvec2 fold(glm::dvec2 at, double n) {
   return at;
 }
 
+/// A point of the unit ball, by three of the coordinates of a point of the unit cube.
+glm::dvec3 ball_point(const uint4& bits) {
+  const auto unit = [](uint32_t word) { return (static_cast<double>(word) + 0.5) * 0x1p-32; };
+  const double z = 2 * unit(bits.y) - 1, r = std::sqrt(1 - z * z), phi = 2 * kPi * unit(bits.z);
+  return std::cbrt(unit(bits.x)) * glm::dvec3(r * std::cos(phi), r * std::sin(phi), z);
+}
+
+/// Share of the way from a node to the edge across its triangles within which the share `mass` of its hat function's
+/// integral lies: s with 3 s² - 2 s³ = mass.
+double hat_distance(double mass) { return 0.5 - std::sin(std::asin(std::clamp(1 - 2 * mass, -1., 1.)) / 3); }
+
 /// A film across `z`.
 FieldLine make_line(const glm::dvec3& z, double solid_angle, const Bounds& bounds, uint32_t film, double cell,
                     std::mt19937_64& random) {
@@ -115,39 +126,55 @@ glm::dvec3 DirectionGrid::direction(uint32_t index) const {
 double DirectionGrid::spacing(uint32_t n) { return std::sqrt(4 * kPi / (4. * n * n + 2)); }
 double DirectionGrid::spacing() const { return spacing(n_); }
 
-double DirectionGrid::hat(uint32_t direction, const glm::dvec2& at) const {
-  const int n = static_cast<int>(n_), side = 2 * n + 1;
-  const glm::dvec2 from = at + static_cast<double>(n);
-  const int i = std::min(static_cast<int>(from.x), 2 * n - 1), j = std::min(static_cast<int>(from.y), 2 * n - 1);
-  const double x = from.x - i, y = from.y - j;
-  double result = 0;
-  const auto add = [&](int di, int dj, double weight) {
-    if (nodes_[static_cast<size_t>(j + dj) * side + (i + di)] == direction) result += weight;
-  };
-  if ((i >= n) == (j >= n)) {  // split along i + j = const
-    const bool lower = x + y < 1;
-    add(lower ? 0 : 1, lower ? 0 : 1, std::abs(1 - x - y));
-    add(1, 0, lower ? x : 1 - y);
-    add(0, 1, lower ? y : 1 - x);
-  } else {  // along i - j = const
-    add(0, 0, 1 - std::max(x, y));
-    add(x > y ? 1 : 0, x > y ? 0 : 1, std::abs(x - y));
-    add(1, 1, std::min(x, y));
+std::vector<glm::dvec2> DirectionGrid::neighbors(uint32_t line) const {
+  const double n = n_;
+  std::vector<glm::dvec2> result;
+  for (const glm::dvec2 corner : {glm::dvec2(1, 1), glm::dvec2(-1, 1), glm::dvec2(-1, -1), glm::dvec2(1, -1)}) {
+    const bool even = corner.x * corner.y > 0;
+    result.push_back(even ? glm::dvec2(corner.x, 0) : glm::dvec2(0, corner.y));
+    // Beyond the border lies a quadrant that is split the other way, turned by half a turn.
+    const glm::dvec2 middle = places_[line] + 0.5 * corner;
+    const bool beyond = (std::abs(middle.x) > n) != (std::abs(middle.y) > n);
+    const bool falling = ((middle.x > 0) == (middle.y > 0)) != beyond;  // split along i + j = const
+    if (falling != even) result.push_back(corner);
   }
   return result;
 }
 
 std::vector<glm::dvec3> DirectionGrid::directions_about(uint32_t line, uint32_t count, uint64_t seed) const {
-  const uint32_t own = hash_uint3(static_cast<uint32_t>(seed), static_cast<uint32_t>(seed >> 32), line);
-  const uint4 seeds{hash_uint2(own, 1), hash_uint2(own, 2), hash_uint2(own, 3), 0};
-  const glm::dmat3 to_world = glm::transpose(rotation_);
+  const std::vector<glm::dvec2> fan = neighbors(line);
+  // About a corner of the octahedron on the square's border, all four triangles are met twice.
+  const size_t triangles = fan.size() == 8 ? 4 : fan.size();
+  const auto size = static_cast<double>(triangles);
   const double n = n_;
+  const auto point = [&](const glm::dvec2& at) { return sphere_point(at.x / n, at.y / n); };
+  const glm::dvec3 own = rotation_ * omegas_[line];
+  const glm::dvec3 x = glm::normalize(
+                       glm::cross(std::abs(own.z) < 0.9 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0), own)),
+                   y = glm::cross(own, x);
+  const auto angle = [&](const glm::dvec3& along) { return std::atan2(glm::dot(along, y), glm::dot(along, x)); };
+  // The angle at which the fan begins, so that on average its sectors lie where their share of a turn does.
+  double sine = 0, cosine = 0;
+  for (size_t k = 0; k < triangles; ++k) {
+    const double off = angle(point(fold(places_[line] + fan[k], n)) - own) - 2 * kPi * static_cast<double>(k) / size;
+    sine += std::sin(off);
+    cosine += std::cos(off);
+  }
+  const double begin = std::atan2(sine, cosine);
+
+  const uint32_t low = static_cast<uint32_t>(seed), high = static_cast<uint32_t>(seed >> 32);
+  const uint4 seeds{hash_uint3(low, high, 1), hash_uint3(low, high, 2), hash_uint3(low, high, 3), 0};
+  const glm::dmat3 to_world = glm::transpose(rotation_);
   std::vector<glm::dvec3> result;
-  for (uint32_t i = 0; result.size() < count; ++i) {
-    const uint4 point = reverse_bits4(owen_scramble_reversed(sobol_reversed(i), seeds));
-    const auto unit = [](uint32_t bits) { return (static_cast<double>(bits) + 0.5) * 0x1p-32; };
-    const glm::dvec2 at = fold(places_[line] + 2. * glm::dvec2(unit(point.x), unit(point.y)) - 1., n);
-    if (unit(point.z) < hat(2 * line, at)) result.push_back(to_world * sphere_point(at.x / n, at.y / n));
+  for (uint32_t i = 0; i < count; ++i) {
+    const glm::dvec3 moved =
+        glm::cross(ball_point(reverse_bits4(owen_scramble_reversed(sobol_reversed(i), seeds))), own);
+    const double distance = std::min(glm::length(moved), 1.), inside = 1 - std::pow(1 - distance * distance, 1.5);
+    const double turn = (angle(moved) - begin) / (2 * kPi), sector = (turn - std::floor(turn)) * size;
+    const size_t k = std::min(static_cast<size_t>(sector), triangles - 1);
+    const double share = sector - static_cast<double>(k);
+    const glm::dvec2 edge = (1 - share) * fan[k] + share * fan[(k + 1) % fan.size()];
+    result.push_back(to_world * point(fold(places_[line] + hat_distance(inside) * edge, n)));
   }
   return result;
 }

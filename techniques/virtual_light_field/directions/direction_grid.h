@@ -33,8 +33,11 @@ class DirectionGrid {
   const std::vector<uint32_t>& nodes() const { return nodes_; }
   /// `count` directions about that of direction 2 · line, with the density h / ∫ h, h its hat function: perturbed
   /// directions (Mortensen et al. 2007, section 3.5; there uniform over the solid angle of the direction). Those of all
-  /// lines and their opposites cover the sphere uniformly when they count ∫ h / count each. Rejection of Owen-scrambled
-  /// Sobol points, whose scrambling `seed` and the line decide.
+  /// lines and their opposites cover the sphere uniformly when they count ∫ h / count each.
+  ///
+  /// The i-th directions of all lines are the whole grid, turned about one axis r, a point of the unit ball by `seed`
+  /// and i, a little more or less by latitude: a direction ω moves along r × ω, as far as the distribution of |r × ω|
+  /// asks for. That keeps solid angles, so that they are a set of directions as even as the grid itself.
   std::vector<glm::dvec3> directions_about(uint32_t line, uint32_t count, uint64_t seed) const;
   /// World to the axes of the grid.
   const glm::dmat3& rotation() const { return rotation_; }
@@ -43,8 +46,9 @@ class DirectionGrid {
   static double spacing(uint32_t n);
 
  private:
-  /// Of a direction, at a point of the square in units of its cells, [-n, n]².
-  double hat(uint32_t direction, const glm::dvec2& at) const;
+  /// Steps in the square from the node of a line to those with which it has triangles, in their order around it. Beyond
+  /// the border they lead to nodes that fold() finds.
+  std::vector<glm::dvec2> neighbors(uint32_t line) const;
 
   uint32_t n_;
   glm::dmat3 rotation_{1};

@@ -192,9 +192,10 @@ bool LightField::advance(double film_pixels) {
   if (!begun_) begin();
   while (scatter_ && !scatter_->sees_all())
     if (!scatter_->see_light()) return false;
-  for (double work = film_pixels; work > 0 && !done();) {
+  if (!(work_left_ > 0)) work_left_ = film_pixels;
+  while (work_left_ > 0 && !done()) {
     if (stage_ == Stage::scatter) {
-      work -= kCellWork * scatter_tiles();
+      work_left_ -= kCellWork * scatter_tiles();
       continue;
     }
     // Sampled direct light needs no first sweep, unless facets reflect emitters and sky.
@@ -202,12 +203,13 @@ bool LightField::advance(double film_pixels) {
     if (!known && next_film_ < (stage_ == Stage::survey ? films_->lines() : films_->films())) {
       if (!run_film()) return false;
       ++next_film_;
-      work -= films_->pixels();
+      work_left_ -= films_->pixels();
       continue;
     }
-    work -= kSideWork * sides_;
+    work_left_ -= kSideWork * sides_;
     end_films();
   }
+  work_left_ = 0;
   return true;
 }
 

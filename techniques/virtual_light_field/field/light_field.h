@@ -121,6 +121,7 @@ class LightField {
   Variable<float4> show_tail_;
   Stage stage_ = Stage::survey;
   bool begun_ = false;
+  double work_left_ = 0;  ///< of an iteration that was cancelled [film pixels]
   uint32_t next_film_ = 0, sweep_ = 0, shown_sweeps_ = 0;
   float scale_ = 1;
   FieldTail tail_;

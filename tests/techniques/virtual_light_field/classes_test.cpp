@@ -37,7 +37,7 @@ std::vector<double> classes(const std::string& technique, const std::string& sce
 void compare(const std::string& scene, int most, const Options& options) {
   const bool full = test::full_run();
   const std::vector<double> expected =
-      classes("path_tracing", scene, full ? 8192 : 1024, most, {{"samples_per_iteration", "64"}});
+      classes("path_tracing", scene, full ? 16384 : 2048, most, {{"samples_per_iteration", "64"}});
   const std::vector<double> found = classes("virtual_light_field", scene, full ? 512 : 128, most, options);
   for (size_t bounces = 0; bounces < found.size(); ++bounces) {
     CAPTURE(scene);
@@ -65,6 +65,10 @@ TEST_CASE("each number of bounces alone brings path_tracing's light: a mirror") 
     compare("builtin:cornell-mirror", 3, field(16, 128, 32768));
   else
     compare("builtin:cornell-mirror", 1, field(16, 96, 16384));
+}
+
+TEST_CASE("each number of bounces alone brings path_tracing's light: spheres of glass, metal and weak coats") {
+  compare("builtin:spheres", test::full_run() ? 3 : 1, field(8, 48, 8192));
 }
 
 TEST_CASE("the field's totals are those of bundle_exchange, wall by wall") {

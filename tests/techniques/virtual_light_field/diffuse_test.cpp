@@ -9,6 +9,7 @@
 #include "field_rig.h"
 #include "test_support.h"
 #include "tolerance.h"
+#include "virtual_light_field/directions/direction_grid.h"
 
 using namespace lucarium;
 using test::relative;
@@ -35,6 +36,31 @@ double most(const std::vector<double>& values) { return *std::max_element(values
 Scene two_squares(bool parallel) {
   const SceneMaterial lamp = test::emitter(1), black = test::lambert(0);
   return test::unit_box({{2, black}, {parallel ? 3 : 0, lamp}});
+}
+
+/// A double-sided square across +y, under a sky of radiance 1 + y.
+Scene plate_under_sky() {
+  Scene scene;
+  SceneMaterial white = test::lambert(0.5f);
+  white.double_sided = true;
+  test::add_polygon(scene, {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}, test::add_material(scene, white));
+  Environment sky;
+  sky.width = 64;
+  sky.height = 128;
+  for (uint32_t y = 0; y < sky.height; ++y) {
+    const double up = std::cos(3.14159265358979323846 * (y + 0.5) / sky.height);
+    sky.radiance.insert(sky.radiance.end(), sky.width, glm::vec3(static_cast<float>(1 + up)));
+  }
+  scene.environment = sky;
+  return scene;
+}
+std::vector<double> upper_half(const test::FieldRig& rig) {
+  const std::vector<double> e = rig.direct();
+  return {e.begin(), e.begin() + static_cast<long>(e.size() / 2)};
+}
+std::vector<double> lower_half(const test::FieldRig& rig) {
+  const std::vector<double> e = rig.direct();
+  return {e.begin() + static_cast<long>(e.size() / 2), e.end()};
 }
 
 }  // namespace
@@ -64,28 +90,29 @@ TEST_CASE("two unit squares have their form factors") {
 }
 
 TEST_CASE("a double-sided plate under the sky 1 + y holds 5 pi / 3 above and pi / 3 below") {
-  Scene scene;
-  SceneMaterial white = test::lambert(0.5f);
-  white.double_sided = true;
-  test::add_polygon(scene, {{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 0}}, test::add_material(scene, white));
-  Environment sky;
-  sky.width = 64;
-  sky.height = 128;
-  for (uint32_t y = 0; y < sky.height; ++y) {
-    const double up = std::cos(3.14159265358979323846 * (y + 0.5) / sky.height);
-    sky.radiance.insert(sky.radiance.end(), sky.width, glm::vec3(static_cast<float>(1 + up)));
-  }
-  scene.environment = sky;
-  test::FieldRig rig(std::move(scene), exchanged(16, 64, 1024), {.max_bounces = 0});
+  test::FieldRig rig(plate_under_sky(), exchanged(16, 64, 1024), {.max_bounces = 0});
   rig.propagate();
-  const std::vector<double> e = rig.direct();
-  const std::vector<double> above(e.begin(), e.begin() + static_cast<long>(e.size() / 2)),
-      below(e.begin() + static_cast<long>(e.size() / 2), e.end());
-  CHECK(rig.surfaces().atlas.info().double_sided_count * 2 == e.size());
+  const std::vector<double> above = upper_half(rig), below = lower_half(rig);
+  CHECK(rig.surfaces().atlas.info().double_sided_count * 2 == rig.sides());
   for (const double value : {least(above), most(above)}) CHECK(value == relative(5. / 3, 0.005));
   for (const double value : {least(below), most(below)}) CHECK(value == relative(1. / 3, 0.03));
   CHECK(mean(above) == relative(5. / 3, 0.005));
   CHECK(mean(below) == relative(1. / 3, 0.005));
+}
+
+TEST_CASE("directions count their solid angles: a plate holds the sum of few of them") {
+  constexpr int n = 2;
+  test::FieldRig rig(plate_under_sky(), exchanged(n, 64, 1024), {.max_bounces = 0, .seed = 4});
+  rig.propagate();
+  const vlf::DirectionGrid grid(n, 4);
+  double light = 0, all = 0;
+  for (uint32_t d = 0; d < grid.directions(); ++d) {
+    const double up = grid.direction(d).y;
+    if (up <= 0) continue;
+    light += grid.solid_angle(d) * up * (1 + up);
+    all += grid.solid_angle(d) * up;
+  }
+  CHECK(mean(upper_half(rig)) == relative(light / all, 0.003));
 }
 
 TEST_CASE("a furnace of albedo one half holds 1, 1 + 1/2, ... bounce by bounce, and 2 with its tail") {
@@ -119,4 +146,23 @@ TEST_CASE("light samples and propagation bring the same direct light") {
     CHECK(sampled->mean(sampled->direct(), wall) == relative(exchange->mean(exchange->direct(), wall), 0.01));
     CHECK(sampled->mean(sampled->indirect(), wall) == relative(exchange->mean(exchange->indirect(), wall), 0.01));
   }
+}
+
+TEST_CASE("an iteration that was cancelled does the rest of its work when it is repeated, and no more") {
+  const SceneMaterial wall = test::emitter(1, 0.5f);
+  const auto films = [&](bool cancelled) {
+    vlf::Parameters parameters = exchanged(3, 32, 512);
+    test::FieldRig rig(test::unit_box({{0, wall}, {2, wall}, {3, wall}}), parameters, {.max_bounces = 2});
+    vlf::LightField& field = rig.field();
+    CHECK(field.advance(1));
+    int requests = 0;
+    if (cancelled) rig.scheduler().set_cancel([&] { return ++requests == 4; });
+    const double pixels = field.counts().film_pixels;
+    const bool completed = field.advance(12 * pixels);
+    CHECK(completed != cancelled);
+    if (cancelled) CHECK(field.counts().film_pixels < 12 * pixels);
+    if (!completed) CHECK(field.advance(12 * pixels));
+    return field.counts().films;
+  };
+  CHECK(films(true) == films(false));
 }

@@ -91,6 +91,7 @@ class FieldRig {
 
   uint32_t sides() const { return surfaces_.atlas.info().texel_count; }
   const vlf::LightField& field() const { return *field_; }
+  vlf::LightField& field() { return *field_; }
   const vlf::FieldSurfaces& surfaces() const { return surfaces_; }
   const Scene& scene() const { return scene_; }
   Device& device() { return *device_; }
