@@ -79,6 +79,35 @@ TEST_CASE("contacts: a mesh without an inside is hit by parity where it is, and 
   check_groups(rig, structure, rays, {0.003, 0.002, 0.001, 0.003});
 }
 
+TEST_CASE("contacts: rays that pass within half a pixel of an edge meet nothing there") {
+  // The staircase of an edge reaches half a pixel beyond it.
+  AbufferRig rig(check::make_material_scene(MaterialKind::diffuse, LightKind::emissive));
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  for (const Intersect intersect : {Intersect::automatic, Intersect::parity}) {
+    CAPTURE(static_cast<int>(intersect));
+    const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .intersect = intersect});
+    const float pixel = structure.state().grid.center.w;
+    Random random(6);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 30000; ++i) {  // past the box's upper edge at the back, and the floor's rim
+      const glm::vec3 eye(0.9f, 1.6f, 3.4f);
+      const glm::vec3 edge = i % 2 ? glm::vec3(random.uniform(-0.4f, 0.4f), 1.05f, -0.5f)
+                                   : glm::vec3(random.uniform(-2.5f, 2.5f), 0, -3);
+      rays.push_back(make_ray(eye, glm::normalize(edge + pixel * random.in_cube(1) - eye)));
+    }
+    const std::vector<Hit> right = rig.trace(bvh, rays).hits, found = rig.trace(structure, rays).hits;
+    uint32_t past = 0, invented = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      if (right[i].triangle != LUCARIUM_NO_HIT) continue;
+      ++past;
+      invented += found[i].triangle != LUCARIUM_NO_HIT;
+    }
+    MESSAGE(invented, " of ", past, " that meet nothing");
+    CHECK(past > 8000);
+    CHECK(invented <= past / 500);
+  }
+}
+
 TEST_CASE("contacts: rays from within half a pixel of another solid meet it, or leave") {
   AbufferRig rig(scene_of(furnished_room()));
   const VoxelAbuffer structure = rig.make({.abuffer_size = 320, .intersect = Intersect::parity});
