@@ -91,8 +91,8 @@ TEST_CASE("contacts: rays that pass within half a pixel of an edge meet nothing 
     std::vector<Ray> rays;
     for (int i = 0; i < 30000; ++i) {  // past the box's upper edge at the back, and the floor's rim
       const glm::vec3 eye(0.9f, 1.6f, 3.4f);
-      const glm::vec3 edge = i % 2 ? glm::vec3(random.uniform(-0.4f, 0.4f), 1.05f, -0.5f)
-                                   : glm::vec3(random.uniform(-2.5f, 2.5f), 0, -3);
+      const glm::vec3 edge =
+          i % 2 ? glm::vec3(random.uniform(-0.4f, 0.4f), 1.05f, -0.5f) : glm::vec3(random.uniform(-2.5f, 2.5f), 0, -3);
       rays.push_back(make_ray(eye, glm::normalize(edge + pixel * random.in_cube(1) - eye)));
     }
     const std::vector<Hit> right = rig.trace(bvh, rays).hits, found = rig.trace(structure, rays).hits;

@@ -96,7 +96,7 @@ TEST_CASE("voxels: exact search loses rays without conservative ones") {
 }
 
 TEST_CASE("voxels: a thin plate is searched along its normal, though the normals of its faces cancel") {
-  Soup plate = box({-1, -1, 0.01f}, {1, 1, 0.02f});  // within one layer of voxels
+  Soup plate = box({-1, -1, 0.01f}, {1, 1, 0.02f});      // within one layer of voxels
   append(plate, box({0.3f, -1, 0.012f}, {1, 1, 1.5f}));  // on it a block, whose side has the greater average
   AbufferRig rig(scene_of(plate));
   const auto axes = [&](abuffer::AxisRule rule) {
