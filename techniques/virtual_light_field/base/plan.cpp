@@ -34,8 +34,9 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   const bool samples = parameters.eye_direct == EyeDirect::samples, punctual = !scene.lights.empty();
   plan.max_bounces = settings.max_bounces;
-  plan.field = settings.max_bounces != 0 || !samples || parameters.eye_glossy == EyeLobes::vlf ||
-               parameters.eye_specular == EyeLobes::vlf;
+  const bool surfaces = SurfaceAtlas::estimate_edge(scene, plan.atlas) > 0;
+  plan.field = surfaces && (settings.max_bounces != 0 || !samples || parameters.eye_glossy == EyeLobes::vlf ||
+                            parameters.eye_specular == EyeLobes::vlf);
   plan.lobes = has_specular_lobes(scene);
   plan.first_surface = plan.lobes && parameters.eye_specular == EyeLobes::vlf;
   plan.fold = parameters.weak_lobes == WeakLobes::fold;
