@@ -69,6 +69,7 @@
 #include "bidirectional_vpl/declaration.h"
 #include "bidirectional_vpl/eye/eye_paths.h"
 #include "bidirectional_vpl/light/light_vertices.h"
+#include "bidirectional_vpl/maps/maps.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
@@ -97,6 +98,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     std::map<std::string, double> all = eye_->counters();
     if (vertices_)
       for (const auto& [name, count] : vertices_->counters()) all[name] = count;
+    all.merge(maps_->counters());
     return all;
   }
 
@@ -104,17 +106,22 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   void build() override {
     eye_.reset();  // its memory first
     vertices_.reset();
+    maps_.reset();
     check_parameters(parameters_, settings());
     const Plan plan = make_plan(parameters_, settings());
-    if (plan.light_vertices > 0)
-      vertices_ = std::make_unique<LightVertices>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, kName);
+    maps_ = std::make_unique<Maps>(device(), scheduler(), scene_buffers(), plan, kName);
+    if (plan.light_vertices > 0) {
+      vertices_ = std::make_unique<LightVertices>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan,
+                                                  maps_->rsm(), kName);
+      maps_->add_vpl_maps(device(), plan, *vertices_);
+    }
     eye_ = std::make_unique<EyePaths>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, vertices_.get(),
-                                      kName);
+                                      *maps_, kName);
     if (vertices_) vertices_->record(eye_->sample(), eye_->states());
   }
 
   bool follow(const SceneChange&) override {
-    if (!built() || buffers_replaced() || !eye_->update()) return false;
+    if (!built() || buffers_replaced() || !eye_->update() || !maps_->update()) return false;
     moves_on_ = true;
     restart_samples();
     return true;
@@ -127,16 +134,20 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     }
     eye_->set_frame(frame());
     eye_->clear(moves_on_);
+    maps_->clear_counters();
     moves_on_ = false;
   }
 
   bool step() override {
     const auto index = static_cast<uint32_t>(samples());
     if (!eye_->begin(index)) return false;
+    if (!maps_->fill_lights(frame().seed, index)) return false;
     if (vertices_ && !vertices_->trace(index)) return false;
+    if (!maps_->fill_vpls(frame().seed, index)) return false;
     if (!eye_->trace(index)) return false;
     eye_->add(samples() + 1);
     if (vertices_) vertices_->complete();
+    maps_->complete();
     return true;
   }
 
@@ -150,9 +161,11 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   void warm_up_kernels() override {
     if (vertices_) vertices_->warm_up();
     eye_->warm_up();
+    maps_->warm_up();
   }
 
  private:
+  std::unique_ptr<Maps> maps_;
   std::unique_ptr<LightVertices> vertices_;  ///< null where no strategy needs light paths
   std::unique_ptr<EyePaths> eye_;
   bool moves_on_ = false;  ///< restart() comes with the next frame of a moving picture

@@ -5,6 +5,10 @@ namespace lucarium::bidirectional {
 
 enum class VplChoice { resample, all, own, pair };
 enum class LightChoice { power, learned };
+enum class LightTrace { bvh, rsm };
+enum class VplLights { all, punctual };
+enum class VplVisibility { rays, map };
+enum class Direct { mis, maps };
 enum class Directions { bsdf, bundle, both };
 enum class DirectionPdf { uniform, environment };
 enum class Reuse { per_depth, distinct, shared };
@@ -23,6 +27,11 @@ struct BidirectionalParameters {
   Reuse reuse = Reuse::per_depth;
   VplChoice vpl_choice = VplChoice::resample;
   LightChoice light_choice = LightChoice::power;
+  LightTrace light_trace = LightTrace::bvh;
+  VplLights vpl_lights = VplLights::all;
+  VplVisibility vpl_visibility = VplVisibility::rays;
+  int map_res = 256;
+  Direct direct = Direct::mis;
   TwoBounce two_bounce = TwoBounce::mis;
   float g_max = 1, m_prime = 16;
   Gloss gloss = Gloss::none;
@@ -40,6 +49,11 @@ struct BidirectionalParameters {
     v.choice("light_choice", light_choice, {{"power", LightChoice::power}, {"learned", LightChoice::learned}},
              "lights that light paths start from: by their power, or half of the paths by what each light has brought "
              "to the image so far (learned)");
+    v.choice("light_trace", light_trace, {{"bvh", LightTrace::bvh}, {"rsm", LightTrace::rsm}},
+             "what finds first surfaces of light paths: rays (bvh), or reflective shadow maps of point and spot lights "
+             "(rsm, biased by their texels)");
+    v.choice("vpl_lights", vpl_lights, {{"all", VplLights::all}, {"punctual", VplLights::punctual}},
+             "lights that light paths start from: all, or point, spot and directional lights (punctual)");
     v.choice(
         "vpl_choice", vpl_choice,
         {{"resample", VplChoice::resample},
@@ -49,6 +63,12 @@ struct BidirectionalParameters {
         "virtual lights that a camera path's vertex is connected to: one of many candidates (resample), all, or one "
         "of the light path of its pixel (own) or bundle (pair)");
     v.number("candidates", candidates, 1, 256, "virtual lights", "candidates per connection (vpl_choice=resample)");
+    v.choice("vpl_visibility", vpl_visibility, {{"rays", VplVisibility::rays}, {"map", VplVisibility::map}},
+             "what finds whether a virtual light is hidden: rays, or a shadow map of each (map, biased by texels)");
+    v.number("map_res", map_res, 32, 1024, "texels", "square root of the texels of a virtual light's shadow map");
+    v.choice("direct", direct, {{"mis", Direct::mis}, {"maps", Direct::maps}},
+             "what finds whether a light sample is hidden: rays (mis), or filtered shadow maps of point and spot lights "
+             "(maps, biased by texels)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
     v.number("camera_edges", camera_edges, 1, 64, "scatterings",
              "scatterings of a camera path before roulette ends half of the paths at each further one");

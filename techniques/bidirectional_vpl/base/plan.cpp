@@ -67,6 +67,11 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.vpl = plan.vpl && plan.light_vertices > 0;
   plan.splat = plan.splat && plan.light_vertices >= 2;
   plan.learned = parameters.light_choice == LightChoice::learned && plan.light_vertices > 0;
+  plan.punctual_paths = parameters.vpl_lights == VplLights::punctual;
+  plan.rsm = parameters.light_trace == LightTrace::rsm && plan.light_vertices > 0;
+  plan.vpl_maps = parameters.vpl_visibility == VplVisibility::map && plan.vpl;
+  plan.direct_maps = parameters.direct == Direct::maps && plan.lights;
+  plan.map_res = static_cast<uint32_t>(parameters.map_res);
   if (plan.light_vertices > 0) {
     const bool few = plan.choice == VplChoice::all || plan.choice == VplChoice::pair;
     const uint32_t automatic = few ? s.bundles : std::max(s.pixels / kPixelsPerLightPath, 1u);
@@ -98,6 +103,7 @@ std::map<std::string, std::string> plan_defines(const Plan& plan) {
   std::map<std::string, std::string> defines;
   defines["LUCARIUM_PATH_MIS_POWER"] = std::to_string(plan.beta);
   if (plan.learned) defines["LEARNED_LIGHTS"] = "1";
+  if (plan.punctual_paths) defines["PUNCTUAL_PATHS"] = "1";
   if (plan.bundles) defines["EYE_BUNDLES"] = "1";
   if (plan.bundles_and_bsdf) defines["EYE_BUNDLES_AND_BSDF"] = "1";
   if (plan.bundles_follow_sky) defines["EYE_BUNDLES_FOLLOW_SKY"] = "1";
@@ -115,6 +121,7 @@ std::map<std::string, std::string> eye_defines(const Plan& plan) {
   if (plan.two_bounce != TwoBounce::mis) defines["TWO_BOUNCE"] = "1";
   if (plan.settings.interleave > 1) defines["EYE_INTERLEAVED"] = "1";
   if (plan.caches) defines["EYE_CACHES"] = "1";
+  if (plan.direct_maps) defines["EYE_LIGHT_MAPS"] = "1";
   return defines;
 }
 

@@ -26,13 +26,14 @@ std::map<std::string, std::string> EyePaths::defines() const {
 
 EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                    const Intersector& intersector, const Frame& frame, const Plan& plan, const LightVertices* vertices,
-                   const std::string& owner)
+                   const Maps& maps, const std::string& owner)
     : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),
       frame_(frame),
       plan_(plan),
       vertices_(vertices),
+      maps_(maps),
       owner_(owner),
       primitives_(device),
       program_(make_program(device, bidirectional_vpl_kernels(),
@@ -171,6 +172,13 @@ std::map<std::string, double> EyePaths::counters() const {
                                        {"terminated_in_mirrors", totals_[BIDIRECTIONAL_COUNT_MIRRORS]}};
   if (bundles_)
     for (const auto& [name, count] : bundles_->counters()) all[name] = count;
+  // Tests that were no rays.
+  double look_ups = 0;
+  if (plan_.direct_maps)
+    look_ups += totals_[BIDIRECTIONAL_COUNT_LIGHT_TESTS] - totals_[BIDIRECTIONAL_COUNT_LIGHT_RAYS];
+  if (plan_.vpl_maps)
+    look_ups += totals_[BIDIRECTIONAL_COUNT_CONNECTION_TESTS] - totals_[BIDIRECTIONAL_COUNT_CONNECTION_RAYS];
+  if (plan_.direct_maps || plan_.vpl_maps) all["map_look_ups"] = look_ups;
   // As many as there are virtual lights in an iteration at most.
   if (plan_.has_table()) all["candidates"] = totals_[BIDIRECTIONAL_COUNT_CHOICES] * plan_.settings.candidates;
   return all;

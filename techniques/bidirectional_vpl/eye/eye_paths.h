@@ -10,6 +10,7 @@
 #include "bidirectional_vpl/eye/caches.h"
 #include "bidirectional_vpl/eye/pixel_filter.h"
 #include "bidirectional_vpl/light/light_vertices.h"
+#include "bidirectional_vpl/maps/maps.h"
 #include "lucarium/services/layer_sums/layer_sums.h"
 
 namespace lucarium::bidirectional {
@@ -27,9 +28,10 @@ namespace lucarium::bidirectional {
 ///   add       add_layer             sample -> sums, to its end
 class EyePaths {
  public:
-  /// `vertices`: null where there are no light paths.
+  /// `vertices`: null where there are no light paths. `maps` must outlive this.
   EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-           const Frame& frame, const Plan& plan, const LightVertices* vertices, const std::string& owner);
+           const Frame& frame, const Plan& plan, const LightVertices* vertices, const Maps& maps,
+           const std::string& owner);
 
   /// Empties the sample of an iteration. False when cancelled.
   bool begin(uint32_t index);
@@ -55,7 +57,9 @@ class EyePaths {
   /// Light that shadow rays bring to the paths of a pass.
   struct ShadowedLight {
     std::string name;
-    BufferRef rays, ends, values, hidden;
+    BufferRef rays, ends, values;
+    BufferRef sources;  ///< lights of light samples (with direct=maps), light paths of connections
+    BufferRef hidden;
   };
   /// What a path goes on with, and whether it does.
   struct NextRays {
@@ -66,14 +70,15 @@ class EyePaths {
   void record_connect_to_all();
   void record_bounce();
   void record_shade(ScheduleRecorder& recorder, const BufferRef& hits, const NextRays& next,
-                    const ShadowedLight& samples, const ShadowedLight& connections,
-                    const BufferRef& connection_paths) const;
-  void record_connections(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& light_paths) const;
+                    const ShadowedLight& samples, const ShadowedLight& connections) const;
+  void record_connections(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& hits) const;
   void record_advance(ScheduleRecorder& recorder, const NextRays& next);
   void record_add();
   ShadowedLight shadowed_light(ScheduleRecorder& recorder, const std::string& name) const;
-  void record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light, const std::string& kernel) const;
-  void count_rays(ScheduleRecorder& recorder, const ShadowedLight& light, uint32_t index) const;
+  /// `hits`: surfaces that are lit; `count`, `tests`: where rays, and with maps all tests, are counted.
+  void record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& hits,
+                       const std::string& kernel, uint32_t count, uint32_t tests) const;
+  void count_rays(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& rays, uint32_t index) const;
   bool connect_to_all();
   bool find_surfaces(uint32_t index, uint32_t depth);
   /// Whether surfaces are found before the schedule that shades them: to be looked at by several, or looked up.
@@ -86,6 +91,7 @@ class EyePaths {
   Frame frame_;
   Plan plan_;
   const LightVertices* vertices_;
+  const Maps& maps_;
   std::string owner_;
   Primitives primitives_;
   Program program_;

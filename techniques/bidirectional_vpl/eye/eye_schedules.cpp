@@ -50,13 +50,27 @@ EyePaths::ShadowedLight EyePaths::shadowed_light(ScheduleRecorder& recorder, con
   return {name, recorder.transient<Ray>(rays, capacity, kRemedy),
           transient_ray_ends(recorder, intersector_, "ends of " + rays, capacity, kRemedy),
           recorder.transient<float4>(name, capacity, kRemedy),
+          recorder.transient<uint32_t>("sources of " + name, capacity, kRemedy),
           recorder.transient<uint32_t>("hidden " + name, capacity, kRemedy)};
 }
 
 void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light,
-                               const std::string& kernel) const {
-  intersector_.record_any(recorder, "shadow rays of " + light.name,
-                          {light.rays, active_, 0, plan_.settings.pixels, light.ends}, light.hidden);
+                               const BufferRef& hits, const std::string& kernel, uint32_t count,
+                               uint32_t tests) const {
+  const uint32_t capacity = plan_.settings.pixels;
+  BufferRef traced = light.rays;
+  if (tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS ? plan_.direct_maps : plan_.vpl_maps) {
+    traced = recorder.transient<Ray>("shadow rays of " + light.name + " that are traced", capacity, kRemedy);
+    const ShadowRays rays = {light.rays, active_, hits, light.sources, light.values, traced, capacity};
+    if (plan_.direct_maps && tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS)
+      maps_.direct()->record_test(recorder, rays);
+    else
+      maps_.vpls()->record_test(recorder, rays);
+    count_rays(recorder, light, light.rays, tests);
+  }
+  intersector_.record_any(recorder, "shadow rays of " + light.name, {traced, active_, 0, capacity, light.ends},
+                          light.hidden);
+  count_rays(recorder, light, traced, count);
   recorder.pass("add " + light.name, program_, kernel)
       .global_by(active_)
       .arg("settings", plan_.settings)
@@ -68,12 +82,13 @@ void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& 
       .arg("sample", sample_);
 }
 
-void EyePaths::count_rays(ScheduleRecorder& recorder, const ShadowedLight& light, uint32_t index) const {
+void EyePaths::count_rays(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& rays,
+                          uint32_t index) const {
   const uint32_t choices = index == BIDIRECTIONAL_COUNT_CONNECTION_RAYS && plan_.has_table() ? 1 : 0;
   recorder.pass("count shadow rays", program_, "count_shadow_rays")
       .global((plan_.settings.pixels + kCountChunk - 1) / kCountChunk)
       .arg("active", active_)
-      .arg("rays", light.rays)
+      .arg("rays", rays)
       .arg("light", light.values)
       .arg("index", index)
       .arg("choices", choices)
@@ -82,11 +97,11 @@ void EyePaths::count_rays(ScheduleRecorder& recorder, const ShadowedLight& light
 }
 
 void EyePaths::record_connections(ScheduleRecorder& recorder, const ShadowedLight& light,
-                                  const BufferRef& light_paths) const {
-  record_shadowed(recorder, light, "add_connections");
-  vertices_->record_learning(recorder, active_, light.rays, light.hidden, light_paths, light.values,
+                                  const BufferRef& hits) const {
+  record_shadowed(recorder, light, hits, "add_connections", BIDIRECTIONAL_COUNT_CONNECTION_RAYS,
+                  BIDIRECTIONAL_COUNT_CONNECTION_TESTS);
+  vertices_->record_learning(recorder, active_, light.rays, light.hidden, light.sources, light.values,
                              plan_.settings.pixels);
-  count_rays(recorder, light, BIDIRECTIONAL_COUNT_CONNECTION_RAYS);
 }
 
 void EyePaths::record_closest() {
@@ -101,8 +116,6 @@ void EyePaths::record_connect_to_all() {
   connect_index_ = recorder.variable("sample", 0u);
   connect_number_ = recorder.variable("virtual light", 0u);
   const ShadowedLight light = shadowed_light(recorder, "connections");
-  const BufferRef connection_paths =
-      recorder.transient<uint32_t>("light paths of connections", plan_.settings.pixels, kRemedy);
   PassBuilder connect = recorder.pass("connect camera paths", program_, "connect_to_all");
   scene_.bind(connect);
   connect.global_by(active_)
@@ -123,8 +136,8 @@ void EyePaths::record_connect_to_all() {
       .arg_if_present("connection_ends", light.ends)
       .arg("connection_rays", light.rays)
       .arg("connections", light.values)
-      .arg("connection_paths", connection_paths);
-  record_connections(recorder, light, connection_paths);
+      .arg("connection_paths", light.sources);
+  record_connections(recorder, light, hits_);
   connect_ = recorder.compile();
 }
 
@@ -141,22 +154,19 @@ void EyePaths::record_bounce() {
                          recorder.transient<uint32_t>("alive", capacity, kRemedy)};
   const ShadowedLight samples = shadowed_light(recorder, "light samples");
   const ShadowedLight connections = shadowed_light(recorder, "connections");
-  const BufferRef connection_paths = recorder.transient<uint32_t>("light paths of connections", capacity, kRemedy);
 
   if (!keeps_hits()) intersector_.record_closest(recorder, "closest hit", {rays_, active_, 0, capacity, ends_}, hits);
-  record_shade(recorder, hits, next, samples, connections, connection_paths);
-  if (plan_.lights) {
-    record_shadowed(recorder, samples, "add_eye_light_samples");
-    count_rays(recorder, samples, BIDIRECTIONAL_COUNT_LIGHT_RAYS);
-  }
-  if (plan_.vpl && !plan_.connects_to_all()) record_connections(recorder, connections, connection_paths);
+  record_shade(recorder, hits, next, samples, connections);
+  if (plan_.lights)
+    record_shadowed(recorder, samples, hits, "add_eye_light_samples", BIDIRECTIONAL_COUNT_LIGHT_RAYS,
+                    BIDIRECTIONAL_COUNT_LIGHT_TESTS);
+  if (plan_.vpl && !plan_.connects_to_all()) record_connections(recorder, connections, hits);
   record_advance(recorder, next);
   bounce_ = recorder.compile();
 }
 
 void EyePaths::record_shade(ScheduleRecorder& recorder, const BufferRef& hits, const NextRays& next,
-                            const ShadowedLight& samples, const ShadowedLight& connections,
-                            const BufferRef& connection_paths) const {
+                            const ShadowedLight& samples, const ShadowedLight& connections) const {
   PassBuilder shade = recorder.pass("shade camera paths", program_, "shade_eye_vertices");
   scene_.bind(shade);
   shade.global_by(active_)
@@ -189,7 +199,8 @@ void EyePaths::record_shade(ScheduleRecorder& recorder, const BufferRef& hits, c
       .arg("light_samples", samples.values)
       .arg("connection_rays", connections.rays)
       .arg("connections", connections.values)
-      .arg("connection_paths", connection_paths);
+      .arg("connection_paths", connections.sources);
+  if (plan_.direct_maps) shade.arg("light_numbers", samples.sources);
 }
 
 void EyePaths::record_advance(ScheduleRecorder& recorder, const NextRays& next) {

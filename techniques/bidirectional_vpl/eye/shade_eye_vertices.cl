@@ -105,7 +105,8 @@ bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWal
 // Work-item i: ray i of the queue. Writes alive[i], and where it is 1 next_rays[i], next_ends[i] and next_queue[i].
 // Light that still waits for its shadow ray: light_samples[i], w: bits of the scatterings of the whole path, and
 // connections[i], w: connection_path(); the rays are inactive where there is none. connections[i].w is NONE where no
-// virtual light was to be chosen. connection_paths[i]: the light path of the connection.
+// virtual light was to be chosen. connection_paths[i]: the light path of the connection, light_numbers[i]: the light of
+// the sample.
 __kernel void shade_eye_vertices(
     LUCARIUM_SCENE_PARAMETERS uint seed, const BidirectionalSettings settings, uint sample_index,
     __global const PathVertex* restrict vertices,
@@ -117,7 +118,11 @@ __kernel void shade_eye_vertices(
     LUCARIUM_RAY_ENDS_PARAMETER(next_ends) LUCARIUM_RAY_ENDS_PARAMETER(light_ends)
         LUCARIUM_RAY_ENDS_PARAMETER(connection_ends) __global Ray* restrict next_rays,
     __global uint* restrict next_queue, __global uint* restrict alive, __global Ray* restrict light_rays,
-    __global float4* restrict light_samples, __global Ray* restrict connection_rays,
+    __global float4* restrict light_samples,
+#ifdef EYE_LIGHT_MAPS
+    __global uint* restrict light_numbers,
+#endif
+    __global Ray* restrict connection_rays,
     __global float4* restrict connections, __global uint* restrict connection_paths, uint slice_base) {
   const uint i = slice_base + (uint)get_global_id(0);
   if (i >= active[0]) return;
@@ -175,16 +180,20 @@ __kernel void shade_eye_vertices(
   // Sample a light.
   if (smooth && rules.light_samples > 0.0f) {
     float3 light;
+    uint number;
     Ray ray;
     RayEnds ends;
     if (connect_light_sample(&scene, rules, shares, &walk, &surface, &bsdf, &mis, GLOSS_ARGUMENT(first_vertices) u,
-                             ray_seed, &light, &ray, &ends)) {
+                             ray_seed, &light, &number, &ray, &ends)) {
       if (!is_contribution(light)) {
         walk.state.flags |= EYE_PATH_BAD;
       } else {
         light_rays[i] = ray;
         LUCARIUM_STORE_RAY_ENDS(light_ends, i, ends);
         light_samples[i] = (float4)(light, as_float(scatterings));
+#ifdef EYE_LIGHT_MAPS
+        light_numbers[i] = number;
+#endif
       }
     }
   }

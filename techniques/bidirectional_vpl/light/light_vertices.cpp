@@ -34,6 +34,8 @@ LightPathOptions path_options(const Plan& plan) {
   options.connection_samples = plan.settings.connection_samples;
   options.roulette_start = 4;  // paths of more vertices end by what they carry
   options.count_rays = true;
+  if (plan.punctual_paths)
+    options.kinds = 1u << LUCARIUM_LIGHT_POINT | 1u << LUCARIUM_LIGHT_SPOT | 1u << LUCARIUM_LIGHT_DIRECTIONAL;
   options.remedy = kRemedy;
   return options;
 }
@@ -48,12 +50,13 @@ int bits_of(uint32_t pixels) {
 
 LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                              const Intersector& intersector, const Frame& frame, const Plan& plan,
-                             const std::string& owner)
+                             const LightMaps* rsm, const std::string& owner)
     : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),
       frame_(frame),
       plan_(plan),
+      rsm_(rsm),
       owner_(owner),
       table_capacity_(static_cast<uint32_t>(plan.vertex_slots()) + kRepeated + 8),
       primitives_(device),
@@ -108,7 +111,7 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
         pass.arg("vertices", vertices_).arg("vertices_per_path", plan_.light_vertices).arg("path_lights", path_lights_);
         pass.arg_if_present("vertex_densities", densities_);
       },
-      [this](PassBuilder& pass) { pass.arg("shares", light_shares_); });
+      [this](PassBuilder& pass) { pass.arg("shares", light_shares_); }, first_hits());
   const BufferRef present = recorder.transient<uint32_t>("vertices that are there", slots, kRemedy);
   recorder.pass("mark light vertices", store_, "mark_light_vertices")
       .global(slots)
@@ -147,6 +150,13 @@ void LightVertices::record_learn() {
       .arg("lights", lights)
       .arg("sums", light_sums_);
   learn_ = recorder.compile();
+}
+
+LightPaths::FirstHits LightVertices::first_hits() const {
+  if (!rsm_) return {};
+  return [this](ScheduleRecorder& recorder, const RayBuffers& rays, const BufferRef& states, const BufferRef& hits) {
+    return rsm_->record_light_paths(recorder, intersector_, states, rays, hits);
+  };
 }
 
 void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bidirectional_vpl/base/plan.h"
+#include "bidirectional_vpl/maps/light_maps.h"
 #include "lucarium/services/light_paths/light_paths.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/shared/path_vertex.h"
@@ -14,8 +15,9 @@ namespace lucarium::bidirectional {
 /// Light paths of an iteration: their vertices as virtual lights, the table to choose from, and their splats.
 class LightVertices {
  public:
+  /// `rsm`: where first surfaces are looked up, null where they are traced; must outlive this.
   LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-                const Frame& frame, const Plan& plan, const std::string& owner);
+                const Frame& frame, const Plan& plan, const LightMaps* rsm, const std::string& owner);
 
   /// Traces the paths of iteration `index` and adds their splats to `sample` (Plan::layers() layers of all pixels),
   /// which must be empty. False when cancelled.
@@ -54,6 +56,7 @@ class LightVertices {
   void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
                      const TypedBuffer<EyePathState>& states);
 
+  LightPaths::FirstHits first_hits() const;
   void record_learn();
   void record_sums_by_light(ScheduleRecorder& recorder, const std::string& of, const BufferRef& keys,
                             const BufferRef& values, const BufferRef& light, uint32_t count) const;
@@ -63,6 +66,7 @@ class LightVertices {
   const Intersector& intersector_;
   Frame frame_;
   Plan plan_;
+  const LightMaps* rsm_;
   std::string owner_;
   uint32_t table_capacity_;
   Primitives primitives_;

@@ -49,7 +49,9 @@ LUCARIUM_STRUCT_END(BidirectionalSettings, 64)
 #define BIDIRECTIONAL_COUNT_LIGHT_RAYS 3u       // shadow rays of light samples
 #define BIDIRECTIONAL_COUNT_CONNECTION_RAYS 4u  // of connections
 #define BIDIRECTIONAL_COUNT_CHOICES 5u          // vertices at which a virtual light was to be chosen
-#define BIDIRECTIONAL_COUNTS 6u
+#define BIDIRECTIONAL_COUNT_LIGHT_TESTS 6u       // shadow rays and look-ups of maps
+#define BIDIRECTIONAL_COUNT_CONNECTION_TESTS 7u  // the same of connections
+#define BIDIRECTIONAL_COUNTS 8u
 
 // A camera path between two vertices.
 LUCARIUM_STRUCT_BEGIN(EyePathState)

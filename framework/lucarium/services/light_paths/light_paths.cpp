@@ -38,7 +38,8 @@ LightPaths::LightPaths(Device& device, const SceneBuffers& scene, const Intersec
       ray_counts_(device, owner, "rays of light paths, counted", std::vector<uint32_t>{0, 0}) {}
 
 void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
-                        const Program& program, const Bind& bind, const Bind& bind_emission) const {
+                        const Program& program, const Bind& bind, const Bind& bind_emission,
+                        const FirstHits& first_hits) const {
   const uint32_t paths = options_.paths;
   const LightPathRules rules = rules_of(options_);
   const BufferRef rays = recorder.transient<Ray>("rays of light paths", paths, options_.remedy);
@@ -59,11 +60,16 @@ void LightPaths::record(ScheduleRecorder& recorder, const Variable<uint32_t>& ru
       .arg("states", states);
   if (bind_emission) bind_emission(emit);
   for (uint32_t number = 0; number < options_.vertices; ++number) {
-    intersector_.record_closest(recorder, "trace light paths", {rays, count_, 0, paths, ends}, hits);
+    const RayBuffers edges{rays, count_, 0, paths, ends};
+    BufferRef traced = rays;
+    if (number == 0 && first_hits)
+      traced = first_hits(recorder, edges, states, hits);
+    else
+      intersector_.record_closest(recorder, "trace light paths", edges, hits);
     if (options_.count_rays)
       recorder.pass("count rays of light paths", program, "count_light_rays")
           .global((paths + kCountChunk - 1) / kCountChunk)
-          .arg("rays", rays)
+          .arg("rays", traced)
           .arg("hits", hits)
           .arg("count", paths)
           .arg("chunk", kCountChunk)

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+#include "lucarium/compute/schedule/scheduler.h"
+
+namespace lucarium::bidirectional {
+
+/// Shadow rays of a pass of camera paths, which a map answers as far as it can.
+struct ShadowRays {
+  BufferRef rays, active;  ///< active: one element, how many
+  BufferRef hits;          ///< surfaces that are lit
+  BufferRef sources;       ///< what lights them
+  BufferRef light;         ///< changed by what maps show
+  BufferRef traced;        ///< written: the rays that are left
+  uint32_t capacity;
+};
+
+}  // namespace lucarium::bidirectional
