@@ -20,8 +20,9 @@
 // (kernels/lucarium/path_mis.clh has the derivation).
 //
 // Error. None but noise, except with reuse=shared, whose directions depend on each other, with rasterized bundles
-// (bundle_mode=raster and linked_list), which show what lies up to a pixel beside a ray, and with the modes for few
-// samples: two_bounce=clamp, gloss, filter, caches.
+// (bundle_mode=raster and linked_list) and maps (light_trace=rsm, vpl_visibility=map, direct=maps), which show what
+// lies up to a pixel beside a ray, and with the modes for few samples: two_bounce=clamp, gloss, filter, caches.
+// preset=paper has all of these.
 //
 // Where the paper stands in the source (files below this folder; light_paths/ and layered_raster/ are in
 // framework/lucarium/services and kernels/lucarium; lucarium/ is kernels/lucarium):
@@ -38,6 +39,9 @@
 //   section 4.1, creating VPLs, p_e          light_paths/light_paths.clh: emit_light_paths(); lucarium/emission.clh:
 //                                            sample_emission(); light/store_light_vertices.cl: take_light_vertex()
 //   section 4.1, Russian roulette            light_paths/light_paths.clh: scatter_light()
+//   section 4.1, reflective shadow maps      maps/light_maps.cl: look_up_light_maps() (light_trace=rsm)
+//   section 4.1, shadow maps of VPLs         maps/vpl_maps.cl: test_vpl_maps() (vpl_visibility=map)
+//   section 7, shadow maps of lights         maps/light_maps.cl: test_light_maps() (direct=maps)
 //   section 4.2, equation 3, one-bounce: VPL eye/connect.clh: connected_light()
 //   section 4.2, equation 3, by ray-bundle   eye/find_lights.clh: connect_light_sample(), at the next vertex
 //   section 4.2, equation 4, density p_1     light_paths/light_paths.clh: arrive_light_path_mis()
@@ -57,8 +61,7 @@
 //   section 6, 2 x 2 supersampling, caches   eye/caches.cl
 //   section 7, multi-bounce, reuse           bundles/bundle_set.clh: bundle_number(), bundle_set() (reuse)
 //
-// Not in the source: shadow maps and reflective shadow maps (section 4.1; rays instead), the anisotropic lobe of
-// equation 11, which no material has.
+// Not in the source: the anisotropic lobe of equation 11, which no material has.
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
 // strategies, the choice among candidates (light/candidates.clh).

@@ -72,6 +72,34 @@ PathSet path_set(const BidirectionalParameters& parameters, const RenderSettings
   return set;
 }
 
+namespace {
+
+bool has_lights(const Scene& scene, bool directional) {
+  return std::any_of(scene.lights.begin(), scene.lights.end(),
+                     [&](const SceneLight& light) { return directional || light.type != LightType::directional; });
+}
+
+void list_map_limitations(const Plan& plan, const BidirectionalParameters& parameters, const Scene& scene,
+                          std::vector<std::string>& list) {
+  const bool cubes = has_lights(scene, false);
+  if (plan.light_vertices > 0 && plan.punctual_paths)
+    list.push_back(has_lights(scene, true)
+                       ? "lamps and the environment are left to camera paths (vpl_lights=punctual)"
+                       : "there are no virtual lights: no point, spot or directional light (vpl_lights=punctual)");
+  if (plan.direct_maps && cubes)
+    list.push_back("shadows of point and spot lights are blurred over some texels of their maps (direct=maps)");
+  if (plan.vpl_maps)
+    list.push_back(
+        "light of virtual lights leaks past what is nearer to a surface than texels are wide "
+        "(vpl_visibility=map)");
+  if (!cubes && (plan.rsm || plan.direct_maps))
+    list.push_back("light_trace=rsm and direct=maps have no effect: no point or spot light");
+  if (parameters.vpl_visibility == VplVisibility::map && !plan.vpl_maps)
+    list.push_back("vpl_visibility=map has no effect: nothing is connected to virtual lights");
+}
+
+}  // namespace
+
 std::vector<std::string> limitations(const BidirectionalParameters& parameters, const Scene& scene,
                                      const RenderSettings& settings) {
   std::vector<std::string> list;
@@ -91,6 +119,7 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
       parameters.light_vertices != BidirectionalParameters().light_vertices)
     list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) +
                    ": paths of so few bounces have no more");
+  list_map_limitations(plan, parameters, scene, list);
   if (plan.bundles && parameters.reuse == Reuse::shared && plan.settings.max_scatterings > 2)
     list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
   if (plan.bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)

@@ -66,9 +66,10 @@ struct BidirectionalParameters {
     v.choice("vpl_visibility", vpl_visibility, {{"rays", VplVisibility::rays}, {"map", VplVisibility::map}},
              "what finds whether a virtual light is hidden: rays, or a shadow map of each (map, biased by texels)");
     v.number("map_res", map_res, 32, 1024, "texels", "square root of the texels of a virtual light's shadow map");
-    v.choice("direct", direct, {{"mis", Direct::mis}, {"maps", Direct::maps}},
-             "what finds whether a light sample is hidden: rays (mis), or filtered shadow maps of point and spot lights "
-             "(maps, biased by texels)");
+    v.choice(
+        "direct", direct, {{"mis", Direct::mis}, {"maps", Direct::maps}},
+        "what finds whether a light sample is hidden: rays (mis), or filtered shadow maps of point and spot lights "
+        "(maps, biased by texels)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
     v.number("camera_edges", camera_edges, 1, 64, "scatterings",
              "scatterings of a camera path before roulette ends half of the paths at each further one");
@@ -119,10 +120,27 @@ struct BidirectionalParameters {
               {"splat", Strategy::splat}},
              "strategies that are run: all, or one alone, which finds only a part of the paths");
     v.flag("show_strategies", show_strategies, "write a layer of each strategy's light");
-    v.presets({{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}}},
-               {"preview", {{"interleave", "4"}, {"filter", "on"}, {"caches", "on"}}}},
-              "set of values; bdpt: bidirectional path tracing with one light path per pixel; preview: few samples, "
-              "filtered");
+    v.presets(
+        {{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}}},
+         {"paper",
+          {{"light_vertices", "1"},
+           {"light_trace", "rsm"},
+           {"vpl_lights", "punctual"},
+           {"vpl_choice", "pair"},
+           {"splat", "off"},
+           {"directions", "bundle"},
+           {"camera_edges", "1"},
+           {"bundle_mode", "linked_list"},
+           {"vpl_visibility", "map"},
+           {"direct", "maps"},
+           {"two_bounce", "clamp"},
+           {"gloss", "roughness"},
+           {"interleave", "4"},
+           {"caches", "on"},
+           {"filter", "on"}}},
+         {"preview", {{"interleave", "4"}, {"filter", "on"}, {"caches", "on"}}}},
+        "set of values; bdpt: bidirectional path tracing with one light path per pixel; paper: that of the paper, "
+        "whose light paths start from point and spot lights; preview: few samples, filtered");
     v.basic({"preset", "light_vertices", "light_paths", "candidates", "splat", "strategy", "show_strategies"});
   }
 };

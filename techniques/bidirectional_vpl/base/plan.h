@@ -24,13 +24,13 @@ struct Plan {
   TwoBounce two_bounce = TwoBounce::mis;
   Gloss gloss = Gloss::none;
   bool filter = false, caches = false;
-  bool learned = false;  ///< lights of light paths
-  bool punctual_paths = false;                         ///< light paths start from point, spot and directional lights
+  bool learned = false;         ///< lights of light paths
+  bool punctual_paths = false;  ///< light paths start from point, spot and directional lights
   bool rsm = false, vpl_maps = false, direct_maps = false;  ///< maps/
-  uint32_t map_res = 0;                                ///< root of the texels of a VPL's map
-  bool vpl = false;      ///< camera paths are connected to light vertices
-  bool splat = false;    ///< light vertices are connected to the camera
-  bool lights = false;   ///< light samples are taken
+  uint32_t map_res = 0;                                     ///< root of the texels of a VPL's map
+  bool vpl = false;                                         ///< camera paths are connected to light vertices
+  bool splat = false;                                       ///< light vertices are connected to the camera
+  bool lights = false;                                      ///< light samples are taken
   bool shows_strategies = false;
 
   /// Whether connections compare candidates from a table.

@@ -174,8 +174,7 @@ std::map<std::string, double> EyePaths::counters() const {
     for (const auto& [name, count] : bundles_->counters()) all[name] = count;
   // Tests that were no rays.
   double look_ups = 0;
-  if (plan_.direct_maps)
-    look_ups += totals_[BIDIRECTIONAL_COUNT_LIGHT_TESTS] - totals_[BIDIRECTIONAL_COUNT_LIGHT_RAYS];
+  if (plan_.direct_maps) look_ups += totals_[BIDIRECTIONAL_COUNT_LIGHT_TESTS] - totals_[BIDIRECTIONAL_COUNT_LIGHT_RAYS];
   if (plan_.vpl_maps)
     look_ups += totals_[BIDIRECTIONAL_COUNT_CONNECTION_TESTS] - totals_[BIDIRECTIONAL_COUNT_CONNECTION_RAYS];
   if (plan_.direct_maps || plan_.vpl_maps) all["map_look_ups"] = look_ups;

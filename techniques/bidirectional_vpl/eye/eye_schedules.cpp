@@ -47,16 +47,16 @@ void EyePaths::record_begin() {
 EyePaths::ShadowedLight EyePaths::shadowed_light(ScheduleRecorder& recorder, const std::string& name) const {
   const uint32_t capacity = plan_.settings.pixels;
   const std::string rays = "shadow rays of " + name;
-  return {name, recorder.transient<Ray>(rays, capacity, kRemedy),
+  return {name,
+          recorder.transient<Ray>(rays, capacity, kRemedy),
           transient_ray_ends(recorder, intersector_, "ends of " + rays, capacity, kRemedy),
           recorder.transient<float4>(name, capacity, kRemedy),
           recorder.transient<uint32_t>("sources of " + name, capacity, kRemedy),
           recorder.transient<uint32_t>("hidden " + name, capacity, kRemedy)};
 }
 
-void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light,
-                               const BufferRef& hits, const std::string& kernel, uint32_t count,
-                               uint32_t tests) const {
+void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& hits,
+                               const std::string& kernel, uint32_t count, uint32_t tests) const {
   const uint32_t capacity = plan_.settings.pixels;
   BufferRef traced = light.rays;
   if (tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS ? plan_.direct_maps : plan_.vpl_maps) {
@@ -96,8 +96,7 @@ void EyePaths::count_rays(ScheduleRecorder& recorder, const ShadowedLight& light
       .arg("counts", counts_);
 }
 
-void EyePaths::record_connections(ScheduleRecorder& recorder, const ShadowedLight& light,
-                                  const BufferRef& hits) const {
+void EyePaths::record_connections(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& hits) const {
   record_shadowed(recorder, light, hits, "add_connections", BIDIRECTIONAL_COUNT_CONNECTION_RAYS,
                   BIDIRECTIONAL_COUNT_CONNECTION_TESTS);
   vertices_->record_learning(recorder, active_, light.rays, light.hidden, light.sources, light.values,

@@ -49,8 +49,8 @@ int bits_of(uint32_t pixels) {
 }  // namespace
 
 LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
-                             const Intersector& intersector, const Frame& frame, const Plan& plan,
-                             const LightMaps* rsm, const std::string& owner)
+                             const Intersector& intersector, const Frame& frame, const Plan& plan, const LightMaps* rsm,
+                             const std::string& owner)
     : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),

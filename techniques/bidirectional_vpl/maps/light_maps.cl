@@ -65,8 +65,7 @@ __kernel void look_up_light_maps(LUCARIUM_SCENE_PARAMETERS __global const LightP
   const uint triangle = seen_triangle(triangles[face * side * side + texel_at(views + face, place)]);
   Hit hit = {INFINITY, LUCARIUM_NO_HIT, 0.0f, 0.0f};
   if (triangle != LUCARIUM_NONE) {
-    const float3 met =
-        meet_seen_triangle(&scene, triangle, ray.origin.xyz, ray.direction.xyz, 2.0f / (float)side);
+    const float3 met = meet_seen_triangle(&scene, triangle, ray.origin.xyz, ray.direction.xyz, 2.0f / (float)side);
     if (met.z > 0.0f) {
       const Hit found = {met.z, triangle, met.x, met.y};
       hit = found;

@@ -69,8 +69,8 @@ bool LightMaps::fill(uint32_t seed, uint32_t sample) {
   return faces_.fill(kFaces * static_cast<uint32_t>(lights_.size()));
 }
 
-BufferRef LightMaps::record_light_paths(ScheduleRecorder& recorder, const Intersector& intersector, const BufferRef& states,
-                                   const RayBuffers& rays, const BufferRef& hits) const {
+BufferRef LightMaps::record_light_paths(ScheduleRecorder& recorder, const Intersector& intersector,
+                                        const BufferRef& states, const RayBuffers& rays, const BufferRef& hits) const {
   const BufferRef traced = recorder.transient<Ray>("rays of light paths without a map", rays.capacity);
   recorder.pass(name_ + ".rays", program_, "rays_without_map")
       .global(rays.capacity)

@@ -23,7 +23,7 @@ class LightMaps {
   /// Records what the first rays of light paths meet: look-ups for lights with a map, rays of `intersector` for
   /// others, which it returns.
   BufferRef record_light_paths(ScheduleRecorder& recorder, const Intersector& intersector, const BufferRef& states,
-                          const RayBuffers& rays, const BufferRef& hits) const;
+                               const RayBuffers& rays, const BufferRef& hits) const;
   /// Records the test of light samples, whose light is multiplied by the share that arrives. Sources: their lights.
   void record_test(ScheduleRecorder& recorder, const ShadowRays& rays) const;
 

@@ -59,9 +59,9 @@ void Maps::warm_up() {
 
 size_t Maps::estimate_bytes(const Plan& plan, const Scene& scene) {
   const auto triangles = static_cast<size_t>(scene.triangle_count());
-  const auto lights = static_cast<size_t>(
-      std::count_if(scene.lights.begin(), scene.lights.end(),
-                    [](const SceneLight& light) { return light.type != LightType::directional; }));
+  const auto lights =
+      static_cast<size_t>(std::count_if(scene.lights.begin(), scene.lights.end(),
+                                        [](const SceneLight& light) { return light.type != LightType::directional; }));
   return (plan.rsm ? LightMaps::estimate_bytes(triangles, lights, kRsmSide) : 0) +
          (plan.direct_maps ? LightMaps::estimate_bytes(triangles, lights, kDirectSide) : 0) +
          (plan.vpl_maps ? VplMaps::estimate_bytes(plan, triangles) : 0);

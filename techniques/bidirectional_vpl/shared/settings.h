@@ -43,12 +43,12 @@ LUCARIUM_STRUCT_END(BidirectionalSettings, 64)
 #define BIDIRECTIONAL_REUSE_SHARED 2u
 
 // Events of an iteration that are counted.
-#define BIDIRECTIONAL_COUNT_BAD 0u              // camera paths with a NaN, infinite or negative contribution
-#define BIDIRECTIONAL_COUNT_CAPPED 1u           // that end with EYE_PATH_CAPPED
-#define BIDIRECTIONAL_COUNT_MIRRORS 2u          // with EYE_PATH_MIRRORS
-#define BIDIRECTIONAL_COUNT_LIGHT_RAYS 3u       // shadow rays of light samples
-#define BIDIRECTIONAL_COUNT_CONNECTION_RAYS 4u  // of connections
-#define BIDIRECTIONAL_COUNT_CHOICES 5u          // vertices at which a virtual light was to be chosen
+#define BIDIRECTIONAL_COUNT_BAD 0u               // camera paths with a NaN, infinite or negative contribution
+#define BIDIRECTIONAL_COUNT_CAPPED 1u            // that end with EYE_PATH_CAPPED
+#define BIDIRECTIONAL_COUNT_MIRRORS 2u           // with EYE_PATH_MIRRORS
+#define BIDIRECTIONAL_COUNT_LIGHT_RAYS 3u        // shadow rays of light samples
+#define BIDIRECTIONAL_COUNT_CONNECTION_RAYS 4u   // of connections
+#define BIDIRECTIONAL_COUNT_CHOICES 5u           // vertices at which a virtual light was to be chosen
 #define BIDIRECTIONAL_COUNT_LIGHT_TESTS 6u       // shadow rays and look-ups of maps
 #define BIDIRECTIONAL_COUNT_CONNECTION_TESTS 7u  // the same of connections
 #define BIDIRECTIONAL_COUNTS 8u

@@ -39,8 +39,8 @@ class LightPaths {
   using Bind = std::function<void(PassBuilder&)>;
   /// Records what the first rays of all paths meet, and returns the rays that are traced for it; the others' are
   /// inactive there. `states`: LightPathState.
-  using FirstHits = std::function<BufferRef(ScheduleRecorder&, const RayBuffers&, const BufferRef& states,
-                                            const BufferRef& hits)>;
+  using FirstHits =
+      std::function<BufferRef(ScheduleRecorder&, const RayBuffers&, const BufferRef& states, const BufferRef& hits)>;
 
   /// `scene` and `intersector` must outlive this; `owner` pays for the memory.
   LightPaths(Device& device, const SceneBuffers& scene, const Intersector& intersector, const LightPathOptions& options,
@@ -48,7 +48,8 @@ class LightPaths {
 
   /// Records one run: all paths from their lights to their last vertices. `program` holds the kernels of
   /// light_paths.clh, compiled with ray_end_defines(); `bind` binds the technique's own arguments of
-  /// advance_light_paths, `bind_emission` those of emit_light_paths. Every value of `run` gives other paths. `first_hits`: in place of the intersector.
+  /// advance_light_paths, `bind_emission` those of emit_light_paths. Every value of `run` gives other paths.
+  /// `first_hits`: in place of the intersector.
   void record(ScheduleRecorder& recorder, const Variable<uint32_t>& run, const Variable<uint32_t>& seed,
               const Program& program, const Bind& bind, const Bind& bind_emission = {},
               const FirstHits& first_hits = {}) const;
