@@ -115,7 +115,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     maps_ = std::make_unique<Maps>(device(), scheduler(), scene_buffers(), plan, kName);
     if (plan.light_vertices > 0) {
       vertices_ = std::make_unique<LightVertices>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan,
-                                                  maps_->rsm(), kName);
+                                                  first_hits(), kName);
       maps_->add_vpl_maps(device(), plan, *vertices_);
     }
     eye_ = std::make_unique<EyePaths>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, vertices_.get(),
@@ -168,6 +168,14 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   }
 
  private:
+  /// Of light paths, with light_trace=rsm.
+  LightPaths::FirstHits first_hits() {
+    if (!maps_->rsm()) return {};
+    return [this](ScheduleRecorder& recorder, const RayBuffers& rays, const BufferRef& states, const BufferRef& hits) {
+      return maps_->rsm()->record_light_paths(recorder, bvh(), states, rays, hits);
+    };
+  }
+
   std::unique_ptr<Maps> maps_;
   std::unique_ptr<LightVertices> vertices_;  ///< null where no strategy needs light paths
   std::unique_ptr<EyePaths> eye_;

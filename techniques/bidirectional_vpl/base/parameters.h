@@ -139,8 +139,8 @@ struct BidirectionalParameters {
            {"caches", "on"},
            {"filter", "on"}}},
          {"preview", {{"interleave", "4"}, {"filter", "on"}, {"caches", "on"}}}},
-        "set of values; bdpt: bidirectional path tracing with one light path per pixel; paper: that of the paper, "
-        "whose light paths start from point and spot lights; preview: few samples, filtered");
+        "set of values: of bidirectional path tracing with a light path per pixel (bdpt), of the paper (paper), or "
+        "for few samples, filtered (preview)");
     v.basic({"preset", "light_vertices", "light_paths", "candidates", "splat", "strategy", "show_strategies"});
   }
 };

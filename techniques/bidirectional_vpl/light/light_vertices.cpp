@@ -49,14 +49,14 @@ int bits_of(uint32_t pixels) {
 }  // namespace
 
 LightVertices::LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
-                             const Intersector& intersector, const Frame& frame, const Plan& plan, const LightMaps* rsm,
-                             const std::string& owner)
+                             const Intersector& intersector, const Frame& frame, const Plan& plan,
+                             const LightPaths::FirstHits& first_hits, const std::string& owner)
     : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),
       frame_(frame),
       plan_(plan),
-      rsm_(rsm),
+      first_hits_(first_hits),
       owner_(owner),
       table_capacity_(static_cast<uint32_t>(plan.vertex_slots()) + kRepeated + 8),
       primitives_(device),
@@ -111,7 +111,7 @@ void LightVertices::record(const TypedBuffer<float4>& sample, const TypedBuffer<
         pass.arg("vertices", vertices_).arg("vertices_per_path", plan_.light_vertices).arg("path_lights", path_lights_);
         pass.arg_if_present("vertex_densities", densities_);
       },
-      [this](PassBuilder& pass) { pass.arg("shares", light_shares_); }, first_hits());
+      [this](PassBuilder& pass) { pass.arg("shares", light_shares_); }, first_hits_);
   const BufferRef present = recorder.transient<uint32_t>("vertices that are there", slots, kRemedy);
   recorder.pass("mark light vertices", store_, "mark_light_vertices")
       .global(slots)
@@ -150,13 +150,6 @@ void LightVertices::record_learn() {
       .arg("lights", lights)
       .arg("sums", light_sums_);
   learn_ = recorder.compile();
-}
-
-LightPaths::FirstHits LightVertices::first_hits() const {
-  if (!rsm_) return {};
-  return [this](ScheduleRecorder& recorder, const RayBuffers& rays, const BufferRef& states, const BufferRef& hits) {
-    return rsm_->record_light_paths(recorder, intersector_, states, rays, hits);
-  };
 }
 
 void LightVertices::record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "bidirectional_vpl/base/plan.h"
-#include "bidirectional_vpl/maps/light_maps.h"
 #include "lucarium/services/light_paths/light_paths.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/shared/path_vertex.h"
@@ -15,9 +14,10 @@ namespace lucarium::bidirectional {
 /// Light paths of an iteration: their vertices as virtual lights, the table to choose from, and their splats.
 class LightVertices {
  public:
-  /// `rsm`: where first surfaces are looked up, null where they are traced; must outlive this.
+  /// `first_hits`: what first surfaces are looked up by; none where they are traced.
   LightVertices(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-                const Frame& frame, const Plan& plan, const LightMaps* rsm, const std::string& owner);
+                const Frame& frame, const Plan& plan, const LightPaths::FirstHits& first_hits,
+                const std::string& owner);
 
   /// Traces the paths of iteration `index` and adds their splats to `sample` (Plan::layers() layers of all pixels),
   /// which must be empty. False when cancelled.
@@ -56,7 +56,6 @@ class LightVertices {
   void record_splats(ScheduleRecorder& recorder, const TypedBuffer<float4>& sample,
                      const TypedBuffer<EyePathState>& states);
 
-  LightPaths::FirstHits first_hits() const;
   void record_learn();
   void record_sums_by_light(ScheduleRecorder& recorder, const std::string& of, const BufferRef& keys,
                             const BufferRef& values, const BufferRef& light, uint32_t count) const;
@@ -66,7 +65,7 @@ class LightVertices {
   const Intersector& intersector_;
   Frame frame_;
   Plan plan_;
-  const LightMaps* rsm_;
+  LightPaths::FirstHits first_hits_;
   std::string owner_;
   uint32_t table_capacity_;
   Primitives primitives_;
