@@ -102,7 +102,7 @@ __kernel void weigh_paths(uint count, __global const float* restrict paths, __gl
   const float d2 = path.distance[1] * path.distance[1];
   const float hit_pdf = path.backward[1] * path.towards_eye[0] / d2;
   out[0] = hit_weight(settings, &walk, path.light / path.towards_eye[0] * d2,
-                      path.emission * path.forward[0] * path.towards_light[1] / d2 / hit_pdf);
+                      path.emission * path.forward[0] * path.towards_light[1] / d2 / hit_pdf, true);
 
   // Light samples at v_1.
   if (!path.ideal[1]) {
