@@ -89,17 +89,18 @@ Outcome check_seconds(CheckContext& context) {
       fmt::format("budget {:.2f} s, used {:.2f} s, {} iterations", time_budget, seconds, session.iterations()));
 }
 
-/// Cancels an iteration at its first request, then at its second, and so on until one gets through.
+/// Cancels an iteration at its first request, then at its second, and so on, in growing steps from the 32nd, until one
+/// gets through.
 Outcome check_cancellation(CheckContext& context) {
-  constexpr int max_requests = 200;
+  constexpr int max_requests = 5000, steps_grow = 32;
   const Scene scene = context.plain_scene();
   RenderSession session = context.session(scene), reference = context.session(scene);
   const Picture before = context.run_short(session, 2), complete = context.run_short(reference, 3);
   const uint64_t samples = session.last().samples;
   double longest = 0;
-  int cancelled = 0;
+  int cancelled = 0, times = 0;
   bool through = session.last().converged;
-  for (; cancelled < max_requests && !through; ++cancelled) {
+  for (; cancelled < max_requests && !through; cancelled += 1 + cancelled / steps_grow) {
     int requests = 0;
     Stopwatch asked;
     session.scheduler().set_cancel([&] {
@@ -112,6 +113,7 @@ Outcome check_cancellation(CheckContext& context) {
     session.scheduler().set_cancel(interrupt_requested);
     through = requests <= cancelled || session.last().samples != samples;
     if (through) break;
+    ++times;
     const std::string traces = difference(context.picture(session), before);
     if (!traces.empty())
       return verdict_of(
@@ -124,8 +126,8 @@ Outcome check_cancellation(CheckContext& context) {
   const std::string different = difference(context.picture(session), complete);
   if (!different.empty())
     return verdict_of(false, "after cancelled iterations, the image differs from an undisturbed run: " + different);
-  return verdict_of(true, fmt::format("{} cancelled, image unchanged, at most {:.1f} ms after the request", cancelled,
-                                      1e3 * longest));
+  return verdict_of(
+      true, fmt::format("{} cancelled, image unchanged, at most {:.1f} ms after the request", times, 1e3 * longest));
 }
 
 }  // namespace lucarium::check
