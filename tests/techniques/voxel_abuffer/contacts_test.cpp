@@ -148,6 +148,25 @@ TEST_CASE("contacts: rays from within half a pixel of another solid meet it, or 
   CHECK(unlike <= 200);
 }
 
+TEST_CASE("contacts: rays that begin in the edge of a room meet its other wall") {
+  AbufferRig rig(scene_of(inverted(box({-2, 0, -2}, {2, 2.5f, 2}))));
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 320, .intersect = Intersect::parity});
+  const float pixel = structure.state().grid.center.w;
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  const uint32_t down = rig.trace(bvh, {make_ray({1.9f, 1, 0.3f}, {0, -1, 0})}).hits[0].triangle;
+  Random random(8);
+  TestRays rays;
+  for (uint32_t i = 0; i < 2000; ++i) {
+    const glm::vec3 from(2 - random.uniform(0.001f, 0.008f) * pixel, 1e-5f, random.uniform(0.1f, 0.5f));
+    rays.rays.push_back(
+        make_ray(from, glm::normalize(glm::vec3(random.uniform(0.1f, 1), random.uniform(), random.uniform(-1, 1)))));
+    rays.ends.push_back({down, LUCARIUM_NONE});
+  }
+  uint32_t left = 0;
+  for (const Hit& hit : rig.trace(structure, rays.rays, rays.ends).hits) left += !(hit.distance < pixel);
+  CHECK(left == 0);
+}
+
 TEST_CASE("contacts: a face in the last half pixel of a voxel is met from inside") {
   // The state of a column changes up to half a pixel beyond the surface: in the next voxel.
   AbufferRig rig(check::make_material_scene(MaterialKind::diffuse, LightKind::emissive));
