@@ -78,14 +78,6 @@ namespace {
 
 using namespace bundle;
 
-/// What directions are for at present.
-enum class Phase {
-  light,          ///< texels do not know yet the direct light that they are to send
-  exchange,       ///< directions carry all light
-  emission_only,  ///< reflected light is known well enough: they carry the emitted light alone
-  done,           ///< used up, as accurate as wanted, or of no use
-};
-
 class BundleExchange : public TechniqueBase<Parameters> {
  public:
   PathSet path_set(const Scene&, const RenderSettings& settings) const override {
@@ -112,7 +104,9 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return "";
   }
 
-  std::vector<std::string> parameters_of_view() const override { return {"camera_samples", "preview", "warm_start"}; }
+  std::vector<std::string> parameters_of_view() const override {
+    return {"camera_samples", "eye_share", "preview", "warm_start"};
+  }
 
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return bundle::savings(); }
 
@@ -125,16 +119,23 @@ class BundleExchange : public TechniqueBase<Parameters> {
  protected:
   // ---- the loop over directions
 
-  /// An iteration: light samples for some texels, some directions, a camera sample, which alone changes the image. What
-  /// a cancelled one has completed is kept; the next goes on from there.
+  /// An iteration: light samples for some texels, some directions, camera samples, which alone change the image. What a
+  /// cancelled one has completed is kept; the next goes on from there.
   bool step() override {
     BundleParts& parts = *parts_;
-    if (!step_.begun) step_ = {true, false, parts.side_light.runs(), position(), end_of_iteration()};
+    if (!step_.begun) begin_step();
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
-    if (!sample_texels() || !exchange_directions() || !parts.camera.sample()) return false;
-    if (shows_preview() && !parts.preview->smooth()) return false;
-    parts.commit_sample(shows_all());
+    if (!sample_texels() || !exchange_directions()) return false;
+    if (!step_.smoothed && shows_preview() && !parts.preview->smooth()) return false;
+    step_.smoothed = true;
+    for (; step_.eye_samples > 0; --step_.eye_samples) {
+      if (!step_.seen && !parts.camera.begin_sample()) return false;
+      step_.seen = true;
+      if (!parts.camera.sample()) return false;
+      parts.commit_sample(shows_all());
+      step_.seen = false;
+    }
     step_ = {};
     return true;
   }
@@ -266,6 +267,15 @@ class BundleExchange : public TechniqueBase<Parameters> {
                                                  parts_->camera.pixel_gather() != nullptr);
   }
 
+  void begin_step() {
+    const bool exchanging = phase() == Phase::exchange || phase() == Phase::emission_only;
+    step_ = {.begun = true, .light_runs = parts_->side_light.runs(), .begin = position(), .end = end_of_iteration()};
+    const WorkUnits units = work_units(parts_->atlas->info().texel_count, parts_->side_light.run_length(),
+                                       scene().triangle_count(), parts_->camera.pixels());
+    const uint64_t directions = exchanging ? step_.end - step_.begin : 0;
+    step_.eye_samples = eye_samples_per_iteration(parameters_, units, directions, wants_light() ? step_.light_runs : 0);
+  }
+
   uint32_t next_batch() const {
     return phase() == Phase::done ? 0 : batch_size(parameters_, parts_->means, directions_);
   }
@@ -369,23 +379,11 @@ class BundleExchange : public TechniqueBase<Parameters> {
     kept_ = std::move(kept);
   }
 
-  /// Where an iteration is.
-  struct Step {
-    bool begun = false, seen = false;
-    uint32_t light_runs = 0;      ///< left to do
-    uint64_t begin = 0, end = 0;  ///< position() at first, and when it is done
-  };
-
-  /// The batch that is under way.
-  struct Batch {
-    uint32_t count = 0, done = 0;  ///< directions
-  };
-
   std::shared_ptr<const EnvironmentGuide> guide_;
   uint64_t directions_ = 0, gathers_ = 0;
   uint64_t atlas_texels_ = 0;  ///< wanted of the atlas
-  Step step_;
-  Batch batch_;
+  IterationStep step_;
+  BatchStep batch_;
   DirectionSequence sequence_{{}, 1};
   std::unique_ptr<BundleParts> parts_;
   BundleParts::Kept kept_;                ///< for the next build()

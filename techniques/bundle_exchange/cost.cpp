@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "lucarium/services/texel_sides/side_accessibility.h"
+#include "lucarium/technique/work_share.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kTexelSeconds = 8e-8;          // a texel, in a direction
 constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a direction
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kFirstDirections = 64;         // that give a picture
+constexpr uint32_t kMaxEyeSamples = 256;        // of an iteration
+constexpr double kLightSampleSeconds = 3e-7;    // a light sample of a texel side
 
 }  // namespace
 
@@ -39,6 +42,18 @@ double estimate_seconds(const BundlePlan& plan, const Parameters& parameters, co
               directions * (texels * kTexelSeconds + triangles * kTriangleSeconds);
   }
   return atlas / power.host + device / power.device;
+}
+
+WorkUnits work_units(uint32_t sides, uint32_t light_run, size_t triangles, uint32_t pixels) {
+  return {sides * kTexelSeconds + static_cast<double>(triangles) * kTriangleSeconds, light_run * kLightSampleSeconds,
+          pixels * kPixelSeconds};
+}
+
+uint32_t eye_samples_per_iteration(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
+                                   uint32_t light_runs) {
+  if (parameters.pixel_rays == PixelRays::bundle) return 1;
+  const double other = static_cast<double>(directions) * units.direction + light_runs * units.light_run;
+  return units_for_share(static_cast<double>(parameters.eye_share), other, units.eye_sample, kMaxEyeSamples);
 }
 
 std::vector<ParameterSaving> savings() {

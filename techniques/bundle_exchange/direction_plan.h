@@ -6,6 +6,14 @@
 
 namespace lucarium::bundle {
 
+/// What directions are for at present.
+enum class Phase {
+  light,          ///< texels do not know yet the direct light that they are to send
+  exchange,       ///< directions carry all light
+  emission_only,  ///< reflected light is known well enough: they carry the emitted light alone
+  done,           ///< used up, as accurate as wanted, or of no use
+};
+
 /// Directions of the batch that begins with direction `directions`: few at first, when much is learnt from each, and
 /// none across a boundary of what they carry.
 uint32_t batch_size(const Parameters& parameters, const SideMeans& means, uint64_t directions);
@@ -13,6 +21,18 @@ uint32_t batch_size(const Parameters& parameters, const SideMeans& means, uint64
 /// Directions of an iteration of about 100 ms. `largest_image`: of a direction [pixels]; `gathers`: pixels gather along
 /// them.
 uint32_t directions_per_iteration(const Parameters& parameters, double largest_image, bool gathers);
+
+/// Where an iteration is.
+struct IterationStep {
+  bool begun = false, seen = false, smoothed = false;
+  uint32_t light_runs = 0, eye_samples = 0;  ///< left to do
+  uint64_t begin = 0, end = 0;               ///< position() at first, and when it is done
+};
+
+/// The batch that is under way.
+struct BatchStep {
+  uint32_t count = 0, done = 0;  ///< directions
+};
 
 /// Whether the error is as wanted. With pingpong it is that of one bounce, with fixed shares light is missing before
 /// the end: both use up their directions.

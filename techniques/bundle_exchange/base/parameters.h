@@ -47,6 +47,7 @@ struct Parameters {
   bool debug_layers = false;
   float stop_error = 0.01f;
   int camera_samples = 64;
+  float eye_share = 0.25f;
 
   template <class V>
   void describe(V& v) {
@@ -124,8 +125,11 @@ struct Parameters {
              "running)");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged");
+    v.number("eye_share", eye_share, 0.f, 0.9f, "",
+             "share of an iteration's work for samples of pixels, as many as fit; 0: one (pixel_rays=bundle: always)");
     v.presets({{"paper",
                 {{"batch", "1"},
+                 {"eye_share", "0"},
                  {"sequence", "halton"},
                  {"interleave", "running"},
                  {"direct_mode", "exchange"},

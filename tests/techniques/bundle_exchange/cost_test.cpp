@@ -38,3 +38,23 @@ TEST_CASE("fewer texels and rays take less time, and a budget gets those that it
   parameters.access_gap = 0;  // nothing to measure
   CHECK(seconds() < fewer_rays);
 }
+
+TEST_CASE("direct light and edges starved: pixels got one sample an iteration, whatever that cost") {
+  const WorkUnits units{.direction = 0.01, .light_run = 0.02, .eye_sample = 0.004};
+  Parameters parameters;
+  const auto samples = [&](uint64_t directions, uint32_t light_runs) {
+    return eye_samples_per_iteration(parameters, units, directions, light_runs);
+  };
+  for (const float share : {0.25f, 0.5f, 0.8f}) {
+    parameters.eye_share = share;
+    const double work = 12 * units.direction + 6 * units.light_run, eye = samples(12, 6) * units.eye_sample;
+    CHECK(eye / (work + eye) == doctest::Approx(share).epsilon(0.02));
+  }
+  CHECK(samples(0, 0) == 1);  // nothing else to do
+  CHECK(samples(1'000'000, 0) == 256);
+  parameters.eye_share = 0;
+  CHECK(samples(12, 6) == 1);
+  parameters.eye_share = 0.5f;
+  parameters.pixel_rays = PixelRays::bundle;  // which share the bundles of an iteration
+  CHECK(samples(12, 6) == 1);
+}

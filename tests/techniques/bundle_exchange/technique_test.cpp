@@ -111,24 +111,25 @@ TEST_CASE("iterations can be cancelled anywhere, batches that several of them sh
       {"texels", "4096"},    {"batch", "16"},         {"directions", "96"},     {"stop_error", "0"},
       {"transfer", "texel"}, {"final_gather", "all"}, {"pixel_rays", "bundle"}, {"direct_mode", "exchange"}};
   for (const Options& options : {by_lights, by_texels}) {
-    const uint64_t samples = 20;
+    const uint64_t iterations = 20;
     const auto whole = session("bundle_exchange", load_scene("builtin:spheres"), -1, options);
-    whole->run({.iterations = samples});
+    whole->run({.iterations = iterations});
     const auto halting = session("bundle_exchange", load_scene("builtin:spheres"), -1, options);
     int requests = 0, cancelled = 0;
-    while (halting->last().samples < samples) {
+    while (halting->iterations() < iterations) {
       // Ever later in the iteration, so that in the end it gets through.
-      const uint64_t before = halting->last().samples;
-      for (int left = 3; halting->last().samples == before; left += 37, ++cancelled) {
+      const uint64_t before = halting->iterations();
+      for (int left = 3; halting->iterations() == before; left += 37, ++cancelled) {
         requests = left;
         halting->scheduler().set_cancel([&] { return requests-- <= 0; });
         halting->iterate();
       }
     }
     halting->scheduler().set_cancel([] { return false; });
-    CHECK(cancelled > static_cast<int>(samples));
+    CHECK(cancelled > static_cast<int>(iterations));
     CHECK(whole->technique().counters().at("directions") > 90);
     CHECK(halting->technique().counters().at("directions") == whole->technique().counters().at("directions"));
+    CHECK(halting->last().samples == whole->last().samples);
     CHECK(indirect(*halting) == indirect(*whole));
   }
 }

@@ -33,6 +33,9 @@ class SideLight {
     return complete() ? 1 : static_cast<uint32_t>(std::clamp<uint64_t>(all / kIterations, 4, 16));
   }
 
+  /// Texel sides of a run, at most.
+  uint32_t run_length() const { return none_ ? 0 : chunk_; }
+
   /// Per texel side: xyz sum of irradiance [lx], w of the samples, by accessibility.
   const TypedBuffer<float4>& light_samples() const { return light_samples_; }
   static size_t estimate_bytes(size_t sides);
