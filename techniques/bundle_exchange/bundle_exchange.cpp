@@ -119,23 +119,18 @@ class BundleExchange : public TechniqueBase<Parameters> {
  protected:
   // ---- the loop over directions
 
-  /// An iteration: light samples for some texels, some directions, camera samples, which alone change the image. What a
-  /// cancelled one has completed is kept; the next goes on from there.
+  /// An iteration: light samples for some texels, some directions, a camera sample, which alone changes the image;
+  /// behind it some iterations of a camera sample only (eye_share). What a cancelled one has completed is kept; the
+  /// next goes on from there.
   bool step() override {
     BundleParts& parts = *parts_;
     if (!step_.begun) begin_step();
     if (!step_.seen && !parts.camera.begin_sample()) return false;
     step_.seen = true;
-    if (!sample_texels() || !exchange_directions()) return false;
-    if (!step_.smoothed && shows_preview() && !parts.preview->smooth()) return false;
-    step_.smoothed = true;
-    for (; step_.eye_samples > 0; --step_.eye_samples) {
-      if (!step_.seen && !parts.camera.begin_sample()) return false;
-      step_.seen = true;
-      if (!parts.camera.sample()) return false;
-      parts.commit_sample(shows_all());
-      step_.seen = false;
-    }
+    if (!sample_texels() || !exchange_directions() || !parts.camera.sample()) return false;
+    if (!step_.eye_only && shows_preview() && !parts.preview->smooth()) return false;
+    parts.commit_sample(shows_all());
+    eye_samples_left_ = step_.eye_only ? eye_samples_left_ - 1 : step_.eye_samples - 1;
     step_ = {};
     return true;
   }
@@ -161,6 +156,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   void restart() override {
     directions_ = gathers_ = 0;
+    eye_samples_left_ = 0;
     step_ = {};
     batch_ = {};
     const bool has_history = parts_->specular && parts_->specular->has_history();
@@ -179,6 +175,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (!parts_) return false;
     if (change.only_camera()) {
       step_ = {};
+      eye_samples_left_ = 0;
       gathers_ = 0;  // the picture's own directions
       parts_->set_frame(make_frame(settings()));
       return true;
@@ -268,12 +265,15 @@ class BundleExchange : public TechniqueBase<Parameters> {
   }
 
   void begin_step() {
-    const bool exchanging = phase() == Phase::exchange || phase() == Phase::emission_only;
-    step_ = {.begun = true, .light_runs = parts_->side_light.runs(), .begin = position(), .end = end_of_iteration()};
+    step_ = {.begun = true, .eye_only = eye_samples_left_ > 0, .begin = position(), .end = position()};
+    if (step_.eye_only) return;
+    step_.end = end_of_iteration();
+    step_.light_runs = parts_->side_light.runs();
     const WorkUnits units = work_units(parts_->atlas->info().texel_count, parts_->side_light.run_length(),
                                        scene().triangle_count(), parts_->camera.pixels());
-    const uint64_t directions = exchanging ? step_.end - step_.begin : 0;
-    step_.eye_samples = eye_samples_per_iteration(parameters_, units, directions, wants_light() ? step_.light_runs : 0);
+    const bool exchanging = phase() == Phase::exchange || phase() == Phase::emission_only;
+    step_.eye_samples = eye_samples_per_step(parameters_, units, exchanging ? step_.end - step_.begin : 0,
+                                             wants_light() ? step_.light_runs : 0);
   }
 
   uint32_t next_batch() const {
@@ -383,6 +383,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   uint64_t directions_ = 0, gathers_ = 0;
   uint64_t atlas_texels_ = 0;  ///< wanted of the atlas
   IterationStep step_;
+  uint32_t eye_samples_left_ = 0;  ///< iterations of a camera sample only that come next
   BatchStep batch_;
   DirectionSequence sequence_{{}, 1};
   std::unique_ptr<BundleParts> parts_;

@@ -21,11 +21,10 @@ struct WorkUnits {
 /// `sides`: of all texels; `light_run`: texel sides of a run.
 WorkUnits work_units(uint32_t sides, uint32_t light_run, size_t triangles, uint32_t pixels);
 
-/// Camera samples of an iteration beside so many directions and runs of light samples: what `eye_share` of its work is
-/// worth, so that what is cheap, direct light and edges, does not wait for what is dear. Pixels that gather along the
-/// iteration's bundles take one.
-uint32_t eye_samples_per_iteration(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
-                                   uint32_t light_runs);
+/// Camera samples for so many directions and runs of light samples: `eye_share` of all work is theirs, so that what is
+/// cheap, direct light and edges, does not wait for what is dear. Pixels that gather along bundles take one.
+uint32_t eye_samples_per_step(const Parameters& parameters, const WorkUnits& units, uint64_t directions,
+                              uint32_t light_runs);
 
 /// What may be lowered for a budget: rays that measure accessibility, and texels.
 std::vector<ParameterSaving> savings();

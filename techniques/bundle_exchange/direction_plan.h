@@ -24,9 +24,11 @@ uint32_t directions_per_iteration(const Parameters& parameters, double largest_i
 
 /// Where an iteration is.
 struct IterationStep {
-  bool begun = false, seen = false, smoothed = false;
-  uint32_t light_runs = 0, eye_samples = 0;  ///< left to do
-  uint64_t begin = 0, end = 0;               ///< position() at first, and when it is done
+  bool begun = false, seen = false;
+  bool eye_only = false;        ///< a camera sample and nothing else
+  uint32_t light_runs = 0;      ///< left to do
+  uint32_t eye_samples = 1;     ///< that its work is worth, its own included
+  uint64_t begin = 0, end = 0;  ///< position() at first, and when it is done
 };
 
 /// The batch that is under way.

@@ -126,7 +126,8 @@ struct Parameters {
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged");
     v.number("eye_share", eye_share, 0.f, 0.9f, "",
-             "share of an iteration's work for samples of pixels, as many as fit; 0: one (pixel_rays=bundle: always)");
+             "share of the work for samples of pixels, by iterations without directions; 0: none of these "
+             "(pixel_rays=bundle: always)");
     v.presets({{"paper",
                 {{"batch", "1"},
                  {"eye_share", "0"},

@@ -39,11 +39,11 @@ TEST_CASE("fewer texels and rays take less time, and a budget gets those that it
   CHECK(seconds() < fewer_rays);
 }
 
-TEST_CASE("direct light and edges starved: pixels got one sample an iteration, whatever that cost") {
+TEST_CASE("direct light and edges starved: pixels got one sample for each step of the exchange, whatever that cost") {
   const WorkUnits units{.direction = 0.01, .light_run = 0.02, .eye_sample = 0.004};
   Parameters parameters;
   const auto samples = [&](uint64_t directions, uint32_t light_runs) {
-    return eye_samples_per_iteration(parameters, units, directions, light_runs);
+    return eye_samples_per_step(parameters, units, directions, light_runs);
   };
   for (const float share : {0.25f, 0.5f, 0.8f}) {
     parameters.eye_share = share;
@@ -55,6 +55,6 @@ TEST_CASE("direct light and edges starved: pixels got one sample an iteration, w
   parameters.eye_share = 0;
   CHECK(samples(12, 6) == 1);
   parameters.eye_share = 0.5f;
-  parameters.pixel_rays = PixelRays::bundle;  // which share the bundles of an iteration
+  parameters.pixel_rays = PixelRays::bundle;  // which have bundles of their own
   CHECK(samples(12, 6) == 1);
 }

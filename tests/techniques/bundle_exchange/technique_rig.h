@@ -40,7 +40,8 @@ inline double indirect_mean(const std::string& technique, const char* scene, int
   return mean(indirect(*run));
 }
 
-inline const Options few_texels = {{"texels", "2048"}, {"batch", "1"}, {"stop_error", "0"}};
+/// Iterations exchange, all of them: tests count them.
+inline const Options few_texels = {{"texels", "2048"}, {"batch", "1"}, {"stop_error", "0"}, {"eye_share", "0"}};
 
 inline Options with(Options options, const Options& more) {
   options.insert(options.end(), more.begin(), more.end());

@@ -106,7 +106,8 @@ TEST_CASE("when indirect light is known well, directions carry emission until di
 }
 
 TEST_CASE("iterations can be cancelled anywhere, batches that several of them share included") {
-  const Options by_lights = {{"texels", "4096"}, {"batch", "48"}, {"directions", "1000"}, {"stop_error", "0"}};
+  const Options by_lights = {
+      {"texels", "4096"}, {"batch", "48"}, {"directions", "1000"}, {"stop_error", "0"}, {"eye_share", "0.2"}};
   const Options by_texels = {
       {"texels", "4096"},    {"batch", "16"},         {"directions", "96"},     {"stop_error", "0"},
       {"transfer", "texel"}, {"final_gather", "all"}, {"pixel_rays", "bundle"}, {"direct_mode", "exchange"}};
