@@ -271,9 +271,10 @@ class BundleExchange : public TechniqueBase<Parameters> {
     step_.light_runs = parts_->side_light.runs();
     const WorkUnits units = work_units(parts_->atlas->info().texel_count, parts_->side_light.run_length(),
                                        scene().triangle_count(), parts_->camera.pixels());
-    const bool exchanging = phase() == Phase::exchange || phase() == Phase::emission_only;
-    step_.eye_samples = eye_samples_per_step(parameters_, units, exchanging ? step_.end - step_.begin : 0,
-                                             wants_light() ? step_.light_runs : 0);
+    // None more while there is no indirect light at all.
+    if (phase() == Phase::light || phase() == Phase::done) return;
+    step_.eye_samples =
+        eye_samples_per_step(parameters_, units, step_.end - step_.begin, wants_light() ? step_.light_runs : 0);
   }
 
   uint32_t next_batch() const {

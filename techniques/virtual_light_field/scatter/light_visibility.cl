@@ -28,6 +28,7 @@ __kernel void aim_at_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   }
   rays[side] = ray;
   LUCARIUM_STORE_RAY_ENDS(ends, side, own_ends);
+  (void)own_ends;  // where intersectors want no ends
 }
 
 // bit: of the light in `visible`.
