@@ -38,12 +38,6 @@ Channels make_channels(const Parameters& parameters, const Scene& scene, const R
 
 }  // namespace
 
-uint64_t saved_texels(const StateReader& state) {
-  const uint64_t texels = state.get_value<uint64_t>("texels");
-  if (texels == 0 || texels > kMaxTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));
-  return texels;
-}
-
 bool has_specular_lobes(const Scene& scene) {
   return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
     return std::abs(m.ior - 1) >= 1e-3f || m.metallic > 0 || m.transmission > 0;

@@ -18,9 +18,6 @@ struct BundlePlan {
 };
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
-/// Texels of the atlas that a saved state belongs to (BundleExchange::save()). Throws where there can be no such atlas.
-uint64_t saved_texels(const StateReader& state);
-
 /// Whether bundles carry anything.
 bool exchanges(const Parameters& parameters, const RenderSettings& settings);
 

@@ -57,6 +57,7 @@
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
+#include "lucarium/technique/technique_state.h"
 #include "virtual_light_field/cost.h"
 #include "virtual_light_field/declaration.h"
 #include "virtual_light_field/field/field_surfaces.h"
@@ -66,14 +67,6 @@ namespace lucarium {
 namespace {
 
 using namespace vlf;
-
-constexpr uint64_t kMaxTexels = 1u << 24;  // of the parameter
-
-uint64_t saved_texels(const StateReader& state) {
-  const auto texels = state.get_value<uint64_t>("texels");
-  if (texels == 0 || texels > kMaxTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));
-  return texels;
-}
 
 /// A depth behind all of the scene, along any direction [m].
 float depth_beyond(const Bounds& bounds) {

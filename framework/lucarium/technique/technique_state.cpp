@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
+#include "lucarium/services/surface_atlas/most_texels.h"
 #include "lucarium/technique/technique.h"
 
 namespace lucarium {
@@ -34,6 +35,12 @@ void StateReader::require_count(const std::string& name, size_t bytes, uint64_t 
 void StateReader::require_finite(const std::string& name, const float* values, size_t number) const {
   for (size_t i = 0; i < number; ++i)
     if (!std::isfinite(values[i])) fail(name, fmt::format("number {} of {} is not finite", i, number));
+}
+
+uint64_t saved_texels(const StateReader& state) {
+  const auto texels = state.get_value<uint64_t>("texels");
+  if (texels == 0 || texels > kMaxAtlasTexels) state.fail("texels", fmt::format("an atlas of {} texels", texels));
+  return texels;
 }
 
 }  // namespace lucarium

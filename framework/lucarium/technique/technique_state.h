@@ -93,4 +93,8 @@ class StateReader {
   void require_finite(const std::string& name, const float* values, size_t number) const;
 };
 
+/// The chunk "texels": texels of the atlas that saved light belongs to. Throws Error{input} where there can be no such
+/// atlas.
+uint64_t saved_texels(const StateReader& state);
+
 }  // namespace lucarium

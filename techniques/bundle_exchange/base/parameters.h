@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lucarium/services/bundles/direction_sequence.h"
+#include "lucarium/services/surface_atlas/most_texels.h"
 #include "lucarium/technique/parameters.h"
 
 namespace lucarium::bundle {
@@ -14,8 +15,6 @@ enum class GlossyBounces { multiple, final };
 enum class Transfer { ray, texel };
 enum class PixelRays { traced, bundle };
 enum class GlossyNorm { self, mean };
-
-constexpr int kMaxTexels = 1 << 24;
 
 /// Every parameter of the technique, once: default, range, unit and meaning.
 struct Parameters {
@@ -72,7 +71,7 @@ struct Parameters {
              "directions per stratified block; with interleave=pingpong also per bounce");
     v.number("env_guiding", env_guiding, 0.f, 0.9f, "",
              "share of directions that are sampled by the luminance of the environment");
-    v.number("texels", texels, 0, kMaxTexels, "texels",
+    v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges", "edge length of a pixel of the bundle image");
     v.number("access_gap", access_gap, 0.f, 16.f, "texel edges",

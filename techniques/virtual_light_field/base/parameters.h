@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include "lucarium/services/surface_atlas/most_texels.h"
 #include "lucarium/technique/parameters.h"
 
 namespace lucarium::vlf {
@@ -52,7 +53,7 @@ struct Parameters {
         "cells per edge of a line's film, at least 16; 0: a cell is 0.37 times what directions spread over the mean "
         "chord of the scene, 64 to 256 cells");
     v.number("tile", tile, 0, 32, "cells", "edge length of tiles; 0: chosen for each patch (paper: 8, 16)");
-    v.number("texels", texels, 0, 1 << 24, "texels",
+    v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",
              "maximum edge length of a pixel of a film, with supersample=auto");

@@ -4,24 +4,17 @@
 // Consecutive fragments see each other, as senders and receivers in both directions at once (section 3.2, figure 5).
 // What arrives is added to the irradiance of texel sides and to the cells of facets.
 #include "lucarium/services/texel_sides/side_parts.clh"
-#include "lucarium/shared/surface_atlas.h"
-#include "virtual_light_field/shared/field.h"
+#include "virtual_light_field/exchange/line_rows.clh"
 #ifdef FIELD_PERTURBED
 #include "virtual_light_field/exchange/perturbed_ends.clh"
 #endif
 
 typedef struct Exchange {
-  const __global AtlasTriangle* atlas_triangles;
-  const __global uint* atlas_table;
-  uint double_sided;
-  const __global FieldMap* maps;
-  const __global uint* tile_cells;
-  uint facets, shift;
+  LINE_ROWS_MEMBERS
   const __global uint* accessibility;
   const __global float2* interior;  // y: what a ray counts that meets a back
   __global float4* records;         // fold_sides.cl
   const __global uint* sent;        // RGB9E5 per cell: what leaves towards its direction, times scale
-  uint first_cell;                  // of the line
   float inverse_scale;
   float weight;                // solid angle that the rays of either direction stand for [sr]
   float3 from_near, from_far;  // radiance that enters the scene along omega and along -omega [cd/m^2]
@@ -156,30 +149,21 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
 #define EXCHANGE_SET_SUMS(exchange) (exchange)->received = received;
 #endif
 #define EXCHANGE_PARAMETERS                                                                                       \
-  AtlasInfo atlas_info, __global const AtlasTriangle *atlas_triangles, __global const uint *atlas_table,          \
-      FieldInfo info, uint line, uint first_cell, uint shift, __global const FieldMap *maps,                      \
-      __global const uint *tile_cells, __global const uint *accessibility, __global const float2 *interior,       \
-      float weight, float inverse_scale, __global const float4 *ends,                                             \
+  LINE_ROWS_PARAMETERS, __global const uint *accessibility, __global const float2 *interior, float weight,        \
+      float inverse_scale, __global const float4 *ends,                                                           \
       EXCHANGE_MEDIA_PARAMETER EXCHANGE_PERTURBED_PARAMETERS __global const uint *sent, __global float4 *records, \
       __global EXCHANGE_SUMS *received
-#define EXCHANGE_SET(exchange)                                 \
-  (exchange)->atlas_triangles = atlas_triangles;               \
-  (exchange)->atlas_table = atlas_table;                       \
-  (exchange)->double_sided = atlas_info.double_sided_count;    \
-  (exchange)->maps = maps + (size_t)(2u * line) * info.facets; \
-  (exchange)->tile_cells = tile_cells;                         \
-  (exchange)->facets = info.facets;                            \
-  (exchange)->shift = shift;                                   \
-  (exchange)->accessibility = accessibility;                   \
-  (exchange)->interior = interior;                             \
-  (exchange)->records = records;                               \
-  (exchange)->sent = sent;                                     \
-  (exchange)->first_cell = first_cell;                         \
-  (exchange)->inverse_scale = inverse_scale;                   \
-  (exchange)->weight = weight;                                 \
-  (exchange)->from_near = ends[0].xyz;                         \
-  (exchange)->from_far = ends[1].xyz;                          \
-  EXCHANGE_SET_MEDIA(exchange)                                 \
+#define EXCHANGE_SET(exchange)               \
+  LINE_ROWS_SET(exchange)                    \
+  (exchange)->accessibility = accessibility; \
+  (exchange)->interior = interior;           \
+  (exchange)->records = records;             \
+  (exchange)->sent = sent;                   \
+  (exchange)->inverse_scale = inverse_scale; \
+  (exchange)->weight = weight;               \
+  (exchange)->from_near = ends[0].xyz;       \
+  (exchange)->from_far = ends[1].xyz;        \
+  EXCHANGE_SET_MEDIA(exchange)               \
   EXCHANGE_SET_SUMS(exchange)
 
 __kernel void exchange_line(LAYERED_TILE_PARAMETERS EXCHANGE_PARAMETERS) {

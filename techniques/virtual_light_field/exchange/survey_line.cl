@@ -1,18 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which texel side each cell of a line shows: the one under the pixel that is nearest to the cell's centre.
-#include "lucarium/shared/surface_atlas.h"
-#include "virtual_light_field/shared/field.h"
+#include "virtual_light_field/exchange/line_rows.clh"
 
 typedef struct Survey {
-  const __global AtlasTriangle* atlas_triangles;
-  const __global uint* atlas_table;
-  uint double_sided;
-  const __global FieldMap* maps;
-  const __global uint* tile_cells;
-  uint facets, shift;
+  LINE_ROWS_MEMBERS
   const __global uint* side_facet;
   __global float* distances;  // of the nearest pixel so far, of the line's cells from first_cell on
-  uint first_cell;
   __global uint* cell_side;
 } Survey;
 
@@ -47,21 +40,12 @@ void layered_ray_ends(Survey* survey, uint2 pixel, uint payload, bool front) {
 }
 
 // distances: 0 at first. cell_side: LUCARIUM_NONE at first.
-__kernel void survey_line(LAYERED_TILE_PARAMETERS AtlasInfo atlas_info, __global const AtlasTriangle* atlas_triangles,
-                          __global const uint* atlas_table, FieldInfo info, uint line, uint first_cell, uint shift,
-                          __global const FieldMap* maps, __global const uint* tile_cells,
-                          __global const uint* side_facet, __global float* distances, __global uint* cell_side) {
+__kernel void survey_line(LAYERED_TILE_PARAMETERS LINE_ROWS_PARAMETERS, __global const uint* side_facet,
+                          __global float* distances, __global uint* cell_side) {
   Survey survey;
-  survey.atlas_triangles = atlas_triangles;
-  survey.atlas_table = atlas_table;
-  survey.double_sided = atlas_info.double_sided_count;
-  survey.maps = maps + (size_t)(2u * line) * info.facets;
-  survey.tile_cells = tile_cells;
-  survey.facets = info.facets;
-  survey.shift = shift;
+  LINE_ROWS_SET(&survey);
   survey.side_facet = side_facet;
   survey.distances = distances;
-  survey.first_cell = first_cell;
   survey.cell_side = cell_side;
   LAYERED_RUN_TILES(&survey);
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lucarium/base/seed.h"
 #include "lucarium/compute/program/source_library.h"
 #include "virtual_light_field/base/field_program.h"
 
@@ -194,7 +195,7 @@ bool FilmRuns::begin(const FieldLine& film, uint32_t number, bool emission) {
   view.depth_min = static_cast<float>(-0.5 * range);
   view.depth_scale = static_cast<float>(1 / range);
   view.width = view.height = options_.film.film << options_.film.shift;
-  view.seed = options_.blend_seed + number * 0x9e3779b9u;
+  view.seed = indexed_seed(options_.blend_seed, number);
   begin_.set(view_, view);
   begin_.set(omega_, float4(film.omega.xyz(), 0.f));
   begin_.set(emission_, emission ? 1u : 0u);

@@ -12,15 +12,11 @@
 #include "lucarium/conformance/block_comparison.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/session/session.h"
+#include "registry.h"
 
 namespace lucarium::test {
 
 using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-inline const TechniqueRegistry& registry() {
-  static const TechniqueRegistry all;
-  return all;
-}
 
 struct Picture {
   uint32_t width = 40, height = 32;

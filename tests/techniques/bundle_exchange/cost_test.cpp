@@ -14,9 +14,8 @@ using namespace lucarium::bundle;
 TEST_CASE("fewer texels and rays take less time, and a budget gets those that it can pay") {
   const Scene scene = load_scene("builtin:cornell");
   RenderSettings settings;
-  const TechniqueRegistry registry;
   const auto planned = [&](double seconds) {
-    const auto technique = registry.find("bundle_exchange").create();
+    const auto technique = test::registry().find("bundle_exchange").create();
     const BudgetPlan plan = plan_budget(*technique, {}, scene, settings, {2, 2}, seconds);
     return std::pair(plan, technique->parameters().get("texels"));
   };

@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-#include "lucarium/base/error.h"
-#include "lucarium/technique/state_file.h"
+#include "saved_state.h"
 #include "technique_rig.h"
 #include "tolerance.h"
 
@@ -21,59 +20,16 @@ SceneCamera camera_at(const Scene& scene, double seconds) {
   return camera_on_path(scene.camera_paths.front(), seconds);
 }
 
-std::vector<float> picture(RenderSession& session) {
-  session.run({.samples = 3});
-  return session.resolve().image();
-}
-
 double directions(RenderSession& session) { return session.technique().counters().at("directions"); }
 
-/// A session of 24 x 24 pixels, or of another size, that begins with a state.
 std::unique_ptr<RenderSession> loaded(const std::filesystem::path& file, Scene scene, const Options& options,
-                                      uint32_t width = 24, uint64_t seed = 1, int max_bounces = -1) {
-  RenderSettings settings;
-  settings.width = width;
-  settings.height = 24;
-  settings.max_bounces = max_bounces;
-  settings.seed = seed;
-  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
-  settings.camera = scene.cameras.front();
-  const StateFile state(file);
-  return std::make_unique<RenderSession>(Device::open(), std::move(scene), registry().find("bundle_exchange"), settings,
-                                         options, RenderSession::OnPreparing{}, 0, &state);
+                                      const SessionStart& start = {}) {
+  return test::loaded("bundle_exchange", file, std::move(scene), options, start);
 }
 
-struct SavedState {
-  TemporaryFolder folder;
-  std::filesystem::path file = folder.path() / "a.state";
-  std::unique_ptr<RenderSession> by;
-  SavedState(const Scene& scene, const Options& options) : by(session("bundle_exchange", scene, -1, options)) {
-    by->finish_light();
-    by->save_state(file, false);
-  }
+struct SavedState : test::SavedLight {
+  SavedState(const Scene& scene, const Options& options) : test::SavedLight("bundle_exchange", scene, options) {}
 };
-
-struct Refusal {
-  ErrorClass error_class = ErrorClass::internal;
-  std::string message = "it was loaded";
-};
-
-template <class Load>
-Refusal refusal_of(Load&& load) {
-  try {
-    load();
-  } catch (const Error& error) {
-    return {error.error_class(), error.what()};
-  }
-  return {};
-}
-
-void check_refusal(const Refusal& refusal, ErrorClass error_class, const std::string& part) {
-  CAPTURE(refusal.message);
-  CHECK(refusal.error_class == error_class);
-  CHECK(refusal.message.find(part) != std::string::npos);
-  CHECK(refusal.message.find('\n') == std::string::npos);
-}
 
 /// The same state with another header or other contents.
 void rewrite(const std::filesystem::path& file, const std::function<void(StateHeader&)>& edit_header,
@@ -195,7 +151,7 @@ TEST_CASE("a state that was saved at another size has the atlas that it was save
   const Scene scene = load_scene("builtin:cornell");
   const SavedState saved(scene, options);
   rewrite(saved.file, [](StateHeader&) {});
-  const auto wide = loaded(saved.file, scene, options, 200);
+  const auto wide = loaded(saved.file, scene, options, {.width = 200});
   CHECK(wide->technique().counters().at("sides") == saved.by->technique().counters().at("sides"));
   const double expected = mean(indirect(*(saved.by->run({.samples = 3}), saved.by.get())));
   Scene same = scene;
@@ -207,22 +163,13 @@ TEST_CASE("a state that was saved at another size has the atlas that it was save
 TEST_CASE("behind a loaded state a change of the lights propagates again, to the bits of a fresh start") {
   const Scene scene = load_scene("builtin:cornell");
   const SavedState saved(scene, quick);
-  const auto dim = [](Scene& lit) {
-    SceneChange change;
-    for (size_t i = 0; i < lit.materials.size(); ++i) {
-      if (!lit.materials[i].emits()) continue;
-      lit.materials[i].emissive_factor *= 0.5f;
-      change.materials.push_back(static_cast<int>(i));
-    }
-    return change;
-  };
   const auto sky = [](Scene& lit) {
     lit.environment = Environment{};
     SceneChange change;
     change.environment = true;
     return change;
   };
-  for (const std::function<SceneChange(Scene&)>& edit : {std::function<SceneChange(Scene&)>(dim), {sky}}) {
+  for (const std::function<SceneChange(Scene&)>& edit : {std::function<SceneChange(Scene&)>(dim_lamps), {sky}}) {
     const auto run = loaded(saved.file, scene, quick);
     picture(*run);
     run->change_scene(edit);
@@ -240,18 +187,18 @@ TEST_CASE("behind a loaded state a change of the lights propagates again, to the
 TEST_CASE("a state of something else is refused, with the reason") {
   const Scene scene = load_scene("builtin:cornell");
   const SavedState saved(scene, quick);
-  const auto load = [&](Scene other, const Options& options, uint64_t seed = 1, int max_bounces = -1) {
-    return refusal_of([&] { loaded(saved.file, std::move(other), options, 24, seed, max_bounces); });
+  const auto load = [&](Scene other, const Options& options, const SessionStart& start = {}) {
+    return [&saved, other = std::move(other), options, start] { loaded(saved.file, other, options, start); };
   };
   check_refusal(load(load_scene("builtin:cornell-mirror"), quick), ErrorClass::input,
                 "it belongs to another scene (builtin:cornell)");
   check_refusal(load(scene, with(quick, {{"texels", "4096"}})), ErrorClass::usage,
                 "it was saved with texels=2048, here it is 4096; give -p texels=2048");
-  check_refusal(load(scene, quick, 7), ErrorClass::usage, "it was saved with --seed 1");
-  check_refusal(load(scene, quick, 1, 2), ErrorClass::usage, "it was saved with --max-bounces -1");
+  check_refusal(load(scene, quick, {.seed = 7}), ErrorClass::usage, "it was saved with --seed 1");
+  check_refusal(load(scene, quick, {.max_bounces = 2}), ErrorClass::usage, "it was saved with --max-bounces -1");
   check_refusal(load(scene, with(quick, {{"pixel_rays", "bundle"}})), ErrorClass::usage,
                 "bundle_exchange has no state to save or load: it gathers along new bundles");
-  CHECK(load(scene, with(quick, {{"camera_samples", "9"}})).message == "it was loaded");
+  CHECK_NOTHROW(load(scene, with(quick, {{"camera_samples", "9"}}))());
 
   rewrite(saved.file, [](StateHeader& header) { header.technique_version += ".1"; });
   check_refusal(load(scene, quick), ErrorClass::input, "here is version");
@@ -274,34 +221,30 @@ TEST_CASE("a state of something else is refused, with the reason") {
 
 TEST_CASE("values that no exchange brings are refused: NaN, another number of texel sides, absurd atlases") {
   const Scene scene = load_scene("builtin:cornell");
-  const auto refusal = [&](const std::function<void(std::vector<float4>&)>& edit) {
+  const auto refuse = [&](const std::function<void(std::vector<float4>&)>& edit, const std::string& part) {
     const SavedState saved(scene, quick);
     rewrite(
         saved.file, [](StateHeader&) {}, edit);
-    return refusal_of([&] { loaded(saved.file, scene, quick); });
+    check_refusal([&] { loaded(saved.file, scene, quick); }, ErrorClass::input, part);
   };
-  check_refusal(refusal([](std::vector<float4>& shown) { shown[17].y = std::nanf(""); }), ErrorClass::input,
-                "chunk 'shown': number 69 of");
-  check_refusal(refusal([](std::vector<float4>& shown) { shown[0].w = INFINITY; }), ErrorClass::input,
-                "chunk 'shown': number 3 of");
-  check_refusal(refusal([](std::vector<float4>& shown) { shown.pop_back(); }), ErrorClass::input,
-                "chunk 'shown': it has ");
+  refuse([](std::vector<float4>& shown) { shown[17].y = std::nanf(""); }, "chunk 'shown': number 69 of");
+  refuse([](std::vector<float4>& shown) { shown[0].w = INFINITY; }, "chunk 'shown': number 3 of");
+  refuse([](std::vector<float4>& shown) { shown.pop_back(); }, "chunk 'shown': it has ");
   const SavedState saved(scene, quick);
   const StateHeader header = StateFile(saved.file).header();
   for (const uint64_t texels : {uint64_t{0}, uint64_t{1} << 60}) {
     write_state_file(saved.file, header, false, [&](StateWriter& chunks) { chunks.put_value("texels", texels); });
-    check_refusal(refusal_of([&] { loaded(saved.file, scene, quick); }), ErrorClass::input,
+    check_refusal([&] { loaded(saved.file, scene, quick); }, ErrorClass::input,
                   fmt::format("chunk 'texels': an atlas of {} texels", texels));
   }
   write_state_file(saved.file, header, false, [](StateWriter&) {});
-  check_refusal(refusal_of([&] { loaded(saved.file, scene, quick); }), ErrorClass::input,
-                "chunk 'texels': it is missing");
+  check_refusal([&] { loaded(saved.file, scene, quick); }, ErrorClass::input, "chunk 'texels': it is missing");
 }
 
 TEST_CASE("a technique without a state says so") {
   const auto run = session("path_tracing", load_scene("builtin:cornell"), -1, {});
   const TemporaryFolder folder;
-  check_refusal(refusal_of([&] { run->save_state(folder.path() / "a.state", false); }), ErrorClass::usage,
+  check_refusal([&] { run->save_state(folder.path() / "a.state", false); }, ErrorClass::usage,
                 "path_tracing has no state to save or load: it keeps nothing from picture to picture");
   CHECK_FALSE(run->finish_light());  // there is none, and nothing is done
   CHECK(run->iterations() == 0);

@@ -9,15 +9,11 @@
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/session/session.h"
+#include "registry.h"
 
 namespace lucarium::test {
 
 using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-inline const TechniqueRegistry& registry() {
-  static const TechniqueRegistry all;
-  return all;
-}
 
 inline RenderSettings settings_for(const Scene& scene, uint32_t size, int max_bounces) {
   RenderSettings settings;

@@ -10,6 +10,7 @@
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/session/session.h"
+#include "registry.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -26,13 +27,12 @@ struct Means {
 
 Means render(const Scene& scene, const std::string& technique, int max_bounces, uint64_t iterations,
              const Options& options = {}, uint64_t seed = 1) {
-  static const TechniqueRegistry all;
   RenderSettings settings;
   settings.width = settings.height = 32;
   settings.max_bounces = max_bounces;
   settings.seed = seed;
   settings.camera = scene.cameras.front();
-  RenderSession session(test::test_device(), scene, all.find(technique), settings, options);
+  RenderSession session(test::test_device(), scene, test::registry().find(technique), settings, options);
   session.run({.iterations = iterations});
   const Film film = session.resolve();
   const auto mean = [&](const char* layer) {
@@ -171,13 +171,12 @@ TEST_CASE("the picture of a line shows a mirror under the sky from its front onl
   sky.radiance.assign(16, glm::vec3(1));
   scene.environment = sky;
   scene.cameras.push_back(look_at_camera("above", {0.5f, 2.f, 0.5f}, {0.5f, 0.f, 0.51f}, 40.f));
-  static const TechniqueRegistry all;
   int fronts = 0, others = 0;
   for (int line = 0; line < 9; ++line) {
     RenderSettings settings;
     settings.width = settings.height = 24;
     settings.camera = scene.cameras.front();
-    RenderSession session(test::test_device(), scene, all.find("virtual_light_field"), settings,
+    RenderSession session(test::test_device(), scene, test::registry().find("virtual_light_field"), settings,
                           {{"dir_n", "2"}, {"cells", "32"}, {"texels", "512"}, {"inspect_line", std::to_string(line)}});
     session.run({.iterations = 24});
     double sum = 0;

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <functional>
 
-#include "lucarium/base/error.h"
 #include "lucarium/scene/camera_path.h"
-#include "lucarium/technique/state_file.h"
+#include "saved_state.h"
 #include "technique_rig.h"
 #include "tolerance.h"
 
@@ -18,56 +17,17 @@ namespace {
 
 const Options coarse = {{"dir_n", "4"}, {"cells", "32"}, {"texels", "2048"}, {"camera_samples", "4"}};
 
-std::vector<float> picture(RenderSession& session) {
-  session.run({.samples = 3});
-  return session.resolve().image();
-}
-
 double lines(RenderSession& session) { return session.technique().counters().at("lines"); }
 
-struct Start {
-  uint32_t width = 24;
-  uint64_t seed = 1;
-  int max_bounces = -1;
-};
-
 std::unique_ptr<RenderSession> loaded(const std::filesystem::path& file, Scene scene, const Options& options,
-                                      const Start& start = {}) {
-  RenderSettings settings;
-  settings.width = start.width;
-  settings.height = 24;
-  settings.max_bounces = start.max_bounces;
-  settings.seed = start.seed;
-  settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
-  settings.camera = scene.cameras.front();
-  const StateFile state(file);
-  return std::make_unique<RenderSession>(test_device(), std::move(scene), registry().find("virtual_light_field"),
-                                         settings, options, RenderSession::OnPreparing{}, 0, &state);
+                                      const SessionStart& start = {}) {
+  return test::loaded("virtual_light_field", file, std::move(scene), options, start);
 }
 
-struct SavedState {
-  TemporaryFolder folder;
-  std::filesystem::path file = folder.path() / "a.state";
-  std::unique_ptr<RenderSession> by;
+struct SavedState : test::SavedLight {
   SavedState(const Scene& scene, const Options& options, int max_bounces = -1)
-      : by(session(scene, max_bounces, options)) {
-    by->finish_light();
-    by->save_state(file, false);
-  }
+      : test::SavedLight("virtual_light_field", scene, options, max_bounces) {}
 };
-
-void check_refusal(const std::function<void()>& load, ErrorClass error_class, const std::string& part) {
-  try {
-    load();
-    FAIL_CHECK("it was loaded, instead of: " << part);
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    CAPTURE(message);
-    CHECK(error.error_class() == error_class);
-    CHECK(message.find(part) != std::string::npos);
-    CHECK(message.find('\n') == std::string::npos);
-  }
-}
 
 }  // namespace
 
@@ -153,27 +113,18 @@ TEST_CASE("a field of finite bounces is loaded with them, and at any size of the
 TEST_CASE("behind a loaded field a change of the lights propagates again, to the bits of a fresh start") {
   const Scene scene = load_scene("builtin:cornell-mirror");
   const SavedState saved(scene, coarse);
-  const auto dim = [](Scene& lit) {
-    SceneChange change;
-    for (size_t i = 0; i < lit.materials.size(); ++i) {
-      if (!lit.materials[i].emits()) continue;
-      lit.materials[i].emissive_factor *= 0.5f;
-      change.materials.push_back(static_cast<int>(i));
-    }
-    return change;
-  };
   const auto run = loaded(saved.file, scene, coarse);
   picture(*run);
-  run->change_scene(dim);
+  run->change_scene(dim_lamps);
   run->finish_light();
   CHECK(lines(*run) > 0);
   Scene changed = scene;
-  dim(changed);
+  dim_lamps(changed);
   const auto fresh = session(changed, -1, coarse);
   fresh->finish_light();
   CHECK(picture(*run) == picture(*fresh));
   // And a run that was not loaded: changed, and started over.
-  saved.by->change_scene(dim);
+  saved.by->change_scene(dim_lamps);
   saved.by->finish_light();
   const std::vector<float> expected = picture(*fresh);
   CHECK(picture(*saved.by) == expected);
@@ -185,7 +136,7 @@ TEST_CASE("behind a loaded field a change of the lights propagates again, to the
 TEST_CASE("a field of something else is refused, with the reason") {
   const Scene scene = load_scene("builtin:cornell-mirror");
   const SavedState saved(scene, coarse);
-  const auto load = [&](Scene other, const Options& options, const Start& start = {}) {
+  const auto load = [&](Scene other, const Options& options, const SessionStart& start = {}) {
     return [&saved, other = std::move(other), options, start] { loaded(saved.file, other, options, start); };
   };
   check_refusal(load(load_scene("builtin:cornell"), coarse), ErrorClass::input, "it belongs to another scene");

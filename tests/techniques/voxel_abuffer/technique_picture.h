@@ -7,15 +7,11 @@
 #include <vector>
 
 #include "lucarium/session/session.h"
+#include "registry.h"
 
 namespace lucarium::test {
 
 using Parameters = std::vector<std::pair<std::string, std::string>>;
-
-inline const TechniqueRegistry& registry() {
-  static const TechniqueRegistry all;
-  return all;
-}
 
 struct Picture {
   std::string technique = "voxel_abuffer";
