@@ -97,7 +97,7 @@ void add_scene_command(Command program, Action& action) {
                 {"scene"});
   command.needs({"--exposure"}, {"--export"});  // whose sidecar states it
   command.needs({"--overwrite"}, {"--export", "--atlas", "--atlas-view"});
-  command.examples({"lucarium scene", "lucarium scene builtin:atrium",
+  command.examples({"lucarium scene builtin:atrium",
                     "lucarium scene builtin:cornell --material lamp:emissive_factor=40 --export bright.glb"},
                    "docs/scenes.md");
   command.callback(
