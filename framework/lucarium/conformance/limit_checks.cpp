@@ -89,10 +89,10 @@ Outcome check_seconds(CheckContext& context) {
       fmt::format("budget {:.2f} s, used {:.2f} s, {} iterations", time_budget, seconds, session.iterations()));
 }
 
-/// Cancels an iteration at its first request, then at its second, and so on, in growing steps from the 32nd, until one
+/// Cancels an iteration at its first request, then at its second, and so on, in growing steps from the 200th, until one
 /// gets through.
 Outcome check_cancellation(CheckContext& context) {
-  constexpr int max_requests = 5000, steps_grow = 32;
+  constexpr int max_requests = 5000, one_by_one = 200, steps_grow = 32;
   const Scene scene = context.plain_scene();
   RenderSession session = context.session(scene), reference = context.session(scene);
   const Picture before = context.run_short(session, 2), complete = context.run_short(reference, 3);
@@ -100,7 +100,7 @@ Outcome check_cancellation(CheckContext& context) {
   double longest = 0;
   int cancelled = 0, times = 0;
   bool through = session.last().converged;
-  for (; cancelled < max_requests && !through; cancelled += 1 + cancelled / steps_grow) {
+  for (; cancelled < max_requests && !through; cancelled += 1 + std::max(0, cancelled - one_by_one) / steps_grow) {
     int requests = 0;
     Stopwatch asked;
     session.scheduler().set_cancel([&] {
