@@ -19,6 +19,9 @@ target_compile_options(lucarium_build_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-missing-field-initializers
   $<$<BOOL:${LUCARIUM_WERROR}>:-Werror>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  # Of sources that are compiled as one (LucariumUnity.cmake) these speak of what stands in another of them.
+  target_compile_options(lucarium_build_flags INTERFACE
+    $<$<BOOL:${CMAKE_UNITY_BUILD}>:-Wno-shadow;-Wno-subobject-linkage>)
   # A precompiled header of 100 MB makes GCC collect garbage again and again, a tenth of its time: only above 512 MB.
   target_compile_options(lucarium_build_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=524288>)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)

@@ -6,6 +6,7 @@
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/name.h"
 #include "lucarium/base/error.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/bvh/bvh.h"
 
 namespace lucarium::bundle {
@@ -25,14 +26,14 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       program(make_technique_program(*c.device, plan.channels.defines())),
       interior(kept.interior ? std::move(kept.interior)
                              : std::make_unique<TexelInterior>(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas,
-                                                               technique_name, "lower texels")),
+                                                               technique_name, remedies::lower_texels)),
       accessibility(kept.accessibility ? std::move(kept.accessibility)
                                        : std::make_unique<SideAccessibility>(
                                              *c.device, c.scene_buffers, *atlas,
                                              SideAccessibility::Options{p.pixel_size, p.access_gap, p.access_rays},
-                                             technique_name, "lower texels")),
+                                             technique_name, remedies::lower_texels)),
       side_light(*c.device, c.scheduler, c.scene_buffers, c.bvh(), *atlas, *accessibility, plan.light_kinds,
-                 technique_name, "lower texels"),
+                 technique_name, remedies::lower_texels),
       means(*c.device, c.scheduler, program, *atlas, accessibility->shares(), side_light.light_samples(), plan.channels,
             p),
       preview(plan.preview ? std::make_unique<SidePreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),

@@ -10,6 +10,7 @@
 #include "bundle_exchange/exchange/bundle_transfer.h"
 #include "bundle_exchange/pixels/debug_layers.h"
 #include "bundle_exchange/specular/side_specular.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/texel_sides/side_light.h"
 #include "lucarium/shared/texel_sides.h"
 #include "lucarium/technique/technique_state.h"
@@ -48,7 +49,7 @@ BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const Ren
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
   plan.atlas.samples = SIDE_POINTS;
-  plan.atlas.remedy = "lower texels";
+  plan.atlas.remedy = remedies::lower_texels;
   const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 32768, 262144);
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   // Direct light needs no lobes of texel sides: they begin behind the first scattering.

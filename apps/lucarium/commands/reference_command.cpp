@@ -89,7 +89,7 @@ nlohmann::ordered_json header_value(const std::string& key, const std::string& t
   return value.is_number() ? value : nlohmann::ordered_json(text);
 }
 
-nlohmann::ordered_json summary_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file,
+nlohmann::ordered_json reference_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file,
                                     bool goal_reached) {
   nlohmann::ordered_json json;
   json["schema"] = "lucarium-reference-1";
@@ -165,7 +165,7 @@ int render_reference(ReferenceArguments arguments, const Messages& messages) {
     if (log_level() >= LogLevel::warning) print_note("{}", to_text(halves));
   }
   if (messages.json) {
-    print_result("{}\n", summary_json(image, rounds_before, arguments.file, done).dump(2));
+    print_result("{}\n", reference_json(image, rounds_before, arguments.file, done).dump(2));
   } else {
     print_result("{}: {} per pixel, its own relMSE {}\n", arguments.file.string(), counted(image.samples(), "sample"),
                  image.error_known() ? fmt::format("{:.3g}", image.error().relmse)

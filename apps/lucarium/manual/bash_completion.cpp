@@ -10,7 +10,7 @@
 namespace lucarium::app {
 namespace {
 
-constexpr const char* head = R"bash(# bash completion of lucarium; made by `lucarium completion bash`.
+constexpr const char* bash_head = R"bash(# bash completion of lucarium; made by `lucarium completion bash`.
 
 # Names that the program knows, with those of its plug-ins.
 _lucarium_ask() {
@@ -138,7 +138,7 @@ std::string option_names(const CommandDeclaration& command, bool valued) {
 }  // namespace
 
 std::string bash_completion(const ProgramDeclaration& program) {
-  std::string names, text = head;
+  std::string names, text = bash_head;
   for (const CommandDeclaration& command : program.commands) names += (names.empty() ? "" : " ") + command.name;
   text += fmt::format("  local commands='{}'\n  _lucarium_options() {{\n    case $command in\n", names);
   std::map<std::string, std::vector<std::string>> values, places;

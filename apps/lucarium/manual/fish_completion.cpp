@@ -10,7 +10,7 @@ namespace {
 
 constexpr size_t max_place = 1000;  // of a word that may be given several times
 
-constexpr const char* head = R"fish(# fish completion of lucarium; made by `lucarium completion fish`.
+constexpr const char* fish_head = R"fish(# fish completion of lucarium; made by `lucarium completion fish`.
 
 # The first word that is no option is $argv, or there is none and neither is $argv.
 function __lucarium_command
@@ -115,7 +115,7 @@ std::string lines(const CommandDeclaration& command, const std::string& name, co
 }  // namespace
 
 std::string fish_completion(const ProgramDeclaration& program) {
-  std::string names, text = head + valued_options(program);
+  std::string names, text = fish_head + valued_options(program);
   for (const CommandDeclaration& command : program.commands) {
     names += (names.empty() ? "" : " ") + command.name;
     text += fmt::format("complete -c lucarium -n __lucarium_command -a {} -d {}\n", command.name, quoted(command.text));

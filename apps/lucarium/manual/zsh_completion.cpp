@@ -8,7 +8,7 @@
 namespace lucarium::app {
 namespace {
 
-constexpr const char* head = R"zsh(#compdef lucarium
+constexpr const char* zsh_head = R"zsh(#compdef lucarium
 # zsh completion of lucarium; made by `lucarium completion zsh`.
 
 # Names that the program knows, with those of its plug-ins.
@@ -102,7 +102,7 @@ std::string arguments(const CommandDeclaration& command, const std::string& inde
 }  // namespace
 
 std::string zsh_completion(const ProgramDeclaration& program) {
-  std::string text = head;
+  std::string text = zsh_head;
   for (const CommandDeclaration& command : program.commands)
     text += fmt::format("    '{}:{}'\n", command.name, escape(command.text));
   text += begin;

@@ -17,6 +17,8 @@ inline constexpr double level = 1e-3;
 inline constexpr double rounding = 2e-4;
 /// Independent seeds of statistical checks.
 inline constexpr size_t seeds = 8;
+/// Noise above this part of the expected value shows too little to call a check passed.
+inline constexpr double largest_noise = 0.05;
 
 struct Outcome {
   Verdict verdict = Verdict::passed;

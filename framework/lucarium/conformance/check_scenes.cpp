@@ -5,12 +5,11 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/builtin/builder.h"
 
 namespace lucarium::check {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 void add_floor(Scene& scene, float half, int material) {
   add_instance(

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "lucarium/base/numbers.h"
 #include "lucarium/conformance/check_scenes.h"
 #include "lucarium/conformance/checks.h"
 #include "lucarium/scene/load/load_scene.h"
@@ -10,10 +11,6 @@
 
 namespace lucarium::check {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
-/// A standard error above this part of the expected value shows too little to call it passed.
-constexpr double largest_noise = 0.05;
 
 /// Mean over the middle of the image, all channels.
 double middle_mean(const std::vector<float>& image, uint32_t width, uint32_t height) {

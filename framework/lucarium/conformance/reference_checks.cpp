@@ -12,7 +12,6 @@ namespace {
 const char* const reference_name = "path_tracing";
 constexpr uint64_t reference_samples = 64;
 constexpr uint64_t reference_seed = 1000;  // apart from those of the technique
-constexpr double largest_noise = 0.05;     // of the blocks, relative; more shows too little to call it passed
 
 std::vector<std::vector<float>> technique_images(CheckContext& context, const Scene& scene) {
   std::vector<std::vector<float>> images;

@@ -9,13 +9,12 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/luminance.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/base/srgb.h"
 #include "lucarium/metrics/ssim.h"
 
 namespace lucarium {
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// An image as PSNR and SSIM see it. Values that are not finite are 0.
 struct Encoded {

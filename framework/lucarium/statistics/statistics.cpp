@@ -6,13 +6,12 @@
 #include <limits>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/statistics/student_t.h"
 
 namespace lucarium {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double greatest_reference_share = 0.1;
 
 void check_pairs(const std::vector<double>& a, const std::vector<double>& b) {

@@ -4,13 +4,14 @@
 #include <bit>
 #include <cstring>
 
+#include "lucarium/compute/device/remedies.h"
+
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
 namespace lucarium::bidirectional {
 
 namespace {
 
-const char* const kRemedy = "lower --size";
 constexpr size_t kSlice = 1 << 16;
 constexpr uint32_t kBoundsChunk = 1 << 12, kLookUpChunk = 1 << 6;
 
@@ -50,8 +51,8 @@ BundleEdges::BundleEdges(Device& device, KernelScheduler& scheduler, const Scene
                             {"bidirectional_vpl/bundles/bundle_views", "bidirectional_vpl/bundles/look_up_bundle"},
                             bundle_defines(plan))),
       views_(device, owner, "views of bundles", plan.settings.bundles, "lower bundles"),
-      keys_(device, owner, "bundles of rays", plan.settings.pixels, kRemedy),
-      order_(device, owner, "rays by bundle", plan.settings.pixels, kRemedy),
+      keys_(device, owner, "bundles of rays", plan.settings.pixels, remedies::lower_size),
+      order_(device, owner, "rays by bundle", plan.settings.pixels, remedies::lower_size),
       starts_(device, owner, "first rays of bundles", plan.settings.bundles + 1),
       ranges_(plan.settings.bundles + 1) {
   record_prepare(rays);

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bidirectional_vpl/eye/caches.h"
 
+#include "bidirectional_vpl/base/slices.h"
+
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
 namespace lucarium::bidirectional {
 
 namespace {
 
-const char* const kRemedy = "lower --size or set caches=off";
-constexpr size_t kSlice = 1 << 15;
+const char* const kWithoutCaches = "lower --size or set caches=off";
 
 }  // namespace
 
@@ -20,11 +21,11 @@ Caches::Caches(Device& device, KernelScheduler& scheduler, const SceneBuffers& s
       pixels_(plan.settings.pixels),
       surfaces_(device, scheduler, scene, intersector, frame, owner),
       program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/eye/caches"}, {})),
-      caches_(device, owner, "caches of the frame before", size_t{BIDIRECTIONAL_SUB_PIXELS} * pixels_, kRemedy),
-      kept_(device, owner, "caches", size_t{BIDIRECTIONAL_SUB_PIXELS} * pixels_, kRemedy),
-      positions_(device, owner, "vertices of the frame before", scene.scene_vertices.count(), kRemedy),
-      present_(device, owner, "vertices of the frame", scene.scene_vertices.count(), kRemedy),
-      reused_(device, owner, "light from caches", pixels_, kRemedy) {
+      caches_(device, owner, "caches of the frame before", size_t{BIDIRECTIONAL_SUB_PIXELS} * pixels_, kWithoutCaches),
+      kept_(device, owner, "caches", size_t{BIDIRECTIONAL_SUB_PIXELS} * pixels_, kWithoutCaches),
+      positions_(device, owner, "vertices of the frame before", scene.scene_vertices.count(), kWithoutCaches),
+      present_(device, owner, "vertices of the frame", scene.scene_vertices.count(), kWithoutCaches),
+      reused_(device, owner, "light from caches", pixels_, kWithoutCaches) {
   record_look_up(scene, owner);
   record_advance(scene, owner);
 }

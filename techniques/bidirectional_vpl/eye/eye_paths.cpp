@@ -5,18 +5,13 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/services/ray_ends.h"
 
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
 namespace lucarium::bidirectional {
-
-namespace {
-
-const char* const kRemedy = "lower --size";
-
-}  // namespace
 
 std::map<std::string, std::string> EyePaths::defines() const {
   std::map<std::string, std::string> all = ray_end_defines(intersector_);
@@ -41,18 +36,19 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
                              "bidirectional_vpl/eye/shade_eye_vertices", "bidirectional_vpl/eye/add_eye_light",
                              "bidirectional_vpl/eye/add_iteration", "lucarium/services/path_integrator/advance_paths"},
                             defines())),
-      rays_(device, owner, "rays of camera paths", plan.settings.pixels, kRemedy),
-      ends_(make_ray_ends(device, intersector, owner, "ends of rays of camera paths", plan.settings.pixels, kRemedy)),
-      queue_(device, owner, "queue of camera paths", plan.settings.pixels, kRemedy),
+      rays_(device, owner, "rays of camera paths", plan.settings.pixels, remedies::lower_size),
+      ends_(make_ray_ends(device, intersector, owner, "ends of rays of camera paths", plan.settings.pixels,
+                          remedies::lower_size)),
+      queue_(device, owner, "queue of camera paths", plan.settings.pixels, remedies::lower_size),
       active_(device, owner, "active camera paths", 1),
       counts_(device, owner, "events of camera paths", BIDIRECTIONAL_COUNTS),
-      states_(device, owner, "camera paths", plan.settings.pixels, kRemedy),
+      states_(device, owner, "camera paths", plan.settings.pixels, remedies::lower_size),
       mis_(device, owner, "weights of camera paths", size_t{plan.settings.pixels} * std::max(plan.light_vertices, 1u),
-           kRemedy),
-      sample_(device, owner, "light of a sample", size_t{plan.settings.pixels} * plan.layers(), kRemedy),
-      hits_(device, owner, "hits of camera paths", keeps_hits() ? plan.settings.pixels : 1, kRemedy),
+           remedies::lower_size),
+      sample_(device, owner, "light of a sample", size_t{plan.settings.pixels} * plan.layers(), remedies::lower_size),
+      hits_(device, owner, "hits of camera paths", keeps_hits() ? plan.settings.pixels : 1, remedies::lower_size),
       first_vertices_(device, owner, "first vertices of camera paths",
-                      plan.gloss == Gloss::none ? 1 : plan.settings.pixels, kRemedy),
+                      plan.gloss == Gloss::none ? 1 : plan.settings.pixels, remedies::lower_size),
       no_vertices_(device, owner, "no light vertices", 1),
       no_densities_(device, owner, "no densities", 1),
       no_list_(device, owner, "no list", std::vector<uint32_t>{0}),

@@ -3,19 +3,13 @@
 // The schedules of camera paths. Declared in bidirectional_vpl/eye/eye_paths.h.
 #include <cstring>
 
+#include "bidirectional_vpl/base/slices.h"
 #include "bidirectional_vpl/eye/eye_paths.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/ray_ends.h"
 #include "lucarium/shared/ray.h"
 
 namespace lucarium::bidirectional {
-
-namespace {
-
-const char* const kRemedy = "lower --size";
-constexpr size_t kSlice = 1 << 15;
-constexpr uint32_t kCountChunk = 1 << 14;
-
-}  // namespace
 
 void EyePaths::record_begin() {
   ScheduleRecorder recorder = scheduler_.record("begin camera paths", owner_);
@@ -48,11 +42,11 @@ EyePaths::ShadowedLight EyePaths::shadowed_light(ScheduleRecorder& recorder, con
   const uint32_t capacity = plan_.settings.pixels;
   const std::string rays = "shadow rays of " + name;
   return {name,
-          recorder.transient<Ray>(rays, capacity, kRemedy),
-          transient_ray_ends(recorder, intersector_, "ends of " + rays, capacity, kRemedy),
-          recorder.transient<float4>(name, capacity, kRemedy),
-          recorder.transient<uint32_t>("sources of " + name, capacity, kRemedy),
-          recorder.transient<uint32_t>("hidden " + name, capacity, kRemedy)};
+          recorder.transient<Ray>(rays, capacity, remedies::lower_size),
+          transient_ray_ends(recorder, intersector_, "ends of " + rays, capacity, remedies::lower_size),
+          recorder.transient<float4>(name, capacity, remedies::lower_size),
+          recorder.transient<uint32_t>("sources of " + name, capacity, remedies::lower_size),
+          recorder.transient<uint32_t>("hidden " + name, capacity, remedies::lower_size)};
 }
 
 void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& light, const BufferRef& hits,
@@ -60,7 +54,8 @@ void EyePaths::record_shadowed(ScheduleRecorder& recorder, const ShadowedLight& 
   const uint32_t capacity = plan_.settings.pixels;
   BufferRef traced = light.rays;
   if (tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS ? plan_.direct_maps : plan_.vpl_maps) {
-    traced = recorder.transient<Ray>("shadow rays of " + light.name + " that are traced", capacity, kRemedy);
+    traced =
+        recorder.transient<Ray>("shadow rays of " + light.name + " that are traced", capacity, remedies::lower_size);
     const ShadowRays rays = {light.rays, active_, hits, light.sources, light.values, traced, capacity};
     if (plan_.direct_maps && tests == BIDIRECTIONAL_COUNT_LIGHT_TESTS)
       maps_.direct()->record_test(recorder, rays);
@@ -146,11 +141,12 @@ void EyePaths::record_bounce() {
   bounce_index_ = recorder.variable("sample", 0u);
   const uint32_t capacity = plan_.settings.pixels;
   BufferRef hits = hits_;
-  if (!keeps_hits()) hits = recorder.transient<Hit>("hits", capacity, kRemedy);
-  const NextRays next = {recorder.transient<Ray>("next rays", capacity, kRemedy),
-                         transient_ray_ends(recorder, intersector_, "ends of next rays", capacity, kRemedy),
-                         recorder.transient<uint32_t>("next queue", capacity, kRemedy),
-                         recorder.transient<uint32_t>("alive", capacity, kRemedy)};
+  if (!keeps_hits()) hits = recorder.transient<Hit>("hits", capacity, remedies::lower_size);
+  const NextRays next = {
+      recorder.transient<Ray>("next rays", capacity, remedies::lower_size),
+      transient_ray_ends(recorder, intersector_, "ends of next rays", capacity, remedies::lower_size),
+      recorder.transient<uint32_t>("next queue", capacity, remedies::lower_size),
+      recorder.transient<uint32_t>("alive", capacity, remedies::lower_size)};
   const ShadowedLight samples = shadowed_light(recorder, "light samples");
   const ShadowedLight connections = shadowed_light(recorder, "connections");
 
@@ -204,7 +200,7 @@ void EyePaths::record_shade(ScheduleRecorder& recorder, const BufferRef& hits, c
 
 void EyePaths::record_advance(ScheduleRecorder& recorder, const NextRays& next) {
   const uint32_t capacity = plan_.settings.pixels;
-  const BufferRef survivors = recorder.transient<uint32_t>("survivors", capacity, kRemedy);
+  const BufferRef survivors = recorder.transient<uint32_t>("survivors", capacity, remedies::lower_size);
   const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
   primitives_.record_compact(recorder, "compact camera paths", next.alive, survivors, next_active, 0, active_, 0,
                              capacity);

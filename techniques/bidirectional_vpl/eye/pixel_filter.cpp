@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bidirectional_vpl/eye/pixel_filter.h"
 
+#include "bidirectional_vpl/base/slices.h"
+#include "lucarium/compute/device/remedies.h"
+
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
 namespace lucarium::bidirectional {
@@ -13,12 +16,12 @@ PixelFilter::PixelFilter(Device& device, KernelScheduler& scheduler, const Scene
       side_(plan.settings.interleave),
       surfaces_(device, scheduler, scene, intersector, frame, owner),
       program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/eye/filter_pixels"}, {})),
-      filtered_(device, owner, "filtered light", plan.settings.pixels, "lower --size") {
+      filtered_(device, owner, "filtered light", plan.settings.pixels, remedies::lower_size) {
   ScheduleRecorder recorder = scheduler_.record("filter pixels", owner);
   frame_variable_ = recorder.variable("frame", frame_);
   recorder.pass("filter pixels", program_, "filter_pixels")
       .global(plan.settings.pixels)
-      .slice(1 << 15)
+      .slice(kSlice)
       .arg("frame", frame_variable_)
       .arg("points", surfaces_.points())
       .arg("side", side_)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "bidirectional_vpl/base/slices.h"
 #include "lucarium/services/ray_ends.h"
 
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
@@ -11,8 +12,7 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-constexpr uint32_t kFaces = 6;
-constexpr size_t kSlice = 1 << 15;
+constexpr uint32_t kLightFaces = 6;
 
 std::vector<uint32_t> lights_with_a_place(const SceneBuffers& scene) {
   std::vector<uint32_t> list;
@@ -42,8 +42,8 @@ LightMaps::LightMaps(Device& device, KernelScheduler& scheduler, const SceneBuff
       program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/maps/light_maps"}, {})),
       light_list_(device, owner, "lights of " + name, lights_.empty() ? std::vector<uint32_t>{LUCARIUM_NONE} : lights_),
       place_list_(device, owner, "places of lights in " + name, places_),
-      views_(device, owner, "views of " + name, kFaces * std::max<size_t>(lights_.size(), 1), remedy),
-      triangles_(device, owner, name, std::max<size_t>(lights_.size(), 1) * kFaces * side * side, remedy),
+      views_(device, owner, "views of " + name, kLightFaces * std::max<size_t>(lights_.size(), 1), remedy),
+      triangles_(device, owner, name, std::max<size_t>(lights_.size(), 1) * kLightFaces * side * side, remedy),
       faces_(scheduler, scene, name, side, program_, "keep_cube_face", views_, triangles_, owner) {
   views_.fill_zero();
   triangles_.fill_zero();
@@ -66,7 +66,7 @@ bool LightMaps::fill(uint32_t seed, uint32_t sample) {
   prepare_.set(seed_, seed);
   prepare_.set(sample_, sample);
   if (scheduler_.run(prepare_) == RunResult::cancelled) return false;
-  return faces_.fill(kFaces * static_cast<uint32_t>(lights_.size()));
+  return faces_.fill(kLightFaces * static_cast<uint32_t>(lights_.size()));
 }
 
 BufferRef LightMaps::record_light_paths(ScheduleRecorder& recorder, const Intersector& intersector,
@@ -124,7 +124,7 @@ void LightMaps::warm_up() {
 }
 
 size_t LightMaps::estimate_bytes(size_t triangles, size_t lights, uint32_t side) {
-  return lights * kFaces * (size_t{side} * side * sizeof(uint32_t) + sizeof(LayeredView)) +
+  return lights * kLightFaces * (size_t{side} * side * sizeof(uint32_t) + sizeof(LayeredView)) +
          FaceRaster::estimate_bytes(triangles, side);
 }
 

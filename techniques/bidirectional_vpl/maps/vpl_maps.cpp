@@ -3,15 +3,16 @@
 
 #include <cmath>
 
+#include "bidirectional_vpl/base/slices.h"
+
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
 namespace lucarium::bidirectional {
 
 namespace {
 
-const char* const kRemedy = "lower map_res, light_paths or light_vertices, or set vpl_visibility=rays";
-constexpr uint32_t kFaces = 5;
-constexpr size_t kSlice = 1 << 15;
+const char* const kSmallerMaps = "lower map_res, light_paths or light_vertices, or set vpl_visibility=rays";
+constexpr uint32_t kVplFaces = 5;
 
 /// Of one map.
 size_t texels(uint32_t side) { return size_t{3} * side * side; }
@@ -31,9 +32,9 @@ VplMaps::VplMaps(Device& device, KernelScheduler& scheduler, const SceneBuffers&
       side_(side(plan.map_res)),
       vertices_per_path_(plan.light_vertices),
       program_(make_program(device, bidirectional_vpl_kernels(), {"bidirectional_vpl/maps/vpl_maps"}, {})),
-      views_(device, owner, "views of VPL maps", kFaces * plan.vertex_slots(), kRemedy),
-      places_(device, owner, "places of VPL maps", plan.vertex_slots(), kRemedy),
-      triangles_(device, owner, "VPL maps", plan.vertex_slots() * texels(side_), kRemedy),
+      views_(device, owner, "views of VPL maps", kVplFaces * plan.vertex_slots(), kSmallerMaps),
+      places_(device, owner, "places of VPL maps", plan.vertex_slots(), kSmallerMaps),
+      triangles_(device, owner, "VPL maps", plan.vertex_slots() * texels(side_), kSmallerMaps),
       faces_(scheduler, scene, "VPL maps", side_, program_, "keep_vpl_face", views_, triangles_, owner) {
   ScheduleRecorder recorder = scheduler.record("views of VPL maps", owner);
   seed_ = recorder.variable("seed", 0u);
@@ -56,7 +57,7 @@ bool VplMaps::fill(uint32_t seed, uint32_t sample) {
   prepare_.set(seed_, seed);
   prepare_.set(sample_, sample);
   if (scheduler_.run(prepare_) == RunResult::cancelled) return false;
-  return faces_.fill(kFaces * vertices_.vertex_count());
+  return faces_.fill(kVplFaces * vertices_.vertex_count());
 }
 
 void VplMaps::record_test(ScheduleRecorder& recorder, const ShadowRays& rays) const {
@@ -85,7 +86,7 @@ void VplMaps::warm_up() {
 
 size_t VplMaps::estimate_bytes(const Plan& plan, size_t triangles) {
   const uint32_t edge = side(plan.map_res);
-  return plan.vertex_slots() * (texels(edge) * sizeof(uint32_t) + kFaces * sizeof(LayeredView) + sizeof(uint32_t)) +
+  return plan.vertex_slots() * (texels(edge) * sizeof(uint32_t) + kVplFaces * sizeof(LayeredView) + sizeof(uint32_t)) +
          FaceRaster::estimate_bytes(triangles, edge);
 }
 

@@ -7,14 +7,9 @@
 #include "bundle_exchange/base/late_weight.h"
 #include "bundle_exchange/base/name.h"
 #include "lucarium/base/seed.h"
+#include "lucarium/compute/device/remedies.h"
 
 namespace lucarium::bundle {
-namespace {
-
-const char* const kLowerSize = "lower --size";
-
-}  // namespace
-
 CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
                          const Intersector& intersector, const SurfaceAtlas& atlas, const SideMeans& means,
                          const SidePreview* preview, const Frame& frame, const Options& options)
@@ -27,7 +22,7 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
            : options.punctual ? DirectLight::kPunctualLights
                               : 0u),
       atlas_light_(device, technique_name, pixels_, {"direct", "indirect"}),
-      no_contributions_(device, technique_name, "nothing gathered", 2 * size_t{pixels_}, kLowerSize) {
+      no_contributions_(device, technique_name, "nothing gathered", 2 * size_t{pixels_}, remedies::lower_size) {
   if (preview) smooth_light_ = LayerSums(device, technique_name, pixels_, {"direct", "indirect"});
   if (options.gather != FinalGather::off && options.by_bundles)
     bundles_ = std::make_unique<PixelGather>(device, scheduler, program, scene, intersector, atlas, means,

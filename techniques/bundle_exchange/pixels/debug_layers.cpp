@@ -3,14 +3,9 @@
 
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/name.h"
+#include "bundle_exchange/pixels/side_state.h"
 
 namespace lucarium::bundle {
-namespace {
-
-const char* const kRemedy = "set debug_layers=off";
-
-}  // namespace
-
 DebugLayers::DebugLayers(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                          const SurfaceAtlas& atlas, const SideMeans& means, const SidePreview* preview,
                          const SideState* sides, const CameraLight& camera)
@@ -49,7 +44,7 @@ DebugLayers::Images DebugLayers::make_images(Device& device, const std::vector<s
   Images result;
   result.names = names;
   for (const std::string& name : names)
-    result.means.emplace_back(device, technique_name, "layer " + name, camera_->pixels(), kRemedy);
+    result.means.emplace_back(device, technique_name, "layer " + name, camera_->pixels(), no_debug_layers);
   return result;
 }
 

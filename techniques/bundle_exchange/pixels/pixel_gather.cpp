@@ -3,14 +3,9 @@
 
 #include "bundle_exchange/base/bundle_program.h"
 #include "bundle_exchange/base/name.h"
+#include "lucarium/compute/device/remedies.h"
 
 namespace lucarium::bundle {
-namespace {
-
-const char* const kLowerSize = "lower --size";
-
-}  // namespace
-
 PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Program& program, const SceneBuffers& scene,
                          const Intersector& intersector, const SurfaceAtlas& atlas, const SideMeans& means,
                          const TypedBuffer<GBufferPoint>& points, const Options& options)
@@ -22,10 +17,10 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Progr
       options_(options),
       points_(points),
       records_(means.records()),
-      contribution_(device, technique_name, "gathered in a batch", 2 * size_t{options.pixels}, kLowerSize),
-      gathered_(device, technique_name, "gathered by bundles", 2 * size_t{options.pixels}, kLowerSize),
-      shares_(device, technique_name, "shares of gathered light", options.pixels, kLowerSize),
-      rays_(device, technique_name, "rays of pixels not found", options.pixels, kLowerSize),
+      contribution_(device, technique_name, "gathered in a batch", 2 * size_t{options.pixels}, remedies::lower_size),
+      gathered_(device, technique_name, "gathered by bundles", 2 * size_t{options.pixels}, remedies::lower_size),
+      shares_(device, technique_name, "shares of gathered light", options.pixels, remedies::lower_size),
+      rays_(device, technique_name, "rays of pixels not found", options.pixels, remedies::lower_size),
       count_(device, technique_name, "number of pixels", std::vector<uint32_t>{options.pixels}) {
   ScheduleRecorder recorder = scheduler_->record("add gathered light", technique_name);
   directions_ = recorder.variable("directions", 0u);

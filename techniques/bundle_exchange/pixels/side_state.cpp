@@ -6,19 +6,13 @@
 #include "bundle_exchange/base/name.h"
 
 namespace lucarium::bundle {
-namespace {
-
-const char* const kRemedy = "set debug_layers=off";
-
-}  // namespace
-
 SideState::SideState(Device& device, KernelScheduler& scheduler, const SideMeans& means,
                      const TypedBuffer<float>& shares, const SideSpecular* specular)
     : scheduler_(&scheduler),
       accessibility_(&shares),
       has_history_(specular && specular->has_history()),
-      balance_(device, technique_name, "balance of texel sides", shares.count(), kRemedy),
-      history_(device, technique_name, "light of direction histories", shares.count(), kRemedy),
+      balance_(device, technique_name, "balance of texel sides", shares.count(), no_debug_layers),
+      history_(device, technique_name, "light of direction histories", shares.count(), no_debug_layers),
       no_light_(device, technique_name, "no light samples", 1) {
   const Program program = make_bundle_program(device, "pixels/mix_side_state", means.channels().defines());
   ScheduleRecorder balance = scheduler.record("add balance of texel sides", technique_name);

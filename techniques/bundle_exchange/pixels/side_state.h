@@ -4,6 +4,9 @@
 
 namespace lucarium::bundle {
 
+/// What to do when memory does not suffice.
+inline constexpr const char* no_debug_layers = "set debug_layers=off";
+
 /// What texel sides hold and send, for DebugLayers. What is sent differs from batch to batch, so that means are kept,
 /// in which the i-th value counts i², as in the image (CameraLight). Directions that carry emission only are not in
 /// them, nor are those of pixels only.

@@ -8,6 +8,7 @@
 
 #include "bundle_exchange/base/name.h"
 #include "bundle_exchange/shared/balance.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/technique/technique_state.h"
 
 namespace lucarium::bundle {
@@ -18,7 +19,6 @@ constexpr uint64_t kErrorBatches = 16;  // between two measurements of the error
 constexpr double kIndirectPart =
     0.7071;  // of the wanted error: half of its variance, the other half is for direct light
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
-const char* const kFewerTexels = "lower texels";
 
 }  // namespace
 
@@ -42,26 +42,27 @@ SideMeans::SideMeans(Device& device, KernelScheduler& scheduler, const Program& 
       chunks_((sides_ + BALANCE_CHUNK - 1) / BALANCE_CHUNK),
       light_samples_(light_samples),
       accessibility_(accessibility),
-      albedo_(device, technique_name, "albedo of texel sides", sides_, kFewerTexels),
-      emission_(device, technique_name, "emission of texel sides", sides_, kFewerTexels),
-      records_(device, technique_name, "exchange records", size_t{sides_} * 2 * channels.count, kFewerTexels),
-      senders_(device, technique_name, "sender means", size_t{sides_} * channels.reflected(), kFewerTexels),
-      display_(device, technique_name, "display means", size_t{sides_} * channels.count, kFewerTexels),
-      finished_(device, technique_name, "finished bounces", one_by_one() ? sides_ : 1, kFewerTexels),
+      albedo_(device, technique_name, "albedo of texel sides", sides_, remedies::lower_texels),
+      emission_(device, technique_name, "emission of texel sides", sides_, remedies::lower_texels),
+      records_(device, technique_name, "exchange records", size_t{sides_} * 2 * channels.count, remedies::lower_texels),
+      senders_(device, technique_name, "sender means", size_t{sides_} * channels.reflected(), remedies::lower_texels),
+      display_(device, technique_name, "display means", size_t{sides_} * channels.count, remedies::lower_texels),
+      finished_(device, technique_name, "finished bounces", one_by_one() ? sides_ : 1, remedies::lower_texels),
       statistics_(device, technique_name, "batch statistics", size_t{sides_} * (channels.exchanged() ? 2 : 1),
-                  kFewerTexels),
-      shown_(device, technique_name, "displayed texel sides", sides_, kFewerTexels),
-      shown_direct_(device, technique_name, "displayed direct light", channels.exchanged() ? sides_ : 1, kFewerTexels),
+                  remedies::lower_texels),
+      shown_(device, technique_name, "displayed texel sides", sides_, remedies::lower_texels),
+      shown_direct_(device, technique_name, "displayed direct light", channels.exchanged() ? sides_ : 1,
+                    remedies::lower_texels),
       diffuse_(device, technique_name, "diffuse senders", channels.chains ? size_t{sides_} * channels.reflected() : 1,
-               kFewerTexels),
-      radiance_(device, technique_name, "diffuse radiance", diffuse_.count(), kFewerTexels),
+               remedies::lower_texels),
+      radiance_(device, technique_name, "diffuse radiance", diffuse_.count(), remedies::lower_texels),
       chunk_sums_(device, technique_name, "balance of chunks", 2 * size_t{chunks_}),
       scale_(device, technique_name, "sender scale", std::vector<float4>{{1, 1, 1, 0}}),
       specular_(device, technique_name, "light of specular lobes", 1),
-      visible_(device, technique_name, "visible shares", sides_, kFewerTexels),
-      errors_(device, technique_name, "errors of texel sides", sides_, kFewerTexels),
-      indirect_errors_(device, technique_name, "errors of texel sides' indirect light", sides_, kFewerTexels),
-      values_(device, technique_name, "values of texel sides", sides_, kFewerTexels),
+      visible_(device, technique_name, "visible shares", sides_, remedies::lower_texels),
+      errors_(device, technique_name, "errors of texel sides", sides_, remedies::lower_texels),
+      indirect_errors_(device, technique_name, "errors of texel sides' indirect light", sides_, remedies::lower_texels),
+      values_(device, technique_name, "values of texel sides", sides_, remedies::lower_texels),
       sums_(device, technique_name, "sums of errors and values", 3) {
   record_materials(program, atlas, accessibility);
   record_senders(program);

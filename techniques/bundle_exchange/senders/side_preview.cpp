@@ -2,13 +2,13 @@
 #include "bundle_exchange/senders/side_preview.h"
 
 #include "bundle_exchange/base/name.h"
+#include "lucarium/compute/device/remedies.h"
 
 namespace lucarium::bundle {
 namespace {
 
 constexpr size_t kSlice = 1 << 18;  // texel sides between two looks whether to stop, less than 0.1 s
 constexpr uint32_t kLevels = 4;     // even: the last one ends in the first buffers. 31 cells across
-const char* const kFewerTexels = "lower texels";
 
 }  // namespace
 
@@ -17,10 +17,11 @@ SidePreview::SidePreview(Device& device, KernelScheduler& scheduler, const Progr
     : scheduler_(&scheduler), means_(&means) {
   const uint32_t sides = atlas.info().texel_count;
   for (int k = 0; k < 2; ++k) {
-    indirect_[k] = TypedBuffer<float4>(device, technique_name, "smoothed texel sides", sides, kFewerTexels);
+    indirect_[k] = TypedBuffer<float4>(device, technique_name, "smoothed texel sides", sides, remedies::lower_texels);
     direct_[k] = TypedBuffer<float4>(device, technique_name, "smoothed direct light",
-                                     means.channels().exchanged() ? sides : 1, kFewerTexels);
-    variance_[k] = TypedBuffer<float>(device, technique_name, "variance of smoothed texel sides", sides, kFewerTexels);
+                                     means.channels().exchanged() ? sides : 1, remedies::lower_texels);
+    variance_[k] =
+        TypedBuffer<float>(device, technique_name, "variance of smoothed texel sides", sides, remedies::lower_texels);
   }
   ScheduleRecorder recorder = scheduler.record("smooth texel sides", technique_name);
   correction_ = recorder.variable("correction", 0.f);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/files/embedded_files.h"
+#include "lucarium/compute/device/remedies.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
 
@@ -12,8 +13,7 @@ namespace {
 
 constexpr size_t kLargestBuffer = 64;           // edge of a micro-buffer
 constexpr int kPixelsPerSlice = 256 * 24 * 24;  // of micro-buffers; 20 to 200 ms: how soon a cancellation is felt
-const char* const kRemedy = "lower --size";
-const char* const kRemedyPoints = "lower points_log2";
+const char* const kFewerPoints = "lower points_log2";
 
 std::map<std::string, std::string> definitions(const MicroParameters& p, int edge, bool sky, bool dynamic,
                                                bool levels) {
@@ -38,11 +38,11 @@ std::map<std::string, std::string> definitions(const MicroParameters& p, int edg
 
 GatherResults::GatherResults(Device& device, const std::string& owner, const std::string& what, size_t count,
                              bool specular_too, bool sky_too)
-    : irradiance(device, owner, what + " irradiance", count, kRemedy),
-      specular(device, owner, what + " specular", specular_too ? 2 * count : 2, kRemedy),
-      statistics(device, owner, what + " statistics", count, kRemedy),
+    : irradiance(device, owner, what + " irradiance", count, remedies::lower_size),
+      specular(device, owner, what + " specular", specular_too ? 2 * count : 2, remedies::lower_size),
+      statistics(device, owner, what + " statistics", count, remedies::lower_size),
       micro_buffer(device, owner, what + " micro-buffer", kLargestBuffer * kLargestBuffer) {
-  if (sky_too) sky = TypedBuffer<float4>(device, owner, what + " environment", 3 * count, kRemedy);
+  if (sky_too) sky = TypedBuffer<float4>(device, owner, what + " environment", 3 * count, remedies::lower_size);
 }
 
 size_t GatherResults::estimate_bytes(size_t count, bool specular_too, bool sky_too) {
@@ -51,9 +51,9 @@ size_t GatherResults::estimate_bytes(size_t count, bool specular_too, bool sky_t
 }
 
 DynamicShading::DynamicShading(Device& device, const std::string& owner, size_t leaves)
-    : choices(device, owner, "leaves that nodes stand for", 2 * leaves, kRemedyPoints),
-      leaf_lights(device, owner, "light samples of leaves", leaves, kRemedyPoints),
-      leaf_lobes(device, owner, "lobes of leaves", leaves, kRemedyPoints) {}
+    : choices(device, owner, "leaves that nodes stand for", 2 * leaves, kFewerPoints),
+      leaf_lights(device, owner, "light samples of leaves", leaves, kFewerPoints),
+      leaf_lobes(device, owner, "lobes of leaves", leaves, kFewerPoints) {}
 
 size_t DynamicShading::estimate_bytes(size_t leaves) {
   return leaves * (2 * sizeof(MicroNodeChoice) + sizeof(MicroLeafLight) + sizeof(MicroLeafLobe));

@@ -13,7 +13,7 @@ namespace lucarium::micro {
 namespace {
 
 constexpr double kLeavesPerGather = 1024;  // of which a shadow ray each takes about as long as one gather
-const char* const kRemedy = "lower points_log2";
+const char* const kFewerPoints = "lower points_log2";
 // Apart from the gathers at pixels, which get the seed itself.
 constexpr uint32_t kNodeSeed = 0x6a61636fu;
 
@@ -39,7 +39,7 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
       program_(light_program(device, parameters)),
       primitives_(device) {
   const uint32_t leaves = forest.leaf_count();
-  direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kRemedy);
+  direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kFewerPoints);
   if (dynamic()) {
     shading_ = DynamicShading(device, owner, leaves);
     record_lobes();
@@ -48,7 +48,7 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
     paths_ = std::make_unique<PathLight>(device, scheduler, host_scene, scene, intersector, forest, parameters, bounces,
                                          direct_, shading_, owner);
   } else if (bounces > 1) {
-    irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kRemedy);
+    irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kFewerPoints);
     nodes_ = std::make_unique<NodeGather>(device, scheduler, scene, forest, gather, shading_, parameters, owner);
     record_bounce();
   }
@@ -70,9 +70,9 @@ void LeafLight::record_direct() {
 /// From the leaves' irradiance to the radiance of all nodes.
 void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance, bool choose) {
   const uint32_t leaves = forest_.leaf_count();
-  const BufferRef brightness = recorder.transient<float>("brightness of leaves", leaves, kRemedy);
+  const BufferRef brightness = recorder.transient<float>("brightness of leaves", leaves, kFewerPoints);
   const BufferRef brightest = recorder.transient<float>("brightest leaf", 1);
-  const BufferRef extremes = recorder.transient<float4>("extremes of nodes", size_t{2} * leaves, kRemedy);
+  const BufferRef extremes = recorder.transient<float4>("extremes of nodes", size_t{2} * leaves, kFewerPoints);
   recorder.pass("brightness of leaves", program_, "find_leaf_brightness")
       .global(leaves)
       .arg("irradiance", irradiance)

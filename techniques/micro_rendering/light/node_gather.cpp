@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kMinLevels = 6;   // of a small tree's level that gathers
 constexpr uint32_t kMaxOfLevel = 2;  // times as many nodes as the level alone has
-const char* const kRemedy = "lower jacobi_level";
+const char* const kLowerLevel = "lower jacobi_level";
 
 Program nodes_program(Device& device) {
   return make_program(device, micro_rendering_kernels(),
@@ -40,10 +40,10 @@ NodeGather::NodeGather(Device& device, KernelScheduler& scheduler, const SceneBu
   }
   const size_t max_nodes = size_t{kMaxOfLevel} * roots_;
   totals_ = TypedBuffer<uint32_t>(device, owner, "sizes of cuts", MICRO_CUT_LEVELS + 1);
-  cut_results_ = TypedBuffer<uint32_t>(device, owner, "first results of cuts", roots_, kRemedy);
-  leaf_results_ = TypedBuffer<uint32_t>(device, owner, "results of leaves", forest.leaf_count(), kRemedy);
+  cut_results_ = TypedBuffer<uint32_t>(device, owner, "first results of cuts", roots_, kLowerLevel);
+  leaf_results_ = TypedBuffer<uint32_t>(device, owner, "results of leaves", forest.leaf_count(), kLowerLevel);
   node_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers at nodes", 1);
-  gathers_ = TypedBuffer<MicroGather>(device, owner, "gathers at nodes", max_nodes, kRemedy);
+  gathers_ = TypedBuffer<MicroGather>(device, owner, "gathers at nodes", max_nodes, kLowerLevel);
   results_ = GatherResults(device, owner, "nodes'", max_nodes, false);
   record_list();
   record_gather();

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lucarium/base/files/embedded_files.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/base/seed.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
@@ -14,7 +15,7 @@ namespace {
 
 /// Largest radius of a density estimate over the one that is expected to hold photon_k photons.
 constexpr float kSearch = 2;
-const char* const kRemedy = "lower photons or points_log2";
+const char* const kFewerPhotons = "lower photons or points_log2";
 
 bool keeps_samples(const MicroParameters& parameters) { return parameters.node_shading == NodeShading::dynamic; }
 
@@ -45,7 +46,7 @@ LightPathOptions path_options(const MicroParameters& parameters, int bounces) {
   options.paths = paths_of(parameters);
   options.vertices = vertices_of(parameters, bounces);
   options.diffuse_only = true;
-  options.remedy = kRemedy;
+  options.remedy = kFewerPhotons;
   return options;
 }
 
@@ -64,7 +65,7 @@ LightAtPoints light_at_points(Device& device, const SceneBuffers& scene, const I
     else
       pass.arg("leaves", leaves);
   };
-  return LightAtPoints(device, scene, intersector, program, count, bind, owner, kRemedy);
+  return LightAtPoints(device, scene, intersector, program, count, bind, owner, kFewerPhotons);
 }
 
 LightAtPoints::Bind bind_light_sums(const MicroParameters& parameters, float weight,
@@ -90,7 +91,7 @@ PathLight::PathLight(Device& device, KernelScheduler& scheduler, const Scene& sc
       paths_(device, buffers, intersector, path_options(parameters, bounces), owner) {
   const uint32_t first = first_vertex(parameters);
   if (paths_.virtual_lights(first) == 0) return;
-  lights_ = TypedBuffer<VirtualLight>(device, owner, "photons", paths_.virtual_lights(first), kRemedy);
+  lights_ = TypedBuffer<VirtualLight>(device, owner, "photons", paths_.virtual_lights(first), kFewerPhotons);
   ScheduleRecorder recorder = scheduler_.record("light paths", owner_);
   frame_ = recorder.variable("frame", 0u);
   seed_ = recorder.variable("seed", 0u);
@@ -131,8 +132,7 @@ float PathLight::photon_cell() const {
   for (const ForestTree& tree : forest_.trees())
     area += static_cast<double>(tree.record.leaf_area) * tree.leaves() *
             std::pow(static_cast<double>(tree.record.world_step), 2);
-  const auto expected =
-      static_cast<float>(std::sqrt(parameters_.photon_k * area / (3.14159265358979 * paths_of(parameters_))));
+  const auto expected = static_cast<float>(std::sqrt(parameters_.photon_k * area / (pi * paths_of(parameters_))));
   return kSearch * std::max(expected, 1e-9f);
 }
 

@@ -7,6 +7,7 @@
 
 #include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/seed.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/compute/program/source_library.h"
 
 const lucarium::EmbeddedSources& micro_rendering_kernels();
@@ -16,7 +17,6 @@ namespace {
 
 constexpr uint32_t kRun = 256;  // pixels whose statistics one work-item sums
 constexpr size_t kMicroPixels = 64 * 64;
-const char* const kRemedy = "lower --size";
 
 Program pixel_program(Device& device, const MicroParameters& parameters) {
   return make_program(device, micro_rendering_kernels(),
@@ -58,14 +58,16 @@ PixelGather::PixelGather(Device& device, KernelScheduler& scheduler, const Scene
     inspect_ = static_cast<uint32_t>(parameters.inspect_y) * width + static_cast<uint32_t>(parameters.inspect_x);
   results_ = GatherResults(device, owner, "pixels'", sides_ * pixels, true, parameters.gather_env);
   if (parameters.keeps_levels())
-    results_.levels = TypedBuffer<float4>(device, owner, "levels of micro-buffers", sides_ * pixels, kRemedy);
+    results_.levels =
+        TypedBuffer<float4>(device, owner, "levels of micro-buffers", sides_ * pixels, remedies::lower_size);
   added_ = interpolates() ? width * height : capacity_;
-  failed_ = TypedBuffer<uint32_t>(device, owner, "failed interpolations", pixels, kRemedy);
+  failed_ = TypedBuffer<uint32_t>(device, owner, "failed interpolations", pixels, remedies::lower_size);
   failed_count_ = TypedBuffer<uint32_t>(device, owner, "number of failed interpolations", 1);
   gather_count_ = TypedBuffer<uint32_t>(device, owner, "number of gathers", 1);
-  indirect_ = TypedBuffer<float4>(device, owner, "indirect light", pixels, kRemedy);
-  inspected_ = TypedBuffer<float4>(device, owner, "inspected sums", pixels, kRemedy);
-  if (parameters.gather_env) sky_ = TypedBuffer<float4>(device, owner, "light of the environment", pixels, kRemedy);
+  indirect_ = TypedBuffer<float4>(device, owner, "indirect light", pixels, remedies::lower_size);
+  inspected_ = TypedBuffer<float4>(device, owner, "inspected sums", pixels, remedies::lower_size);
+  if (parameters.gather_env)
+    sky_ = TypedBuffer<float4>(device, owner, "light of the environment", pixels, remedies::lower_size);
   kept_micro_buffer_ = TypedBuffer<float4>(device, owner, "kept micro-buffer", kMicroPixels);
   record_gather();
   record_add();
@@ -93,8 +95,10 @@ void PixelGather::record_gather() {
   ScheduleRecorder recorder = scheduler_.record("gather at pixels", owner_);
   gather_sub_ = recorder.variable("sub_image", SubImage{});
   settings_ = recorder.variable("settings", MicroSettings{});
-  const BufferRef keys = recorder.transient<uint32_t>("keys of pixels", size_t{sides_} * capacity_, kRemedy);
-  const BufferRef values = recorder.transient<uint32_t>("sorted pixels", size_t{sides_} * capacity_, kRemedy);
+  const BufferRef keys =
+      recorder.transient<uint32_t>("keys of pixels", size_t{sides_} * capacity_, remedies::lower_size);
+  const BufferRef values =
+      recorder.transient<uint32_t>("sorted pixels", size_t{sides_} * capacity_, remedies::lower_size);
   PassBuilder keying = recorder.pass("keys of pixels", program_, "make_gather_keys");
   scene_.bind(keying);
   keying.global(capacity_)
@@ -115,7 +119,7 @@ void PixelGather::record_gather() {
 /// From keys of pixels to gathers in their order, and the gathers themselves. `failed`: where interpolation failed.
 void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys, const BufferRef& values,
                                const BufferRef& count, uint32_t capacity, bool failed) {
-  const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity, kRemedy);
+  const BufferRef gathers = recorder.transient<MicroGather>("gathers", capacity, remedies::lower_size);
   primitives_.record_sort_pairs(recorder, "sort pixels", keys, values, capacity, 31);
   PassBuilder fill = recorder.pass("list gathers", program_, "list_gathers");
   scene_.bind(fill);
@@ -140,8 +144,10 @@ void PixelGather::list_gathers(ScheduleRecorder& recorder, const BufferRef& keys
 void PixelGather::record_upsample(ScheduleRecorder& recorder) {
   const uint32_t pixels = width_ * height_;
   footprint_ = recorder.variable("footprint", float2(0, 0));
-  const BufferRef keys = recorder.transient<uint32_t>("keys of failed pixels", size_t{sides_} * pixels, kRemedy);
-  const BufferRef values = recorder.transient<uint32_t>("sorted failed pixels", size_t{sides_} * pixels, kRemedy);
+  const BufferRef keys =
+      recorder.transient<uint32_t>("keys of failed pixels", size_t{sides_} * pixels, remedies::lower_size);
+  const BufferRef values =
+      recorder.transient<uint32_t>("sorted failed pixels", size_t{sides_} * pixels, remedies::lower_size);
   PassBuilder pass = recorder.pass("upsample", program_, "upsample_gathers");
   scene_.bind(pass);
   pass.global(pixels)

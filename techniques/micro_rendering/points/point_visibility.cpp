@@ -12,7 +12,7 @@ constexpr uint32_t kFrontWalks = 8, kBackWalks = 4;
 constexpr uint32_t kSteps =
     6;  // that bring a walk away: in the gap between two solids many steps end at fronts, few of them all along
 constexpr double kMinShare = 1.0 / 8;  // of points that are worth looking for
-const char* const kRemedy = "lower points_log2";
+const char* const kFewerPoints = "lower points_log2";
 
 uint32_t quantize_weight(float w) { return static_cast<uint32_t>(std::clamp(w * 65535.f, 0.f, 65535.f)); }
 
@@ -76,7 +76,8 @@ PointVisibility::PointVisibility(Device& device, KernelScheduler& scheduler, con
                                  const std::vector<TreeSource>& sources, float contact, const std::string& owner)
     : resting_(make_resting(device, scene_points, buffers, sources)),
       scene_points_(scene_points),
-      interior_(device, scheduler, buffers, resting_ ? *resting_ : intersector, {kSteps, contact}, owner, kRemedy) {}
+      interior_(device, scheduler, buffers, resting_ ? *resting_ : intersector, {kSteps, contact}, owner,
+                kFewerPoints) {}
 
 std::vector<bool> PointVisibility::fronts(const std::vector<SampledPoint>& points, const Progress& progress) const {
   return interior_.are_open(interior_points(points), {}, PointInterior::Side::own, kFrontWalks, progress);

@@ -9,6 +9,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/embedded_files.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compute/program/program.h"
 #include "micro_rendering/points/point_sampling.h"
@@ -29,7 +30,7 @@ constexpr double kContact = 0.01;       // of a disc's radius: fronts that are n
 constexpr double kMaxPilots = 1 << 14;  // points that estimate how much of a tree is visible
 constexpr double kBent = 30;  // degrees that the normals of a pair of leaves are off their mean, for fine details
 constexpr uint32_t kPlacingSeed = 1;  // every run of a scene has the same points
-const char* const kRemedy = "lower points_log2";
+const char* const kFewerPoints = "lower points_log2";
 const char* const kDerivation = "points and hierarchy";
 
 Program forest_program(Device& device) {
@@ -149,8 +150,7 @@ void PointForest::place(std::vector<TreeSource> sources) {
   // Of what rests nothing may depend on where things move.
   std::unique_ptr<PointVisibility> visibility;
   if (options_.skip_hidden && sources.front().kind == TreeKind::resting) {
-    const double disc =
-        static_cast<double>(options_.disc_scale) * std::sqrt(areas.front() / (3.14159265358979 * expected));
+    const double disc = static_cast<double>(options_.disc_scale) * std::sqrt(areas.front() / (pi * expected));
     visibility = std::make_unique<PointVisibility>(device_, scheduler_, points, buffers_, *options_.intersector,
                                                    sources, static_cast<float>(kContact * disc), owner_);
   }
@@ -197,11 +197,11 @@ void PointForest::place(std::vector<TreeSource> sources) {
   }
   visibility.reset();
   leaf_count_ = static_cast<uint32_t>(all_leaves.size());
-  leaves = TypedBuffer<MicroLeaf>(device_, owner_, "leaves", all_leaves, kRemedy);
-  leaf_albedo = TypedBuffer<uint2>(device_, owner_, "albedo of leaves", leaf_count_, kRemedy);
-  nodes = TypedBuffer<uint4>(device_, owner_, "nodes", size_t{2} * leaf_count_, kRemedy);
-  clips = TypedBuffer<uint4>(device_, owner_, "bounds of discs", leaf_count_, kRemedy);
-  radiance = TypedBuffer<uint2>(device_, owner_, "radiance of nodes", size_t{2} * leaf_count_, kRemedy);
+  leaves = TypedBuffer<MicroLeaf>(device_, owner_, "leaves", all_leaves, kFewerPoints);
+  leaf_albedo = TypedBuffer<uint2>(device_, owner_, "albedo of leaves", leaf_count_, kFewerPoints);
+  nodes = TypedBuffer<uint4>(device_, owner_, "nodes", size_t{2} * leaf_count_, kFewerPoints);
+  clips = TypedBuffer<uint4>(device_, owner_, "bounds of discs", leaf_count_, kFewerPoints);
+  radiance = TypedBuffer<uint2>(device_, owner_, "radiance of nodes", size_t{2} * leaf_count_, kFewerPoints);
   radiance_unit = TypedBuffer<float>(device_, owner_, "unit of radiance", std::vector<float>{1.f});
   tree_records = TypedBuffer<MicroTree>(device_, owner_, "trees", trees_.size());
 }
@@ -269,8 +269,7 @@ void PointForest::derive(const std::vector<size_t>& which) {
     MicroLeafRules rules{};
     rules.tree = number;
     rules.object_space = tree.kind == TreeKind::rigid;
-    rules.disc_radius =
-        options_.disc_scale * static_cast<float>(std::sqrt(tree.placed_area / (3.14159265358979 * tree.leaves())));
+    rules.disc_radius = options_.disc_scale * static_cast<float>(std::sqrt(tree.placed_area / (pi * tree.leaves())));
     rules.all_cullable = options_.all_cullable;
     rules.min_area = 1 / (options_.disc_scale * options_.disc_scale);
     PassBuilder leaf_pass = recorder.pass("update leaves", program_, "update_leaves");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/direct_light/direct_light.h"
 #include "lucarium/shared/layered_raster.h"
 #include "lucarium/shared/texel_sides.h"
@@ -29,7 +30,7 @@ bool has_specular_lobes(const Scene& scene) {
 Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   Plan plan;
   plan.atlas.samples = SIDE_POINTS;
-  plan.atlas.remedy = "lower texels";
+  plan.atlas.remedy = remedies::lower_texels;
   const uint64_t automatic = std::clamp<uint64_t>(uint64_t{8} * settings.width * settings.height, 32768, 262144);
   plan.atlas.texel_count = parameters.texels > 0 ? static_cast<uint64_t>(parameters.texels) : automatic;
   const bool samples = parameters.eye_direct == EyeDirect::samples, punctual = !scene.lights.empty();

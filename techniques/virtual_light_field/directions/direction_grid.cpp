@@ -5,13 +5,13 @@
 #include <cmath>
 #include <random>
 
+#include "lucarium/base/numbers.h"
 #include "lucarium/shared/hash.h"
 #include "lucarium/shared/sobol_points.h"
 
 namespace lucarium::vlf {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr uint64_t kRotationStream = 0x726f7461;
 constexpr uint64_t kFilmStream = 0x66696c6d, kPerturbedStream = 0x70657274;
 
@@ -21,7 +21,7 @@ double uniform(std::mt19937_64& random) { return static_cast<double>(random() >>
 /// A uniform rotation (Shoemake 1992, "Uniform Random Rotations").
 glm::dmat3 random_rotation(uint64_t seed) {
   std::mt19937_64 random(seed ^ kRotationStream);
-  const double u = uniform(random), a = 2 * kPi * uniform(random), b = 2 * kPi * uniform(random);
+  const double u = uniform(random), a = 2 * pi * uniform(random), b = 2 * pi * uniform(random);
   const double x = std::sqrt(1 - u) * std::sin(a), y = std::sqrt(1 - u) * std::cos(a), z = std::sqrt(u) * std::sin(b),
                w = std::sqrt(u) * std::cos(b);
   return {1 - 2 * (y * y + z * z), 2 * (x * y + w * z),     2 * (x * z - w * y),
@@ -32,7 +32,7 @@ glm::dmat3 random_rotation(uint64_t seed) {
 /// Grid axes.
 glm::dvec3 sphere_point(double u, double v) {
   const double d = 1 - std::abs(u) - std::abs(v), r = 1 - std::abs(d);
-  const double phi = r > 0 ? kPi / 4 * (1 + (std::abs(v) - std::abs(u)) / r) : 0;
+  const double phi = r > 0 ? pi / 4 * (1 + (std::abs(v) - std::abs(u)) / r) : 0;
   const double k = r * std::sqrt(2 - r * r);
   return glm::normalize(glm::dvec3(std::copysign(k * std::cos(phi), u), std::copysign(k * std::sin(phi), v),
                                    std::copysign(1 - r * r, d)));
@@ -68,7 +68,7 @@ glm::dvec2 fold(glm::dvec2 at, double n) {
 /// A point of the unit ball, by three of the coordinates of a point of the unit cube.
 glm::dvec3 ball_point(const uint4& bits) {
   const auto unit = [](uint32_t word) { return (static_cast<double>(word) + 0.5) * 0x1p-32; };
-  const double z = 2 * unit(bits.y) - 1, r = std::sqrt(1 - z * z), phi = 2 * kPi * unit(bits.z);
+  const double z = 2 * unit(bits.y) - 1, r = std::sqrt(1 - z * z), phi = 2 * pi * unit(bits.z);
   return std::cbrt(unit(bits.x)) * glm::dvec3(r * std::cos(phi), r * std::sin(phi), z);
 }
 
@@ -82,7 +82,7 @@ FieldLine make_line(const glm::dvec3& z, double solid_angle, const Bounds& bound
   const glm::dvec3 center = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
   const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   const glm::dvec3 u = glm::normalize(glm::cross(helper, z)), v = glm::cross(z, u);
-  const double angle = 2 * kPi * uniform(random);
+  const double angle = 2 * pi * uniform(random);
   const glm::dvec3 x = std::cos(angle) * u + std::sin(angle) * v, y = glm::cross(z, x);
   const auto row = [&](const glm::dvec3& axis, double size, double shift) {
     return float4(glm::vec3(axis / size), static_cast<float>(shift - glm::dot(axis, center) / size));
@@ -113,7 +113,7 @@ DirectionGrid::DirectionGrid(uint32_t n, uint64_t seed) : n_(n), rotation_(rando
         omegas_.push_back(to_world *
                           sphere_point(static_cast<double>(node.u) / size, static_cast<double>(node.v) / size));
         const bool corner = (node.u == 0 || std::abs(node.u) == size) && (node.v == 0 || std::abs(node.v) == size);
-        solid_angles_.push_back(kPi / (static_cast<double>(n) * n) * (corner ? 2. / 3 : 1));
+        solid_angles_.push_back(pi / (static_cast<double>(n) * n) * (corner ? 2. / 3 : 1));
       }
       nodes_[at({u, v})] = nodes_[at(node)];
     }
@@ -123,7 +123,7 @@ glm::dvec3 DirectionGrid::direction(uint32_t index) const {
   return index & 1 ? -omegas_[index / 2] : omegas_[index / 2];
 }
 
-double DirectionGrid::spacing(uint32_t n) { return std::sqrt(4 * kPi / (4. * n * n + 2)); }
+double DirectionGrid::spacing(uint32_t n) { return std::sqrt(4 * pi / (4. * n * n + 2)); }
 double DirectionGrid::spacing() const { return spacing(n_); }
 
 std::vector<glm::dvec2> DirectionGrid::neighbors(uint32_t line) const {
@@ -156,7 +156,7 @@ std::vector<glm::dvec3> DirectionGrid::directions_about(uint32_t line, uint32_t 
   // The angle at which the fan begins, so that on average its sectors lie where their share of a turn does.
   double sine = 0, cosine = 0;
   for (size_t k = 0; k < triangles; ++k) {
-    const double off = angle(point(fold(places_[line] + fan[k], n)) - own) - 2 * kPi * static_cast<double>(k) / size;
+    const double off = angle(point(fold(places_[line] + fan[k], n)) - own) - 2 * pi * static_cast<double>(k) / size;
     sine += std::sin(off);
     cosine += std::cos(off);
   }
@@ -170,7 +170,7 @@ std::vector<glm::dvec3> DirectionGrid::directions_about(uint32_t line, uint32_t 
     const glm::dvec3 moved =
         glm::cross(ball_point(reverse_bits4(owen_scramble_reversed(sobol_reversed(i), seeds))), own);
     const double distance = std::min(glm::length(moved), 1.), inside = 1 - std::pow(1 - distance * distance, 1.5);
-    const double turn = (angle(moved) - begin) / (2 * kPi), sector = (turn - std::floor(turn)) * size;
+    const double turn = (angle(moved) - begin) / (2 * pi), sector = (turn - std::floor(turn)) * size;
     const size_t k = std::min(static_cast<size_t>(sector), triangles - 1);
     const double share = sector - static_cast<double>(k);
     const glm::dvec2 edge = (1 - share) * fan[k] + share * fan[(k + 1) % fan.size()];

@@ -4,14 +4,13 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/bundles/bundle_view.h"
 #include "lucarium/services/texel_sides/texel_extent.h"
 #include "virtual_light_field/base/field_program.h"
 
 namespace lucarium::vlf {
 namespace {
-
-constexpr const char* kFewerTexels = "lower texels";
 
 SurfaceAtlasOptions atlas_options(const Plan& plan, const FieldSurfaces::Report& report) {
   SurfaceAtlasOptions options = plan.atlas;
@@ -50,15 +49,15 @@ FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const S
                              const SceneBuffers& buffers, const Intersector& intersector, const Parameters& parameters,
                              const Plan& plan, const Report& report)
     : atlas(device, scheduler, scene, buffers, atlas_options(plan, report), technique_name),
-      interior(device, scheduler, buffers, intersector, atlas, technique_name, kFewerTexels),
+      interior(device, scheduler, buffers, intersector, atlas, technique_name, remedies::lower_texels),
       accessibility(device, buffers, atlas, {parameters.pixel_size, parameters.open_gap, parameters.open_rays},
-                    technique_name, kFewerTexels),
+                    technique_name, remedies::lower_texels),
       film(plan_film(parameters, scene.bounds(), atlas.report().area, static_cast<double>(atlas.info().texel_edge),
                      min_pixel(atlas, buffers, parameters))),
       patches(make_patches(atlas, buffers, patch_options(parameters, film))),
       raster(scheduler, buffers, raster_options(scene, film, accessibility.safe_pixel()), technique_name),
       light(device, scheduler, buffers, intersector, atlas, accessibility, plan.light_kinds, technique_name,
-            kFewerTexels) {
+            remedies::lower_texels) {
   accessibility.begin(device, scheduler, scene, buffers, atlas, interior, raster);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lucarium/base/seed.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/compute/program/source_library.h"
 #include "virtual_light_field/base/field_program.h"
 
@@ -58,7 +59,8 @@ FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host
     received_ = TypedBuffer<float4>(device, technique_name, "sums of a line's cells", sums, kFewerCells);
   const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
   if (!extinctions.empty())
-    extinction_ = TypedBuffer<float4>(device, technique_name, "extinction at texel sides", extinctions, "lower texels");
+    extinction_ =
+        TypedBuffer<float4>(device, technique_name, "extinction at texel sides", extinctions, remedies::lower_texels);
   record_begin(device, scene);
   const Program average = make_field_program(device, "exchange/average_line");
   if (maps.cells() > 0) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lucarium/base/numbers.h"
+#include "lucarium/compute/device/remedies.h"
 #include "virtual_light_field/base/field_program.h"
 
 namespace lucarium::vlf {
@@ -13,10 +15,8 @@ namespace {
 
 constexpr double kCellWork = 4, kSideWork = 2;  // of a cell that is scattered; of a texel side at the end of a sweep
 constexpr uint32_t kMaxSweeps = 256;
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMaxPeak = 1e5;   // of highlights, over diffuse light
 constexpr float kMaxStored = 256;  // stored radiance of the brightest sender; bounces add up to 255 times as much
-constexpr const char* kFewerTexels = "lower texels";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
@@ -61,17 +61,17 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       sides_(atlas.info().texel_count),
       light_samples_(light_samples),
       albedo_(device, technique_name, "albedo of texel sides",
-              transport_albedo(atlas.materials().download(), patches, options.fold), kFewerTexels),
-      records_(device, technique_name, "records of texel sides", 2 * size_t{sides_}, kFewerTexels),
-      direct_(device, technique_name, "direct light of texel sides", sides_, kFewerTexels),
-      indirect_(device, technique_name, "indirect light of texel sides", sides_, kFewerTexels),
-      last_(device, technique_name, "light of the last sweep", sides_, kFewerTexels),
-      shown_direct_(device, technique_name, "displayed direct light", sides_, kFewerTexels),
-      shown_(device, technique_name, "displayed indirect light", sides_, kFewerTexels),
-      held_(device, technique_name, "light that rays look up", sides_, kFewerTexels),
+              transport_albedo(atlas.materials().download(), patches, options.fold), remedies::lower_texels),
+      records_(device, technique_name, "records of texel sides", 2 * size_t{sides_}, remedies::lower_texels),
+      direct_(device, technique_name, "direct light of texel sides", sides_, remedies::lower_texels),
+      indirect_(device, technique_name, "indirect light of texel sides", sides_, remedies::lower_texels),
+      last_(device, technique_name, "light of the last sweep", sides_, remedies::lower_texels),
+      shown_direct_(device, technique_name, "displayed direct light", sides_, remedies::lower_texels),
+      shown_(device, technique_name, "displayed indirect light", sides_, remedies::lower_texels),
+      held_(device, technique_name, "light that rays look up", sides_, remedies::lower_texels),
       shares_(accessibility.shares()),
       side_norms_(device, technique_name, "norms of texel sides",
-                  size_t{FIELD_NORMS} * divide_up(sides_, FIELD_NORM_CHUNK), kFewerTexels),
+                  size_t{FIELD_NORMS} * divide_up(sides_, FIELD_NORM_CHUNK), remedies::lower_texels),
       norms_(device, technique_name, "norms", FIELD_NORMS),
       cells_(device, maps_.cells(), options.split, !options.loaded),
       side_program_(make_field_program(device, "scatter/fold_sides")) {
@@ -175,7 +175,7 @@ void LightField::find_scale() {
     const auto alpha = static_cast<double>(materials[side].diffuse.w);
     const double peak =
         !scatter_ || !scatter_->has_lights() || alpha == 0 ? 1 : std::clamp(1 / (alpha * alpha), 1., kMaxPeak);
-    largest = std::max(largest, peak * brightest(samples[side].xyz()) / static_cast<double>(samples[side].w) / kPi);
+    largest = std::max(largest, peak * brightest(samples[side].xyz()) / static_cast<double>(samples[side].w) / pi);
   }
   if (const auto& sky = host_scene_->environment) {
     double value = sky->radiance.empty() ? 1 : 0;

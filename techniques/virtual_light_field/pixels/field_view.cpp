@@ -2,6 +2,7 @@
 #include "virtual_light_field/pixels/field_view.h"
 
 #include "lucarium/base/seed.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/ray_ends.h"
 #include "virtual_light_field/base/field_program.h"
 
@@ -9,7 +10,6 @@ namespace lucarium::vlf {
 namespace {
 
 constexpr uint32_t kStream = 0x77616c6b;
-constexpr const char* kLowerSize = "lower --size";
 
 }  // namespace
 
@@ -23,10 +23,10 @@ FieldView::FieldView(Device& device, KernelScheduler& scheduler, const SceneBuff
       pixels_(frame.width * frame.height),
       eye_(device, scheduler, scene, intersector, frame, technique_name, options.eye_kinds, 1, options.first_surface),
       sums_(device, technique_name, pixels_, {"direct", "indirect"}),
-      traced_(device, technique_name, "light of rays", options.traced ? 2 * size_t{pixels_} : 2, kLowerSize) {
+      traced_(device, technique_name, "light of rays", options.traced ? 2 * size_t{pixels_} : 2, remedies::lower_size) {
   if (!field) return;
   side_albedo_ = TypedBuffer<float4>(device, technique_name, "specular albedo of texel sides", patches->side_albedo,
-                                     "lower texels");
+                                     remedies::lower_texels);
   scale_ = TypedBuffer<float>(device, technique_name, "scale of stored radiance", 1);
   if (options.traced) make_chains(device, scene, intersector, *atlas);
   record_field(scene, *atlas);

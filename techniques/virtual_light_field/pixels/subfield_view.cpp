@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "virtual_light_field/pixels/subfield_view.h"
 
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/ray_ends.h"
 #include "virtual_light_field/base/field_program.h"
 
 namespace lucarium::vlf {
-namespace {
-
-constexpr const char* kLowerSize = "lower --size";
-
-}  // namespace
-
 SubfieldView::SubfieldView(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                            const Intersector& intersector, const SurfaceAtlas& atlas,
                            const TypedBuffer<float4>& side_albedo, const TypedBuffer<float>& inverse_scale,
@@ -21,9 +16,9 @@ SubfieldView::SubfieldView(Device& device, KernelScheduler& scheduler, const Sce
   const uint32_t pixels = options.width * options.height;
   const Program program = make_field_program(device, "pixels/show_subfield", ray_end_defines(intersector));
   ScheduleRecorder recorder = scheduler.record("show subfield", technique_name);
-  const BufferRef rays = recorder.transient<Ray>("rays of a line", pixels, kLowerSize),
+  const BufferRef rays = recorder.transient<Ray>("rays of a line", pixels, remedies::lower_size),
                   ends = transient_ray_ends(recorder, intersector, "ends of rays of a line", pixels),
-                  hits = recorder.transient<Hit>("hits of a line", pixels, kLowerSize);
+                  hits = recorder.transient<Hit>("hits of a line", pixels, remedies::lower_size);
   const auto bind = [&](PassBuilder& pass) {
     field.maps().bind(pass);
     pass.global(pixels)

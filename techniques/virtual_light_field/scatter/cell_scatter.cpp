@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/ray_ends.h"
 #include "virtual_light_field/base/field_program.h"
 
@@ -12,7 +13,6 @@ namespace {
 
 constexpr uint32_t kTilesAtOnce = 1u << 12;  // in a pass, whole chunks
 constexpr const char* kFewerCells = "lower dir_n, cells or texels";
-constexpr const char* kFewerTexels = "lower texels";
 
 uint32_t chunks(uint32_t tiles) { return (tiles + FIELD_TILE_CHUNK - 1) / FIELD_TILE_CHUNK; }
 
@@ -43,7 +43,7 @@ CellScatter::CellScatter(Device& device, KernelScheduler& scheduler, const Scene
       host_lights_(brightest_lights(host_scene)),
       lights_(device, technique_name, "punctual lights",
               host_lights_.empty() ? std::vector<uint32_t>{0} : host_lights_),
-      visible_(device, technique_name, "lights that texel sides see", atlas.info().texel_count, kFewerTexels),
+      visible_(device, technique_name, "lights that texel sides see", atlas.info().texel_count, remedies::lower_texels),
       tile_norms_(device, technique_name, "norms of tiles", size_t{FIELD_NORMS} * chunks(maps.tiles()), kFewerCells) {
   const Program program = make_field_program(device, "scatter/scatter_cells");
   record_scatter(scene, atlas, program, films);
@@ -119,9 +119,9 @@ void CellScatter::record_visibility(Device& device, const SceneBuffers& scene, c
   ScheduleRecorder recorder = scheduler_->record("visibility of lights", technique_name);
   light_ = recorder.variable("light", 0u);
   bit_ = recorder.variable("bit", 0u);
-  const BufferRef rays = recorder.transient<Ray>("rays to a light", sides, kFewerTexels),
+  const BufferRef rays = recorder.transient<Ray>("rays to a light", sides, remedies::lower_texels),
                   ends = transient_ray_ends(recorder, intersector, "ends of rays to a light", sides),
-                  occluded = recorder.transient<uint32_t>("occluded", sides, kFewerTexels);
+                  occluded = recorder.transient<uint32_t>("occluded", sides, remedies::lower_texels);
   PassBuilder aim = recorder.pass("aim at light", program, "aim_at_light");
   scene.bind(aim);
   atlas.bind(aim);

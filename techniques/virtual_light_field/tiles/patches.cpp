@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "lucarium/base/luminance.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/specular_albedo.h"
 #include "lucarium/scene/mesh_topology.h"
@@ -20,7 +21,6 @@
 namespace lucarium::vlf {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kAlbedoAverages = 129;  // specular_albedo.clh
 constexpr double kCellBytes = 16, kTileBytes = 24,
                  kEntryBytes = 4;  // of a tile: its share of norms, and its place in the list
@@ -91,7 +91,7 @@ struct Neighbors {
 /// Patch of each triangle that is taken: connected sets of one instance around the largest triangle that is left.
 std::vector<uint32_t> grow_patches(const Mesh& mesh, const std::vector<uint8_t>& taken, double cone, uint32_t* count) {
   const Neighbors neighbors(mesh, taken);
-  const double least = std::cos(cone * kPi / 180) - kFlat;
+  const double least = std::cos(cone * pi / 180) - kFlat;
   std::vector<uint32_t> order, result(mesh.triangles.size(), LUCARIUM_NONE), open;
   for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
     if (taken[t]) order.push_back(t);
@@ -219,8 +219,8 @@ void add_facet(const Mesh& mesh, const std::vector<uint32_t>& triangles, bool fr
 }  // namespace
 
 double expected_cells(double area, double perimeter, double cell, uint32_t tile) {
-  const double s = area / (2 * cell * cell), p = kPi / 4 * perimeter / cell, m = tile;
-  return s + 2 / kPi * m * p + m * m;
+  const double s = area / (2 * cell * cell), p = pi / 4 * perimeter / cell, m = tile;
+  return s + 2 / pi * m * p + m * m;
 }
 
 uint32_t best_tile(double area, double perimeter, double cell) {

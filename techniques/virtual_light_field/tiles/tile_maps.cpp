@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "virtual_light_field/base/field_program.h"
 
@@ -45,7 +46,7 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
       first_cells_(grid.directions() + 1, 0),
       lines_(device, technique_name, "lines", host_lines_, kRemedy),
       nodes_(device, technique_name, "nodes of the direction grid", grid.nodes(), kRemedy),
-      side_facet_(device, technique_name, "facets of texel sides", patches.side_facet, "lower texels") {
+      side_facet_(device, technique_name, "facets of texel sides", patches.side_facet, remedies::lower_texels) {
   info_.rotation0 = row(grid.rotation(), 0);
   info_.rotation1 = row(grid.rotation(), 1);
   info_.rotation2 = row(grid.rotation(), 2);

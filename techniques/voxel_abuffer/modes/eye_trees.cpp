@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "lucarium/base/seed.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/ray_ends.h"
 #include "voxel_abuffer/base/name.h"
 
@@ -13,7 +14,6 @@ const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 namespace lucarium::abuffer {
 namespace {
 
-const char* const kLowerSize = "lower --size";
 constexpr uint32_t kChunk = 1 << 16;  // rays that are traced at once
 enum Layer { emission, direct, ambient, crossings };
 
@@ -32,7 +32,7 @@ EyeTrees::EyeTrees(const ModeContext& context, const Options& options)
       sums_(context.scheduler, pixels_, {"emission", "direct", "ambient", "crossings"}, options.samples) {
   Device& device = scheduler_->device();
   const auto make = [&]<class T>(TypedBuffer<T>& buffer, const char* name, size_t count) {
-    buffer = TypedBuffer<T>(device, technique_name, name, count, kLowerSize);
+    buffer = TypedBuffer<T>(device, technique_name, name, count, remedies::lower_size);
   };
   const size_t queued = size_t{2} * chunk_ * queues();
   make(rays_, "rays of a chunk", chunk_);
@@ -43,8 +43,10 @@ EyeTrees::EyeTrees(const ModeContext& context, const Options& options)
   make(next_count_, "number of rays that go on", 1);
   make(queued_rays_, "queues of rays", queued);
   make(queued_tree_rays_, "queues of trees", queued);
-  ends_ = make_ray_ends(device, context.intersector, technique_name, "ends of a chunk's rays", chunk_, kLowerSize);
-  queued_ends_ = make_ray_ends(device, context.intersector, technique_name, "ends of queued rays", queued, kLowerSize);
+  ends_ = make_ray_ends(device, context.intersector, technique_name, "ends of a chunk's rays", chunk_,
+                        remedies::lower_size);
+  queued_ends_ =
+      make_ray_ends(device, context.intersector, technique_name, "ends of queued rays", queued, remedies::lower_size);
   record(context);
 }
 
@@ -99,11 +101,12 @@ void EyeTrees::record_shade(const ModeContext& context, const Program& program) 
   ScheduleRecorder recorder = scheduler_->record("grow trees", technique_name);
   shade_rules_ = recorder.variable("rules", TreeRules{});
   const uint32_t places = 2 * chunk_;
-  const BufferRef hits = recorder.transient<Hit>("hits", chunk_, kLowerSize);
-  const NextRays next = {recorder.transient<Ray>("next rays", places, kLowerSize),
-                         recorder.transient<TreeRay>("next rays of trees", places, kLowerSize),
-                         transient_ray_ends(recorder, context.intersector, "ends of next rays", places, kLowerSize),
-                         recorder.transient<uint32_t>("goes on", places, kLowerSize)};
+  const BufferRef hits = recorder.transient<Hit>("hits", chunk_, remedies::lower_size);
+  const NextRays next = {
+      recorder.transient<Ray>("next rays", places, remedies::lower_size),
+      recorder.transient<TreeRay>("next rays of trees", places, remedies::lower_size),
+      transient_ray_ends(recorder, context.intersector, "ends of next rays", places, remedies::lower_size),
+      recorder.transient<uint32_t>("goes on", places, remedies::lower_size)};
   context.primary.record_closest(recorder, "closest hit", {rays_, counts_, 0, chunk_, ends_}, hits);
   PassBuilder shade = recorder.pass("shade rays of trees", program, "shade_tree_rays");
   context.scene.bind(shade);
@@ -128,7 +131,7 @@ void EyeTrees::record_shade(const ModeContext& context, const Program& program) 
 
 void EyeTrees::record_queue(ScheduleRecorder& recorder, const Program& program, const NextRays& next) {
   const uint32_t places = 2 * chunk_;
-  const BufferRef survivors = recorder.transient<uint32_t>("survivors", places, kLowerSize);
+  const BufferRef survivors = recorder.transient<uint32_t>("survivors", places, remedies::lower_size);
   primitives_.record_compact(recorder, "compact rays", next.goes_on, survivors, next_count_, 0, counts_, 1, places);
   recorder.pass("queue rays", program, "queue_rays")
       .global(places)

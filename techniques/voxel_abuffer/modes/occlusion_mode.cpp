@@ -2,18 +2,13 @@
 #include "voxel_abuffer/modes/occlusion_mode.h"
 
 #include "lucarium/base/seed.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/ray_ends.h"
 #include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
 
 namespace lucarium::abuffer {
-namespace {
-
-const char* const kLowerSize = "lower --size";
-
-}  // namespace
-
 OcclusionMode::OcclusionMode(const ModeContext& context, uint32_t samples, std::function<float()> radius)
     : scheduler_(&context.scheduler),
       samples_(samples),
@@ -33,10 +28,10 @@ void OcclusionMode::record(const ModeContext& context) {
   sample_index_ = recorder.variable("sample_index", 0u);
   seed_ = recorder.variable("seed", 0u);
   reach_ = recorder.variable("reach", 0.f);
-  const BufferRef rays = recorder.transient<Ray>("occlusion rays", pixels, kLowerSize);
+  const BufferRef rays = recorder.transient<Ray>("occlusion rays", pixels, remedies::lower_size);
   const BufferRef ends =
-      transient_ray_ends(recorder, context.intersector, "ends of occlusion rays", pixels, kLowerSize);
-  const BufferRef occluded = recorder.transient<uint32_t>("occluded", pixels, kLowerSize);
+      transient_ray_ends(recorder, context.intersector, "ends of occlusion rays", pixels, remedies::lower_size);
+  const BufferRef occluded = recorder.transient<uint32_t>("occluded", pixels, remedies::lower_size);
   PassBuilder begin = recorder.pass("begin occlusion rays", program, "begin_occlusion_rays");
   context.scene.bind(begin);
   begin.global(pixels)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "voxel_abuffer/modes/pass_sums.h"
 
+#include "lucarium/compute/device/remedies.h"
 #include "voxel_abuffer/base/name.h"
 
 const lucarium::EmbeddedSources& voxel_abuffer_kernels();
@@ -13,7 +14,7 @@ PassSums::PassSums(KernelScheduler& scheduler, size_t pixels, const std::vector<
   ScheduleRecorder begin = scheduler.record("begin pass", technique_name),
                    commit = scheduler.record("add pass", technique_name);
   for (const std::string& name : names_) {
-    pass_.emplace_back(scheduler.device(), technique_name, "pass of " + name, pixels, "lower --size");
+    pass_.emplace_back(scheduler.device(), technique_name, "pass of " + name, pixels, remedies::lower_size);
     begin.fill_zero("clear pass of " + name, pass_.back());
     commit.pass("add pass of " + name, program, "add_pass")
         .global(pixels)

@@ -10,7 +10,7 @@ namespace lucarium::abuffer {
 
 namespace {
 
-constexpr const char* remedy = "lower abuffer_size";
+constexpr const char* smaller_abuffer = "lower abuffer_size";
 
 uint32_t axis_rows(const AbufferGrid& grid, int k) {
   return k == 0 ? grid.voxels.z : k == 1 ? grid.voxels.x : grid.voxels.y;
@@ -59,14 +59,14 @@ size_t AbufferLists::estimate_bytes(const AbufferGrid& grid, size_t fragments, b
 void AbufferLists::reserve(const AbufferGrid& grid, size_t fragments) {
   if (start_.count() < start_count(grid) || !start_) {
     start_ = {};
-    start_ = TypedBuffer<uint32_t>(*device_, technique_name, "starts of columns", start_count(grid), remedy);
+    start_ = TypedBuffer<uint32_t>(*device_, technique_name, "starts of columns", start_count(grid), smaller_abuffer);
     ++generation_;
   }
   if (fragments <= capacity_ && depths_) return;
   capacity_ = fragments + fragments / 16;
   depths_ = fragments_ = {};
-  depths_ = TypedBuffer<uint32_t>(*device_, technique_name, "depths", capacity_ + ABUFFER_PADDING, remedy);
-  fragments_ = TypedBuffer<uint32_t>(*device_, technique_name, "fragments", capacity_ + ABUFFER_PADDING, remedy);
+  depths_ = TypedBuffer<uint32_t>(*device_, technique_name, "depths", capacity_ + ABUFFER_PADDING, smaller_abuffer);
+  fragments_ = TypedBuffer<uint32_t>(*device_, technique_name, "fragments", capacity_ + ABUFFER_PADDING, smaller_abuffer);
   if (stored_) {
     attributes_ = {};
     attributes_ = TypedBuffer<AbufferAttributes>(*device_, technique_name, "attributes of fragments", capacity_,
@@ -120,7 +120,7 @@ void AbufferLists::record_touched(ScheduleRecorder& recorder, const AbufferGrid&
         make_program(*device_, voxel_abuffer_kernels(), {"voxel_abuffer/structure/fill_touched"}, raster_.defines());
     touched_generation_ = raster_.generation();
   }
-  const BufferRef columns = recorder.transient<uint32_t>(axis.name + ".columns", grid.bricks.w, remedy);
+  const BufferRef columns = recorder.transient<uint32_t>(axis.name + ".columns", grid.bricks.w, smaller_abuffer);
   const BufferRef total = recorder.transient<uint32_t>(axis.name + ".fragment_count", 1);
   recorder.fill_zero(axis.name + ".clear", columns);
   const std::shared_ptr<const LayeredBins> bins = raster_.record_bins(recorder, axis.name, view);

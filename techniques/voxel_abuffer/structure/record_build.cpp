@@ -9,7 +9,6 @@ namespace lucarium::abuffer {
 
 namespace {
 
-constexpr const char* coarser_grid = "lower grid_size";
 constexpr uint32_t views_of_exact = 0, views_of_parity = 3;
 
 }  // namespace

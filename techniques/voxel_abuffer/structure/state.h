@@ -9,6 +9,9 @@
 
 namespace lucarium::abuffer {
 
+/// What to do when memory does not suffice.
+inline constexpr const char* coarser_grid = "lower grid_size";
+
 struct VoxelAbuffer::State {
   State(KernelScheduler& scheduler, const SceneBuffers& buffers, const VoxelAbufferOptions& options,
         const SceneSubset& subset);

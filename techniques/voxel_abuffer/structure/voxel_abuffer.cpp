@@ -17,7 +17,6 @@ namespace lucarium::abuffer {
 namespace {
 
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
-constexpr const char* coarser_grid = "lower grid_size";
 
 /// Replaces a buffer that is too small, with some room to spare; whether it did.
 template <class T>

@@ -27,7 +27,7 @@ size_t parse_bytes(std::string_view text, std::string_view what) {
   std::string unit(text.substr(digits));
   for (char& c : unit) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   for (const std::string_view ending : {"IB", "B"}) {
-    if (unit.ends_with(ending)) unit.resize(unit.size() - ending.size());
+    if (unit.ends_with(ending)) unit.erase(unit.size() - ending.size());
   }
   constexpr std::string_view units = "KMGT";
   const bool known = unit.empty() || (unit.size() == 1 && units.find(unit) != std::string_view::npos);

@@ -6,12 +6,11 @@
 #include <limits>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/metrics/metrics.h"
 
 namespace lucarium {
 namespace {
-
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Sums of the products of different seeds and of each with itself, over all seeds but `left_out`.
 struct ProductSums {

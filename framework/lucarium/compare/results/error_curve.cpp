@@ -5,14 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "lucarium/base/numbers.h"
+
 namespace lucarium {
-namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
-
 TimeToError time_to_error(const std::vector<CurvePoint>& curve, double error) {
   const auto there = std::find_if(curve.begin(), curve.end(), [&](const CurvePoint& p) { return p.error <= error; });
   if (there == curve.end()) return {TimeToError::State::not_reached, infinity};

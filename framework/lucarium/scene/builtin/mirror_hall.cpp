@@ -11,7 +11,7 @@ namespace lucarium {
 
 namespace {
 
-constexpr glm::vec3 hall_min{-3.f, 0.f, -4.f}, hall_max{3.f, 3.6f, 4.f};
+constexpr glm::vec3 mirrors_min{-3.f, 0.f, -4.f}, mirrors_max{3.f, 3.6f, 4.f};
 
 /// Outline of a draped figure of 1.7 m: `rows` + 1 points (radius, height), closed at both ends.
 std::vector<glm::vec2> figure_outline(int rows) {
@@ -75,7 +75,7 @@ void add_walls(Scene& scene) {
   const char* names[3][2] = {{"mirror", "wall +x"}, {"floor", "ceiling"}, {"wall -z", "wall +z"}};
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
-      Mesh face = MeshBuilder(names[axis][side]).box_face(hall_min, hall_max, axis, side, true).take();
+      Mesh face = MeshBuilder(names[axis][side]).box_face(mirrors_min, mirrors_max, axis, side, true).take();
       add_instance(scene, add_mesh(scene, std::move(face)), materials[axis][side]);
     }
   }
@@ -98,7 +98,7 @@ Scene make_mirror_hall() {
       add_instance(scene, column, marble, glm::translate(glm::mat4(1.f), glm::vec3(x, 0, z)));
   }
   const int lamp = add_emitter(scene, "lamp", {16.f, 14.5f, 12.f});
-  const float y = hall_max.y - 0.01f;
+  const float y = mirrors_max.y - 0.01f;
   for (const float z : {-2.f, 1.5f}) {
     Mesh quad = MeshBuilder("lamp")
                     .quad({-0.4f, y, z - 0.4f}, {0.8f, y, z - 0.4f}, {0.8f, y, z + 0.4f}, {-0.4f, y, z + 0.4f})

@@ -16,15 +16,15 @@ namespace lucarium {
 
 namespace {
 
-enum class Kind { unknown, hdr, exr };
+enum class MapFormat { unknown, hdr, exr };
 
-Kind sniff(const std::filesystem::path& file) {
+MapFormat sniff_map(const std::filesystem::path& file) {
   char start[10] = {};
   std::ifstream stream(file, std::ios::binary);
   stream.read(start, sizeof(start));
   const std::string_view text(start, sizeof(start));
-  if (text.starts_with("#?RADIANCE") || text.starts_with("#?RGBE")) return Kind::hdr;
-  return text.starts_with("\x76\x2F\x31\x01") ? Kind::exr : Kind::unknown;
+  if (text.starts_with("#?RADIANCE") || text.starts_with("#?RGBE")) return MapFormat::hdr;
+  return text.starts_with("\x76\x2F\x31\x01") ? MapFormat::exr : MapFormat::unknown;
 }
 
 void check_size(const OIIO::ImageSpec& spec, const std::string& name, const ImportOptions& options) {
@@ -55,17 +55,17 @@ glm::ivec3 color_channels(const OIIO::ImageSpec& spec) {
 Environment load_environment(const std::filesystem::path& file, const ImportOptions& options) {
   const std::string name = file.string();
   require_regular_file(file);
-  const Kind kind = sniff(file);
-  if (kind == Kind::unknown) {
+  const MapFormat kind = sniff_map(file);
+  if (kind == MapFormat::unknown) {
     throw_error(ErrorClass::input, "{}: this is neither a Radiance .hdr nor an OpenEXR .exr file", name);
   }
   const auto damaged = [&](std::string reason) {
     for (char& c : reason) c = c == '\n' ? ' ' : c;
-    throw_error(ErrorClass::input, "{}: the {} file is damaged: {}", name, kind == Kind::hdr ? "Radiance" : "OpenEXR",
-                reason.empty() ? "it cannot be decoded" : reason);
+    throw_error(ErrorClass::input, "{}: the {} file is damaged: {}", name,
+                kind == MapFormat::hdr ? "Radiance" : "OpenEXR", reason.empty() ? "it cannot be decoded" : reason);
   };
   // The reader is chosen by the contents: the name may have any ending.
-  const auto input = OIIO::ImageInput::create(kind == Kind::hdr ? "hdr" : "openexr");
+  const auto input = OIIO::ImageInput::create(kind == MapFormat::hdr ? "hdr" : "openexr");
   OIIO::ImageSpec spec;
   if (!input) damaged(OIIO::geterror());
   if (!input->open(name, spec)) damaged(input->geterror());

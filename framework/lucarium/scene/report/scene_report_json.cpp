@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-Json triple(const glm::vec3& v) { return {v.x, v.y, v.z}; }
+Json triple_json(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 Json materials_json(const SceneReport& report) {
   Json list = Json::array();
@@ -21,7 +21,7 @@ Json materials_json(const SceneReport& report) {
                     {"roughness", m.roughness},
                     {"ior", m.ior},
                     {"transmission", m.transmission},
-                    {"emission_cd_per_m2", triple(m.emissive_factor * m.emissive_strength)},
+                    {"emission_cd_per_m2", triple_json(m.emissive_factor * m.emissive_strength)},
                     {"unlit", m.unlit},
                     {"alpha_mode", alpha_mode_name(m.alpha_mode)},
                     {"double_sided", m.double_sided}});
@@ -34,18 +34,18 @@ Json lights_json(const SceneReport& r) {
   for (const SceneReport::Lamp& lamp : r.lamps) {
     punctual.push_back({{"name", lamp.name},
                         {"type", lamp.type},
-                        {lamp.type == "directional" ? "illuminance_lx" : "intensity_cd", triple(lamp.intensity)},
-                        {"flux_lm", triple(lamp.flux)},
-                        {"position_m", triple(lamp.position)},
-                        {"direction", triple(lamp.direction)}});
+                        {lamp.type == "directional" ? "illuminance_lx" : "intensity_cd", triple_json(lamp.intensity)},
+                        {"flux_lm", triple_json(lamp.flux)},
+                        {"position_m", triple_json(lamp.position)},
+                        {"direction", triple_json(lamp.direction)}});
   }
   if (r.has_environment) {
     environment = {{"width", r.environment_width},
                    {"height", r.environment_height},
-                   {"mean_radiance_cd_per_m2", triple(r.environment_radiance)}};
+                   {"mean_radiance_cd_per_m2", triple_json(r.environment_radiance)}};
   }
   const Json triangles = {
-      {"count", r.emissive_triangles}, {"area_m2", r.emissive_area}, {"flux_lm", triple(r.emissive_flux)}};
+      {"count", r.emissive_triangles}, {"area_m2", r.emissive_area}, {"flux_lm", triple_json(r.emissive_flux)}};
   return {{"punctual", punctual}, {"emissive_triangles", triangles}, {"environment", environment}};
 }
 
@@ -55,7 +55,7 @@ Json cameras_json(const SceneReport& report) {
     list.push_back({{"name", c.name},
                     {"type", c.perspective ? "perspective" : "orthographic"},
                     {"yfov_degrees", glm::degrees(c.yfov)},
-                    {"position_m", triple(glm::vec3(c.world_from_camera[3]))}});
+                    {"position_m", triple_json(glm::vec3(c.world_from_camera[3]))}});
   }
   return list;
 }
@@ -66,8 +66,8 @@ Json camera_path_json(const SceneReport& report) {
   Json keys = Json::array();
   for (const CameraKey& key : report.camera_path->keys) {
     keys.push_back({{"seconds", key.seconds},
-                    {"eye_m", triple(key.eye)},
-                    {"target_m", triple(key.target)},
+                    {"eye_m", triple_json(key.eye)},
+                    {"target_m", triple_json(key.target)},
                     {"vfov_degrees", key.vfov_degrees}});
   }
   return {{"interpolation", interpolation_name(report.camera_path->interpolation)}, {"keys", keys}};
@@ -93,7 +93,7 @@ std::string SceneReport::json() const {
                      {"meshes", meshes},
                      {"deformed_instances", deformed_instances},
                      {"skins", skins},
-                     {"bounds", {{"min_m", triple(bounds.min)}, {"max_m", triple(bounds.max)}}},
+                     {"bounds", {{"min_m", triple_json(bounds.min)}, {"max_m", triple_json(bounds.max)}}},
                      {"materials", materials_json(*this)},
                      {"textures", {{"count", textures}, {"images", images}, {"texels", texels}}},
                      {"lights", lights_json(*this)},

@@ -24,7 +24,7 @@ class Page {
   std::string text_;
 };
 
-std::string triple(const glm::vec3& v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z); }
+std::string triple_text(const glm::vec3& v) { return fmt::format("{:.4g} {:.4g} {:.4g}", v.x, v.y, v.z); }
 
 void add_geometry(Page& page, const SceneReport& r) {
   const std::string degenerate =
@@ -33,8 +33,8 @@ void add_geometry(Page& page, const SceneReport& r) {
                                      r.meshes == 1 ? "1 mesh" : fmt::format("{} meshes", r.meshes), r.vertices,
                                      r.vertices == 1 ? "vertex" : "vertices", degenerate));
   const glm::vec3 extent = r.bounds.empty() ? glm::vec3(0) : r.bounds.max - r.bounds.min;
-  page.line("bounds", fmt::format("({}) to ({}) m, {:.4g} x {:.4g} x {:.4g} m", triple(r.bounds.min),
-                                  triple(r.bounds.max), extent.x, extent.y, extent.z));
+  page.line("bounds", fmt::format("({}) to ({}) m, {:.4g} x {:.4g} x {:.4g} m", triple_text(r.bounds.min),
+                                  triple_text(r.bounds.max), extent.x, extent.y, extent.z));
   if (r.deformed_instances) {
     page.line("deformed", fmt::format("{} ({})", counted(r.deformed_instances, "instance"), counted(r.skins, "skin")));
   }
@@ -47,11 +47,12 @@ void add_materials(Page& page, const SceneReport& r) {
     if (m.unlit)
       notes += ", unlit";
     else if (m.emits())
-      notes += fmt::format(", emits {} cd/m2", triple(m.emissive_factor * m.emissive_strength));
+      notes += fmt::format(", emits {} cd/m2", triple_text(m.emissive_factor * m.emissive_strength));
     if (m.transmission > 0) notes += fmt::format(", transmits {:.3g}", m.transmission);
     if (m.alpha_mode != AlphaMode::opaque) notes += fmt::format(", {}", alpha_mode_name(m.alpha_mode));
     if (m.double_sided) notes += ", double-sided";
-    page.more(fmt::format("{}: base {}{}, metallic {:.3g}, roughness {:.3g}{}", m.name, triple(glm::vec3(m.base_color)),
+    page.more(fmt::format("{}: base {}{}, metallic {:.3g}, roughness {:.3g}{}", m.name,
+                          triple_text(glm::vec3(m.base_color)),
                           m.base_color_texture.texture == none ? "" : " x texture", m.metallic, m.roughness, notes));
   }
   page.line("textures",
@@ -63,16 +64,16 @@ void add_lights(Page& page, const SceneReport& r) {
             fmt::format("{} punctual, {}, {}", r.lamps.size(), counted(r.emissive_triangles, "emissive triangle"),
                         r.has_environment ? "an environment" : "no environment"));
   for (const SceneReport::Lamp& lamp : r.lamps) {
-    page.more(fmt::format("{} {}: {} {}, flux {} lm", lamp.type, lamp.name, triple(lamp.intensity),
-                          lamp.type == "directional" ? "lx" : "cd", triple(lamp.flux)));
+    page.more(fmt::format("{} {}: {} {}, flux {} lm", lamp.type, lamp.name, triple_text(lamp.intensity),
+                          lamp.type == "directional" ? "lx" : "cd", triple_text(lamp.flux)));
   }
   if (r.emissive_triangles) {
-    page.more(fmt::format("emissive triangles: {:.4g} m2, flux {} lm", r.emissive_area, triple(r.emissive_flux)));
+    page.more(fmt::format("emissive triangles: {:.4g} m2, flux {} lm", r.emissive_area, triple_text(r.emissive_flux)));
   }
   if (!r.has_environment) return;
   const std::string size =
       r.environment_width ? fmt::format("{}x{}", r.environment_width, r.environment_height) : std::string("constant");
-  page.more(fmt::format("environment {}: mean {} cd/m2", size, triple(r.environment_radiance)));
+  page.more(fmt::format("environment {}: mean {} cd/m2", size, triple_text(r.environment_radiance)));
 }
 
 void add_views(Page& page, const SceneReport& r) {
@@ -80,7 +81,7 @@ void add_views(Page& page, const SceneReport& r) {
   for (size_t i = 0; i < r.cameras.size(); ++i) {
     const SceneCamera& c = r.cameras[i];
     const std::string kind = c.perspective ? fmt::format("{:.3g} degrees", glm::degrees(c.yfov)) : "orthographic";
-    page.more(fmt::format("{} {}: {} at ({})", i, c.name, kind, triple(glm::vec3(c.world_from_camera[3]))));
+    page.more(fmt::format("{} {}: {} at ({})", i, c.name, kind, triple_text(glm::vec3(c.world_from_camera[3]))));
   }
   if (r.camera_path)
     page.line("camera path", fmt::format("{} keys from {:g} to {:g} s, {}", r.camera_path->keys.size(),

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lucarium/base/numbers.h"
+
 namespace lucarium {
 namespace {
 
@@ -46,7 +48,7 @@ BundleView make_bundle_view(const Bounds& bounds, const BundleDirection& directi
   const glm::dvec3 z = glm::normalize(glm::dvec3(direction.direction));
   const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
   const glm::dvec3 u = glm::normalize(glm::cross(helper, z)), v = glm::cross(z, u);
-  const double angle = 2 * 3.14159265358979323846 * direction.rotation;
+  const double angle = 2 * pi * direction.rotation;
   const glm::dvec3 x = std::cos(angle) * u + std::sin(angle) * v, y = glm::cross(z, x);
   const Interval extent_x = project(bounds, x), extent_y = project(bounds, y), depth = project(bounds, z);
   const uint32_t side = bundle_side(bounds, pixel);

@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "lucarium/base/numbers.h"
 #include "lucarium/shared/hash.h"
 #include "lucarium/shared/radical_inverse.h"
 #include "lucarium/shared/sobol_points.h"
@@ -14,7 +15,6 @@
 namespace lucarium {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr uint32_t kStream = 0x62756e64u;       // apart from other uses of the same seed
 constexpr uint32_t kFirstRun = 32, kRun = 128;  // directions that come in random order
 
@@ -23,7 +23,7 @@ double fraction(double x) { return x - std::floor(x); }
 
 /// Directions are lines, so that half of the sphere is all there is: what is stratified over it is twice as dense.
 glm::vec3 uniform_direction(double u, double v) {
-  const double z = 1 - u, r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * kPi * v;
+  const double z = 1 - u, r = std::sqrt(std::max(0.0, 1 - z * z)), phi = 2 * pi * v;
   return {static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi)), static_cast<float>(z)};
 }
 
@@ -83,7 +83,7 @@ glm::dvec2 DirectionSequence::point(uint64_t index) const {
 }
 
 double DirectionSequence::density(const glm::vec3& direction) const {
-  const double uniform = (1 - guiding_) / (4 * kPi);  // of ω and -ω in the mean
+  const double uniform = (1 - guiding_) / (4 * pi);  // of ω and -ω in the mean
   return guide_ ? uniform + guiding_ * guide_->density(direction) : uniform;
 }
 

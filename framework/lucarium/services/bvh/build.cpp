@@ -13,8 +13,8 @@ namespace lucarium {
 namespace {
 
 constexpr int max_bins = 16;
-constexpr int max_sah_depth = 48;          // deeper nodes are halved by count, which bounds recursion and stacks
-constexpr uint32_t parallel_grain = 4096;  // triangles below which a thread is not worth its start
+constexpr int max_sah_depth = 48;                // deeper nodes are halved by count, which bounds recursion and stacks
+constexpr uint32_t triangles_per_thread = 4096;  // triangles below which a thread is not worth its start
 
 /// Twice the centre: sorting by it needs no division.
 float centre2(const BoundedTriangle& triangle, int axis) { return triangle.box.min[axis] + triangle.box.max[axis]; }
@@ -89,7 +89,7 @@ class Builder {
                           : depth < max_sah_depth ? split(first, count, centres)
                                                   : halve(first, count, centres);
     fork_join_.run(
-        count > parallel_grain, [&] { build(node + 1, first, left, depth + 1); },
+        count > triangles_per_thread, [&] { build(node + 1, first, left, depth + 1); },
         [&] { build(node + 2 * left, first + left, count - left, depth + 1); });
   }
 

@@ -12,7 +12,7 @@ namespace lucarium {
 namespace {
 
 constexpr int max_width = 16;
-constexpr uint32_t parallel_grain = 8192;
+constexpr uint32_t nodes_per_thread = 8192;
 
 }  // namespace
 
@@ -55,7 +55,7 @@ class WideBvh::Collapse {
     const uint32_t left = binary_.left(index), right = binary_.right(index);
     Costs left_cost, right_cost;
     fork_join_.run(
-        node.count > parallel_grain, [&] { left_cost = plan(left); }, [&] { right_cost = plan(right); });
+        node.count > nodes_per_thread, [&] { left_cost = plan(left); }, [&] { right_cost = plan(right); });
     const int left_max = static_cast<int>(std::min<uint32_t>(binary_.nodes[left].count, max_width));
     const int right_max = static_cast<int>(std::min<uint32_t>(binary_.nodes[right].count, max_width));
     const int max_count = std::min(width_, static_cast<int>(std::min<uint32_t>(node.count, max_width)));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/services/eye_light/eye_light.h"
 
+#include "lucarium/compute/device/remedies.h"
+
 namespace lucarium {
 
 EyeLight::EyeLight(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
@@ -13,7 +15,7 @@ EyeLight::EyeLight(Device& device, KernelScheduler& scheduler, const SceneBuffer
       gbuffer_(device, scheduler, scene, intersector, frame, owner, first_surface),
       direct_light_(device, scheduler, scene, intersector, owner, light_kinds),
       sums_(device, owner, size_t{frame.width} * frame.height, {"emission", "direct"}),
-      sample_(device, owner, "sample of direct light", size_t{frame.width} * frame.height, "lower --size") {
+      sample_(device, owner, "sample of direct light", size_t{frame.width} * frame.height, remedies::lower_size) {
   const Program program(device, SourceLibrary(),
                         {"services/eye_light", {"lucarium/services/eye_light/add_eye_light.cl"}, {}});
   ScheduleRecorder clearing = scheduler.record("begin sample of eye light", owner);

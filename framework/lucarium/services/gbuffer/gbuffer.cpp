@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/device/remedies.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/services/ray_ends.h"
@@ -11,8 +12,6 @@
 
 namespace lucarium {
 namespace {
-
-const char* const kLowerSize = "lower --size";
 
 std::map<std::string, std::string> defines(const Intersector& intersector, bool first_surface) {
   std::map<std::string, std::string> result = ray_end_defines(intersector);
@@ -37,10 +36,10 @@ struct GBuffer::State {
                  {"lucarium/services/gbuffer/generate_gbuffer_rays.cl", "lucarium/services/gbuffer/fill_gbuffer.cl",
                   "lucarium/services/path_integrator/advance_paths.cl"},
                  defines(intersector, first_surface)}),
-        points(device, owner, "G-buffer", pixels, kLowerSize),
-        rays(device, owner, "G-buffer rays", pixels, kLowerSize),
-        ends(make_ray_ends(device, intersector, owner, "ends of G-buffer rays", pixels, kLowerSize)),
-        queue(device, owner, "G-buffer queue", pixels, kLowerSize),
+        points(device, owner, "G-buffer", pixels, remedies::lower_size),
+        rays(device, owner, "G-buffer rays", pixels, remedies::lower_size),
+        ends(make_ray_ends(device, intersector, owner, "ends of G-buffer rays", pixels, remedies::lower_size)),
+        queue(device, owner, "G-buffer queue", pixels, remedies::lower_size),
         active(device, owner, "active G-buffer rays", 1) {
     record_start();
     record_follow();
@@ -88,12 +87,13 @@ void GBuffer::State::record_follow() {
   ScheduleRecorder recorder = scheduler.record("follow G-buffer rays", owner);
   follow_frame = recorder.variable("frame", frame);
   follow_sample = recorder.variable("sample", 0u);
-  const BufferRef hits = recorder.transient<Hit>("hits", pixels, kLowerSize);
-  const BufferRef next_rays = recorder.transient<Ray>("next rays", pixels, kLowerSize);
-  const BufferRef next_ends = transient_ray_ends(recorder, intersector, "ends of next rays", pixels, kLowerSize);
-  const BufferRef next_queue = recorder.transient<uint32_t>("next queue", pixels, kLowerSize);
-  const BufferRef alive = recorder.transient<uint32_t>("alive", pixels, kLowerSize);
-  const BufferRef survivors = recorder.transient<uint32_t>("survivors", pixels, kLowerSize);
+  const BufferRef hits = recorder.transient<Hit>("hits", pixels, remedies::lower_size);
+  const BufferRef next_rays = recorder.transient<Ray>("next rays", pixels, remedies::lower_size);
+  const BufferRef next_ends =
+      transient_ray_ends(recorder, intersector, "ends of next rays", pixels, remedies::lower_size);
+  const BufferRef next_queue = recorder.transient<uint32_t>("next queue", pixels, remedies::lower_size);
+  const BufferRef alive = recorder.transient<uint32_t>("alive", pixels, remedies::lower_size);
+  const BufferRef survivors = recorder.transient<uint32_t>("survivors", pixels, remedies::lower_size);
   const BufferRef next_active = recorder.transient<uint32_t>("next active", 1);
   intersector.record_closest(recorder, "closest hit", {rays, active, 0, pixels, ends}, hits);
   PassBuilder fill = recorder.pass("fill G-buffer", program, "fill_gbuffer");

@@ -4,12 +4,14 @@
 #include <algorithm>
 
 #include "lucarium/base/error.h"
+#include "lucarium/compute/device/remedies.h"
 
 namespace lucarium {
 
 LayerSums::LayerSums(Device& device, const std::string& owner, size_t pixels, std::vector<std::string> layers)
     : names_(std::move(layers)) {
-  for (const std::string& name : names_) sums_.emplace_back(device, owner, "sums of " + name, pixels, "lower --size");
+  for (const std::string& name : names_)
+    sums_.emplace_back(device, owner, "sums of " + name, pixels, remedies::lower_size);
   clear();
 }
 

@@ -18,7 +18,6 @@ constexpr uint32_t lanes = 16;               // pixels per row of a tile
 constexpr uint32_t chunks = 16;              // runs of triangles binned in parallel
 constexpr uint32_t slice_pixels = 1u << 22;  // of the image between two checks for an interrupt
 constexpr const char* fewer_triangles = "use a scene with fewer triangles";
-constexpr const char* smaller_image = "lower the resolution of the raster";
 
 uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 

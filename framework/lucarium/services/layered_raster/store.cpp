@@ -10,7 +10,6 @@ namespace lucarium {
 
 namespace {
 
-constexpr const char* smaller_image = "lower the resolution of the raster";
 constexpr uint32_t records_per_item = 64;
 
 }  // namespace

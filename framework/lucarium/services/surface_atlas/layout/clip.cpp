@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lucarium/services/surface_atlas/layout/cross2.h"
+
 namespace lucarium {
 
 namespace {
@@ -34,8 +36,6 @@ void cut(const Polygon& polygon, int axis, double value, Polygon& below, Polygon
     }
   }
 }
-
-double cross2(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 /// Twice the signed area, and the centroid.
 double measure(const Polygon& polygon, dvec2& centroid) {

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "lucarium/services/surface_atlas/layout/chart.h"
+#include "lucarium/services/surface_atlas/layout/cross2.h"
 
 namespace lucarium {
 
@@ -20,8 +21,6 @@ constexpr double worth_bisecting = 16;   // rectangles up to this many s² stay 
 constexpr double bisection_gain = 0.85;  // both rectangles together over the whole one, at most
 constexpr int bins = 16;
 constexpr double inset = 2e-3;  // of the chart's edges in their outermost cells [cells]
-
-double cross2(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 struct Rectangle {
   dvec2 low{INFINITY}, high{-INFINITY};

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lucarium/base/error.h"
+#include "lucarium/services/surface_atlas/layout/cross2.h"
 
 namespace lucarium {
 
@@ -17,8 +18,6 @@ using glm::dvec3;
 constexpr double max_off = 2;            // of density along any direction
 constexpr double tolerated_area = 1e-3;  // of an instance whose density is off
 constexpr double min_overlap = 1e-4;     // of the smaller triangle's area
-
-double cross2(const dvec2& a, const dvec2& b) { return a.x * b.y - a.y * b.x; }
 
 struct UvTriangle {
   dvec2 corner[3];
