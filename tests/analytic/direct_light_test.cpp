@@ -8,8 +8,6 @@ using namespace lucarium::test;
 
 namespace {
 
-Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 16}; }
-
 Scene floor_scene(float rho, float size = 40) {
   Scene scene;
   add_horizontal(scene, 0, 0, 0, size, size, true, add_material(scene, lambert(rho)));
@@ -43,7 +41,7 @@ TEST_CASE("direct light: a point light above a plane, L = rho/pi I h / (h^2 + r^
   add_light(scene, LightType::point, 100, {0, 2, 0}, {0, 0, 0});
   const std::pair<float, double> rows[] = {{0.f, 3.978874}, {1.f, 2.847050}, {2.f, 1.406744}, {4.f, 0.355881}};
   for (const auto& [r, exact] : rows)
-    table.add("r = " + std::to_string(r), estimate(scene, patch(r, 0), direct_only(), effort()), exact);
+    table.add("r = " + std::to_string(r), estimate(scene, patch(r, 0), direct_only(), usual_effort()), exact);
   table.check();
 }
 
@@ -52,7 +50,7 @@ TEST_CASE("direct light: a directional light, L = rho/pi E cos(theta)") {
   for (const float cosine : {1.f, 0.5f, 0.1f}) {
     Scene scene = floor_scene(0.5f);
     add_light(scene, LightType::directional, 100, {std::sqrt(1 - cosine * cosine), cosine, 0}, {0, 0, 0});
-    table.add("cos = " + std::to_string(cosine), estimate(scene, patch(0, 0), direct_only(), effort()),
+    table.add("cos = " + std::to_string(cosine), estimate(scene, patch(0, 0), direct_only(), usual_effort()),
               15.915494 * cosine);
   }
   table.check();
@@ -65,7 +63,7 @@ TEST_CASE("direct light: flux of a spot of 20 and 30 degrees is 0.533211 sr time
   scene.lights[0].outer_angle = static_cast<float>(30 * M_PI / 180);
   // The camera sees 1.4 m x 1.4 m, all of the lit disk: mean radiance times pi/rho times area is the flux.
   const SceneCamera camera = look_orthographic({0, 0.5f, 0}, {0, 0, 0}, 0.7f);
-  Estimate flux = estimate(scene, camera, direct_only(), effort());
+  Estimate flux = estimate(scene, camera, direct_only(), usual_effort());
   const double to_flux = M_PI / 0.5 * 1.4 * 1.4 / 100;
   flux.mean *= to_flux;
   flux.error *= to_flux;
@@ -86,7 +84,7 @@ TEST_CASE("direct light: a spot inside its cone, on its ramp and beyond, E = I f
     const double ramp = (cosine - std::cos(radians(30))) / (std::cos(radians(20)) - std::cos(radians(30)));
     const double falloff = std::pow(std::clamp(ramp, 0., 1.), 2);
     table.add(std::to_string(degrees) + " degrees",
-              estimate(scene, patch(static_cast<float>(std::tan(radians(degrees))), 0), direct_only(), effort()),
+              estimate(scene, patch(static_cast<float>(std::tan(radians(degrees))), 0), direct_only(), usual_effort()),
               0.5 / M_PI * 100 * falloff * cosine * cosine * cosine);
   }
   table.check();
@@ -100,7 +98,7 @@ TEST_CASE("direct light: a unit-square light at height 1, by every estimator") {
       Scene scene = floor_scene(0.5f);
       add_horizontal(scene, 0, 1, 0, 1, 1, false, add_material(scene, emitter(10)));
       // Hits of a light that covers little of the hemisphere need more samples.
-      Effort more = effort();
+      Effort more = usual_effort();
       if (estimator == PathEstimator::bsdf_only) more.samples_per_replicate *= exact < 0.1 ? 32 : 4;
       table.add(name + " at " + std::to_string(x) + ", " + std::to_string(z),
                 estimate(scene, patch(x, z), direct_only(estimator), more), exact * 10 * 0.5 / M_PI);
@@ -122,7 +120,7 @@ TEST_CASE("direct light: a tilted pentagon, by every estimator (Lambert's formul
     light.double_sided = true;
     add_polygon(scene, corners, add_material(scene, light));
     const double exact = polygon_irradiance(corners, {.2, 0, .1}, {0, 1, 0});
-    Effort more = effort();
+    Effort more = usual_effort();
     if (estimator == PathEstimator::bsdf_only) more.samples_per_replicate *= 4;
     table.add(name, estimate(scene, patch(.2f, .1f), direct_only(estimator), more), exact * 5 * 0.8 / M_PI);
   }
@@ -132,7 +130,7 @@ TEST_CASE("direct light: a tilted pentagon, by every estimator (Lambert's formul
   SceneMaterial light = emitter(5);
   light.double_sided = true;
   add_polygon(scene, sliver, add_material(scene, light));
-  table.add("sliver", estimate(scene, patch(-.1f, 0), direct_only(), effort()),
+  table.add("sliver", estimate(scene, patch(-.1f, 0), direct_only(), usual_effort()),
             polygon_irradiance(sliver, {-.1, 0, 0}, {0, 1, 0}) * 5 * 0.8 / M_PI);
   table.check(2e-3);
 }
@@ -145,7 +143,7 @@ TEST_CASE("direct light: a sphere, E = pi L (r/d)^2 cos(theta), tessellation sum
   const auto render = [&](double cosine, PathEstimator estimator) {
     Scene scene = floor_scene(0.5f);
     add_triangles(scene, sphere_at(cosine), add_material(scene, emitter(10)));
-    Effort more = effort();
+    Effort more = usual_effort();
     more.samples_per_replicate *= 4;
     return estimate(scene, patch(0, 0), direct_only(estimator), more);
   };
@@ -182,7 +180,7 @@ TEST_CASE("direct light: environment of radiance max(0, y), E = 2 pi / 3, by eve
       environment.radiance.insert(environment.radiance.end(), environment.width,
                                   glm::vec3(static_cast<float>(std::max(0.0, y))));
     }
-    Effort more = effort();
+    Effort more = usual_effort();
     more.samples_per_replicate *= 4;
     table.add(name, estimate(scene, patch(0, 0), direct_only(estimator), more), 2 * M_PI / 3 * 0.5 / M_PI);
   }

@@ -9,8 +9,6 @@ using namespace lucarium::test;
 
 namespace {
 
-Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 16}; }
-
 /// The unit sphere in 2^15 flat facets that touch it at their corners only: within 1.2e-4 of it. What that does to the
 /// light is known.
 struct FacetedSphere {
@@ -47,10 +45,10 @@ TEST_CASE("enclosure: a box that emits 1 everywhere shows (1 - rho^(k+2)) / (1 -
       Scene scene;
       add_box(scene, {-1, -1, -1}, {1, 1, 1}, true, add_material(scene, emitter(1, 0.5f)));
       const double exact = bounces < 0 ? 2 : (1 - std::pow(0.5, bounces + 2)) / 0.5;
-      table.add(
-          std::string(name) + ", limit " + std::to_string(bounces),
-          estimate(scene, look_perspective({.3f, .2f, .1f}, {-1, -.5f, 0}, 1), limited(bounces, estimator), effort()),
-          exact);
+      table.add(std::string(name) + ", limit " + std::to_string(bounces),
+                estimate(scene, look_perspective({.3f, .2f, .1f}, {-1, -.5f, 0}, 1), limited(bounces, estimator),
+                         usual_effort()),
+                exact);
     }
   table.check(2e-3);
 }
@@ -68,7 +66,7 @@ TEST_CASE("enclosure: a sphere with a point light, E_k = rho^k I / R^2 wherever 
       // Sum over k = 1 … n of rho/pi rho^k I, I = pi.
       const double exact = 0.5 * (bounces < 0 ? 1 : 1 - std::pow(0.5, bounces)) * sphere.bounced;
       table.add("limit " + std::to_string(bounces),
-                estimate(scene, look_perspective({0, 0, 0}, {1, .5f, .2f}, 1), options, effort()), exact);
+                estimate(scene, look_perspective({0, 0, 0}, {1, .5f, .2f}, 1), options, usual_effort()), exact);
     }
   table.check(2e-3);
 }
@@ -79,7 +77,7 @@ TEST_CASE("enclosure: the unit sphere of albedo 0.5 with I = pi at its centre sh
   add_triangles(scene, sphere.triangles, add_material(scene, lambert(0.5f)));
   add_light(scene, LightType::point, static_cast<float>(M_PI), {0, 0, 0}, {0, -1, 0});
   ClosedForms table;
-  table.add("radiance", estimate(scene, look_perspective({0, 0, 0}, {1, .5f, .2f}, 1), limited(-1), effort()),
+  table.add("radiance", estimate(scene, look_perspective({0, 0, 0}, {1, .5f, .2f}, 1), limited(-1), usual_effort()),
             0.5 * sphere.direct + 0.5 * sphere.bounced);
   table.check(2e-3);
 }
@@ -93,10 +91,10 @@ TEST_CASE("enclosure: in a closed scene of one albedo the flux of bounce k is rh
     Scene scene;
     add_box(scene, glm::vec3(-.5f), glm::vec3(.5f), true, add_material(scene, lambert(rho)));
     add_light(scene, LightType::point, 1, {.2f, .1f, -.25f}, {0, -1, 0});
-    std::vector<double> fluxes(effort().replicates, 0.0);
+    std::vector<double> fluxes(usual_effort().replicates, 0.0);
     for (int wall = 0; wall < 6; ++wall) {
       const SceneCamera camera = look_orthographic({0, 0, 0}, axes[wall], 0.5f);
-      const std::vector<double> means = replicate_means(scene, camera, limited(bounces), effort(), 1 + wall);
+      const std::vector<double> means = replicate_means(scene, camera, limited(bounces), usual_effort(), 1 + wall);
       for (size_t r = 0; r < means.size(); ++r) fluxes[r] += means[r] * M_PI / rho;  // walls of 1 m²
     }
     table.add("up to bounce " + std::to_string(bounces), estimate_of(fluxes),
@@ -129,12 +127,12 @@ TEST_CASE("enclosure: nor does the tessellation matter to the flux of a bounce")
     const int white = add_material(scene, lambert(rho));
     for (const std::vector<glm::vec3>& face : tetrahedron_faces(false)) add_triangles(scene, face, white);
     add_light(scene, LightType::point, 1, {.1f, -.2f, .15f}, {0, -1, 0});
-    std::vector<double> fluxes(effort().replicates, 0.0);
+    std::vector<double> fluxes(usual_effort().replicates, 0.0);
     uint64_t seed = 1;
     for (const std::vector<glm::vec3>& face : tetrahedron_faces(false)) {
       const glm::vec3 middle = (face[0] + face[1] + face[4]) / 3.f;
       const SceneCamera camera = look_orthographic(middle * (1 - 2e-5f), middle, 1.64f);
-      const std::vector<double> means = replicate_means(scene, camera, limited(bounces), effort(), seed++);
+      const std::vector<double> means = replicate_means(scene, camera, limited(bounces), usual_effort(), seed++);
       for (size_t r = 0; r < means.size(); ++r) fluxes[r] += means[r] * 3.28 * 3.28 * M_PI / rho;
     }
     const double remaining = bounces < 0 ? 0 : std::pow(rho, bounces + 1);

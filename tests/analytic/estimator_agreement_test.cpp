@@ -53,7 +53,7 @@ void check_agreement(const Scene& scene, int max_bounces, const Effort& effort) 
     }
 }
 
-Effort effort() { return full_run() ? Effort{64, 32, 64} : Effort{32, 16, 8}; }
+Effort agreement_effort() { return full_run() ? Effort{64, 32, 64} : Effort{32, 16, 8}; }
 
 /// The Cornell box with lights of very different kinds and powers, so that a wrong probability would show.
 Scene mixed_lights() {
@@ -68,14 +68,14 @@ Scene mixed_lights() {
 }  // namespace
 
 TEST_CASE("estimator agreement: Cornell box, unlimited") {
-  check_agreement(make_builtin_scene("cornell"), -1, effort());
+  check_agreement(make_builtin_scene("cornell"), -1, agreement_effort());
 }
 TEST_CASE("estimator agreement: Cornell box with mixed lights, unlimited") {
-  check_agreement(mixed_lights(), -1, effort());
+  check_agreement(mixed_lights(), -1, agreement_effort());
 }
 TEST_CASE("estimator agreement: glossy Cornell box, two bounces") {
-  check_agreement(make_builtin_scene("cornell-glossy"), 2, effort());
+  check_agreement(make_builtin_scene("cornell-glossy"), 2, agreement_effort());
 }
 TEST_CASE("estimator agreement: Cornell box with a mirror, two bounces") {
-  check_agreement(make_builtin_scene("cornell-mirror"), 2, effort());
+  check_agreement(make_builtin_scene("cornell-mirror"), 2, agreement_effort());
 }

@@ -8,7 +8,7 @@ using namespace lucarium::test;
 
 namespace {
 
-Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 64}; }
+Effort form_factor_effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 64}; }
 
 }  // namespace
 
@@ -19,7 +19,8 @@ TEST_CASE("form factors: parallel unit squares at distances 1 and 0.5") {
     add_horizontal(scene, 0, 0, 0, 1, 1, true, add_material(scene, lambert(1)));
     add_horizontal(scene, 0, distance, 0, 1, 1, false, add_material(scene, emitter(1)));
     table.add("distance " + std::to_string(distance),
-              estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, 0.5f), direct_only(), effort()), exact);
+              estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, 0.5f), direct_only(), form_factor_effort()),
+              exact);
   }
   table.check(1e-3);
 }
@@ -31,7 +32,8 @@ TEST_CASE("form factors: perpendicular unit squares with a common edge") {
   add_polygon(scene, {{-.5f, 0, .5f}, {-.5f, 0, -.5f}, {-.5f, 1, -.5f}, {-.5f, 1, .5f}},
               add_material(scene, emitter(1)));
   ClosedForms table;
-  table.add("perpendicular", estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, 0.5f), direct_only(), effort()),
+  table.add("perpendicular",
+            estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, 0.5f), direct_only(), form_factor_effort()),
             .200044);
   table.check(2e-3);
 }
@@ -43,7 +45,8 @@ TEST_CASE("form factors: coaxial disks") {
     add_polygon(scene, disk_corners(0, radius, 512, true), add_material(scene, lambert(1)));
     add_polygon(scene, disk_corners(1, radius, 512, false), add_material(scene, emitter(1)));
     const float half = 1.01f * radius;
-    Estimate mean = estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, half), direct_only(), effort());
+    Estimate mean =
+        estimate(scene, look_orthographic({0, 0.1f, 0}, {0, 0, 0}, half), direct_only(), form_factor_effort());
     const double to_disk = 4 * double{half} * half / (M_PI * radius * radius);
     mean.mean *= to_disk;
     mean.error *= to_disk;

@@ -9,8 +9,6 @@ using namespace lucarium::test;
 
 namespace {
 
-Effort effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 16}; }
-
 Scene plane_in_furnace(const SceneMaterial& material) {
   Scene scene;
   add_horizontal(scene, 0, 0, 0, 4, 4, true, add_material(scene, material));
@@ -35,7 +33,7 @@ TEST_CASE("furnace: a convex Lambertian body reflects rho everywhere") {
     PathIntegratorOptions options;  // no limit: a convex body scatters once
     // The inscribed square of the silhouette sees the body only.
     table.add("rho = " + std::to_string(rho),
-              estimate(scene, look_orthographic({0, 0, 5}, {0, 0, 0}, 0.65f), options, effort()), rho);
+              estimate(scene, look_orthographic({0, 0, 5}, {0, 0, 0}, 0.65f), options, usual_effort()), rho);
   }
   table.check();
 }
@@ -47,8 +45,8 @@ TEST_CASE("furnace: a white conductor has the specular albedo E1") {
       SceneMaterial metal;
       metal.roughness = row.roughness;
       table.add("r = " + std::to_string(row.roughness) + ", cos = " + std::to_string(albedo_cosines[i]),
-                estimate(plane_in_furnace(metal), tilted(albedo_cosines[i]), direct_only(), effort()), row.values[i],
-                albedo_rounding);
+                estimate(plane_in_furnace(metal), tilted(albedo_cosines[i]), direct_only(), usual_effort()),
+                row.values[i], albedo_rounding);
     }
   table.check(1e-3);
 }
@@ -62,8 +60,8 @@ TEST_CASE("furnace: a conductor without colour has the specular albedo B") {
       metal.base_color = glm::vec4(0, 0, 0, 1);
       metal.roughness = row.roughness;
       table.add("r = " + std::to_string(row.roughness) + ", cos = " + std::to_string(albedo_cosines[i]),
-                estimate(plane_in_furnace(metal), tilted(albedo_cosines[i]), direct_only(), effort()), row.values[i],
-                albedo_rounding);
+                estimate(plane_in_furnace(metal), tilted(albedo_cosines[i]), direct_only(), usual_effort()),
+                row.values[i], albedo_rounding);
     }
   table.check(4e-3);
 }
@@ -72,7 +70,7 @@ TEST_CASE("furnace: E1 at normal incidence and roughness 1 is 1 - ln 2") {
   SceneMaterial metal;
   metal.roughness = 1;
   ClosedForms table;
-  table.add("1 - ln 2", estimate(plane_in_furnace(metal), tilted(1), direct_only(), effort()), 1 - std::log(2));
+  table.add("1 - ln 2", estimate(plane_in_furnace(metal), tilted(1), direct_only(), usual_effort()), 1 - std::log(2));
   table.check(1e-3);
 }
 
@@ -87,7 +85,7 @@ TEST_CASE("furnace: a dielectric has albedo c (1 - average) + F0 (E1 - B) + B") 
       plastic.base_color = glm::vec4(static_cast<float>(base));
       // The average has four digits, B five.
       table.add("r = " + std::to_string(row.roughness) + ", cos = " + std::to_string(albedo_cosines[i]),
-                estimate(plane_in_furnace(plastic), tilted(albedo_cosines[i]), direct_only(), effort()),
+                estimate(plane_in_furnace(plastic), tilted(albedo_cosines[i]), direct_only(), usual_effort()),
                 dielectric_albedo(base, row.roughness, i), 5e-5 * base + 2 * albedo_rounding);
     }
   table.check(1e-3);

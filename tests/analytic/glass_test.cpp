@@ -7,7 +7,7 @@ using namespace lucarium::test;
 
 namespace {
 
-Effort effort() { return full_run() ? Effort{64, 16, 128} : Effort{32, 16, 32}; }
+Effort glass_effort() { return full_run() ? Effort{64, 16, 128} : Effort{32, 16, 32}; }
 
 SceneMaterial glass() {
   SceneMaterial material;
@@ -26,7 +26,7 @@ Scene slab_scene(const SceneMaterial& material, float emitter_radiance = 1) {
   return scene;
 }
 
-SceneCamera tilted(double cosine) {
+SceneCamera tilted_glass(double cosine) {
   const double sine = std::sqrt(1 - cosine * cosine);
   return look_orthographic({static_cast<float>(2 * sine), static_cast<float>(2 * cosine), 0}, {0, 0, 0}, 1e-3f);
 }
@@ -35,8 +35,8 @@ SceneCamera tilted(double cosine) {
 
 TEST_CASE("glass: transmittance of a slab of index 1.5") {
   ClosedForms table;
-  table.add("0 degrees", estimate(slab_scene(glass()), tilted(1), {}, effort()), .923077);
-  table.add("60 degrees", estimate(slab_scene(glass()), tilted(0.5), {}, effort()), .869159);
+  table.add("0 degrees", estimate(slab_scene(glass()), tilted_glass(1), {}, glass_effort()), .923077);
+  table.add("60 degrees", estimate(slab_scene(glass()), tilted_glass(0.5), {}, glass_effort()), .869159);
   table.check(2e-3);
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("glass: Beer's law along the refracted way") {
     const double sine_inside = std::sqrt(1 - cosine * cosine) / 1.5;
     const double a = std::exp(-sigma * 0.1 / std::sqrt(1 - sine_inside * sine_inside));
     const double r = 0.04 + 0.96 * std::pow(1 - cosine, 5);
-    table.add("cos " + std::to_string(cosine), estimate(slab_scene(tinted), tilted(cosine), {}, effort()),
+    table.add("cos " + std::to_string(cosine), estimate(slab_scene(tinted), tilted_glass(cosine), {}, glass_effort()),
               (1 - r) * (1 - r) * a / (1 - r * r * a * a));
   }
   table.check(2e-3);
@@ -64,7 +64,7 @@ TEST_CASE("glass: a thin wall does not bend, and reflects R") {
   add_horizontal(scene, 0, 0, 0, 40, 40, true, add_material(scene, wall));
   add_horizontal(scene, 0, -1, 0, 60, 60, true, add_material(scene, emitter(1)));
   ClosedForms table;
-  table.add("60 degrees", estimate(scene, tilted(0.5), {}, effort()), 1 - (0.04 + 0.96 * std::pow(0.5, 5)));
+  table.add("60 degrees", estimate(scene, tilted_glass(0.5), {}, glass_effort()), 1 - (0.04 + 0.96 * std::pow(0.5, 5)));
   table.check(2e-3);
 }
 
@@ -76,13 +76,13 @@ TEST_CASE("glass: a faceted sphere in a furnace loses nothing") {
   PathIntegratorOptions without;
   without.roulette = false;
   ClosedForms table;
-  table.add("roulette", estimate(scene, look_orthographic({0, 0, 3}, {0, 0, 0}, 1.1f), {}, effort()), 1);
-  table.add("no roulette", estimate(scene, look_orthographic({0, 0, 3}, {0, 0, 0}, 1.1f), without, effort()), 1);
+  table.add("roulette", estimate(scene, look_orthographic({0, 0, 3}, {0, 0, 0}, 1.1f), {}, glass_effort()), 1);
+  table.add("no roulette", estimate(scene, look_orthographic({0, 0, 3}, {0, 0, 0}, 1.1f), without, glass_effort()), 1);
   table.check(full_run() ? 5e-4 : 2e-3);
 }
 
 TEST_CASE("glass: delta events on the eye's side can be left out") {
   PathIntegratorOptions options;
   options.path_set.eye_deltas = 0;
-  CHECK(estimate(slab_scene(glass()), tilted(1), options, {16, 2, 4}).mean == 0);
+  CHECK(estimate(slab_scene(glass()), tilted_glass(1), options, {16, 2, 4}).mean == 0);
 }

@@ -20,7 +20,7 @@ const Program& program() {
   return instance;
 }
 
-bool near(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) <= 1e-5f; }
+bool near_point(const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) <= 1e-5f; }
 
 }  // namespace
 
@@ -50,26 +50,26 @@ TEST_CASE("primary rays pass through their film points; pixel sampling modes") {
     return glm::normalize(glm::vec3(-1, half * sy, -2 * half * sx));
   };
   const auto jittered = rays(LUCARIUM_PIXEL_JITTER, {{0, 0, 0, 0}, {7, 3, 5, 0}}, {{0.25f, 0.75f}, {0.5f, 0.1f}});
-  CHECK(near(jittered[0].direction.xyz(), expected(0.25f, 0.75f)));
-  CHECK(near(jittered[1].direction.xyz(), expected(7.5f, 3.1f)));
-  CHECK(near(jittered[0].origin.xyz(), {1, 2, 3}));
+  CHECK(near_point(jittered[0].direction.xyz(), expected(0.25f, 0.75f)));
+  CHECK(near_point(jittered[1].direction.xyz(), expected(7.5f, 3.1f)));
+  CHECK(near_point(jittered[0].origin.xyz(), {1, 2, 3}));
   CHECK(std::isinf(jittered[0].direction.w));
   uint seed = 0;
   std::memcpy(&seed, &jittered[0].origin.w, sizeof seed);
   CHECK(seed == 5);
   const auto centre = rays(LUCARIUM_PIXEL_CENTRE, {{2, 1, 9, 0}}, {{0.9f, 0.9f}});
-  CHECK(near(centre[0].direction.xyz(), expected(2.5f, 1.5f)));
+  CHECK(near_point(centre[0].direction.xyz(), expected(2.5f, 1.5f)));
   const auto grid = rays(2, {{2, 1, 0, 0}, {2, 1, 1, 0}, {2, 1, 6, 0}}, {{0.9f, 0.9f}, {0.9f, 0.9f}, {0.9f, 0.9f}});
-  CHECK(near(grid[0].direction.xyz(), expected(2.25f, 1.25f)));
-  CHECK(near(grid[1].direction.xyz(), expected(2.75f, 1.25f)));
-  CHECK(near(grid[2].direction.xyz(), expected(2.25f, 1.75f)));
+  CHECK(near_point(grid[0].direction.xyz(), expected(2.25f, 1.25f)));
+  CHECK(near_point(grid[1].direction.xyz(), expected(2.75f, 1.25f)));
+  CHECK(near_point(grid[2].direction.xyz(), expected(2.25f, 1.75f)));
 
   camera.perspective = false;
   camera.ymag = 3;
   const auto parallel = rays(LUCARIUM_PIXEL_JITTER, {{0, 0, 0, 0}, {4, 2, 0, 0}}, {{0, 0}, {0, 0}});
-  CHECK(near(parallel[0].direction.xyz(), {-1, 0, 0}));
-  CHECK(near(parallel[0].origin.xyz(), {1, 2 + 3, 3 + 6}));
-  CHECK(near(parallel[1].origin.xyz(), {1, 2, 3}));
+  CHECK(near_point(parallel[0].direction.xyz(), {-1, 0, 0}));
+  CHECK(near_point(parallel[0].origin.xyz(), {1, 2 + 3, 3 + 6}));
+  CHECK(near_point(parallel[1].origin.xyz(), {1, 2, 3}));
 }
 
 TEST_CASE("heuristics of multiple importance sampling add up to 1") {

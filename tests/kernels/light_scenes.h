@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "kernel_fixture.h"
+#include "lucarium/base/numbers.h"
 #include "made_scene.h"
 
 namespace lucarium::test {
 
-inline constexpr double pi = std::numbers::pi;
 inline constexpr uint all_kinds = 31;
 
 inline const Program& light_program() {

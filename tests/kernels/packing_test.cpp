@@ -16,7 +16,7 @@ using namespace lucarium;
 
 namespace {
 
-const Program& program() {
+const Program& packing_program() {
   static const Program instance = test::kernel_program("packing");
   return instance;
 }
@@ -38,7 +38,7 @@ double octahedral_error(double steps) { return 3 * std::sqrt(0.5) * 2 / steps; }
 std::vector<float4> round_trip(const std::string& kernel, const std::vector<float4>& in, uint bits = 0) {
   const auto input = test::test_buffer(in), output = test::test_buffer<float4>(in.size());
   const auto count = static_cast<uint>(in.size());
-  test::run_kernel(program(), kernel, count, 1, [&](PassBuilder& pass) {
+  test::run_kernel(packing_program(), kernel, count, 1, [&](PassBuilder& pass) {
     pass.arg("in", input).arg("count", count).arg("out", output);
     if (bits) pass.arg("bits", bits);
   });
@@ -109,7 +109,7 @@ TEST_CASE("halfs are rounded up, by less than a step") {
   for (int i = 0; i < 4096; ++i) in.push_back(std::exp2(exponent(random)));
   const auto input = test::test_buffer(in), output = test::test_buffer<float>(in.size());
   const auto count = static_cast<uint>(in.size());
-  test::run_kernel(program(), "round_up", count, 1,
+  test::run_kernel(packing_program(), "round_up", count, 1,
                    [&](PassBuilder& pass) { pass.arg("in", input).arg("count", count).arg("out", output); });
   const std::vector<float> out = output.download();
   size_t below = 0, far = 0;

@@ -19,12 +19,12 @@ namespace {
 
 constexpr uint kPairs = 512;
 
-const Program& program() {
+const Program& path_vertex_program() {
   static const Program instance = kernel_program("path_vertex");
   return instance;
 }
 
-const std::vector<NamedMaterial>& materials() {
+const std::vector<NamedMaterial>& vertex_materials() {
   static const std::vector<NamedMaterial> all = {{"lambert", dielectric(0.7f, 1, 1)},
                                                  {"plastic", dielectric(0.5f, 0.4f)},
                                                  {"lacquer", dielectric(0.5f, 0)},
@@ -57,12 +57,12 @@ double worst_difference(const std::vector<float>& a, const std::vector<float>& b
 }  // namespace
 
 TEST_CASE("a BSDF that is turned to another viewer is the one made for that viewer") {
-  const SceneBuffers buffers(*test_device(), material_scene(materials()));
+  const SceneBuffers buffers(*test_device(), material_scene(vertex_materials()));
   const auto directions = test_buffer(random_directions());
-  for (uint m = 0; m < materials().size(); ++m) {
-    CAPTURE(materials()[m].name);
+  for (uint m = 0; m < vertex_materials().size(); ++m) {
+    CAPTURE(vertex_materials()[m].name);
     const auto turned = test_buffer<float>(8 * kPairs), made = test_buffer<float>(8 * kPairs);
-    run_kernel(program(), "turn_and_make", kPairs, 64, [&](PassBuilder& pass) {
+    run_kernel(path_vertex_program(), "turn_and_make", kPairs, 64, [&](PassBuilder& pass) {
       buffers.bind(pass);
       pass.arg("triangle", m).arg("count", kPairs).arg("directions", directions).arg("turned", turned);
       pass.arg("made", made);
@@ -73,10 +73,10 @@ TEST_CASE("a BSDF that is turned to another viewer is the one made for that view
     for (uint i = 0; i < kPairs; ++i) {
       // Backs of opaque surfaces are asked for by nothing; a first viewer behind the shading normal has no BSDF.
       const bool same_side = d[3 * i].z * d[3 * i + 1].z > 0;
-      const glm::vec3 shading = glm::normalize(materials()[m].shading_normal);
+      const glm::vec3 shading = glm::normalize(vertex_materials()[m].shading_normal);
       const float side = d[3 * i].z > 0 ? 1.f : -1.f;
       if (side * glm::dot(shading, d[3 * i].xyz()) <= 0) continue;
-      if (!same_side && materials()[m].material.transmission == 0) continue;
+      if (!same_side && vertex_materials()[m].material.transmission == 0) continue;
       kept_a.insert(kept_a.end(), a.begin() + 8 * i, a.begin() + 8 * i + 8);
       kept_b.insert(kept_b.end(), b.begin() + 8 * i, b.begin() + 8 * i + 8);
     }
@@ -86,15 +86,15 @@ TEST_CASE("a BSDF that is turned to another viewer is the one made for that view
 }
 
 TEST_CASE("a stored vertex has the BSDF, flux, number, medium and ray ends of its surface") {
-  const SceneBuffers buffers(*test_device(), material_scene(materials()));
+  const SceneBuffers buffers(*test_device(), material_scene(vertex_materials()));
   const auto directions = test_buffer(random_directions());
   const std::vector<float4> d = directions.download();
-  for (uint m = 0; m < materials().size(); ++m) {
-    CAPTURE(materials()[m].name);
+  for (uint m = 0; m < vertex_materials().size(); ++m) {
+    CAPTURE(vertex_materials()[m].name);
     const auto stored = test_buffer<float>(8 * kPairs), made = test_buffer<float>(8 * kPairs);
     const auto flags = test_buffer<uint4>(kPairs);
     const auto ends = test_buffer<float4>(kPairs);
-    run_kernel(program(), "store_and_make", kPairs, 64, [&](PassBuilder& pass) {
+    run_kernel(path_vertex_program(), "store_and_make", kPairs, 64, [&](PassBuilder& pass) {
       buffers.bind(pass);
       pass.arg("triangle", m).arg("count", kPairs).arg("directions", directions).arg("stored", stored);
       pass.arg("made", made).arg("flags", flags).arg("ends", ends);
@@ -136,7 +136,7 @@ TEST_CASE("points project to the film position that their camera ray left, with 
     frame.width = 64, frame.height = 36;
     frame.camera = make_camera(camera, 64.f / 36.f);
     const auto device_films = test_buffer(films), result = test_buffer<float4>(films.size());
-    run_kernel(program(), "project_back", films.size(), 16, [&](PassBuilder& pass) {
+    run_kernel(path_vertex_program(), "project_back", films.size(), 16, [&](PassBuilder& pass) {
       pass.arg("frame", frame).arg("count", static_cast<uint>(films.size())).arg("films", device_films);
       pass.arg("result", result);
     });

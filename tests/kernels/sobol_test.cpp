@@ -14,14 +14,14 @@ using namespace lucarium;
 
 namespace {
 
-const Program& program() {
+const Program& sobol_program() {
   static const Program instance = test::kernel_program("sampling");
   return instance;
 }
 
 std::vector<float4> sampler_points(uint seed, uint block, uint mode, uint first, uint count) {
   const auto points = test::test_buffer<float4>(count);
-  test::run_kernel(program(), "sampler_points", count, 64, [&](PassBuilder& pass) {
+  test::run_kernel(sobol_program(), "sampler_points", count, 64, [&](PassBuilder& pass) {
     pass.arg("seed", seed)
         .arg("block", block)
         .arg("mode", mode)
@@ -153,7 +153,7 @@ TEST_CASE("blocks, samples and replicates of a pixel are independent over pixels
   const uint n = test::full_run() ? 1u << 20 : 1u << 16;
   const auto points = [&](const Choice& c) {
     const auto buffer = test::test_buffer<float4>(n);
-    test::run_kernel(program(), "pixel_points", n, 64, [&](PassBuilder& pass) {
+    test::run_kernel(sobol_program(), "pixel_points", n, 64, [&](PassBuilder& pass) {
       pass.arg("block", c.block)
           .arg("index", c.index)
           .arg("replicate", c.replicate)
@@ -200,7 +200,7 @@ TEST_CASE("a path's decisions come from their own blocks") {
   const auto points = test::test_buffer<float4>(3);
   const auto seeds = test::test_buffer<uint>(1);
   const uint vertex = 2;
-  test::run_kernel(program(), "path_dimensions", 1, 1,
+  test::run_kernel(sobol_program(), "path_dimensions", 1, 1,
                    [&](PassBuilder& pass) { pass.arg("vertex", vertex).arg("points", points).arg("seeds", seeds); });
   const uint seed = seeds.download()[0];
   CHECK(seed == pcg(3u + pcg(1u + pcg(7u))));
@@ -220,7 +220,7 @@ TEST_CASE("Halton points are radical inverses; scrambled ones keep the strata") 
     while (n * static_cast<uint>(base) < 4000) n *= static_cast<uint>(base);
     const auto buffer = test::test_buffer<float2>(n), other = test::test_buffer<float2>(n);
     for (const auto& [seed, target] : {std::pair{5u, &buffer}, {6u, &other}}) {
-      test::run_kernel(program(), "halton_points", n, 64, [&](PassBuilder& pass) {
+      test::run_kernel(sobol_program(), "halton_points", n, 64, [&](PassBuilder& pass) {
         pass.arg("dimension", d).arg("seed", seed).arg("count", n).arg("points", *target);
       });
     }

@@ -9,6 +9,7 @@
 
 #include "chi2.h"
 #include "kernel_fixture.h"
+#include "lucarium/base/numbers.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -16,9 +17,7 @@ using namespace lucarium;
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
-const Program& program() {
+const Program& warp_program() {
   static const Program instance = test::kernel_program("sampling");
   return instance;
 }
@@ -80,7 +79,7 @@ TEST_CASE("warped points follow their density and can be mapped back") {
     CAPTURE(warp.name);
     const auto points = test::test_buffer<float4>(n);
     const auto inverses = test::test_buffer<float2>(n), squares = test::test_buffer<float2>(n);
-    test::run_kernel(program(), "warp_points", n, 64, [&](PassBuilder& pass) {
+    test::run_kernel(warp_program(), "warp_points", n, 64, [&](PassBuilder& pass) {
       pass.arg("warp", warp.id).arg("parameter", warp.parameter).arg("seed", 1u + warp.id).arg("count", n);
       pass.arg("points", points).arg("inverses", inverses).arg("squares", squares);
     });
@@ -121,7 +120,7 @@ TEST_CASE("sincos_turns is as exact as single precision allows") {
   const uint n = 1 << 16;
   for (const float scale : {1.f, 1000.f}) {
     const auto buffer = test::test_buffer<float4>(n);
-    test::run_kernel(program(), "sine_table", n, 64,
+    test::run_kernel(warp_program(), "sine_table", n, 64,
                      [&](PassBuilder& pass) { pass.arg("count", n).arg("scale", scale).arg("values", buffer); });
     double worst = 0;
     for (const float4& v : buffer.download()) {
@@ -135,7 +134,7 @@ TEST_CASE("sincos_turns is as exact as single precision allows") {
 TEST_CASE("atan2_turns is as exact as single precision allows, at any radius") {
   const uint n = 1 << 16;
   const auto buffer = test::test_buffer<float4>(n);
-  test::run_kernel(program(), "angle_table", n, 64,
+  test::run_kernel(warp_program(), "angle_table", n, 64,
                    [&](PassBuilder& pass) { pass.arg("count", n).arg("values", buffer); });
   double worst = 0;
   for (const float4& v : buffer.download()) {

@@ -24,13 +24,22 @@ def skip(reason):
     sys.exit(77)
 
 
+def each_source(entry):
+    """The compile command of a source; of those compiled as one (LucariumUnity.cmake), one of each."""
+    if not os.path.basename(entry['file']).startswith('unity_'):
+        return [entry]
+    with open(entry['file'], encoding='utf8') as file:
+        names = re.findall(r'^#include "(.*)"$', file.read(), re.M)
+    return [dict(entry, file=name, command=entry['command'].replace(entry['file'], name)) for name in names]
+
+
 def commands(build, root):
     """The compile commands by source's name below `root`, without GCC's precompiled headers, which clang cannot
     read."""
     with open(os.path.join(build, 'compile_commands.json'), encoding='utf8') as file:
         entries = json.load(file)
     result = {}
-    for entry in entries:
+    for entry in [one for unit in entries for one in each_source(unit)]:
         entry['command'] = re.sub(r'-include \S*cmake_pch\.hxx|-Winvalid-pch|-fpch-preprocess', '', entry['command'])
         result.setdefault(os.path.relpath(entry['file'], root), entry)
     return {name: entry for name, entry in result.items() if name.startswith(FOLDERS)}

@@ -20,6 +20,7 @@ struct Effort {
   uint32_t replicates = 16;
   uint32_t samples_per_replicate = 16;
 };
+inline Effort usual_effort() { return full_run() ? Effort{64, 16, 64} : Effort{32, 16, 16}; }
 
 inline PathIntegratorOptions limited(int max_bounces, PathEstimator estimator = PathEstimator::mis) {
   PathIntegratorOptions options;

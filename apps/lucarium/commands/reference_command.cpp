@@ -90,7 +90,7 @@ nlohmann::ordered_json header_value(const std::string& key, const std::string& t
 }
 
 nlohmann::ordered_json reference_json(ReferenceImage& image, uint64_t rounds_before, const fs::path& file,
-                                    bool goal_reached) {
+                                      bool goal_reached) {
   nlohmann::ordered_json json;
   json["schema"] = "lucarium-reference-1";
   for (const auto& [key, value] : image.film().metadata) json[key] = header_value(key, value);

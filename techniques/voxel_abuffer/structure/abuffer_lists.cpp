@@ -66,7 +66,8 @@ void AbufferLists::reserve(const AbufferGrid& grid, size_t fragments) {
   capacity_ = fragments + fragments / 16;
   depths_ = fragments_ = {};
   depths_ = TypedBuffer<uint32_t>(*device_, technique_name, "depths", capacity_ + ABUFFER_PADDING, smaller_abuffer);
-  fragments_ = TypedBuffer<uint32_t>(*device_, technique_name, "fragments", capacity_ + ABUFFER_PADDING, smaller_abuffer);
+  fragments_ =
+      TypedBuffer<uint32_t>(*device_, technique_name, "fragments", capacity_ + ABUFFER_PADDING, smaller_abuffer);
   if (stored_) {
     attributes_ = {};
     attributes_ = TypedBuffer<AbufferAttributes>(*device_, technique_name, "attributes of fragments", capacity_,

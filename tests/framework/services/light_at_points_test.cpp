@@ -11,6 +11,7 @@
 
 #include "device_fixture.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bvh/bvh.h"
@@ -26,8 +27,6 @@ using namespace lucarium;
 using namespace lucarium::test;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// The middle of a horizontal rectangle that a scene begins with: that of its first triangle's longest side, from its
 /// first to its third corner.

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "device_fixture.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/services/bvh/bvh.h"
@@ -22,8 +23,6 @@ using namespace lucarium;
 using namespace lucarium::test;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 Scene empty_scene() {
   Scene scene;

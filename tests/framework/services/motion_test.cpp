@@ -11,7 +11,7 @@ using namespace lucarium::test;
 
 namespace {
 
-constexpr uint32_t kSide = 24;
+constexpr uint32_t kMotionSide = 24;
 
 /// A box below a lamp; both move.
 Scene moving_lamp() {
@@ -55,12 +55,12 @@ struct Pictures {
   }
 };
 
-struct Rig {
-  Rig(const Scene& scene, const PathIntegratorOptions& options)
-      : render(scene, scene.cameras.at(0), options, kSide),
+struct MotionRig {
+  MotionRig(const Scene& scene, const PathIntegratorOptions& options)
+      : render(scene, scene.cameras.at(0), options, kMotionSide),
         gbuffer(*test_device(), render.scheduler, render.buffers, render.bvh, render.frame, "test"),
         direct(*test_device(), render.scheduler, render.buffers, render.bvh, "test"),
-        sums(*test_device(), "test", "sums", kSide * kSide) {}
+        sums(*test_device(), "test", "sums", kMotionSide * kMotionSide) {}
 
   void follow(const Scene& scene, const SceneChange& change) {
     render.buffers.update(scene, change);
@@ -73,7 +73,7 @@ struct Rig {
     REQUIRE(gbuffer.render(0));
     REQUIRE(direct.accumulate_radiance(gbuffer.points(), sums, 0, 5));
     render.scheduler.finish();
-    Film film(kSide, kSide);
+    Film film(kMotionSide, kMotionSide);
     render.integrator->resolve(film);
     Pictures result;
     for (const char* layer : {"emission", "direct", "indirect"})
@@ -93,7 +93,7 @@ void check_motion(const Scene& scene, const PathIntegratorOptions& options, cons
                   Pose pose) {
   Scene kept = scene;
   pose(kept, 0);
-  Rig rig(kept, options);
+  MotionRig rig(kept, options);
   Pictures before = rig.pictures();
   const uint64_t scene_generation = rig.render.buffers.generation(), bvh_generation = rig.render.bvh.generation();
   for (const double seconds : times) {
@@ -109,7 +109,7 @@ void check_motion(const Scene& scene, const PathIntegratorOptions& options, cons
     CHECK(!(followed == before));
     Scene fresh = scene;
     pose(fresh, seconds);
-    CHECK(followed == Rig(fresh, options).pictures());
+    CHECK(followed == MotionRig(fresh, options).pictures());
     before = followed;
   }
 }
@@ -148,10 +148,10 @@ TEST_CASE("motion: shadow rays begin when a first light appears") {
   };
   Scene dark = scene;
   pose(dark, 0);
-  Rig rig(dark, options);
+  MotionRig rig(dark, options);
   rig.pictures();
   rig.follow(dark, pose(dark, 1));
   Scene fresh = scene;
   pose(fresh, 1);
-  CHECK(rig.pictures() == Rig(fresh, options).pictures());
+  CHECK(rig.pictures() == MotionRig(fresh, options).pictures());
 }

@@ -11,7 +11,7 @@ using namespace lucarium::test;
 
 namespace {
 
-constexpr uint32_t kSide = 16;
+constexpr uint32_t kPixelLightSide = 16;
 
 /// Means over the image of emission and direct light (green) for independent seeds.
 struct PixelMeans {
@@ -20,9 +20,9 @@ struct PixelMeans {
 
 struct PixelRender {
   PixelRender(const Scene& scene, const SceneCamera& camera)
-      : context(scene, camera, PathIntegratorOptions(), kSide),
+      : context(scene, camera, PathIntegratorOptions(), kPixelLightSide),
         gbuffer(*test_device(), context.scheduler, context.buffers, context.bvh, context.frame, "test"),
-        sums(*test_device(), "test", "sums", kSide * kSide) {}
+        sums(*test_device(), "test", "sums", kPixelLightSide * kPixelLightSide) {}
 
   /// The points of one sample.
   std::vector<GBufferPoint> points(uint32_t sample = 0) {
@@ -41,7 +41,7 @@ struct PixelRender {
   PixelMeans means(uint32_t seeds, uint32_t samples) {
     DirectLight service(*test_device(), context.scheduler, context.buffers, context.bvh, "test");
     PixelMeans result;
-    const double count = static_cast<double>(samples) * kSide * kSide;
+    const double count = static_cast<double>(samples) * kPixelLightSide * kPixelLightSide;
     for (uint32_t seed = 1; seed <= seeds; ++seed) {
       Frame frame = context.frame;
       frame.seed = seed;
@@ -177,7 +177,7 @@ TEST_CASE("direct light: through tinted glass with a rough surface it is the pat
   const SceneCamera camera = look_down(5);
   PathIntegratorOptions options = direct_only();
   options.path_set.emission = false;
-  const Estimate paths = estimate(scene, camera, options, {kSide, 16, 64});
+  const Estimate paths = estimate(scene, camera, options, {kPixelLightSide, 16, 64});
   PixelRender render(scene, camera);
   const Estimate services = estimate_of(render.means(8, 64).direct);
   const double error = std::sqrt(paths.error * paths.error + services.error * services.error);

@@ -12,7 +12,7 @@ using namespace lucarium;
 
 namespace {
 
-struct Options {
+struct BaseOptions {
   int value = 3;
   template <class V>
   void describe(V& v) {

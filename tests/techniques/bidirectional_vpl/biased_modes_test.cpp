@@ -16,8 +16,6 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
 std::vector<double> means_of_indirect(const Scene& scene, Picture picture, const Parameters& parameters) {
   std::vector<double> means;
   for (uint32_t i = 0; i < kSeeds; ++i) {

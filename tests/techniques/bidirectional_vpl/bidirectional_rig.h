@@ -16,6 +16,8 @@
 
 namespace lucarium::test {
 
+inline constexpr uint32_t kSeeds = 8;  ///< of pictures that are compared
+
 using Parameters = std::vector<std::pair<std::string, std::string>>;
 
 struct Picture {

@@ -9,8 +9,6 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
 /// Mean of one layer over independent pictures.
 Estimate mean_of_layer(const Scene& scene, Picture picture, const char* layer, const Parameters& parameters) {
   std::vector<double> means;

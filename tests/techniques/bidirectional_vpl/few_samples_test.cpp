@@ -10,8 +10,6 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
 Picture few(uint64_t iterations) {
   Picture picture;
   picture.max_bounces = 2;

@@ -8,8 +8,6 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
 Estimate indirect(const Scene& scene, Picture picture, const Parameters& parameters) {
   std::vector<double> means;
   for (uint32_t i = 0; i < kSeeds; ++i) {

@@ -9,9 +9,7 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
-Picture picture_of(int max_bounces) {
+Picture path_picture(int max_bounces) {
   Picture picture;
   picture.max_bounces = max_bounces;
   picture.iterations = full_run() ? 256 : 8;
@@ -21,17 +19,17 @@ Picture picture_of(int max_bounces) {
 }  // namespace
 
 TEST_CASE("pictures of rooms agree with path tracing at 1, 4 and unlimited bounces") {
-  check_agreement("room, 1 bounce", load_scene("builtin:room"), picture_of(1), {}, {}, kSeeds);
-  check_agreement("cornell-glossy, 4 bounces", load_scene("builtin:cornell-glossy"), picture_of(4), {}, {}, kSeeds);
-  check_agreement("spheres, unlimited", load_scene("builtin:spheres"), picture_of(-1), {}, {}, kSeeds);
+  check_agreement("room, 1 bounce", load_scene("builtin:room"), path_picture(1), {}, {}, kSeeds);
+  check_agreement("cornell-glossy, 4 bounces", load_scene("builtin:cornell-glossy"), path_picture(4), {}, {}, kSeeds);
+  check_agreement("spheres, unlimited", load_scene("builtin:spheres"), path_picture(-1), {}, {}, kSeeds);
 }
 
 TEST_CASE("pictures of hard light agree with path tracing: inside a fixture, by a spot, through glass and mirrors") {
-  Picture picture = picture_of(4);
+  Picture picture = path_picture(4);
   check_agreement("room, spot", load_scene("builtin:room:lamp=3"), picture, {}, {}, kSeeds);
   check_agreement("cornell-mirror, power heuristic", load_scene("builtin:cornell-mirror"), picture, {{"beta", "2"}}, {},
                   kSeeds);
-  check_agreement("cornell-mirror, direct light only", load_scene("builtin:cornell-mirror"), picture_of(0), {}, {},
+  check_agreement("cornell-mirror, direct light only", load_scene("builtin:cornell-mirror"), path_picture(0), {}, {},
                   kSeeds);
   if (!full_run()) return;
   check_agreement("fixture, lamp", load_scene("builtin:fixture:lamp=1"), picture, {}, {}, kSeeds);
@@ -41,7 +39,7 @@ TEST_CASE("pictures of hard light agree with path tracing: inside a fixture, by 
 }
 
 TEST_CASE("bidirectional path tracing with light paths of its own agrees, and so does any number of samples") {
-  const Picture picture = picture_of(3);
+  const Picture picture = path_picture(3);
   const Scene scene = load_scene("builtin:cornell-glossy");
   check_agreement("bdpt", scene, picture, {{"preset", "bdpt"}}, {}, kSeeds);
   check_agreement("few paths", scene, picture, {{"light_paths", "37"}, {"candidates", "5"}, {"light_vertices", "2"}},
@@ -54,7 +52,7 @@ TEST_CASE("bidirectional path tracing with light paths of its own agrees, and so
 
 TEST_CASE("camera paths connected to all virtual lights, or to those of their bundle's number, agree") {
   // All pixels share few light paths: see above.
-  const Picture picture = picture_of(3);
+  const Picture picture = path_picture(3);
   const Scene scene = load_scene("builtin:cornell-glossy");
   check_agreement("all", scene, picture, {{"vpl_choice", "all"}}, {}, 2 * kSeeds);
   check_agreement("pairs", scene, picture, {{"vpl_choice", "pair"}, {"directions", "bundle"}, {"light_vertices", "2"}},
@@ -77,16 +75,16 @@ TEST_CASE("light that rough glass passes on agrees with path tracing, a solid bl
   add_horizontal(scene, 0.45f, -0.4f, 0, 0.7f, 0.8f, true, add_material(scene, pane));
   add_light(scene, LightType::point, 1, {0, 0.3f, 0.1f}, {0, -1, 0});
   scene.cameras = {look_perspective({0.2f, 0.2f, 0.95f}, {0, -0.5f, 0}, 1.2f)};
-  check_agreement("rough glass", scene, picture_of(4), {}, {}, kSeeds);
+  check_agreement("rough glass", scene, path_picture(4), {}, {}, kSeeds);
 }
 
 TEST_CASE("splats alone show indirect light where camera paths see it") {
-  check_agreement("splats", load_scene("builtin:cornell"), picture_of(2), {{"strategy", "splat"}}, {{"direct", "off"}},
-                  kSeeds);
+  check_agreement("splats", load_scene("builtin:cornell"), path_picture(2), {{"strategy", "splat"}},
+                  {{"direct", "off"}}, kSeeds);
 }
 
 TEST_CASE("camera paths along ray-bundles agree with path tracing, uniform and after the sky") {
-  Picture picture = picture_of(3);
+  Picture picture = path_picture(3);
   check_agreement("uniform", load_scene("builtin:cornell-glossy"), picture, {{"directions", "bundle"}}, {}, kSeeds);
   // Lacquer: an ideal lobe, with an edge of its own, over a diffuse one.
   Scene lacquer = load_scene("builtin:cornell");
@@ -103,7 +101,7 @@ TEST_CASE("camera paths along ray-bundles agree with path tracing, uniform and a
 }
 
 TEST_CASE("camera paths along ray-bundles and the BSDF in turn agree with path tracing, after odd numbers of samples") {
-  Picture picture = picture_of(3);
+  Picture picture = path_picture(3);
   picture.iterations += 1;
   check_agreement("both", load_scene("builtin:cornell-glossy"), picture, {{"directions", "both"}}, {}, kSeeds);
   check_agreement("both, power heuristic", load_scene("builtin:cornell-mirror"), picture,
@@ -114,7 +112,7 @@ TEST_CASE("one stratified set of bundles shared between depths is biased, and a 
   // Directions of one path that depend on each other are drawn with no product of densities. Two directions show most,
   // and so do camera paths that no light path helps.
   const Scene scene = load_scene("builtin:cornell");
-  Picture picture = picture_of(3);
+  Picture picture = path_picture(3);
   picture.iterations *= 4;
   const auto z = [&](const char* reuse) {
     const Parameters parameters = {{"directions", "bundle"}, {"bundles", "2"}, {"reuse", reuse}, {"strategy", "nee"}};
@@ -132,7 +130,7 @@ TEST_CASE("one stratified set of bundles shared between depths is biased, and a 
 }
 
 TEST_CASE("without jittered pixels there are no splats, and the picture is right") {
-  Picture picture = picture_of(2);
+  Picture picture = path_picture(2);
   picture.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
   const Scene scene = load_scene("builtin:cornell-glossy");
   check_agreement("centres", scene, picture, {}, {}, kSeeds);

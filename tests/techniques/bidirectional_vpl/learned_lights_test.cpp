@@ -8,8 +8,6 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
 /// A room with a lamp, and beside it a closed chamber whose lights have many times the lamp's power.
 Scene hidden_lights(int count, float lamp_side = 0.3f) {
   Scene scene;
@@ -24,7 +22,7 @@ Scene hidden_lights(int count, float lamp_side = 0.3f) {
   return scene;
 }
 
-Picture picture_of(uint64_t iterations) {
+Picture learned_picture(uint64_t iterations) {
   Picture picture;
   picture.max_bounces = 2;
   picture.iterations = iterations;
@@ -48,7 +46,7 @@ double spread(const std::vector<std::vector<float>>& images) {
 
 TEST_CASE("learned lights: pictures agree with path tracing where most lights are hidden") {
   const Scene scene = hidden_lights(8);
-  const Picture picture = picture_of(full_run() ? 256 : 12);
+  const Picture picture = learned_picture(full_run() ? 256 : 12);
   check_agreement("learned", scene, picture, {{"light_choice", "learned"}}, {}, kSeeds);
   // Weights of hits matter most where the lamp is large and splats are many.
   check_agreement("learned, many splats", hidden_lights(2, 0.9f), picture,
@@ -60,7 +58,7 @@ TEST_CASE("learned lights: virtual lights and splats alone have less noise than 
   for (const char* const strategy : {"vpl", "splat"}) {
     CAPTURE(strategy);
     const auto images = [&](const char* choice) {
-      return pictures(scene, "bidirectional_vpl", picture_of(full_run() ? 256 : 24),
+      return pictures(scene, "bidirectional_vpl", learned_picture(full_run() ? 256 : 24),
                       {{"strategy", strategy}, {"light_choice", choice}}, kSeeds);
     };
     const auto learned = images("learned"), power = images("power");
@@ -81,14 +79,14 @@ TEST_CASE(
   for (const char* const choice : {"resample", "all", "own", "pair"}) {
     CAPTURE(choice);
     const Parameters parameters = {{"light_choice", "learned"}, {"vpl_choice", choice}};
-    const std::vector<float> once = image_of(render(scene, "bidirectional_vpl", picture_of(3), parameters));
-    CHECK(once == image_of(render(scene, "bidirectional_vpl", picture_of(3), parameters)));
-    CHECK(once != image_of(render(scene, "bidirectional_vpl", picture_of(3), {{"vpl_choice", choice}})));
+    const std::vector<float> once = image_of(render(scene, "bidirectional_vpl", learned_picture(3), parameters));
+    CHECK(once == image_of(render(scene, "bidirectional_vpl", learned_picture(3), parameters)));
+    CHECK(once != image_of(render(scene, "bidirectional_vpl", learned_picture(3), {{"vpl_choice", choice}})));
   }
   Scene dark = hidden_lights(0);
   dark.materials.back().emissive_factor = glm::vec3(0);
   dark.materials[1].emissive_factor = glm::vec3(0);
-  CHECK(mean_of(image_of(render(dark, "bidirectional_vpl", picture_of(2), {{"light_choice", "learned"}}))) == 0);
+  CHECK(mean_of(image_of(render(dark, "bidirectional_vpl", learned_picture(2), {{"light_choice", "learned"}}))) == 0);
 }
 
 TEST_CASE("learned lights: an iteration that is cancelled teaches nothing") {

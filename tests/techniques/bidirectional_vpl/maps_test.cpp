@@ -10,8 +10,6 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
 /// Blocks on a floor before a wall, with a point light above.
 Scene blocks() {
   Scene scene;

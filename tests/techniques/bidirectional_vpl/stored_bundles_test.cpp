@@ -11,7 +11,7 @@ using namespace lucarium::test;
 
 namespace {
 
-Picture picture_of(uint64_t iterations) {
+Picture bundle_picture(uint64_t iterations) {
   Picture picture;
   picture.iterations = iterations;
   return picture;
@@ -45,7 +45,7 @@ double relative_difference(const std::vector<float>& a, const std::vector<float>
 
 TEST_CASE("stored bundles with all triangles of a pixel show what rays show, BLEND, mirrors and sky included") {
   const Scene scene = mixed_room();
-  const Picture picture = picture_of(4);
+  const Picture picture = bundle_picture(4);
   for (const char* reuse : {"per_depth", "distinct"}) {
     const Parameters more = {{"bundles", "5"}, {"bundle_res", "64"}, {"reuse", reuse}};
     const std::vector<float> rays = image(scene, picture, "rays", more), exact = image(scene, picture, "exact", more);
@@ -61,7 +61,7 @@ TEST_CASE("stored bundles with all triangles of a pixel show what rays show, BLE
 
 TEST_CASE("stored bundles from linked lists are those from tiles, bit for bit") {
   const Scene scene = mixed_room();
-  const Picture picture = picture_of(1);
+  const Picture picture = bundle_picture(1);
   const Parameters more = {{"bundles", "3"}, {"bundle_res", "48"}};
   CHECK(image(scene, picture, "linked_list", more) == image(scene, picture, "raster", more));
 }
@@ -78,7 +78,7 @@ TEST_CASE("stored bundles: the error of their resolution has a sign, and goes aw
     }
   set_environment(scene, 1);
   scene.cameras = {look_perspective({0.5f, 1.5f, 1.2f}, {0, 0, 0}, 0.9f)};
-  Picture picture = picture_of(full_run() ? 64 : 8);
+  Picture picture = bundle_picture(full_run() ? 64 : 8);
   picture.max_bounces = 0;
   // Points at the feet of blocks see less of the sky than they should.
   std::vector<double> coarse, fine;

@@ -9,8 +9,6 @@ using namespace lucarium::test;
 
 namespace {
 
-const uint32_t kSeeds = 8;
-
 /// Means over independent pictures of a layer.
 Estimate layer_estimate(const Scene& scene, const std::string& technique, Picture picture, const char* layer,
                         const Parameters& parameters) {
@@ -47,7 +45,7 @@ struct Reference {
   Estimate expected;
 };
 
-Picture picture_of(int max_bounces) {
+Picture strategy_picture(int max_bounces) {
   Picture picture;
   picture.width = 32;
   picture.height = 24;
@@ -85,7 +83,7 @@ TEST_CASE("the strategies' layers sum to direct and indirect light, pixel by pix
 TEST_CASE("each strategy alone finds the paths that it can find") {
   // A box of one lamp: hits and light samples find all light, connections and splats all that is indirect.
   const Scene scene = load_scene("builtin:cornell");
-  const Reference direct(scene, picture_of(2), "direct"), indirect(scene, picture_of(2), "indirect");
+  const Reference direct(scene, strategy_picture(2), "direct"), indirect(scene, strategy_picture(2), "indirect");
   direct.check("hit", {{"strategy", "hit"}}, 8);
   direct.check("nee", {{"strategy", "nee"}});
   indirect.check("nee", {{"strategy", "nee"}});
@@ -98,14 +96,14 @@ TEST_CASE("each strategy alone finds the paths that it can find") {
 
 TEST_CASE("spots, skies and two-sided lamps: virtual lights and splats alone carry the right light") {
   const Scene spot = load_scene("builtin:room:lamp=3");
-  const Reference by_spot(spot, picture_of(1), "indirect");
+  const Reference by_spot(spot, strategy_picture(1), "indirect");
   by_spot.check("spot, vpl", {{"strategy", "vpl"}});
   by_spot.check("spot, splat", {{"strategy", "splat"}}, 2);
 
   // The box is open in front, towards the sky.
   Scene open = load_scene("builtin:cornell");
   open.environment = Environment{};
-  const Reference by_sky(open, picture_of(1), "indirect");
+  const Reference by_sky(open, strategy_picture(1), "indirect");
   by_sky.check("sky and lamp, vpl", {{"strategy", "vpl"}});
   by_sky.check("sky and lamp, splat", {{"strategy", "splat"}});
   by_sky.check("sky and lamp, many light paths", {{"light_paths", "8192"}}, 2);
@@ -115,7 +113,7 @@ TEST_CASE("spots, skies and two-sided lamps: virtual lights and splats alone car
   SceneMaterial lamp = emitter(40);
   lamp.double_sided = true;
   add_triangles(two_sided, {{-0.3f, 1.1f, 0}, {0.1f, 1.1f, 0}, {-0.1f, 1.4f, 0.1f}}, add_material(two_sided, lamp));
-  const Reference by_lamp(two_sided, picture_of(1), "indirect");
+  const Reference by_lamp(two_sided, strategy_picture(1), "indirect");
   by_lamp.check("two-sided, vpl", {{"strategy", "vpl"}});
   by_lamp.check("two-sided, splat", {{"strategy", "splat"}});
   by_lamp.check("two-sided, all", {});
@@ -130,7 +128,7 @@ TEST_CASE("orthographic cameras see the same splats") {
   camera.world_from_camera =
       glm::inverse(glm::lookAt(glm::vec3(0.2f, 1.9f, 0.3f), glm::vec3(0.1f, 0, 0.2f), {0, 0, -1}));
   scene.cameras = {camera};
-  const Reference reference(scene, picture_of(1), "indirect");
+  const Reference reference(scene, strategy_picture(1), "indirect");
   reference.check("splat", {{"strategy", "splat"}}, 2);
   reference.check("many splats beside connections", {{"light_paths", "8192"}, {"candidates", "1"}}, 2);
 }

@@ -29,9 +29,6 @@ vlf::Parameters exchanged(int dir_n, int cells, int texels) {
 double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.) / static_cast<double>(values.size());
 }
-double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
-double most(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
-
 /// A lamp of radiance 1 and a black receiver, unit squares at distance 1 or with a common edge.
 Scene two_squares(bool parallel) {
   const SceneMaterial lamp = test::emitter(1), black = test::lambert(0);
@@ -74,8 +71,8 @@ TEST_CASE("in a closed box of radiance 1 every texel side holds exactly that, wh
     test::FieldRig rig(test::unit_box({{0, lamp}, {1, lamp}, {2, lamp}, {3, lamp}, {4, lamp}, {5, lamp}}), parameters,
                        {.max_bounces = 0});
     rig.propagate();
-    CHECK(least(rig.direct()) == within(1, 1e-5));
-    CHECK(most(rig.direct()) == within(1, 1e-5));
+    CHECK(test::min_of(rig.direct()) == within(1, 1e-5));
+    CHECK(test::max_of(rig.direct()) == within(1, 1e-5));
   }
 }
 
@@ -94,8 +91,8 @@ TEST_CASE("a double-sided plate under the sky 1 + y holds 5 pi / 3 above and pi 
   rig.propagate();
   const std::vector<double> above = upper_half(rig), below = lower_half(rig);
   CHECK(rig.surfaces().atlas.info().double_sided_count * 2 == rig.sides());
-  for (const double value : {least(above), most(above)}) CHECK(value == relative(5. / 3, 0.005));
-  for (const double value : {least(below), most(below)}) CHECK(value == relative(1. / 3, 0.03));
+  for (const double value : {test::min_of(above), test::max_of(above)}) CHECK(value == relative(5. / 3, 0.005));
+  for (const double value : {test::min_of(below), test::max_of(below)}) CHECK(value == relative(1. / 3, 0.03));
   CHECK(mean(above) == relative(5. / 3, 0.005));
   CHECK(mean(below) == relative(1. / 3, 0.005));
 }
@@ -124,8 +121,8 @@ TEST_CASE("a furnace of albedo one half holds 1, 1 + 1/2, ... bounce by bounce, 
     rig.propagate();
     CHECK(rig.field().sweeps() == (bounces < 0 ? 3u : static_cast<uint32_t>(bounces) + 1));
     const double expected = bounces < 0 ? 2 : 2 - std::pow(0.5, bounces);
-    CHECK(least(rig.all()) == within(expected, 1e-4));
-    CHECK(most(rig.all()) == within(expected, 1e-4));
+    CHECK(test::min_of(rig.all()) == within(expected, 1e-4));
+    CHECK(test::max_of(rig.all()) == within(expected, 1e-4));
   }
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "field_rig.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "tolerance.h"
@@ -16,8 +17,6 @@ using test::relative;
 using test::within;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Relative error of the grid's integral of the cosine over hemispheres: root mean square over random normals.
 double cosine_error(uint32_t n) {
@@ -32,7 +31,7 @@ double cosine_error(uint32_t n) {
       double integral = 0;
       for (uint32_t d = 0; d < grid.directions(); ++d)
         integral += grid.solid_angle(d) * std::max(0., glm::dot(normal, grid.direction(d)));
-      sum += std::pow(integral / kPi - 1, 2);
+      sum += std::pow(integral / pi - 1, 2);
     }
   }
   return std::sqrt(sum / count);
@@ -51,7 +50,7 @@ TEST_CASE("directions: solid angles sum to 4 pi, every direction has its opposit
       opposite = std::max(opposite, glm::length(grid.direction(d) + grid.direction(d ^ 1)));
       CHECK(glm::length(grid.direction(d)) == within(1, 1e-12));
     }
-    CHECK(sum == relative(4 * kPi, 1e-12));
+    CHECK(sum == relative(4 * pi, 1e-12));
     CHECK(opposite == 0);
     CHECK(grid.nodes().size() == (2 * n + 1) * (2 * n + 1));
     std::vector<int> uses(grid.directions(), 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A scene and its light field, without the technique around them.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -15,6 +16,9 @@
 #include "virtual_light_field/field/light_field.h"
 
 namespace lucarium::test {
+
+inline double min_of(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
+inline double max_of(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
 
 /// Metal that reflects all light, ideally or by a GGX lobe.
 inline SceneMaterial mirror(float reflectance = 1, float roughness = 0) {

@@ -11,11 +11,11 @@
 #include <random>
 
 #include "field_rig.h"
+#include "lucarium/base/numbers.h"
 
 namespace lucarium::test {
 
 struct LampBox {
-  static constexpr double kPi = 3.14159265358979323846;
   std::array<double, 6> albedo{0.25, 0.9, 0.6, 0.7, 0.7, 0.5};  ///< -x, +x, -y, +y, -z, +z
   bool mirror = true;                                           ///< the wall +x reflects ideally, or diffusely
   double lamp_x[2] = {0.375, 0.625}, lamp_z[2] = {0.375, 0.625};
@@ -89,7 +89,7 @@ struct LampBox {
       const double length = glm::length(across);
       if (length > 0) sum += std::atan2(length, glm::dot(to[i], to[(i + 1) % 4])) * glm::dot(across, n) / length;
     }
-    return radiance * std::abs(sum) / (2 * kPi);
+    return radiance * std::abs(sum) / (2 * pi);
   }
 
   /// One path's irradiance over pi: at its first point the lamp, then what comes from elsewhere.
@@ -119,7 +119,7 @@ struct LampBox {
   }
 
   static glm::dvec3 cosine_direction(int wall, std::mt19937_64& random) {
-    const double square = unit(random), phi = 2 * kPi * unit(random), r = std::sqrt(square), up = std::sqrt(1 - square);
+    const double square = unit(random), phi = 2 * pi * unit(random), r = std::sqrt(square), up = std::sqrt(1 - square);
     const int axis = wall / 2;
     glm::dvec3 d;
     d[axis] = wall % 2 ? -up : up;

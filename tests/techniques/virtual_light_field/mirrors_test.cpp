@@ -15,7 +15,7 @@ using test::within;
 
 namespace {
 
-vlf::Parameters field(int dir_n, int cells, int texels) {
+vlf::Parameters mirror_field(int dir_n, int cells, int texels) {
   vlf::Parameters parameters;
   parameters.dir_n = dir_n;
   parameters.cells = cells;
@@ -24,13 +24,11 @@ vlf::Parameters field(int dir_n, int cells, int texels) {
   return parameters;
 }
 
-double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
-
 }  // namespace
 
 TEST_CASE("a furnace with a mirror for a wall is a furnace") {
   const SceneMaterial wall = test::emitter(1, 0.5f);
-  vlf::Parameters parameters = field(8, 32, 2048);
+  vlf::Parameters parameters = mirror_field(8, 32, 2048);
   parameters.tail = false;
   parameters.residual = 0;
   test::FieldRig rig(test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror()}}),
@@ -39,13 +37,13 @@ TEST_CASE("a furnace with a mirror for a wall is a furnace") {
   CHECK(rig.field().maps().info().facets == 1);
   CHECK(rig.mean(rig.all(), 1) > 1.999);
   CHECK(rig.mean(rig.all(), 1) < 2.001);
-  CHECK(least(rig.of_instance(rig.all(), 1)) > 1.99);
+  CHECK(test::min_of(rig.of_instance(rig.all(), 1)) > 1.99);
 }
 
 TEST_CASE("light by a mirror is that of the image lamp") {
   const SceneMaterial black = test::lambert(0);
   test::FieldRig rig(test::unit_box({{2, black}, {0, black}, {3, test::emitter(1)}, {1, test::mirror()}}),
-                     field(16, 64, 4096), {.max_bounces = 1});
+                     mirror_field(16, 64, 4096), {.max_bounces = 1});
   rig.propagate();
   // Form factors of parallel and perpendicular squares, and those of the lamp behind the mirror.
   CHECK(rig.mean(rig.direct(), 0) == relative(0.199825, 0.01));
@@ -59,7 +57,7 @@ TEST_CASE("glossy and refracting walls keep a uniform field") {
     CAPTURE(roughness);
     test::FieldRig rig(
         test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror(1, roughness)}}),
-        field(8, 32, 2048), {.max_bounces = 0});
+        mirror_field(8, 32, 2048), {.max_bounces = 0});
     rig.propagate();
     // What a cell sends is the albedo of its lobe, which loses what bounces twice between microfacets.
     std::vector<uint32_t> direct = rig.field().direct().download();
@@ -93,7 +91,7 @@ TEST_CASE("clear glass in a furnace changes nothing outside of it") {
       const int material = test::add_material(scene, glass);
       add_instance(scene, add_mesh(scene, MeshBuilder("block").box({0.3f, 0.2f, 0.35f}, {0.7f, 0.6f, 0.7f}).take()),
                    material);
-      vlf::Parameters parameters = field(test::full_run() ? 16 : 8, 64, 4096);
+      vlf::Parameters parameters = mirror_field(test::full_run() ? 16 : 8, 64, 4096);
       parameters.residual = 0.001f;
       test::FieldRig rig(std::move(scene), parameters);
       rig.propagate();

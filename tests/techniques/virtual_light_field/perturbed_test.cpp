@@ -7,6 +7,7 @@
 #include <random>
 
 #include "field_rig.h"
+#include "lucarium/base/numbers.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -15,8 +16,6 @@ using test::relative;
 using test::within;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 vlf::Parameters field(int dir_n, int cells, int texels, int perturb) {
   vlf::Parameters parameters;
@@ -32,8 +31,6 @@ Scene mirror_furnace() {
   const SceneMaterial wall = test::emitter(1, 0.5f);
   return test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror()}});
 }
-
-double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 
 /// The bits of all that a field shows.
 std::vector<uint32_t> bits_of(const test::FieldRig& rig) {
@@ -65,7 +62,7 @@ TEST_CASE("perturbed directions cover the sphere uniformly, near the direction t
     }
     // The integral of ω ωᵀ over the sphere is 4 π / 3 times the unit matrix.
     for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) CHECK(second[c][r] == within(r == c ? 4 * kPi / 3 : 0, 0.01));
+      for (int c = 0; c < 3; ++c) CHECK(second[c][r] == within(r == c ? 4 * pi / 3 : 0, 0.01));
     CHECK(farthest < 2 * grid.spacing());
     CHECK(farthest > 0.7 * grid.spacing());
   }
@@ -94,7 +91,7 @@ TEST_CASE("directions of one pass about those of the grid are as even as a grid,
         const glm::dvec3 d(glm::dot(pass[line], x), glm::dot(pass[line], y), std::abs(glm::dot(pass[line], z)));
         if (d.z < 1e-6) continue;
         sum += grid.solid_angle(2 * line) * d.z * std::max(0., 1 - std::abs(d.x) / d.z) *
-               std::max(0., 1 - std::abs(d.y) / d.z) / kPi;
+               std::max(0., 1 - std::abs(d.y) / d.z) / pi;
       }
       squares += std::pow(sum / 0.199825 - 1, 2);
       ++tries;
@@ -108,7 +105,7 @@ TEST_CASE("perturbed rays keep a uniform field and form factors") {
   test::FieldRig box(test::unit_box({{0, lamp}, {1, lamp}, {2, lamp}, {3, lamp}, {4, lamp}, {5, lamp}}),
                      field(3, 32, 1024, 3), {.max_bounces = 0});
   box.propagate();
-  CHECK(least(box.direct()) == within(1, 1e-5));
+  CHECK(test::min_of(box.direct()) == within(1, 1e-5));
   const SceneMaterial black = test::lambert(0);
   for (const bool parallel : {true, false}) {
     CAPTURE(parallel);
@@ -139,7 +136,7 @@ TEST_CASE("perturbed rays by a mirror bring the light of the image lamp, and lea
   test::FieldRig rig(mirror_furnace(), parameters);
   rig.propagate(20);
   CHECK(rig.mean(rig.all(), 1) == within(2, 0.002));
-  CHECK(least(rig.of_instance(rig.all(), 1)) > 1.99);
+  CHECK(test::min_of(rig.of_instance(rig.all(), 1)) > 1.99);
 }
 
 TEST_CASE("kept fragments give the bits of drawn ones, all or some of them kept") {
@@ -193,7 +190,7 @@ TEST_CASE("splats divided by their columns keep a furnace with a mirror, the pap
     parameters.residual = 0;
     test::FieldRig rig(mirror_furnace(), parameters);
     rig.propagate(24);
-    const double mean = rig.mean(rig.all(), 1), minimum = least(rig.of_instance(rig.all(), 1));
+    const double mean = rig.mean(rig.all(), 1), minimum = test::min_of(rig.of_instance(rig.all(), 1));
     if (mode == vlf::ScatterMode::splat) {
       CHECK(mean == within(2, 0.001));
       CHECK(minimum > 1.99);

@@ -11,15 +11,16 @@
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/session/session.h"
 #include "registry.h"
+#include "technique_session.h"
 #include "test_support.h"
 #include "tolerance.h"
 
 using namespace lucarium;
+using test::Options;
 using test::relative;
+using test::with;
 
 namespace {
-
-using Options = std::vector<std::pair<std::string, std::string>>;
 
 struct Means {
   double emission = 0, direct = 0, indirect = 0;
@@ -44,12 +45,7 @@ Means render(const Scene& scene, const std::string& technique, int max_bounces, 
   return {mean("emission"), mean("direct"), mean("indirect")};
 }
 
-const Options field = {{"dir_n", "8"}, {"cells", "48"}, {"texels", "4096"}, {"camera_samples", "16"}};
-
-Options with(Options options, const Options& more) {
-  options.insert(options.end(), more.begin(), more.end());
-  return options;
-}
+const Options fine = {{"dir_n", "8"}, {"cells", "48"}, {"texels", "4096"}, {"camera_samples", "16"}};
 
 /// A lit box whose back wall and a sheet of tinted glass scatter by lobes: what a camera at the open side sees of it.
 Scene lobes(float roughness) {
@@ -68,7 +64,7 @@ TEST_CASE("each number of bounces brings path_tracing's light") {
   for (const int bounces : {0, 1, 2, -1}) {
     CAPTURE(bounces);
     const Means expected = render(scene, "path_tracing", bounces, samples),
-                found = render(scene, "virtual_light_field", bounces, 96, field);
+                found = render(scene, "virtual_light_field", bounces, 96, fine);
     CHECK(found.direct == relative(expected.direct, 0.02));
     if (bounces == 0)
       CHECK(found.indirect == 0);
@@ -84,7 +80,7 @@ TEST_CASE("rays of lobes and look-ups show what path_tracing shows") {
     const Means expected = render(scene, "path_tracing", -1, 512);
     const double all = expected.emission + expected.direct + expected.indirect;
     for (const Options& eye : {Options{}, Options{{"eye_glossy", "vlf"}}, Options{{"preset", "walkthrough"}}}) {
-      const Means found = render(scene, "virtual_light_field", -1, 160, with(eye, field));
+      const Means found = render(scene, "virtual_light_field", -1, 160, with(eye, fine));
       CAPTURE(eye.size());
       CAPTURE(found.direct);
       CAPTURE(found.indirect);
@@ -106,7 +102,7 @@ TEST_CASE("a wall half mirror and half diffuse shows its mirror once, however it
                              Options{{"preset", "walkthrough"}}}) {
     CAPTURE(eye.empty() ? "" : eye.front().first);
     CAPTURE(eye.empty() ? "" : eye.front().second);
-    const Means found = render(scene, "virtual_light_field", -1, 160, with(eye, field));
+    const Means found = render(scene, "virtual_light_field", -1, 160, with(eye, fine));
     CHECK(found.emission + found.direct + found.indirect == relative(all, 0.03));
   }
 }
@@ -116,8 +112,8 @@ TEST_CASE("coats that keep no tiles are folded into the albedo or left out, as w
   for (SceneMaterial& material : scene.materials)
     if (material.ior == 1.f) material.ior = 1.5f;  // coats of F0 0.04 on the grey walls
   const Means expected = render(scene, "path_tracing", -1, 512);
-  const Means folded = render(scene, "virtual_light_field", -1, 160, field),
-              dropped = render(scene, "virtual_light_field", -1, 160, with(field, {{"weak_lobes", "drop"}}));
+  const Means folded = render(scene, "virtual_light_field", -1, 160, fine),
+              dropped = render(scene, "virtual_light_field", -1, 160, with(fine, {{"weak_lobes", "drop"}}));
   CHECK(folded.indirect == relative(expected.indirect, 0.03));
   CHECK(dropped.indirect < 0.97 * folded.indirect);
 }
@@ -126,7 +122,7 @@ TEST_CASE("lamps of any strength fit into the cells") {
   const auto mean = [](float strength) {
     Scene scene = lobes(0);
     for (SceneMaterial& material : scene.materials) material.emissive_strength *= strength;
-    return render(scene, "virtual_light_field", 3, 96, field).indirect;
+    return render(scene, "virtual_light_field", 3, 96, fine).indirect;
   };
   const double one = mean(1);
   CHECK(mean(0x1p30f) == relative(one * 0x1p30, 1e-5));
@@ -154,7 +150,7 @@ TEST_CASE("rough metal throws on what point, spot and directional lights send it
     Means found;
     constexpr int seeds = 4;
     for (uint64_t seed = 1; seed <= seeds; ++seed) {
-      const Means one = render(scene, "virtual_light_field", 2, 64, field, seed);
+      const Means one = render(scene, "virtual_light_field", 2, 64, fine, seed);
       found.direct += one.direct / seeds;
       found.indirect += one.indirect / seeds;
     }

@@ -15,7 +15,7 @@ using namespace lucarium::test;
 
 namespace {
 
-const Options coarse = {{"dir_n", "4"}, {"cells", "32"}, {"texels", "2048"}, {"camera_samples", "4"}};
+const Options saved_field = {{"dir_n", "4"}, {"cells", "32"}, {"texels", "2048"}, {"camera_samples", "4"}};
 
 double lines(RenderSession& session) { return session.technique().counters().at("lines"); }
 
@@ -35,7 +35,7 @@ TEST_CASE("every frame of a walk through the field has the bits of that camera a
   const Scene scene = load_scene("builtin:cornell-mirror");
   for (const Options& more : {Options{}, Options{{"preset", "walkthrough"}}}) {
     CAPTURE(more.empty() ? std::string("default") : more.front().second);
-    const Options options = with(more, coarse);
+    const Options options = with(more, saved_field);
     const auto walk = session(scene, -1, options);
     CHECK_FALSE(walk->finish_light());
     const double found = lines(*walk);
@@ -67,7 +67,7 @@ TEST_CASE("a loaded field propagates nothing and shows the bits of the session t
       if (!test::full_run() && !more.empty() && std::string(name) == "builtin:room") continue;
       CAPTURE(name);
       CAPTURE(more.empty() ? std::string("default") : more.front().second);
-      const Options options = with(more, coarse);
+      const Options options = with(more, saved_field);
       const SavedState saved(scene, options);
       const auto other = loaded(saved.file, scene, options);
       CHECK(lines(*other) == 0);
@@ -100,7 +100,7 @@ TEST_CASE("a loaded field propagates nothing and shows the bits of the session t
 }
 
 TEST_CASE("a field of finite bounces is loaded with them, and at any size of the image") {
-  Options options = coarse;
+  Options options = saved_field;
   options[2].second = "0";  // texels: chosen by the size of the image
   const Scene scene = load_scene("builtin:cornell-mirror");
   const SavedState saved(scene, options, 2);
@@ -112,15 +112,15 @@ TEST_CASE("a field of finite bounces is loaded with them, and at any size of the
 
 TEST_CASE("behind a loaded field a change of the lights propagates again, to the bits of a fresh start") {
   const Scene scene = load_scene("builtin:cornell-mirror");
-  const SavedState saved(scene, coarse);
-  const auto run = loaded(saved.file, scene, coarse);
+  const SavedState saved(scene, saved_field);
+  const auto run = loaded(saved.file, scene, saved_field);
   picture(*run);
   run->change_scene(dim_lamps);
   run->finish_light();
   CHECK(lines(*run) > 0);
   Scene changed = scene;
   dim_lamps(changed);
-  const auto fresh = session(changed, -1, coarse);
+  const auto fresh = session(changed, -1, saved_field);
   fresh->finish_light();
   CHECK(picture(*run) == picture(*fresh));
   // And a run that was not loaded: changed, and started over.
@@ -135,23 +135,24 @@ TEST_CASE("behind a loaded field a change of the lights propagates again, to the
 
 TEST_CASE("a field of something else is refused, with the reason") {
   const Scene scene = load_scene("builtin:cornell-mirror");
-  const SavedState saved(scene, coarse);
+  const SavedState saved(scene, saved_field);
   const auto load = [&](Scene other, const Options& options, const SessionStart& start = {}) {
     return [&saved, other = std::move(other), options, start] { loaded(saved.file, other, options, start); };
   };
-  check_refusal(load(load_scene("builtin:cornell"), coarse), ErrorClass::input, "it belongs to another scene");
-  check_refusal(load(scene, with(coarse, {{"dir_n", "5"}})), ErrorClass::usage,
+  check_refusal(load(load_scene("builtin:cornell"), saved_field), ErrorClass::input, "it belongs to another scene");
+  check_refusal(load(scene, with(saved_field, {{"dir_n", "5"}})), ErrorClass::usage,
                 "it was saved with dir_n=4, here it is 5; give -p dir_n=4");
-  check_refusal(load(scene, with(coarse, {{"eye_glossy", "vlf"}})), ErrorClass::usage, "saved with eye_glossy=trace");
-  check_refusal(load(scene, coarse, {.seed = 7}), ErrorClass::usage, "it was saved with --seed 1");
-  check_refusal(load(scene, coarse, {.max_bounces = 2}), ErrorClass::usage, "it was saved with --max-bounces -1");
-  CHECK(picture(*loaded(saved.file, scene, with(coarse, {{"camera_samples", "9"}, {"eye_interp", "nearest"}}))).size() >
-        0);
+  check_refusal(load(scene, with(saved_field, {{"eye_glossy", "vlf"}})), ErrorClass::usage,
+                "saved with eye_glossy=trace");
+  check_refusal(load(scene, saved_field, {.seed = 7}), ErrorClass::usage, "it was saved with --seed 1");
+  check_refusal(load(scene, saved_field, {.max_bounces = 2}), ErrorClass::usage, "it was saved with --max-bounces -1");
+  CHECK(picture(*loaded(saved.file, scene, with(saved_field, {{"camera_samples", "9"}, {"eye_interp", "nearest"}})))
+            .size() > 0);
 }
 
 TEST_CASE("values that no propagation brings are refused: NaN, other numbers of cells and sides, absurd sizes") {
   const Scene scene = load_scene("builtin:cornell-mirror");
-  const SavedState saved(scene, coarse);
+  const SavedState saved(scene, saved_field);
   const StateFile whole(saved.file);
   const StateHeader header = whole.header();
   struct Field {
@@ -183,7 +184,7 @@ TEST_CASE("values that no propagation brings are refused: NaN, other numbers of 
       chunks.put("cells.total", values.total);
       if (!values.direct_cells.empty()) chunks.put("cells.direct", values.direct_cells);
     });
-    check_refusal([&] { loaded(file, scene, coarse); }, ErrorClass::input, part);
+    check_refusal([&] { loaded(file, scene, saved_field); }, ErrorClass::input, part);
   };
   constexpr float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
   refuse([](Values& v) { v.direct[17].y = nan; }, "chunk 'sides.direct': number 69 of");
@@ -196,11 +197,11 @@ TEST_CASE("values that no propagation brings are refused: NaN, other numbers of 
   refuse([](Values& v) { v.field.scale = 0; }, "chunk 'field': the scale 0");
   refuse([](Values& v) { v.field.cells = 0xffffffffu; }, "chunk 'field': 4294967295 cells");
   write_state_file(file, header, false, [](StateWriter&) {});
-  check_refusal([&] { loaded(file, scene, coarse); }, ErrorClass::input, "it is missing");
+  check_refusal([&] { loaded(file, scene, saved_field); }, ErrorClass::input, "it is missing");
 }
 
 TEST_CASE("samples per pixel counted before all light was there, so that --spp ended in a dark picture") {
-  const auto run = session(load_scene("builtin:cornell"), -1, coarse);
+  const auto run = session(load_scene("builtin:cornell"), -1, saved_field);
   bool seen = false;
   while (!run->last().light_done) {
     run->iterate();

@@ -16,6 +16,7 @@
 #include <random>
 
 #include "field_rig.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/compute/program/source_library.h"
 #include "lucarium/shared/hash.h"
 #include "test_support.h"
@@ -28,8 +29,6 @@ using test::relative;
 using test::within;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 vlf::Parameters plain(int dir_n, int cells, int texels) {
   vlf::Parameters parameters;
@@ -160,11 +159,11 @@ TEST_CASE("two unit squares have their form factors without normalisation, too")
       light += static_cast<double>(last[side].x) * static_cast<double>(last[side].w);
       weight += static_cast<double>(last[side].w);
     }
-    const double found = light * pixel * pixel / kPi;
+    const double found = light * pixel * pixel / pi;
     MESSAGE("form factor ", found);
     CHECK(found == relative(parallel ? 0.199825 : 0.200044, 0.01));
     // The rays themselves: Σ ΔΩ cos = pi, to the quadrature's error.
-    CHECK(weight * pixel * pixel == relative(kPi, 0.005));
+    CHECK(weight * pixel * pixel == relative(pi, 0.005));
   }
 }
 

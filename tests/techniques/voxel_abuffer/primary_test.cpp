@@ -60,11 +60,11 @@ std::vector<Ray> camera_rays(const Frame& frame, float offset) {
   return rays;
 }
 
-struct Differences {
+struct HitDifferences {
   uint32_t triangles = 0, far = 0, hits = 0;
 };
-Differences compare(const std::vector<Hit>& expected, const std::vector<Hit>& found) {
-  Differences d;
+HitDifferences compare(const std::vector<Hit>& expected, const std::vector<Hit>& found) {
+  HitDifferences d;
   for (size_t i = 0; i < expected.size(); ++i) {
     d.hits += expected[i].triangle != LUCARIUM_NO_HIT;
     if (expected[i].triangle != found[i].triangle)
@@ -88,7 +88,7 @@ TEST_CASE("primary: rasterized pixels see what rays through their centres see, a
     PrimaryRaster raster(rig.scheduler, rig.buffers, nothing, frame.width, frame.height);
     raster.rasterize(frame);
     const std::vector<Ray> rays = camera_rays(frame, 0);
-    const Differences d = compare(rig.trace(bvh, rays).hits, rig.trace(raster, rays).hits);
+    const HitDifferences d = compare(rig.trace(bvh, rays).hits, rig.trace(raster, rays).hits);
     MESSAGE(d.triangles, " other triangles, ", d.far, " elsewhere of ", d.hits);
     CHECK(d.hits > rays.size() / 2);
     CHECK(d.triangles <= rays.size() / 100);  // edges: corners are snapped to 1/256 pixel
@@ -132,7 +132,7 @@ TEST_CASE("primary: MASK and BLEND are decided as by rays") {
     PrimaryRaster raster(rig.scheduler, rig.buffers, bvh, frame.width, frame.height);
     raster.rasterize(frame);
     const std::vector<Ray> rays = camera_rays(frame, 0);
-    const Differences d = compare(rig.trace(bvh, rays).hits, rig.trace(raster, rays).hits);
+    const HitDifferences d = compare(rig.trace(bvh, rays).hits, rig.trace(raster, rays).hits);
     CHECK((mode == AlphaMode::mask ? d.hits == 0 : d.hits > 1000));
     CHECK(d.triangles <= rays.size() / 100);
   }

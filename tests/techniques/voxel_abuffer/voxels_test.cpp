@@ -89,7 +89,7 @@ TEST_CASE("voxels: exact search loses rays without conservative ones") {
     return differences(right, rig.trace(rig.make(options), rays));
   };
   CHECK(lost(true) == 0);
-  const uint32_t without = lost(false);
+  const size_t without = lost(false);
   MESSAGE(without, " of ", rays.size());
   CHECK(without > 0);
   CHECK(without < rays.size() / 20);

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "cli_support.h"
+#include "file_bytes.h"
 #include "tolerance.h"
 
 using namespace lucarium::test;
@@ -14,13 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 /// The pieces that are finished: their summary is there.
 std::map<std::string, std::string> finished_pieces(const fs::path& folder) {
   std::map<std::string, std::string> files;
@@ -28,7 +22,7 @@ std::map<std::string, std::string> finished_pieces(const fs::path& folder) {
     if (entry.path().extension() != ".json") continue;
     for (const char* extension : {".json", ".exr"}) {
       const fs::path file = fs::path(entry.path()).replace_extension(extension);
-      files[file.filename().string()] = text_of(file);
+      files[file.filename().string()] = bytes_of(file);
     }
   }
   return files;
@@ -38,7 +32,7 @@ std::map<std::string, std::string> finished_pieces(const fs::path& folder) {
 size_t count_processes(const std::string& text) {
   size_t count = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
-    count += contains(text_of(entry.path() / "cmdline"), text);
+    count += contains(bytes_of(entry.path() / "cmdline"), text);
   }
   return count;
 }
@@ -74,7 +68,7 @@ TEST_CASE("a comparison writes results that parse, a table and a page") {
   const ProgramResult run = run_lucarium(comparison(folder, "--json --quiet"));
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
-  const json all = json::parse(text_of(results / "results.json"));
+  const json all = json::parse(bytes_of(results / "results.json"));
   CHECK(json::parse(run.out) == all);
   REQUIRE(all["pieces"].size() == 4);
   for (const json& piece : all["pieces"]) {
@@ -83,11 +77,11 @@ TEST_CASE("a comparison writes results that parse, a table and a page") {
     CHECK(piece["samples"] == 5);
     CHECK(fs::exists(results / piece["image"].get<std::string>()));
   }
-  CHECK(contains(text_of(results / "results.csv"), "RMSE"));
-  CHECK(contains(text_of(results / "report.html"), "<html"));
-  const std::string before = text_of(results / "results.json");
+  CHECK(contains(bytes_of(results / "results.csv"), "RMSE"));
+  CHECK(contains(bytes_of(results / "report.html"), "<html"));
+  const std::string before = bytes_of(results / "results.json");
   check_refused(comparison(folder, ""), 2, "--resume");
-  CHECK(text_of(results / "results.json") == before);
+  CHECK(bytes_of(results / "results.json") == before);
   check_refused(comparison(folder, "--resume --max-bounces 2"), 2, "holds a different comparison");
   CHECK(run_lucarium("report " + results.string()).exit_code == 0);
 }
@@ -109,21 +103,21 @@ TEST_CASE("a user's own files in the folder of the results were deleted") {
   const std::string by_hand = "// my study\n{\"schema\": \"lucarium-comparison-1\"}\n";
   write(results / "comparison.json", by_hand);
   check_refused(comparison(folder, "--overwrite"), 2, "comparison.json exists, but no comparison wrote it");
-  CHECK(text_of(results / "comparison.json") == by_hand);
+  CHECK(bytes_of(results / "comparison.json") == by_hand);
   fs::remove(results / "comparison.json");
   fs::rename(folder.path() / "kept", results / "references");
 
   // What a comparison wrote is replaced when that is asked for, and only that.
-  const std::string mine = text_of(results / "references" / "mine.exr");
+  const std::string mine = bytes_of(results / "references" / "mine.exr");
   fs::rename(results / "references", folder.path() / "kept");
   REQUIRE(run_lucarium(comparison(folder, "--quiet")).exit_code == 0);
   fs::rename(folder.path() / "kept" / "mine.exr", results / "references" / "mine.exr");
   write(results / "pieces" / "scene9-variant1-budget1-seed1.json", "of an older comparison");
   REQUIRE(run_lucarium(comparison(folder, "--quiet --overwrite --seeds 1")).exit_code == 0);
-  CHECK(text_of(results / "references" / "mine.exr") == mine);
-  CHECK(text_of(results / "notes.txt") == "mine");
+  CHECK(bytes_of(results / "references" / "mine.exr") == mine);
+  CHECK(bytes_of(results / "notes.txt") == "mine");
   CHECK_FALSE(fs::exists(results / "pieces" / "scene9-variant1-budget1-seed1.json"));
-  CHECK(json::parse(text_of(results / "comparison.json"))["seeds"] == 1);
+  CHECK(json::parse(bytes_of(results / "comparison.json"))["seeds"] == 1);
 }
 
 TEST_CASE("--dry-run did not notice that the reference is missing") {
@@ -154,7 +148,7 @@ TEST_CASE("an optional scene without a file is left out, another one is missed")
   CHECK(contains(fine.err, "left out: there is no file"));
   CHECK(missed.exit_code == 1);
   CHECK(contains(missed.err, "none.glb"));
-  CHECK(json::parse(text_of(folder.path() / "fine" / "results.json"))["pieces"].size() == 1);
+  CHECK(json::parse(bytes_of(folder.path() / "fine" / "results.json"))["pieces"].size() == 1);
 }
 
 TEST_CASE("--resume and --overwrite together were accepted") {
@@ -181,7 +175,7 @@ TEST_CASE("a comparison that was killed goes on where it stopped; what was finis
   const auto after = finished_pieces(results);
   CHECK(after.size() == 8);
   for (const auto& [name, bytes] : before) CHECK_MESSAGE(after.at(name) == bytes, name);
-  CHECK(json::parse(text_of(results / "results.json"))["pieces"].size() == 4);
+  CHECK(json::parse(bytes_of(results / "results.json"))["pieces"].size() == 4);
 }
 
 TEST_CASE("a picture whose budget ended too early has a warning beside its error") {
@@ -192,7 +186,7 @@ TEST_CASE("a picture whose budget ended too early has a warning beside its error
       std::string("--reference-spp 32 -o ") + results.string());
   CHECK(run.exit_code == 0);
   CHECK(contains(run.out + run.err, "unfinished: light is missing"));
-  const json warnings = json::parse(text_of(results / "results.json"))["scenes"][0]["warnings"];
+  const json warnings = json::parse(bytes_of(results / "results.json"))["scenes"][0]["warnings"];
   REQUIRE(warnings.size() == 1);
   CHECK(contains(warnings[0].get<std::string>(), "the budget ended too early"));
 }
@@ -240,7 +234,7 @@ TEST_CASE("a timed piece is reproduced by its iterations, and an error budget sa
                        "--time 0.3 --relmse 0.5 --limit 20 --seeds 1 " + "--reference-spp 64 --quiet -o " +
                        results.string())
               .exit_code == 0);
-  const json all = json::parse(text_of(results / "results.json"));
+  const json all = json::parse(bytes_of(results / "results.json"));
   REQUIRE(all["pieces"].size() == 2);
   const json& timed = all["pieces"][0];
   CHECK(timed["snapshots"].size() >= 2);
@@ -284,7 +278,7 @@ TEST_CASE(
       "--pixel-sampling 4 --iterations 2 --seeds 1 --reference-spp 32 " + "--quiet -o " + results.string());
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
-  const json scene = json::parse(text_of(results / "results.json"))["scenes"][0];
+  const json scene = json::parse(bytes_of(results / "results.json"))["scenes"][0];
   REQUIRE(scene["references"].size() == 2);
   CHECK(scene["variants"][0]["reference"] == 0);
   CHECK(scene["variants"][1]["reference"] == 1);
@@ -302,7 +296,7 @@ TEST_CASE("an interrupt of the comparison alone ends its run too, and keeps what
                       " ]; do kill -0 $pid || exit 99; sleep 0.05; done; sleep 0.5; kill -INT $pid; wait $pid",
                   50);
   CHECK(run.exit_code == 6);
-  CHECK(json::parse(text_of(results / "results.json"))["interrupted"] == true);
+  CHECK(json::parse(bytes_of(results / "results.json"))["interrupted"] == true);
   CHECK(wait_until([&] { return count_processes((results / "pieces").string()) == 0; }));
 }
 
@@ -353,7 +347,7 @@ TEST_CASE("a plan is printed and nothing is written; gates set the exit code; a 
   CHECK(run_lucarium("compare --comparison " + (results / "comparison.json").string() + " --quiet --baseline " +
                      results.string() + " -o " + (folder.path() / "second").string() + " " + plugins)
             .exit_code == 0);
-  const json second = json::parse(text_of(folder.path() / "second" / "results.json"));
+  const json second = json::parse(bytes_of(folder.path() / "second" / "results.json"));
   REQUIRE(second["baseline"]["changes"].size() >= 2);
   CHECK(second["baseline"]["changes"][0]["ratio"].get<double>() == lucarium::test::relative(1));
 }

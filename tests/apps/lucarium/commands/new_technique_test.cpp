@@ -5,19 +5,10 @@
 #include <sstream>
 
 #include "cli_support.h"
+#include "file_bytes.h"
 
 using namespace lucarium::test;
 namespace fs = std::filesystem;
-
-namespace {
-
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-}  // namespace
 
 TEST_CASE("a new technique is a folder that names itself everywhere and says what to do next") {
   const TemporaryFolder folder;
@@ -29,9 +20,9 @@ TEST_CASE("a new technique is a folder that names itself everywhere and says wha
   for (const char* name : {"CMakeLists.txt", "README.md", "light_soup.cpp", "test_light_soup.cpp", "add_emission.cl"}) {
     CAPTURE(name);
     REQUIRE(fs::exists(target / name));
-    CHECK_FALSE(contains(text_of(target / name), "my_technique"));
+    CHECK_FALSE(contains(bytes_of(target / name), "my_technique"));
   }
-  CHECK(contains(text_of(target / "light_soup.cpp"), "info.name = \"light_soup\""));
+  CHECK(contains(bytes_of(target / "light_soup.cpp"), "info.name = \"light_soup\""));
   CHECK(count_files(target) == 5);
 }
 
@@ -40,14 +31,14 @@ TEST_CASE("--overwrite writes the template's files again and leaves all others")
   const fs::path target = folder.path() / "fresh";
   const std::string command = "new-technique light_soup --output " + target.string();
   REQUIRE(run_lucarium(command).exit_code == 0);
-  const std::string before = text_of(target / "light_soup.cpp");
+  const std::string before = bytes_of(target / "light_soup.cpp");
   std::ofstream(target / "light_soup.cpp") << "mine";
   std::ofstream(target / "notes.txt") << "mine";
   check_refused(command, 2, "exists; choose another folder with --output or give --overwrite");
-  CHECK(text_of(target / "light_soup.cpp") == "mine");
+  CHECK(bytes_of(target / "light_soup.cpp") == "mine");
   CHECK(run_lucarium(command + " --overwrite").exit_code == 0);
-  CHECK(text_of(target / "light_soup.cpp") == before);
-  CHECK(text_of(target / "notes.txt") == "mine");
+  CHECK(bytes_of(target / "light_soup.cpp") == before);
+  CHECK(bytes_of(target / "notes.txt") == "mine");
   check_refused("new-technique light_soup --overwrite --output " + (target / "notes.txt").string(), 2, "is no folder");
 }
 

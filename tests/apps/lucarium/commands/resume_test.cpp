@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "cli_support.h"
+#include "file_bytes.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/film/image_io.h"
 
@@ -15,13 +16,6 @@ using namespace lucarium::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 /// Content of the image and the summary of every finished piece, by file name.
 std::map<std::string, std::string> finished(const fs::path& results) {

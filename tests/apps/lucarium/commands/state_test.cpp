@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "cli_support.h"
+#include "file_bytes.h"
 
 using namespace lucarium::test;
 using nlohmann::json;
@@ -11,11 +12,6 @@ using nlohmann::json;
 namespace {
 
 const std::string bundles = "-t bundle_exchange:texels=2048,directions=32,stop_error=0 --size 16x16 --spp 2 --quiet ";
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// The pixels of two images are the same to the bit (headers hold times).
 bool same_pixels(const std::filesystem::path& a, const std::filesystem::path& b) {
@@ -98,7 +94,7 @@ TEST_CASE("states that cannot be used: one line, and nothing is written") {
   const std::string bytes = bytes_of(state);
   const std::string damaged = (folder.path() / "c.state").string();
   std::ofstream(damaged, std::ios::binary) << bytes.substr(0, bytes.size() / 2);
-  for (const std::string command : {"state " + damaged, "render builtin:cornell --load-state " + damaged + out})
+  for (const std::string& command : {"state " + damaged, "render builtin:cornell --load-state " + damaged + out})
     check_refused(command, 3, "c.state: it is cut off in chunk 'shown'");
   check_refused("state " + (folder.path() / "d.state").string(), 3, "no such file");
   check_refused("state " + folder.path().string(), 3, "is a folder, not a file");

@@ -4,20 +4,12 @@
 #include <iterator>
 
 #include "cli_support.h"
+#include "file_bytes.h"
 #include "tolerance.h"
 
 using namespace lucarium::test;
 using nlohmann::json;
 namespace fs = std::filesystem;
-
-namespace {
-
-std::string text_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-}  // namespace
 
 TEST_CASE("a comparison with a walk: seconds per frame, and the error of frames that have a reference") {
   const TemporaryFolder folder;
@@ -31,7 +23,7 @@ TEST_CASE("a comparison with a walk: seconds per frame, and the error of frames 
   const ProgramResult run = run_lucarium("compare --comparison " + file.string() + " -o " + results.string());
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
-  const json result = json::parse(text_of(results / "results.json"));
+  const json result = json::parse(bytes_of(results / "results.json"));
   CHECK(result["comparison"]["walk"] == json({{"frames", 5}, {"samples", 3}, {"references", 2}}));
   for (const char* list : {"pieces", "summaries"}) {
     for (const json& entry : result[list]) {
@@ -42,8 +34,8 @@ TEST_CASE("a comparison with a walk: seconds per frame, and the error of frames 
       CHECK(walk["relmse"] > 0);
     }
   }
-  CHECK(contains(text_of(results / "results.csv"), "walk_median_seconds"));
-  CHECK(contains(text_of(results / "report.html"), "Walk along the camera path"));
+  CHECK(contains(bytes_of(results / "results.csv"), "walk_median_seconds"));
+  CHECK(contains(bytes_of(results / "report.html"), "Walk along the camera path"));
 
   // The reference of path_tracing's light paths; its first frame is the scene's own view.
   const json& piece = result["pieces"][0];

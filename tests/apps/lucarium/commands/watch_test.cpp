@@ -4,17 +4,12 @@
 #include <sstream>
 
 #include "cli_support.h"
+#include "file_bytes.h"
 
 using namespace lucarium::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 
 size_t occurrences(const std::string& text, const std::string& part) {
   size_t count = 0;
@@ -32,7 +27,7 @@ class Watcher {
   }
   ~Watcher() { end(); }
 
-  std::string log() const { return text_of(folder_ / "log.txt"); }
+  std::string log() const { return bytes_of(folder_ / "log.txt"); }
   /// Waits for the n-th end of a render, good or bad.
   bool rendered(size_t n) const {
     return wait_until([&] { return occurrences(log(), "rendered in") + occurrences(log(), "not rendered") >= n; });
@@ -41,7 +36,7 @@ class Watcher {
   bool end() {
     if (ended_) return true;
     ended_ = true;
-    const std::string pid = text_of(folder_ / "pid");
+    const std::string pid = bytes_of(folder_ / "pid");
     static_cast<void>(std::system(("kill -INT " + pid).c_str()));
     return wait_until([&] { return !fs::exists("/proc/" + pid.substr(0, pid.find('\n'))); });
   }
@@ -76,25 +71,25 @@ TEST_CASE("the picture follows the scene, the kernel and the plug-in; a kernel t
       folder, "LUCARIUM_KERNEL_PATH=" + (folder / "kernels").string(),
       "box.glb --technique-path plugins -t constant:blue=0.25 --max-bounces 1 --size 16x8 --iterations 1 -o a.png");
   REQUIRE(watcher.rendered(1));
-  const std::string first = text_of(folder / "a.png");
+  const std::string first = bytes_of(folder / "a.png");
   CHECK_FALSE(first.empty());
 
   // The scene's sidecar changes the exposure.
   std::ofstream(folder / "box.glb.lucarium.json") << "{\"exposure\": -1}";
   REQUIRE(watcher.rendered(2));
-  const std::string darker = text_of(folder / "a.png");
+  const std::string darker = bytes_of(folder / "a.png");
   CHECK(darker != first);
 
   // A kernel twice as bright: as before the exposure.
   std::ofstream(folder / "kernels/constant/fill_constant.cl") << brighter_kernel;
   REQUIRE(watcher.rendered(3));
-  CHECK(text_of(folder / "a.png") == first);
+  CHECK(bytes_of(folder / "a.png") == first);
 
   // One that does not compile.
   std::ofstream(folder / "kernels/constant/fill_constant.cl")
       << "kernel void fill_constant(global float4* sum) { sum[0] = nonsense; }\n";
   REQUIRE(watcher.rendered(4));
-  CHECK(text_of(folder / "a.png") == first);
+  CHECK(bytes_of(folder / "a.png") == first);
   const std::string log = watcher.log();
   CAPTURE(log);
   CHECK(contains(log, "nonsense"));
@@ -104,12 +99,12 @@ TEST_CASE("the picture follows the scene, the kernel and the plug-in; a kernel t
   // Without the override the embedded kernel counts again, and a plug-in that is replaced is loaded again.
   fs::remove(folder / "kernels/constant/fill_constant.cl");
   REQUIRE(watcher.rendered(5));
-  CHECK(text_of(folder / "a.png") == darker);
+  CHECK(bytes_of(folder / "a.png") == darker);
   fs::copy_file(environment("LUCARIUM_TEST_PLUGINS") + "/wrong_abi/wrong_abi.so", folder / "plugins" / "new.so");
   fs::rename(folder / "plugins" / "new.so", folder / "plugins" / "constant.so");
   REQUIRE(watcher.rendered(6));
   CHECK(contains(watcher.log(), "is built for ABI"));
-  CHECK(text_of(folder / "a.png") == darker);
+  CHECK(bytes_of(folder / "a.png") == darker);
   CHECK(watcher.end());
   CHECK(contains(watcher.log(), "constant.so changed"));
 }
@@ -149,7 +144,7 @@ TEST_CASE("--watch --quiet prints results alone") {
   const TemporaryFolder folder;
   Watcher watcher(folder.path(), "",
                   "builtin:cornell " + constant_technique() + "--iterations 1 --size 16x8 -q -o a.png");
-  REQUIRE(wait_until([&] { return contains(text_of(folder.path() / "out.txt"), "a.png: 1 sample per pixel"); }));
+  REQUIRE(wait_until([&] { return contains(bytes_of(folder.path() / "out.txt"), "a.png: 1 sample per pixel"); }));
   CHECK(watcher.end());
   CHECK(watcher.log().empty());
 }

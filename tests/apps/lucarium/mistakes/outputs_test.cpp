@@ -4,17 +4,9 @@
 #include <iterator>
 
 #include "cli_support.h"
+#include "file_bytes.h"
 
 using namespace lucarium::test;
-
-namespace {
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-}  // namespace
 
 TEST_CASE("two outputs of one name, of which the later replaced the earlier, are a mistake") {
   const TemporaryFolder folder;

@@ -11,24 +11,24 @@ using namespace lucarium::test;
 
 namespace {
 
-constexpr uint32_t element_count = 1024;
+constexpr uint32_t memory_elements = 1024;
 
 PassBuilder write_pattern(ScheduleRecorder& recorder, const BufferRef& target, uint32_t salt) {
   return recorder.pass("pattern", schedule_program(), "write_pattern")
-      .global(element_count)
+      .global(memory_elements)
       .arg("target", target)
       .arg("salt", salt)
-      .arg("count", element_count)
+      .arg("count", memory_elements)
       .discards("target");
 }
 
 void mix_in(ScheduleRecorder& recorder, const BufferRef& target, const BufferRef& source) {
   recorder.pass("mix", schedule_program(), "mix_in")
-      .global(element_count)
+      .global(memory_elements)
       .arg("target", target)
       .arg("source", source)
       .arg("factor", 3u)
-      .arg("count", element_count);
+      .arg("count", memory_elements);
 }
 
 /// result = (((0·3 + p0)·3 + p1)·3 + …), each pattern in a transient of its own.
@@ -36,7 +36,7 @@ Schedule chain(KernelScheduler& scheduler, const BufferRef& result, uint32_t len
   ScheduleRecorder recorder = scheduler.record("chain", "test");
   recorder.fill_zero("clear", result);
   for (uint32_t i = 0; i < length; ++i) {
-    const BufferRef pattern = recorder.transient<uint32_t>("pattern", element_count);
+    const BufferRef pattern = recorder.transient<uint32_t>("pattern", memory_elements);
     write_pattern(recorder, pattern, i);
     mix_in(recorder, result, pattern);
   }
@@ -44,9 +44,9 @@ Schedule chain(KernelScheduler& scheduler, const BufferRef& result, uint32_t len
 }
 
 Uints chain_result(uint32_t length) {
-  Uints values(element_count, 0);
+  Uints values(memory_elements, 0);
   for (uint32_t step = 0; step < length; ++step) {
-    for (uint32_t i = 0; i < element_count; ++i) values[i] = values[i] * 3 + ((i + 1) % element_count) * 7 + step;
+    for (uint32_t i = 0; i < memory_elements; ++i) values[i] = values[i] * 3 + ((i + 1) % memory_elements) * 7 + step;
   }
   return values;
 }
@@ -59,7 +59,7 @@ struct CountedSchedule {
   std::vector<uint32_t> sums;
 
   explicit CountedSchedule(KernelScheduler& scheduler, size_t elements_per_count = 1) {
-    Uints values(element_count);
+    Uints values(memory_elements);
     std::iota(values.begin(), values.end(), 0u);
     numbers = make_buffer("numbers", values);
     sum = make_buffer("sum", {0});
@@ -70,11 +70,11 @@ struct CountedSchedule {
         recorder.transient_sized_by<uint32_t>("list", counter, 0, elements_per_count, "lower the test's size");
     recorder.fill_zero("clear", counter);
     recorder.pass("count", schedule_program(), "count_multiples")
-        .global(element_count)
+        .global(memory_elements)
         .arg("values", numbers)
         .arg("counter", counter)
         .arg("divisor", divisor)
-        .arg("count", element_count);
+        .arg("count", memory_elements);
     recorder.pass("fill", schedule_program(), "fill_counted")
         .global_by(counter)
         .arg("out", list)
@@ -92,7 +92,7 @@ struct CountedSchedule {
     schedule = recorder.compile();
   }
   static uint32_t expected(uint32_t step) {
-    const uint32_t count = (element_count + step - 1) / step;
+    const uint32_t count = (memory_elements + step - 1) / step;
     return 5 * (count * (count - 1) / 2);
   }
 };
@@ -102,10 +102,10 @@ struct CountedSchedule {
 TEST_CASE("transients whose lives do not meet share memory, and the result is right in every mode") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap, QueueMode::automatic}) {
     KernelScheduler scheduler(test_device(), {mode, true, false});
-    const auto result = make_buffer("result", Uints(element_count, 9));
+    const auto result = make_buffer("result", Uints(memory_elements, 9));
     Schedule schedule = chain(scheduler, result, 12);
-    CHECK(schedule.transient_bytes() == element_count * sizeof(uint32_t));
-    CHECK(schedule.transient_bytes_unshared() == 12 * element_count * sizeof(uint32_t));
+    CHECK(schedule.transient_bytes() == memory_elements * sizeof(uint32_t));
+    CHECK(schedule.transient_bytes_unshared() == 12 * memory_elements * sizeof(uint32_t));
     for (int run = 0; run < 3; ++run) {
       scheduler.run(schedule);
       REQUIRE(result.download() == chain_result(12));
@@ -118,7 +118,7 @@ TEST_CASE("transients whose lives do not meet share memory, and the result is ri
 
 TEST_CASE("the account knows the transients and gets them back") {
   KernelScheduler scheduler(test_device());
-  const auto result = make_buffer("result", Uints(element_count, 9));
+  const auto result = make_buffer("result", Uints(memory_elements, 9));
   const auto before = test_device()->memory().used_bytes();
   {
     Schedule schedule = chain(scheduler, result, 4);
@@ -130,10 +130,10 @@ TEST_CASE("the account knows the transients and gets them back") {
 
 TEST_CASE("a discarded transient may lie elsewhere afterwards") {
   KernelScheduler scheduler(test_device());
-  const auto result = make_buffer("result", Uints(element_count, 0));
+  const auto result = make_buffer("result", Uints(memory_elements, 0));
   ScheduleRecorder recorder = scheduler.record("lives", "test");
-  const BufferRef first = recorder.transient<uint32_t>("first", element_count);
-  const BufferRef second = recorder.transient<uint32_t>("second", element_count);
+  const BufferRef first = recorder.transient<uint32_t>("first", memory_elements);
+  const BufferRef second = recorder.transient<uint32_t>("second", memory_elements);
   for (uint32_t round = 0; round < 2; ++round) {
     write_pattern(recorder, first, round);
     mix_in(recorder, result, first);
@@ -141,11 +141,12 @@ TEST_CASE("a discarded transient may lie elsewhere afterwards") {
     mix_in(recorder, result, second);
   }
   Schedule schedule = recorder.compile();
-  CHECK(schedule.transient_bytes() == element_count * sizeof(uint32_t));
+  CHECK(schedule.transient_bytes() == memory_elements * sizeof(uint32_t));
   scheduler.run(schedule);
-  Uints expected(element_count, 0);
+  Uints expected(memory_elements, 0);
   for (const uint32_t salt : {0u, 10u, 1u, 11u}) {
-    for (uint32_t i = 0; i < element_count; ++i) expected[i] = expected[i] * 3 + ((i + 1) % element_count) * 7 + salt;
+    for (uint32_t i = 0; i < memory_elements; ++i)
+      expected[i] = expected[i] * 3 + ((i + 1) % memory_elements) * 7 + salt;
   }
   CHECK(result.download() == expected);
 }
@@ -163,7 +164,7 @@ TEST_CASE("a transient sized by a counter of the same run grows to its high-wate
         CHECK(counted.schedule.transient_bytes() >= high_water);
         high_water = counted.schedule.transient_bytes();
       }
-      CHECK(high_water >= element_count * sizeof(uint32_t));
+      CHECK(high_water >= memory_elements * sizeof(uint32_t));
     }
   }
 }
@@ -203,31 +204,31 @@ TEST_CASE("a count of zero leaves the pass out") {
 
 TEST_CASE("who follows a pass that was left out waits for what that one would have waited for") {
   KernelScheduler scheduler(test_device(), {QueueMode::overlap, true, false});
-  const auto counter = make_buffer("counter", {0}), data = make_buffer("data", Uints(element_count, 1));
-  const auto copy = make_buffer("copy", Uints(element_count, 0));
+  const auto counter = make_buffer("counter", {0}), data = make_buffer("data", Uints(memory_elements, 1));
+  const auto copy = make_buffer("copy", Uints(memory_elements, 0));
   ScheduleRecorder recorder = scheduler.record("gap", "test");
   recorder.pass("slow", schedule_program(), "scramble_alone")
       .global(1)
       .local(1)
       .arg("target", data)
       .arg("rounds", 1000u)
-      .arg("count", element_count);
+      .arg("count", memory_elements);
   recorder.pass("left out", schedule_program(), "write_pattern")
       .global_by(counter)
       .arg("target", data)
       .arg("salt", 1u)
-      .arg("count", element_count);
+      .arg("count", memory_elements);
   recorder.pass("copy", schedule_program(), "overwrite")
-      .global(element_count)
+      .global(memory_elements)
       .arg("target", copy)
       .arg("source", data)
       .arg("salt", 0u)
-      .arg("count", element_count);
+      .arg("count", memory_elements);
   Schedule schedule = recorder.compile();
   scheduler.warm_up(schedule);  // no compiler between the passes
   scheduler.run(schedule);
   Uints expected = data.download();
-  for (uint32_t i = 0; i < element_count; ++i) expected[i] = expected[i] * 2654435761u + i;
+  for (uint32_t i = 0; i < memory_elements; ++i) expected[i] = expected[i] * 2654435761u + i;
   CHECK(copy.download() == expected);
 }
 
@@ -241,10 +242,10 @@ TEST_CASE("what does not fit fails the run with the numbers and the remedy, and 
 }
 
 TEST_CASE("debug mode finds writes outside of a transient and names the pass") {
-  for (const int index : {-1, static_cast<int>(element_count)}) {
+  for (const int index : {-1, static_cast<int>(memory_elements)}) {
     KernelScheduler scheduler(test_device(), {QueueMode::automatic, true, true});
     ScheduleRecorder recorder = scheduler.record("faulty", "test");
-    const BufferRef victim = recorder.transient<uint32_t>("victim", element_count);
+    const BufferRef victim = recorder.transient<uint32_t>("victim", memory_elements);
     write_pattern(recorder, victim, 1);
     recorder.pass("culprit", schedule_program(), "poke")
         .global(1)
@@ -262,14 +263,14 @@ TEST_CASE("debug mode finds writes outside of a transient and names the pass") {
 
 TEST_CASE("debug mode shares nothing and poisons what nobody wrote") {
   KernelScheduler scheduler(test_device(), {QueueMode::automatic, true, true});
-  const auto result = make_buffer("result", Uints(element_count, 0));
+  const auto result = make_buffer("result", Uints(memory_elements, 0));
   Schedule schedule = chain(scheduler, result, 3);
   CHECK(schedule.transient_bytes() > schedule.transient_bytes_unshared());
   scheduler.run(schedule);
   CHECK(result.download() == chain_result(3));
 
   ScheduleRecorder recorder = scheduler.record("careless", "test");
-  const BufferRef unset = recorder.transient<uint32_t>("unset", element_count);
+  const BufferRef unset = recorder.transient<uint32_t>("unset", memory_elements);
   recorder.pass("poke", schedule_program(), "poke")
       .global(1)
       .local(1)
@@ -277,11 +278,11 @@ TEST_CASE("debug mode shares nothing and poisons what nobody wrote") {
       .arg("index", 0)
       .arg("value", 0u);
   recorder.pass("overwrite", schedule_program(), "overwrite")
-      .global(element_count)
+      .global(memory_elements)
       .arg("target", result)
       .arg("source", unset)
       .arg("salt", 0u)
-      .arg("count", element_count)
+      .arg("count", memory_elements)
       .discards("target");
   Schedule careless = recorder.compile();
   scheduler.run(careless);

@@ -13,13 +13,13 @@ using namespace lucarium::test;
 
 namespace {
 
-constexpr uint32_t element_count = 300;  // not a multiple of any local size
+constexpr uint32_t order_elements = 300;  // not a multiple of any local size
 
 /// One random step, in a form that both sides can execute.
 struct Operation {
   enum Kind { mix, overwrite, pattern, scramble, clear, host } kind = mix;
   size_t target = 0, source = 0;
-  uint32_t number = 0, count = element_count;
+  uint32_t number = 0, count = order_elements;
 };
 
 void apply_on_host(const Operation& op, std::vector<Uints>& memory, uint32_t factor) {
@@ -141,7 +141,7 @@ std::unique_ptr<Graph> make_graph(KernelScheduler& scheduler, const std::vector<
   ScheduleRecorder recorder = scheduler.record("random", "test");
   for (const Uints& values : initial) graph->refs.push_back(graph->buffers.emplace_back(make_buffer("real", values)));
   for (size_t i = 0; i < transients; ++i)
-    graph->refs.push_back(recorder.transient<uint32_t>("temporary", element_count));
+    graph->refs.push_back(recorder.transient<uint32_t>("temporary", order_elements));
   for (const Operation& op : operations) record(recorder, op, *graph);
   graph->read_backs.resize(initial.size());
   for (size_t i = 0; i < initial.size(); ++i) {
@@ -161,13 +161,13 @@ void check_random_graphs(const SchedulerOptions& options, unsigned seed, int tri
   for (int trial = 0; trial < trials; ++trial) {
     const size_t real = 3, transients = 6;
     const std::vector<Operation> operations = random_operations(random, 10 + random() % 40, real, transients);
-    std::vector<Uints> expected(real, Uints(element_count));
+    std::vector<Uints> expected(real, Uints(order_elements));
     for (Uints& values : expected) {
       for (uint32_t& value : values) value = static_cast<uint32_t>(random());
     }
     const auto graph = make_graph(scheduler, operations, expected, transients);
     for (uint32_t run = 0; run < 3; ++run) {
-      expected.resize(real + transients, Uints(element_count));
+      expected.resize(real + transients, Uints(order_elements));
       for (const auto& [variable, number] : graph->mixes) graph->schedule.set(variable, number + run);
       for (const Operation& op : operations) apply_on_host(op, expected, run);
       expected.resize(real);
@@ -207,26 +207,26 @@ TEST_CASE("random graphs give the serial result in debug mode") {
 TEST_CASE("runs that nobody waits for keep their order among themselves and with other work") {
   for (const QueueMode mode : {QueueMode::in_order, QueueMode::overlap}) {
     KernelScheduler scheduler(test_device(), {mode, true, false});
-    auto a = make_buffer("a", Uints(element_count, 1)), b = make_buffer("b", Uints(element_count, 2));
+    auto a = make_buffer("a", Uints(order_elements, 1)), b = make_buffer("b", Uints(order_elements, 2));
     const auto mix = [&](const char* name, const BufferRef& target, const BufferRef& source) {
       ScheduleRecorder recorder = scheduler.record(name, "test");
       recorder.pass("mix", schedule_program(), "mix_in")
-          .global(element_count)
+          .global(order_elements)
           .local(16)
           .arg("target", target)
           .arg("source", source)
           .arg("factor", 5u)
-          .arg("count", element_count);
+          .arg("count", order_elements);
       recorder.pass("scramble", schedule_program(), "scramble_alone")
           .global(1)
           .local(1)
           .arg("target", target)
           .arg("rounds", 30u)
-          .arg("count", element_count);
+          .arg("count", order_elements);
       return recorder.compile();
     };
     Schedule forward = mix("forward", a, b), backward = mix("backward", b, a);
-    std::vector<Uints> expected = {Uints(element_count, 1), Uints(element_count, 2)};
+    std::vector<Uints> expected = {Uints(order_elements, 1), Uints(order_elements, 2)};
     for (int i = 0; i < 10; ++i) {
       scheduler.run(forward);
       scheduler.run(backward);
@@ -236,7 +236,7 @@ TEST_CASE("runs that nobody waits for keep their order among themselves and with
       }
       if (i == 5) {  // through the device's own queue, without a finish() of the scheduler
         REQUIRE(a.download() == expected[0]);
-        expected[1].assign(element_count, 77);
+        expected[1].assign(order_elements, 77);
         b.upload(expected[1]);
       }
     }

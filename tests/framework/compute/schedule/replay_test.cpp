@@ -11,12 +11,13 @@ using namespace lucarium::test;
 
 namespace {
 
-constexpr uint32_t element_count = 4096;
+constexpr uint32_t replay_elements = 4096;
 
 /// Twenty passes of which ten are independent of the other ten.
 struct TwoChains {
-  TypedBuffer<uint32_t> a = make_buffer("a", Uints(element_count, 1)), b = make_buffer("b", Uints(element_count, 2));
-  TypedBuffer<uint32_t> source = make_buffer("source", Uints(element_count, 3));
+  TypedBuffer<uint32_t> a = make_buffer("a", Uints(replay_elements, 1)),
+                        b = make_buffer("b", Uints(replay_elements, 2));
+  TypedBuffer<uint32_t> source = make_buffer("source", Uints(replay_elements, 3));
   Variable<uint32_t> factor;
   Schedule schedule;
 
@@ -26,13 +27,13 @@ struct TwoChains {
     for (int i = 0; i < 10; ++i) {
       for (const auto& target : {a, b}) {
         recorder.pass(i < 5 ? "early" : "late", schedule_program(), "mix_in")
-            .global(element_count)
+            .global(replay_elements)
             .local(64)
             .arg("target", target)
             .arg("source", source)
             .arg("factor", factor)
-            .arg("count", element_count)
-            .moves_bytes(3 * sizeof(uint32_t) * element_count);
+            .arg("count", replay_elements)
+            .moves_bytes(3 * sizeof(uint32_t) * replay_elements);
       }
     }
     if (with_read_back) recorder.read_back("read", a, [](std::span<const std::byte>) {});
@@ -136,13 +137,13 @@ TEST_CASE("warm_up touches no caller's buffer and runs no host step, and the fir
   CHECK(scheduler.api_calls().enqueues == before.enqueues);
   CHECK(scheduler.profile().runs == 0);
   CHECK(host_steps + read_backs == 0);
-  CHECK(chains.a.download() == Uints(element_count, 1));
+  CHECK(chains.a.download() == Uints(replay_elements, 1));
   CHECK(out.download() == Uints{1, 2, 3});
 
   TypedBuffer<uint32_t>(counter).upload({2});
   scheduler.run(schedule);
   CHECK(out.download() == Uints{0, 9, 3});
-  CHECK(chains.a.download() == Uints(element_count, 0));
+  CHECK(chains.a.download() == Uints(replay_elements, 0));
   CHECK((host_steps == 1 && read_backs == 1));
 }
 
@@ -156,8 +157,8 @@ TEST_CASE("the profile counts passes, and prints as table, JSON and trace") {
   CHECK(profile.passes[0].name == "early");
   CHECK(profile.passes[0].kernel == "mix_in");
   CHECK(profile.passes[0].count == 40);
-  CHECK(profile.passes[0].bytes == 40.0 * 3 * 4 * element_count);
-  CHECK(profile.passes[2].bytes == 4.0 * 4 * element_count);
+  CHECK(profile.passes[0].bytes == 40.0 * 3 * 4 * replay_elements);
+  CHECK(profile.passes[2].bytes == 4.0 * 4 * replay_elements);
   double busy = 0;
   for (const PassProfile& pass : profile.passes) {
     CHECK(pass.device_seconds > 0);

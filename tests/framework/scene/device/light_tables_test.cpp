@@ -6,6 +6,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/device/alias_table.h"
 #include "lucarium/scene/device/environment_tables.h"
 #include "lucarium/scene/device/light_list.h"
@@ -17,8 +18,6 @@
 using namespace lucarium;
 
 namespace {
-
-constexpr double pi = glm::pi<double>();
 
 /// What the table's columns add up to.
 std::vector<double> implied_distribution(const std::vector<AliasEntry>& table) {

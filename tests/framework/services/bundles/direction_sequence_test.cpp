@@ -9,13 +9,12 @@
 #include <set>
 
 #include "chi2.h"
+#include "lucarium/base/numbers.h"
 #include "tolerance.h"
 
 using namespace lucarium;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Counts of lines over cells of equal solid angle of the half sphere: z in `rows` bands, azimuth in 2 · rows.
 std::vector<uint64_t> count_cells(const DirectionSequence& sequence, uint64_t first, uint64_t count, int rows) {
@@ -25,7 +24,7 @@ std::vector<uint64_t> count_cells(const DirectionSequence& sequence, uint64_t fi
     if (std::abs(glm::length(d) - 1) > 1e-5f) FAIL("not unit");
     if (d.z < 0) d = -d;
     const int row = std::min(int((1 - d.z) * static_cast<float>(rows)), rows - 1);
-    const int column = std::min(int((std::atan2(d.y, d.x) / (2 * kPi) + 0.5) * 2 * rows), 2 * rows - 1);
+    const int column = std::min(int((std::atan2(d.y, d.x) / (2 * pi) + 0.5) * 2 * rows), 2 * rows - 1);
     ++cells[size_t(row) * 2 * rows + column];
   }
   return cells;
@@ -58,7 +57,7 @@ TEST_CASE("the lines of every sequence are uniform, and W is 2 pi") {
       CHECK(result.p > 1e-4);
     else
       CHECK(result.statistic < 0.5 * result.cells);  // stratified: far more even than independent ones
-    CHECK(sequence.at(5).weight == test::relative(2 * kPi));
+    CHECK(sequence.at(5).weight == test::relative(2 * pi));
   }
 }
 
@@ -70,7 +69,7 @@ TEST_CASE("a block of 128 directions has one in each of 128 equal cells of its s
     std::set<std::pair<int, int>> cells;
     for (uint64_t i = 128 * block; i < 128 * (block + 1); ++i) {
       const glm::vec3 d = sequence.at(i).direction;
-      double phi = std::atan2(d.y, d.x) / (2 * kPi);
+      double phi = std::atan2(d.y, d.x) / (2 * pi);
       if (phi < 0) phi += 1;
       cells.insert({int((1 - d.z) * 16), int(phi * 8)});
     }
@@ -116,12 +115,12 @@ TEST_CASE("guided directions follow the density that W is made of") {
         double sum = 0;
         for (int k = 0; k < fine * fine; ++k) {
           const double z = 1 - (row + (k / fine + 0.5) / fine) / rows;
-          const double phi = 2 * kPi * ((column + (k % fine + 0.5) / fine) / (2 * rows) - 0.5);
+          const double phi = 2 * pi * ((column + (k % fine + 0.5) / fine) / (2 * rows) - 0.5);
           const double r = std::sqrt(1 - z * z);
           const glm::vec3 line(r * std::cos(phi), r * std::sin(phi), z);
           sum += sequence.density(line) + sequence.density(-line);
         }
-        expected.push_back(count * sum / (fine * fine) * 2 * kPi / (2.0 * rows * rows));
+        expected.push_back(count * sum / (fine * fine) * 2 * pi / (2.0 * rows * rows));
       }
     }
     double total = 0, weight = 0;
@@ -132,6 +131,6 @@ TEST_CASE("guided directions follow the density that W is made of") {
     if (kind == DirectionOrder::iid) CHECK(result.p > 1e-6);
     // ∫ W q dω over the sphere is half of it: each line serves both ways.
     for (int i = 0; i < count; ++i) weight += sequence.at(i).weight;
-    CHECK(weight / count == test::relative(2 * kPi, 0.01));
+    CHECK(weight / count == test::relative(2 * pi, 0.01));
   }
 }

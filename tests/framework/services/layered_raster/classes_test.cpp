@@ -55,11 +55,6 @@ int dominant_axis(const glm::dvec3& n) {
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
-bool same(const HostLayers& a, const HostLayers& b) {
-  return a.pixel_start == b.pixel_start && a.fragments.size() == b.fragments.size() &&
-         std::memcmp(a.fragments.data(), b.fragments.data(), a.fragments.size() * sizeof(LayeredFragment)) == 0;
-}
-
 }  // namespace
 
 TEST_CASE("fragments of a class are its projected area in pixels, and closed classes balance every column") {
@@ -113,7 +108,7 @@ TEST_CASE("masks share the fragments out: together they are all, none has anothe
     const LayeredStoreOptions options{.variant = variant};
     const auto store = [&](uint32_t mask) { return with.store(axis_view(2, 2.1f, size, mask), options, classes); };
     const HostLayers all = without.store(axis_view(2, 2.1f, size, 0), options);
-    CHECK(same(store(255), all));
+    CHECK(same_layers(store(255), all));
     CHECK(store(64).fragments.empty());
     CHECK(store(128).fragments.size() == size_t{size} * size);
     // Fragments of a mask are those of all whose class it has, in the same order.
@@ -163,9 +158,9 @@ TEST_CASE("kept alpha: MASK and BLEND have the fragments of opaque triangles") {
   };
   const HostLayers opaque = fragments(AlphaMode::opaque, false);
   CHECK(opaque.fragments.size() > 10000);
-  CHECK(same(fragments(AlphaMode::opaque, true), opaque));
+  CHECK(same_layers(fragments(AlphaMode::opaque, true), opaque));
   for (const AlphaMode mode : {AlphaMode::mask, AlphaMode::blend}) {
-    CHECK(same(fragments(mode, true), opaque));
+    CHECK(same_layers(fragments(mode, true), opaque));
     CHECK(fragments(mode, false).fragments.size() < opaque.fragments.size() / 2);
   }
 }

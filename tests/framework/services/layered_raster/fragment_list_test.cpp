@@ -19,7 +19,7 @@ namespace {
 constexpr uint32_t kSide = 24, kSheets = 7;
 
 /// Height of sheet k: tilted planes that do not meet within the view.
-float height(uint32_t k, float x, float y) {
+float plane_height(uint32_t k, float x, float y) {
   return -9.f + 3.f * static_cast<float>(k) + (k % 2 == 0 ? 0.04f : -0.03f) * (x - 12) + 0.02f * (y - 12);
 }
 
@@ -27,7 +27,7 @@ float height(uint32_t k, float x, float y) {
 Soup sheets(std::vector<uint32_t>& sheet_of) {
   Soup soup;
   for (uint32_t k = 0; k < kSheets; ++k) {
-    const auto corner = [&](float x, float y) { return glm::vec3(x, y, height(k, x, y)); };
+    const auto corner = [&](float x, float y) { return glm::vec3(x, y, plane_height(k, x, y)); };
     const glm::vec3 a = corner(-3, -3), b = corner(27, -3), c = corner(27, 27), d = corner(-3, 27);
     for (int copies = k == 3 ? 2 : 1; copies > 0; --copies) {
       k % 2 == 0 ? soup.add_triangle(a, b, c) : soup.add_triangle(a, c, b);

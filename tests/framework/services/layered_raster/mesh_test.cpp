@@ -21,7 +21,7 @@ LayeredView view_along(const glm::vec3& direction, float radius, uint32_t size, 
   return orthographic_view({}, direction, right, pixel, size, size, radius, glm::vec2(-radius - shift * pixel));
 }
 
-Soup ball(int levels) {
+Soup ball_soup(int levels) {
   Soup soup;
   for (const auto& face : icosphere(levels)) soup.add_triangle(face[0], face[1], face[2]);
   return soup;
@@ -31,7 +31,7 @@ Soup ball(int levels) {
 
 TEST_CASE("a convex closed mesh has a front and a back in every pixel, or nothing") {
   constexpr uint32_t size = 150;
-  LayeredScene scene(scene_of(ball(3)), {.max_width = size, .max_height = size});
+  LayeredScene scene(scene_of(ball_soup(3)), {.max_width = size, .max_height = size});
   Random random(1);
   for (int i = 0; i < 5; ++i) {
     const HostLayers layers = scene.store(view_along(random.direction(), 1.1f, size, random.uniform()));

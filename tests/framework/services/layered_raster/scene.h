@@ -142,4 +142,9 @@ class LayeredScene {
   LayeredRaster raster_;
 };
 
+inline bool same_layers(const HostLayers& a, const HostLayers& b) {
+  return a.pixel_start == b.pixel_start && a.fragments.size() == b.fragments.size() &&
+         std::memcmp(a.fragments.data(), b.fragments.data(), a.fragments.size() * sizeof(LayeredFragment)) == 0;
+}
+
 }  // namespace lucarium::test

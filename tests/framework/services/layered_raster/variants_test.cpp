@@ -16,12 +16,7 @@ using namespace lucarium::test;
 
 namespace {
 
-bool same(const HostLayers& a, const HostLayers& b) {
-  return a.pixel_start == b.pixel_start && a.fragments.size() == b.fragments.size() &&
-         std::memcmp(a.fragments.data(), b.fragments.data(), a.fragments.size() * sizeof(LayeredFragment)) == 0;
-}
-
-std::string bytes_of(const HostLayers& layers) {
+std::string layer_bytes(const HostLayers& layers) {
   std::string bytes(reinterpret_cast<const char*>(layers.pixel_start.data()), 4 * layers.pixel_start.size());
   bytes.append(reinterpret_cast<const char*>(layers.fragments.data()),
                sizeof(LayeredFragment) * layers.fragments.size());
@@ -41,10 +36,10 @@ TEST_CASE("variants") {
                        {.max_width = width, .max_height = height});
     const HostLayers tiles = scene.store(view);
     CHECK(tiles.fragments.size() > 10000);
-    CHECK(same(scene.store(view, {.variant = LayeredVariant::exact}), tiles));
-    CHECK(same(scene.store(view, {.variant = LayeredVariant::linked_list, .list_capacity = 1000}), tiles));
+    CHECK(same_layers(scene.store(view, {.variant = LayeredVariant::exact}), tiles));
+    CHECK(same_layers(scene.store(view, {.variant = LayeredVariant::linked_list, .list_capacity = 1000}), tiles));
     // Grows: one node per pixel never suffices.
-    CHECK(same(scene.store(view, {.variant = LayeredVariant::linked_list, .list_capacity = 1}), tiles));
+    CHECK(same_layers(scene.store(view, {.variant = LayeredVariant::linked_list, .list_capacity = 1}), tiles));
 
     for (const uint32_t keep : {1u, 3u, 64u}) {
       CAPTURE(keep);
@@ -80,7 +75,7 @@ TEST_CASE("without compiler built-ins") {
   const Scene triangles = scene_of(image_triangles(3000, width, height, 2));
   LayeredScene native(triangles, {.max_width = width, .max_height = height});
   LayeredScene portable(triangles, {.max_width = width, .max_height = height, .portable = true});
-  CHECK(same(native.store(view), portable.store(view)));
+  CHECK(same_layers(native.store(view), portable.store(view)));
 }
 
 TEST_CASE("no pass reads what none has written or writes outside its memory") {
@@ -92,7 +87,7 @@ TEST_CASE("no pass reads what none has written or writes outside its memory") {
   for (const LayeredVariant variant :
        {LayeredVariant::tiles, LayeredVariant::exact, LayeredVariant::linked_list, LayeredVariant::k_buffer}) {
     const LayeredStoreOptions options{.variant = variant, .list_capacity = 2};
-    CHECK(same(plain.store(view, options), guarded.store(view, options)));
+    CHECK(same_layers(plain.store(view, options), guarded.store(view, options)));
   }
 }
 
@@ -111,15 +106,15 @@ TEST_CASE("moved triangles, and others") {
   scene.update(moved_by(16, 300), change);
   LayeredScene fresh(moved_by(16, 300), {.max_width = width, .max_height = height});
   const HostLayers after = scene.store(view);
-  CHECK_FALSE(same(after, before));
-  CHECK(same(after, fresh.store(view)));
+  CHECK_FALSE(same_layers(after, before));
+  CHECK(same_layers(after, fresh.store(view)));
   const uint64_t generation = scene.raster().generation();
   change = {};
   change.topology = true;
   scene.update(moved_by(0, 500), change);
   LayeredScene other(moved_by(0, 500), {.max_width = width, .max_height = height});
   CHECK(scene.raster().generation() > generation);
-  CHECK(same(scene.store(view), other.store(view)));
+  CHECK(same_layers(scene.store(view), other.store(view)));
 }
 
 namespace {
@@ -186,7 +181,8 @@ TEST_CASE("layers for a number of threads" * doctest::skip(std::getenv("LUCARIUM
   DeviceOptions device;
   device.threads = std::atoi(std::getenv("LUCARIUM_TEST_THREADS"));
   LayeredScene scene(scene_of(image_triangles(3000, 300, 300, 9)), {.max_width = 300, .max_height = 300}, device);
-  std::ofstream(std::getenv("LUCARIUM_TEST_LAYERS"), std::ios::binary) << bytes_of(scene.store(pixel_view(300, 300)));
+  std::ofstream(std::getenv("LUCARIUM_TEST_LAYERS"), std::ios::binary)
+      << layer_bytes(scene.store(pixel_view(300, 300)));
 }
 
 TEST_CASE("one and two threads give the same bits") {

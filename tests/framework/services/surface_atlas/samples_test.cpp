@@ -10,7 +10,7 @@ using namespace lucarium::test;
 
 namespace {
 
-AtlasLayout lay_out(const AtlasGeometry& g, uint64_t texels, uint32_t samples) {
+AtlasLayout lay_out_samples(const AtlasGeometry& g, uint64_t texels, uint32_t samples) {
   AtlasLayoutOptions options;
   options.texel_count = texels;
   options.samples = samples;
@@ -25,7 +25,7 @@ TEST_CASE("points of texels look up their texel") {
     CAPTURE(scene);
     const AtlasGeometry g = geometry_of(make_builtin_scene(name));
     const uint32_t count = 4;
-    const AtlasLayout layout = lay_out(g, 5000, count);
+    const AtlasLayout layout = lay_out_samples(g, 5000, count);
     REQUIRE(layout.samples.size() == size_t{layout.info.texel_count} * count);
     const uint32_t both = layout.info.double_sided_count;
     size_t elsewhere = 0;
@@ -46,7 +46,7 @@ TEST_CASE("points of texels are where their area is") {
   // Means over a texel of x, y, z and their squares: of points, and by integrating over every triangle on a fine grid.
   const AtlasGeometry g = geometry_of(make_builtin_scene("furnace"));
   const uint32_t count = 256;
-  const AtlasLayout layout = lay_out(g, 300, count);
+  const AtlasLayout layout = lay_out_samples(g, 300, count);
   struct Moments {
     double area = 0;
     glm::dvec3 first{0}, second{0};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Atlases laid out by TEXCOORD_1: taken where it is usable, refused by name where it is not.
 #include "lucarium/base/error.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/builtin/scenes.h"
 #include "support.h"
 #include "tolerance.h"
@@ -10,8 +11,6 @@ using namespace lucarium;
 using namespace lucarium::test;
 
 namespace {
-
-constexpr double pi = 3.14159265358979;
 
 /// A grid of quads: position(u, v) for u, v in [0, 1], and its texture coordinates.
 struct Sheet {

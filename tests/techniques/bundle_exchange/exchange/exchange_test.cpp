@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "lamp_room.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -14,8 +15,6 @@ using namespace lucarium;
 using namespace lucarium::bundle;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Scene closed_box() {
   Scene scene;
@@ -80,7 +79,7 @@ TEST_CASE("in a closed box of radiance 1 every texel side holds exactly that, wh
     double shown = 0;
     for (int i = 0; i < count; ++i)
       shown += glm::dot(glm::abs(glm::dvec3(directions(2048).at(i).direction)), glm::dvec3(1)) / count;
-    MESSAGE("flux ", flux / count / counted, ", of the directions ", kPi * shown / 1.5, ", accessibility ",
+    MESSAGE("flux ", flux / count / counted, ", of the directions ", pi * shown / 1.5, ", accessibility ",
             counted / area);
     if (access_gap > 0) {
       // Near edges and corners rays are short.
@@ -95,10 +94,10 @@ TEST_CASE("in a closed box of radiance 1 every texel side holds exactly that, wh
       }
       MESSAGE("open ", open / rays, ", counted ", counted / area);
       CHECK(counted / area == test::relative(open / rays, 0.01));
-      CHECK(flux / count / counted == test::relative(kPi, 2e-3));
+      CHECK(flux / count / counted == test::relative(pi, 2e-3));
     } else {
       CHECK(counted == test::relative(area, 1e-6));
-      CHECK(flux / count / counted == test::relative(kPi, test::full_run() ? 1e-4 : 5e-4));
+      CHECK(flux / count / counted == test::relative(pi, test::full_run() ? 1e-4 : 5e-4));
     }
   }
 }
@@ -156,7 +155,7 @@ TEST_CASE("form factors of unit squares") {
     }
     const double expected = parallel ? 0.19982 : 0.20004, tolerance = test::full_run() ? 3e-4 : 1e-3;
     CHECK(std::abs(received / weight - expected) < tolerance);
-    CHECK(std::abs(flux / count / kPi - expected) < tolerance);
+    CHECK(std::abs(flux / count / pi - expected) < tolerance);
   }
 }
 
@@ -166,7 +165,7 @@ TEST_CASE("a double-sided plate under a sky of radiance 1 + w_y: 5 pi / 3 above,
   sky.width = 256, sky.height = 128;
   for (uint32_t j = 0; j < sky.height; ++j)
     for (uint32_t i = 0; i < sky.width; ++i)
-      sky.radiance.push_back(glm::vec3(static_cast<float>(1 + std::cos(kPi * (j + 0.5) / sky.height))));
+      sky.radiance.push_back(glm::vec3(static_cast<float>(1 + std::cos(pi * (j + 0.5) / sky.height))));
   scene.environment = sky;
   Channels channels;
   channels.emission = true;
@@ -187,9 +186,9 @@ TEST_CASE("a double-sided plate under a sky of radiance 1 + w_y: 5 pi / 3 above,
       ratio[up][1] += sums[side].w;
       flux[up] += sums[side].x / count;
     }
-    const double exact[2] = {kPi / 3, 5 * kPi / 3};
+    const double exact[2] = {pi / 3, 5 * pi / 3};
     for (int up = 0; up < 2; ++up) {
-      CHECK(kPi * ratio[up][0] / ratio[up][1] == test::relative(exact[up], 0.005));
+      CHECK(pi * ratio[up][0] / ratio[up][1] == test::relative(exact[up], 0.005));
       CHECK(flux[up] == test::relative(exact[up], 0.01));
     }
   }

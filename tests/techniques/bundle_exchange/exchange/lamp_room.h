@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "bundle_rig.h"
+#include "lucarium/base/numbers.h"
 
 namespace lucarium::test::lamp_room {
 
-inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr std::array<double, 6> kAlbedos{0.25, 0.6, 0.6, 0.7, 0.7, 0.5};  // -x, +x, floor, ceiling, -z, +z
 inline constexpr double kLampLow = 0.375, kLampHigh = 0.625, kLampRadiance = 20;
 
@@ -75,7 +75,7 @@ inline double light_of(const WallSquare& square, const WallPoint& point) {
     const double length = glm::length(across);
     if (length > 0) sum += std::atan2(length, glm::dot(to[i], to[(i + 1) % 4])) * glm::dot(across, n) / length;
   }
-  return std::abs(sum) / (2 * kPi);
+  return std::abs(sum) / (2 * pi);
 }
 
 /// Direct E/π; nothing in the ceiling's own plane.
@@ -102,7 +102,7 @@ class LampTable {
 
 /// Into the box by the cosine's density. x: random.
 inline glm::dvec3 cosine_direction(int wall, glm::dvec2 x) {
-  const double r = std::sqrt(x.x), phi = 2 * kPi * x.y, up = std::sqrt(1 - x.x);
+  const double r = std::sqrt(x.x), phi = 2 * pi * x.y, up = std::sqrt(1 - x.x);
   const int axis = wall / 2;
   glm::dvec3 d;
   d[axis] = wall % 2 ? -up : up;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bundle_rig.h"
+#include "lucarium/base/numbers.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -13,8 +14,6 @@ using namespace lucarium;
 using namespace lucarium::bundle;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Parameters by_texels() {
   Parameters parameters;
@@ -43,7 +42,7 @@ TEST_CASE("texels of a closed box of radiance 1 receive exactly that, and pi in 
   }
   // A point at a silhouette may be near no pixel centre within its surface: it then sees past the box.
   CHECK(worst < 0.02);
-  CHECK(sum / rig.sides() == test::relative(kPi, 2e-3));  // Σ W cos
+  CHECK(sum / rig.sides() == test::relative(pi, 2e-3));  // Σ W cos
 }
 
 TEST_CASE("form factors of unit squares by texels") {
@@ -86,7 +85,7 @@ TEST_CASE("both transfers fill a furnace alike, and see the sides of a double-si
       plate);
   Parameters parameters = by_texels();
   test::BundleRig rig(scene, 512, 0.5f, {}, parameters);
-  rig.set_direct(static_cast<float>(kPi));
+  rig.set_direct(static_cast<float>(pi));
   rig.solve(make_sequence(parameters, 1), 512);
   CHECK(rig.mean(rig.indirect()) == test::relative(1, 0.002));  // 1 = 0.5 (1 + 1)
 }
@@ -101,7 +100,7 @@ TEST_CASE("texels of a double-sided plate look into the sky on their side: 5 pi 
   sky.width = 256, sky.height = 128;
   for (uint32_t j = 0; j < sky.height; ++j)
     sky.radiance.insert(sky.radiance.end(), sky.width,
-                        glm::vec3(static_cast<float>(1 + std::cos(kPi * (j + 0.5) / sky.height))));
+                        glm::vec3(static_cast<float>(1 + std::cos(pi * (j + 0.5) / sky.height))));
   scene.environment = sky;
   for (const bool emission : {true, false}) {  // without it, the sky's light comes by light samples alone
     CAPTURE(emission);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "bundle_rig.h"
+#include "lucarium/base/numbers.h"
 #include "test_support.h"
 #include "tolerance.h"
 
@@ -14,8 +15,6 @@ using namespace lucarium;
 using namespace lucarium::bundle;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// What a place sends: brighter towards +x, and by the instance that it is of.
 glm::vec3 uneven(const SurfacePoint& point, uint32_t instance) {
@@ -190,7 +189,7 @@ TEST_CASE("a surface drawn twice in one place sends and receives once") {
       weight += found.w;
     }
     CHECK(received / weight == test::relative(0.19982, 0.01));
-    CHECK(received / count / kPi == test::relative(0.19982, 0.01));  // W A_p Σ L over a square metre
+    CHECK(received / count / pi == test::relative(0.19982, 0.01));  // W A_p Σ L over a square metre
   }
 }
 
@@ -221,7 +220,7 @@ TEST_CASE("the sides of a sheet are lit, seen in mirrors and send apart from eac
     const auto is_sheet = [&](uint32_t side, bool up) {
       return points[side].position.y > 0.4f && (points[side].normal.y > 0) == up;
     };
-    rig.set_direct([&](uint32_t side) { return is_sheet(side, lit_up) ? float(kPi) : 0.f; });
+    rig.set_direct([&](uint32_t side) { return is_sheet(side, lit_up) ? float(pi) : 0.f; });
     rig.solve(make_sequence(parameters, 3), 2048);
     const std::vector<double> found = rig.indirect();
     CHECK(rig.mean(found, [&](uint32_t side) { return is_sheet(side, true); }) == 0);  // it sees nothing

@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kPi = 3.14159265f;
 
-Scene furnace(float albedo) {
+Scene diffuse_furnace(float albedo) {
   Scene scene;
   const int wall = add_lambert(scene, "wall", glm::vec3(albedo));
   return test::box_scene({wall, wall, wall, wall, wall, wall}, std::move(scene));
@@ -79,7 +79,7 @@ double furnace_deficit(Interleave interleave, bool balance, uint64_t seed = 1, f
   parameters.directions = 2048;
   parameters.interleave = interleave;
   parameters.balance = balance;
-  test::BundleRig rig(furnace(0.8f), 96, pixel_size, {}, parameters);
+  test::BundleRig rig(diffuse_furnace(0.8f), 96, pixel_size, {}, parameters);
   rig.set_direct(kPi);
   rig.solve(make_sequence(parameters, seed), 2048);
   return rig.mean(rig.indirect()) / 4 - 1;
@@ -118,7 +118,7 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
     Channels channels;
     channels.self_fed = false;
     channels.count = bounces;
-    test::BundleRig rig(furnace(0.5f), 384, 0.5f, channels, parameters);
+    test::BundleRig rig(diffuse_furnace(0.5f), 384, 0.5f, channels, parameters);
     rig.set_direct(kPi);
     rig.solve(make_sequence(parameters, 1), 1024);
     double expected = 0;
@@ -128,7 +128,7 @@ TEST_CASE("bounce after bounce: with a limit, and one by one") {
   Parameters parameters;
   parameters.interleave = Interleave::pingpong;
   parameters.block = 128;
-  test::BundleRig rig(furnace(0.5f), 384, 0.5f, {}, parameters);
+  test::BundleRig rig(diffuse_furnace(0.5f), 384, 0.5f, {}, parameters);
   rig.set_direct(kPi);
   rig.solve(make_sequence(parameters, 1), 3 * 128);
   CHECK(rig.mean(rig.indirect()) == test::relative(0.875, 1e-5));

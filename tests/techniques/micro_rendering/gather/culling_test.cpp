@@ -2,6 +2,7 @@
 // What a gather leaves out: what faces away, what is below the horizon, its own surface. And what hides what.
 #include <doctest/doctest.h>
 
+#include "lucarium/base/numbers.h"
 #include "synthetic_forest.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -10,8 +11,6 @@ using namespace lucarium;
 using test::dvec3;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Mean E / pi and mean share of the hemisphere that stays empty, at one or several points over frames.
 struct Gathered {

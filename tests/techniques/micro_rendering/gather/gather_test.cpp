@@ -2,6 +2,7 @@
 // Light gathered in scenes with closed forms.
 #include <doctest/doctest.h>
 
+#include "lucarium/base/numbers.h"
 #include "synthetic_forest.h"
 #include "test_support.h"
 
@@ -9,8 +10,6 @@ using namespace lucarium;
 using test::dvec3;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Points on the walls of the cube [-1, 1]^3 and their normals.
 std::vector<test::GatherPoint> points_on_cube(int count) {

@@ -2,6 +2,7 @@
 // The warps between micro-buffers and directions.
 #include <doctest/doctest.h>
 
+#include "lucarium/base/numbers.h"
 #include "synthetic_forest.h"
 
 using namespace lucarium;
@@ -9,8 +10,6 @@ using test::Defines;
 using test::dvec3;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 struct Square {
   std::vector<float4> directions, values;

@@ -7,6 +7,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "leaf_rig.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -39,7 +40,6 @@ TEST_CASE("light in a sphere grows bounce by bounce as the closed form says, and
   parameters.micro_size = 16;
   parameters.jacobi_level = 9;
   LeafRig rig(scene, parameters);
-  constexpr double pi = 3.14159265358979;
   constexpr int frames = 4;  // of which one alone has a mean that is off by 0.08 %
   double expected = 0;
   for (int bounces = 2; bounces <= 5; ++bounces) {
@@ -113,7 +113,6 @@ TEST_CASE("nodes in corners gather where they are bent: leaves of a wall do not 
   const size_t count = leaves.size();
   std::vector<float4> received(count, float4(0, 0, 0, 0));
   std::vector<double> expected(count);
-  constexpr double pi = 3.14159265358979;
   for (size_t i = 0; i < count; ++i) {
     const bool floor = leaves[i].normal.y > 0.5f;
     if (floor) received[i] = float4(glm::vec3(static_cast<float>(2 * pi)), 0);  // L = 1

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "leaf_rig.h"
+#include "lucarium/base/numbers.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "tolerance.h"
 
@@ -29,7 +30,6 @@ TEST_CASE("a bright portal close to a wall: no leaf has more light than it radia
   parameters.micro_size = 8;
   LeafRig rig(scene, parameters);
   LeafLight light = rig.light(1);
-  constexpr double pi = 3.14159265358979;
   // What the portal brings to a point at (y, z) of the wall: four corner rectangles.
   const auto corner = [](double y, double z) {
     const double ry = std::sqrt(1 + y * y), rz = std::sqrt(1 + z * z);

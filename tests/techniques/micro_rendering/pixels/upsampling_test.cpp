@@ -5,14 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "lucarium/base/numbers.h"
 #include "technique_fixture.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// E / L of the wall x of [-1, 1], y of [0, 1] at z = 0 on a point of the floor (Lambert 1760): half the sum over edges
 /// of the angle that the edge subtends times the vertical component of the unit normal of its plane through the point.
