@@ -19,12 +19,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-uint32_t parse_uint(const std::string& text, const std::string& whole, const std::string& what) {
+std::optional<uint32_t> parse_uint(std::string_view text) {
   uint32_t value = 0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size())
-    throw_error(ErrorClass::usage, "'{}' is not {}", whole, what);
-  return value;
+  return failure == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
 /// At both ends: a list that is written in quotes has blanks behind its commas.
@@ -152,10 +150,12 @@ RenderSettings ImageArguments::settings() const {
   } else if (american_spelling(pixel_sampling) == "center") {
     result.pixel_sampling = 1;
   } else {
-    const std::string modes = fmt::format("jitter, center, or n from 2 to {}", finest_pixel_grid);
-    result.pixel_sampling = parse_uint(pixel_sampling, pixel_sampling, "a pixel sampling: " + modes);
-    if (result.pixel_sampling < 2 || result.pixel_sampling > finest_pixel_grid)
-      throw_error(ErrorClass::usage, "--pixel-sampling {} is not {}", pixel_sampling, modes);
+    const std::optional<uint32_t> grid = parse_uint(pixel_sampling);
+    if (!grid || *grid < 2 || *grid > finest_pixel_grid) {
+      throw_error(ErrorClass::usage, "--pixel-sampling: '{}' is not jitter, center, or n from 2 to {}", pixel_sampling,
+                  finest_pixel_grid);
+    }
+    result.pixel_sampling = *grid;
   }
   return result;
 }
@@ -241,14 +241,16 @@ Scene RenderingArguments::load() const {
 }
 
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
-  const std::string what =
-      fmt::format("a size: give --size WIDTHxHEIGHT, each from 1 to {} pixels", largest_image_side);
-  const size_t x = text.find('x');
-  if (x == std::string::npos) throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
-  const uint32_t width = parse_uint(text.substr(0, x), text, what), height = parse_uint(text.substr(x + 1), text, what);
-  if (width == 0 || height == 0 || width > largest_image_side || height > largest_image_side)
-    throw_error(ErrorClass::usage, "'{}' is not {}", text, what);
-  return {width, height};
+  const std::string_view view = text;
+  const size_t x = view.find('x');
+  const std::optional<uint32_t> width = parse_uint(view.substr(0, x)),
+                                height = x == view.npos ? std::nullopt : parse_uint(view.substr(x + 1));
+  const auto fits = [](const std::optional<uint32_t>& side) { return side && *side && *side <= largest_image_side; };
+  if (!fits(width) || !fits(height)) {
+    throw_error(ErrorClass::usage, "--size: '{}' is not WIDTHxHEIGHT, each from 1 to {} pixels", text,
+                largest_image_side);
+  }
+  return {*width, *height};
 }
 
 }  // namespace lucarium::app

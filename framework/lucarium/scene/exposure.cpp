@@ -9,7 +9,7 @@ namespace lucarium {
 float parse_exposure(std::string_view text) {
   if (text == "auto") return exposure_automatic;
   const std::optional<float> stops = parse_number(text);
-  if (!stops) throw_error(ErrorClass::usage, "exposure '{}': expected a finite number of stops, or auto", text);
+  if (!stops) throw_error(ErrorClass::usage, "exposure: '{}' is not a finite number of stops, or auto", text);
   return *stops;
 }
 
