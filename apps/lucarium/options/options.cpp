@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options/options.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "lucarium/base/error.h"
@@ -242,15 +243,15 @@ Scene RenderingArguments::load() const {
 
 std::pair<uint32_t, uint32_t> parse_size(const std::string& text) {
   const std::string_view view = text;
-  const size_t x = view.find('x');
-  const std::optional<uint32_t> width = parse_uint(view.substr(0, x)),
-                                height = x == view.npos ? std::nullopt : parse_uint(view.substr(x + 1));
-  const auto fits = [](const std::optional<uint32_t>& side) { return side && *side && *side <= largest_image_side; };
+  const size_t x = std::min(view.find('x'), view.size());
+  const uint32_t width = parse_uint(view.substr(0, x)).value_or(0),
+                 height = x < view.size() ? parse_uint(view.substr(x + 1)).value_or(0) : 0;
+  const auto fits = [](uint32_t side) { return side > 0 && side <= largest_image_side; };
   if (!fits(width) || !fits(height)) {
     throw_error(ErrorClass::usage, "--size: '{}' is not WIDTHxHEIGHT, each from 1 to {} pixels", text,
                 largest_image_side);
   }
-  return {*width, *height};
+  return {width, height};
 }
 
 }  // namespace lucarium::app
