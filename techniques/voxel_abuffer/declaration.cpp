@@ -34,6 +34,7 @@ TechniqueInfo technique_info() {
   info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.bias = 0.02;
   info.check_parameters = {{"abuffer_size", "256"}};
+  info.oclgrind_parameters = {{"abuffer_size", "128"}};
   info.capabilities.uses_bvh = false;  // structure=bvh makes its own
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);

@@ -39,8 +39,12 @@ struct CheckContext {
   const TechniqueRegistry& registry;
   const TechniqueType& type;
   const ConformanceOptions& options;
+  /// Instead of those of the options, where Oclgrind interprets.
+  std::vector<std::pair<std::string, std::string>> oclgrind_parameters;
   PathSet path_set;  ///< of the technique on the furnace, with these parameters
   double bias = 0;   ///< that it admits with these parameters
+  /// Of comparisons with the reference: two names in the list may stand for the same one.
+  std::map<std::pair<MaterialKind, LightKind>, Outcome> compared = {};
 
   const Capabilities& can() const { return type.info().capabilities; }
   bool claims(LightKind kind) const;

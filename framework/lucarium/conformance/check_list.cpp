@@ -106,6 +106,15 @@ std::vector<std::pair<std::string, std::string>> effective_parameters(const Tech
   return all;
 }
 
+std::vector<std::pair<std::string, std::string>> oclgrind_parameters(const TechniqueInfo& info,
+                                                                     const ConformanceOptions& options) {
+  if (options.full) return options.parameters;
+  auto all = info.check_parameters;
+  all.insert(all.end(), info.oclgrind_parameters.begin(), info.oclgrind_parameters.end());
+  all.insert(all.end(), options.parameters.begin(), options.parameters.end());
+  return all;
+}
+
 double admitted_bias(const TechniqueType& type, const ConformanceOptions& options) {
   const std::unique_ptr<Technique> technique = type.create();
   technique->parameters().set_all(effective_parameters(type.info(), options));
@@ -116,7 +125,7 @@ std::vector<CheckResult> check_technique(std::shared_ptr<Device> device, const T
                                          const TechniqueType& type, const ConformanceOptions& wanted) {
   ConformanceOptions options = wanted;
   options.parameters = effective_parameters(type.info(), wanted);
-  CheckContext context{std::move(device), registry, type, options, {}};
+  CheckContext context{std::move(device), registry, type, options, oclgrind_parameters(type.info(), wanted), {}};
   const Scene furnace = load_scene("builtin:furnace");
   const std::unique_ptr<Technique> technique = type.create();
   technique->parameters().set_all(options.parameters);

@@ -43,6 +43,10 @@ struct ConformanceOptions {
 std::vector<std::pair<std::string, std::string>> effective_parameters(const TechniqueInfo& info,
                                                                       const ConformanceOptions& options);
 
+/// What is set in the check `oclgrind`: unless `full`, the technique's oclgrind_parameters come between those two.
+std::vector<std::pair<std::string, std::string>> oclgrind_parameters(const TechniqueInfo& info,
+                                                                     const ConformanceOptions& options);
+
 /// What the technique admits with those: no check asks for less.
 double admitted_bias(const TechniqueType& type, const ConformanceOptions& options);
 

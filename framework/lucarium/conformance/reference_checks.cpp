@@ -67,7 +67,9 @@ Outcome check_reference(CheckContext& context, MaterialKind material, LightKind 
   if (!context.path_set.light_transport()) return {Verdict::not_claimed, "computes no light"};
   if (!context.claims(light)) return {Verdict::not_claimed, "does not claim this kind of light"};
   if (!context.claims(material)) return {Verdict::not_claimed, "does not claim this kind of material"};
-  return compare_with_reference(context, make_material_scene(material, light));
+  const std::pair scene(material, light);
+  if (const auto known = context.compared.find(scene); known != context.compared.end()) return known->second;
+  return context.compared[scene] = compare_with_reference(context, make_material_scene(material, light));
 }
 
 Outcome check_sky(CheckContext& context) {

@@ -17,12 +17,15 @@ namespace lucarium::check {
 namespace fs = std::filesystem;
 namespace {
 
+using Parameters = std::vector<std::pair<std::string, std::string>>;
+
 Outcome same_bits(const std::string& different, const std::string& when_same) {
   return verdict_of(different.empty(), different.empty() ? when_same : different);
 }
 
 /// A small picture of builtin:cornell with the technique under test, `side`² pixels large.
-Job small_picture(const CheckContext& context, const fs::path& output, uint32_t side, uint64_t iterations) {
+Job small_picture(const CheckContext& context, const Parameters& parameters, const fs::path& output, uint32_t side,
+                  uint64_t iterations) {
   const RenderSettings settings = context.settings(context.plain_scene());
   Job job;
   job.scene = "builtin:cornell";
@@ -32,7 +35,7 @@ Job small_picture(const CheckContext& context, const fs::path& output, uint32_t 
   job.technique_folders = context.options.technique_folders;
   RenderWork work;
   work.technique = context.type.info().name;
-  work.parameters = context.options.parameters;
+  work.parameters = parameters;
   work.iterations = iterations;
   work.output = output;
   job.work = work;
@@ -97,7 +100,7 @@ Outcome check_threads(CheckContext& context) {
   std::vector<Picture> pictures;
   for (const int threads : {1, 2}) {
     const fs::path file = folder.path() / fmt::format("{}.exr", threads);
-    Job job = small_picture(context, file, 32, counted.iterations());
+    Job job = small_picture(context, context.options.parameters, file, 32, counted.iterations());
     job.device = context.options.device;
     job.device.threads = threads;
     const ChildResult result = run_job({context.options.program.string()}, job);
@@ -118,7 +121,7 @@ Outcome check_oclgrind(CheckContext& context) {
   const std::vector<std::string> interpreted = {
       "/usr/bin/env", "LUCARIUM_BVH=scalar",           oclgrind.string(), "--build-options", LUCARIUM_OCLGRIND_OPTIONS,
       "--data-races", context.options.program.string()};
-  Job job = small_picture(context, folder.path() / "a.exr", 4, 2);
+  Job job = small_picture(context, context.oclgrind_parameters, folder.path() / "a.exr", 4, 2);
   job.device.use_cache = false;
   size_t errors = 0;
   std::string first, unknown;
@@ -132,7 +135,9 @@ Outcome check_oclgrind(CheckContext& context) {
   if (!unknown.empty()) return {Verdict::skipped, "Oclgrind cannot interpret the kernels: " + unknown};
   if (errors > 0) return verdict_of(false, fmt::format("{} errors, the first: {}", errors, first));
   if (result.exit_code > 0) return verdict_of(false, last_word(result));
-  return verdict_of(true, "no access outside a buffer, no data race (4×4 pixels)");
+  std::string settings;
+  for (const auto& [name, value] : context.oclgrind_parameters) settings += fmt::format(", {}={}", name, value);
+  return verdict_of(true, fmt::format("no access outside a buffer, no data race (4×4 pixels{})", settings));
 }
 
 }  // namespace lucarium::check

@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 11u
+#define LUCARIUM_ABI_VERSION 12u
 
 namespace lucarium {
 

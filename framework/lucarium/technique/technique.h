@@ -66,6 +66,8 @@ struct TechniqueInfo {
   std::vector<OptionalLayers> optional_layers = {};
   /// Parameters (name, value) with which `lucarium check` takes at most 4 processor minutes; empty: the defaults do.
   std::vector<std::pair<std::string, std::string>> check_parameters;
+  /// Set besides where Oclgrind interprets every kernel, a thousand times slower: the smallest sizes.
+  std::vector<std::pair<std::string, std::string>> oclgrind_parameters = {};
 };
 
 /// State of progress after an iterate().
