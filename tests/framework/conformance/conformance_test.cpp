@@ -167,6 +167,19 @@ TEST_CASE("a check that an interrupt cut short counted as failed, and the rest a
   }
 }
 
+TEST_CASE("sizes for Oclgrind come behind those of the check, and the command line wins") {
+  TechniqueInfo info;
+  info.check_parameters = {{"size", "256"}, {"steps", "8"}};
+  info.oclgrind_parameters = {{"size", "16"}};
+  ConformanceOptions options;
+  options.parameters = {{"steps", "2"}};
+  CHECK(effective_parameters(info, options) == Parameters{{"size", "256"}, {"steps", "8"}, {"steps", "2"}});
+  CHECK(oclgrind_parameters(info, options) ==
+        Parameters{{"size", "256"}, {"steps", "8"}, {"size", "16"}, {"steps", "2"}});
+  options.full = true;
+  CHECK(oclgrind_parameters(info, options) == options.parameters);
+}
+
 TEST_CASE("Oclgrind finds a kernel that writes outside its buffer") {
   if (verdict("faulty", {}, "oclgrind") == Verdict::skipped) return test::skip("oclgrind");
   std::string measured;
