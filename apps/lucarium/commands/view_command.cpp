@@ -7,11 +7,14 @@
 #include <thread>
 
 #include "commands/commands.h"
+#include "commands/view_again.h"
+#include "commands/watch.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/compute/program/source_library.h"
 #include "lucarium/view/access.h"
 #include "lucarium/view/hub.h"
 #include "lucarium/view/server.h"
@@ -26,19 +29,21 @@ namespace {
 
 struct ViewArguments : RenderingArguments {
   ViewServerOptions server;
-  bool open = false;
+  bool open = false, watch = false;
   RenderBudget budget;
 };
 
 constexpr int largest_port = 65535;
 constexpr double patience_at_end = 0.7;  // [s] for an iteration that is being done
 
-std::vector<ViewTechnique> techniques_of(const ViewArguments& arguments, const TechniqueRegistry& registry) {
+/// Once the viewer has run, its pages hear of a technique that can no longer be loaded.
+std::vector<ViewTechnique> techniques_of(const ViewArguments& arguments, const TechniqueRegistry& registry,
+                                         bool is_known) {
   std::vector<TechniqueArguments::Spec> specs = arguments.technique.specs;
   if (specs.empty()) specs = {arguments.technique.single("view", "path_tracing")};
   std::vector<ViewTechnique> techniques;
   for (const TechniqueArguments::Spec& spec : specs) {
-    check_parameters(registry.find(spec.name), spec);
+    if (!is_known) check_parameters(registry.find(spec.name), spec);
     techniques.push_back({spec.name, spec.parameters});
   }
   return techniques;
@@ -58,54 +63,101 @@ void open_page(const std::string& url) {
   ::posix_spawn_file_actions_destroy(&actions);
 }
 
-/// Renders on a thread of its own while this one serves. What is being computed when the end comes need not be
-/// finished: nothing of it is kept.
-void serve(Viewer& viewer, ViewServer& server) {
+/// What a change of makes the viewer start again: the scene, every plug-in, every kernel of LUCARIUM_KERNEL_PATH.
+WatchedInputs watched_inputs(const ViewArguments& arguments, const TechniqueRegistry& registry) {
+  return {scene_files(arguments.scene, arguments.overrides.overrides.environment.value_or("")), registry.searched(),
+          kernel_path_roots()};
+}
+
+/// Whether the scene, which has changed, can be loaded; pages hear why not.
+bool is_loadable(const ViewArguments& arguments, ViewHub& hub) {
+  try {
+    arguments.load();
+    return true;
+  } catch (const Error& error) {
+    hub.set_notice(fmt::format("the scene has changed and cannot be loaded: {}", error.what()));
+    return false;
+  }
+}
+
+/// Renders on a thread of its own while this one serves, until interrupted or `changed`. What is being computed when
+/// the end comes need not be finished: nothing of it is kept.
+void serve(Viewer& viewer, ViewServer& server, const std::function<bool()>& changed) {
   std::atomic<bool> rendering{true};
   std::thread renderer([&] {
     viewer.run();
     rendering = false;
   });
-  server.run([] { return interrupt_requested(); });
+  server.run([&] { return interrupt_requested() || changed(); });
   viewer.stop();
   const Stopwatch waiting;
   while (rendering && waiting.seconds() < patience_at_end) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  if (rendering) {  // kernels that compile cannot be stopped
-    flush_results();
-    std::_Exit(0);
+  if (!rendering) return renderer.join();
+  renderer.detach();  // kernels that compile cannot be stopped
+  if (!interrupt_requested()) return;
+  flush_results();
+  std::_Exit(0);
+}
+
+/// Says where the page is, and opens it where that was asked for.
+void announce(const ViewArguments& arguments, const Messages& messages, const std::string& url) {
+  if (!is_loopback(arguments.server.address))
+    log_warning("--listen {}: whoever learns the address below reaches this viewer from other machines, unencrypted",
+                arguments.server.address);
+  if (messages.json) {
+    print_result("{}\n", ordered_json{{"address", url}}.dump());
+  } else {
+    print_result("{}\n", url);
+    if (!messages.quiet) print_note("Open this address in a browser; Ctrl-C ends.\n");
   }
-  renderer.join();
+  flush_results();
+  if (arguments.open) open_page(url);
 }
 
 int view(const ViewArguments& arguments, const Messages& messages) {
   if (const std::string obstacle = view_server_obstacle(); !obstacle.empty())
     throw_error(ErrorClass::usage, "{}", obstacle);
+  const std::optional<ViewState> earlier = state_of_earlier_view();
   const TechniqueRegistry registry(arguments.technique.folders);
   ViewerOptions options;
-  options.techniques = techniques_of(arguments, registry);
+  options.techniques = techniques_of(arguments, registry, earlier.has_value());
   options.settings = arguments.image.settings();
   options.budget = arguments.budget;
   Scene scene = arguments.load();
   options.settings.camera = scene.cameras.front();
   options.commands = repeat_commands(arguments, scene);
+  options.edited = [&arguments](const SceneEdits& edits) {
+    SceneArguments edited = arguments.overrides;
+    edited.overrides = edited_overrides(edited.overrides, edits);
+    Scene changed = edited.load(arguments.scene);
+    require_light(changed);
+    return changed;
+  };
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
   ViewHub hub;
-  ViewServer server(hub, arguments.server);
+  ViewServerOptions where = arguments.server;
+  if (earlier) where.port = earlier->port, where.token = earlier->token;
+  auto server = std::make_unique<ViewServer>(hub, where);
   Viewer viewer(device, std::move(scene), registry, std::move(options), hub);
-  if (!is_loopback(arguments.server.address))
-    log_warning("--listen {}: whoever learns the address below reaches this viewer from other machines, unencrypted",
-                arguments.server.address);
-  if (messages.json) {
-    print_result("{}\n", ordered_json{{"address", server.url()}}.dump());
-  } else {
-    print_result("{}\n", server.url());
-    if (!messages.quiet) print_note("Open this address in a browser; Ctrl-C ends.\n");
-  }
-  flush_results();
-  if (arguments.open) open_page(server.url());
+  if (earlier) hub.set_request([&](ViewRequest& request) { request = earlier->request; });
+  if (!earlier) announce(arguments, messages, server->url());
   const KeepOnInterrupt end_in_order;
-  serve(viewer, server);
-  return 0;
+  if (!arguments.watch) {
+    serve(viewer, *server, [] { return false; });
+    return 0;
+  }
+  InputWatcher watcher(watched_inputs(arguments, registry));
+  serve(viewer, *server, [&] {
+    const std::filesystem::path file = watcher.changed();
+    if (file.empty() || !is_loadable(arguments, hub)) return false;
+    if (!messages.quiet) print_note("{} changed\n", file.string());
+    return true;
+  });
+  if (interrupt_requested()) return 0;
+  const ViewState state{server->port(), server->token(), hub.request()};
+  server.reset();  // its port is the next one's
+  flush_results();
+  start_again(state);
 }
 
 }  // namespace
@@ -117,6 +169,7 @@ void add_view_command(Command program, Action& action) {
   command.option("--port", arguments->server.port).check(in_range(0, largest_port)).capture_default_str();
   command.option("--listen", arguments->server.address).capture_default_str();
   command.flag("--open", arguments->open);
+  command.flag("--watch", arguments->watch);
   command.option("--spp", arguments->budget.samples).check(whole_number(1)).default_text("no limit");
   command.option("--iterations", arguments->budget.iterations).check(whole_number(1)).default_text("no limit");
   arguments->image.add_to(command, true);

@@ -122,12 +122,8 @@ fs::path wait_for_change(const WatchedInputs& inputs, const Snapshot& before) {
 }
 
 std::vector<std::string> render_words(bool overwrite) {
-  std::ifstream command_line("/proc/self/cmdline", std::ios::binary);
-  std::vector<std::string> words;
-  for (std::string word; std::getline(command_line, word, '\0');) words.push_back(word);
-  if (words.empty()) throw_error(ErrorClass::internal, "cannot read /proc/self/cmdline");
+  std::vector<std::string> words = own_command_line();
   std::erase(words, "--watch");
-  words.front() = fs::read_symlink("/proc/self/exe").string();
   if (overwrite) words.emplace_back("--overwrite");
   return words;
 }
@@ -145,6 +141,39 @@ void add_sidecar_environment(const std::string& scene, std::vector<fs::path>& fi
 }
 
 }  // namespace
+
+struct InputWatcher::State {
+  WatchedInputs inputs;
+  Snapshot told, last;
+  std::chrono::steady_clock::time_point looked = std::chrono::steady_clock::now();
+};
+
+InputWatcher::InputWatcher(WatchedInputs inputs) : state_(std::make_unique<State>()) {
+  state_->inputs = std::move(inputs);
+  state_->told = state_->last = take_snapshot(state_->inputs);
+}
+
+InputWatcher::~InputWatcher() = default;
+
+fs::path InputWatcher::changed() {
+  State& s = *state_;
+  if (std::chrono::steady_clock::now() - s.looked < poll_interval) return {};
+  Snapshot now = take_snapshot(s.inputs);
+  s.looked = std::chrono::steady_clock::now();
+  const fs::path file = now == s.last ? changed_file(s.told, now) : fs::path();
+  s.last = std::move(now);
+  if (!file.empty()) s.told = s.last;
+  return file;
+}
+
+std::vector<std::string> own_command_line() {
+  std::ifstream command_line("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(command_line, word, '\0');) words.push_back(word);
+  if (words.empty()) throw_error(ErrorClass::internal, "cannot read /proc/self/cmdline");
+  words.front() = fs::read_symlink("/proc/self/exe").string();
+  return words;
+}
 
 UsedInputs::~UsedInputs() {
   if (!std::getenv(watched_variable)) return;

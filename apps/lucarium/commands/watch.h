@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,23 @@ struct WatchedInputs {
   std::vector<std::filesystem::path> plugins;  ///< folders: every .so in them
   std::vector<std::filesystem::path> kernels;  ///< folders: everything below them
 };
+
+/// Looks at inputs again and again, for a program that goes on meanwhile.
+class InputWatcher {
+ public:
+  explicit InputWatcher(WatchedInputs inputs);
+  ~InputWatcher();
+  /// The file that is new, gone or different and has then stayed as it is for a moment (builds write in several steps);
+  /// empty: none. Cheap: looks a few times a second at most. Each change is returned once.
+  std::filesystem::path changed();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// This process's command line, the program by its real path.
+std::vector<std::string> own_command_line();
 
 /// In a render that render_and_watch() has started: reports to that process, when this object ends, which kernels were
 /// used, and which plug-in if that was found. In another process it does nothing.

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
+#include "lucarium/base/json.h"
 #include "lucarium/scene/exposure.h"
+#include "lucarium/scene/load/scene_overrides.h"
 
 namespace lucarium::app {
 
@@ -21,8 +23,7 @@ void add(Words& words, const std::string& option, const std::string& value) {
 }
 
 /// What was said about the scene, without its camera.
-Words scene_words(const SceneArguments& scene) {
-  const SceneOverrides& o = scene.overrides;
+Words scene_words(const SceneArguments& scene, const SceneOverrides& o) {
   Words words;
   if (o.environment) add(words, "--environment", *o.environment);
   for (const std::string& light : o.lights) add(words, "--light", light);
@@ -57,18 +58,73 @@ std::string technique_word(const ViewTechnique& technique) {
   return word;
 }
 
-/// The camera that the picture was seen with, as --camera; none where it is the one that the scene begins with.
-Words camera_words(const ViewedPicture& picture, const SceneArguments& scene, const std::vector<std::string>& names) {
+/// The camera that the picture was seen with; none where it is the one that the scene begins with.
+std::optional<std::string> camera_of(const ViewedPicture& picture, const SceneOverrides& overrides,
+                                     const std::vector<std::string>& names) {
+  if (picture.camera) return camera_text(*picture.camera);
+  if (picture.scene_camera > 0) return names.at(std::min<size_t>(picture.scene_camera, names.size() - 1));
+  return overrides.camera;
+}
+
+Words camera_words(const std::optional<std::string>& camera, const SceneOverrides& overrides) {
   Words words;
-  if (picture.camera)
-    add(words, "--camera", camera_text(*picture.camera));
-  else if (picture.scene_camera > 0)
-    add(words, "--camera", names.at(std::min<size_t>(picture.scene_camera, names.size() - 1)));
-  else if (scene.overrides.camera)
-    add(words, "--camera", *scene.overrides.camera);
-  else if (scene.overrides.camera_path)
-    add(words, "--camera-path", *scene.overrides.camera_path);
+  if (camera)
+    add(words, "--camera", *camera);
+  else if (overrides.camera_path)
+    add(words, "--camera-path", *overrides.camera_path);
   return words;
+}
+
+/// The techniques that are seen, the picture's own first.
+std::vector<ViewTechnique> techniques_of(const ViewedPicture& picture) {
+  std::vector<ViewTechnique> techniques = {picture.technique};
+  for (const ViewTechnique& other : picture.others) {
+    if (std::find(techniques.begin(), techniques.end(), other) == techniques.end()) techniques.push_back(other);
+  }
+  return techniques;
+}
+
+/// {NAME: {KEY: VALUE}}, as a comparison's file has them.
+nlohmann::ordered_json material_values(const std::vector<std::string>& texts) {
+  nlohmann::ordered_json values = nlohmann::ordered_json::object();
+  for (const std::string& text : texts) {
+    const MaterialEdit edit = parse_material(text);
+    for (const auto& [key, value] : edit.values) values[edit.pattern][key] = value;
+  }
+  return values;
+}
+
+/// One seed, which is 1, and a small reference: to repeat pictures, errors are measured at no great cost.
+const char* const repeated_seeds = "1";
+constexpr int repeated_reference = 64;
+
+std::string comparison_file(const ViewedPicture& picture, const RenderingArguments& arguments,
+                            const SceneOverrides& overrides, const std::optional<std::string>& camera) {
+  const RenderSettings settings = arguments.image.settings();
+  nlohmann::ordered_json scene = {{"scene", arguments.scene}};
+  if (camera) scene["camera"] = *camera;
+  if (!camera && overrides.camera_path) scene["camera_path"] = *overrides.camera_path;
+  if (overrides.environment) scene["environment"] = *overrides.environment;
+  if (!overrides.lights.empty()) scene["lights"] = overrides.lights;
+  if (overrides.at_seconds) scene["at_seconds"] = *overrides.at_seconds;
+  if (overrides.animation) scene["animation"] = *overrides.animation;
+  if (!overrides.materials.empty()) scene["materials"] = material_values(overrides.materials);
+  if (arguments.overrides.no_sidecar) scene["sidecar"] = false;
+  if (arguments.overrides.import.max_texture_size != ImportOptions{}.max_texture_size)
+    scene["texture_size"] = arguments.overrides.import.max_texture_size;
+  nlohmann::ordered_json file = {{"schema", "lucarium-comparison-1"}, {"scenes", {scene}}};
+  for (const ViewTechnique& technique : techniques_of(picture)) {
+    nlohmann::ordered_json entry = {{"technique", technique.name}};
+    for (const auto& [key, value] : technique.parameters) entry["parameters"][key] = value;
+    file["techniques"].push_back(std::move(entry));
+  }
+  file["budgets"] = {{{"iterations", std::max<uint64_t>(picture.iterations, 1)}}};
+  file["seeds"] = 1;
+  file["size"] = {settings.width, settings.height};
+  file["max_bounces"] = settings.max_bounces;
+  file["pixel_sampling"] = settings.pixel_sampling;
+  file["reference"] = {{"samples", repeated_reference}};
+  return file.dump(2) + "\n";
 }
 
 std::string line_of(std::initializer_list<Words> parts) {
@@ -91,28 +147,50 @@ std::string shell_word(const std::string& word) {
   return quoted + "'";
 }
 
-std::function<std::vector<std::pair<std::string, std::string>>(const ViewedPicture&)> repeat_commands(
-    const RenderingArguments& arguments, const Scene& scene) {
+RepeatCommands repeat_commands(const RenderingArguments& arguments, const Scene& scene) {
   std::vector<std::string> names;
   for (const SceneCamera& camera : scene.cameras) names.push_back(camera.name);
-  const Words about_scene = scene_words(arguments.overrides), image = image_words(arguments.image),
-              device = device_words(arguments);
-  const std::string seed = std::to_string(arguments.image.seed);
-  return [=, name = arguments.scene, overrides = arguments.overrides](
-             const ViewedPicture& picture) -> std::vector<std::pair<std::string, std::string>> {
-    const Words camera = camera_words(picture, overrides, names);
-    const Words technique = {"-t", technique_word(picture.technique)};
+  const Words image = image_words(arguments.image), device = device_words(arguments);
+  return [=](const ViewedPicture& picture) -> std::vector<RepeatText> {
+    const SceneOverrides overrides = edited_overrides(arguments.overrides.overrides, picture.edits);
+    const Words about_scene = scene_words(arguments.overrides, overrides);
+    const std::optional<std::string> camera = camera_of(picture, overrides, names);
+    const Words seen = camera_words(camera, overrides);
     const Words budget = {"--iterations", std::to_string(std::max<uint64_t>(picture.iterations, 1))};
-    return {{"render", line_of({{"render", name},
-                                about_scene,
-                                camera,
-                                image,
-                                {"--seed", seed},
-                                device,
-                                technique,
-                                budget,
-                                {"-o", "picture.exr"}})}};
+    Words techniques;
+    for (const ViewTechnique& technique : techniques_of(picture)) add(techniques, "-t", technique_word(technique));
+    const Words source = {"render", arguments.scene}, compared = {"compare", arguments.scene};
+    std::vector<RepeatText> texts = {{"render",
+                                      line_of({source,
+                                               about_scene,
+                                               seen,
+                                               image,
+                                               {"--seed", std::to_string(arguments.image.seed)},
+                                               device,
+                                               {"-t", technique_word(picture.technique)},
+                                               budget,
+                                               {"-o", "picture.exr"}}),
+                                      ""}};
+    if (std::to_string(arguments.image.seed) == repeated_seeds) {  // the seeds of a comparison begin at 1
+      const Words rest = {"--seeds", repeated_seeds, "--reference-spp", std::to_string(repeated_reference),
+                          "-o",      "comparison"};
+      texts.push_back({"compare", line_of({compared, about_scene, seen, image, device, techniques, budget, rest}), ""});
+      texts.push_back(
+          {"compare --comparison", comparison_file(picture, arguments, overrides, camera), "comparison.json"});
+    }
+    if (picture.edits.any())
+      texts.push_back({"beside the scene", sidecar_text(picture.edits, camera.value_or("")),
+                       std::filesystem::path(arguments.scene).filename().string() + ".lucarium.json"});
+    return texts;
   };
+}
+
+SceneOverrides edited_overrides(SceneOverrides overrides, const SceneEdits& edits) {
+  for (const std::string& light : light_words(edits)) overrides.lights.push_back(light);
+  overrides.materials.insert(overrides.materials.end(), edits.materials.begin(), edits.materials.end());
+  if (!edits.environment.empty()) overrides.environment = edits.environment;
+  if (edits.seconds) overrides.at_seconds = edits.seconds;
+  return overrides;
 }
 
 }  // namespace lucarium::app

@@ -10,10 +10,12 @@
 
 namespace lucarium::app {
 
-/// For the viewer: the command lines that render its picture, and that compare its technique at that view, by what they
-/// are for.
-std::function<std::vector<std::pair<std::string, std::string>>(const ViewedPicture&)> repeat_commands(
-    const RenderingArguments& arguments, const Scene& scene);
+/// For the viewer: the command lines that render its picture, and that compare its techniques at that view with as many
+/// iterations; files for `lucarium compare --comparison` and to lie beside the scene.
+RepeatCommands repeat_commands(const RenderingArguments& arguments, const Scene& scene);
+
+/// What was said at the start, and what a page has changed since.
+SceneOverrides edited_overrides(SceneOverrides overrides, const SceneEdits& edits);
 
 /// A word for a shell, in quotes where it needs them.
 std::string shell_word(const std::string& word);

@@ -44,7 +44,8 @@ std::optional<uint64_t> ViewHub::join() {
   Page& page = pages_[id];
   page.allowance = messages_at_once;
   page.counted = Clock::now();
-  if (welcome_.data) page.queue.push_back(welcome_);
+  for (const Outgoing& first : {welcome_, scene_})
+    if (first.data) page.queue.push_back(first);
   if (controls_ == 0) controls_ = id;
   tell_control();
   has_asked_ = true;
@@ -120,6 +121,18 @@ void ViewHub::apply(uint64_t id, Page& page, const ViewMessage& message) {
     return answer(page, message.id, "");
   }
   if (message.kind != Kind::save && id != controls_) throw_error(ErrorClass::usage, "another page controls the viewer");
+  if (message.kind == Kind::save) {
+    if (saves_.size() >= max_saves) throw_error(ErrorClass::usage, "files are being made; ask again later");
+    saves_.push_back({id, message.name, message.exposure});
+  } else {
+    change_request(message);
+  }
+  has_asked_ = true;
+  asked_.notify_all();
+  answer(page, message.id, "");
+}
+
+void ViewHub::change_request(const ViewMessage& message) {
   switch (message.kind) {
     case Kind::camera:
       request_.camera = message.camera;
@@ -133,27 +146,59 @@ void ViewHub::apply(uint64_t id, Page& page, const ViewMessage& message) {
       ++request_.camera_number;
       break;
     case Kind::technique:
-      request_.technique = message.name;
-      request_.parameters = message.parameters;
-      ++request_.technique_number;
+      request_.sides.at(message.index) = {message.name, message.parameters,
+                                          request_.sides.at(message.index).number + 1};
+      break;
+    case Kind::beside:
+      request_.beside = message.name != "none";
+      request_.flip = message.name == "flip";
       break;
     case Kind::layer:
       request_.layer = message.name;
       ++request_.layer_number;
       break;
+    case Kind::inspect:
+      request_.inspect_x = message.x;
+      request_.inspect_y = message.y;
+      ++request_.inspect_number;
+      break;
+    case Kind::reference: request_.reference = message.on; break;
+    case Kind::scene: {
+      const std::optional<double> seconds = request_.edits.seconds;
+      request_.edits = message.edits;
+      request_.edits.seconds = seconds;
+      ++request_.scene_number;
+      break;
+    }
+    case Kind::time:
+      request_.edits.seconds = message.edits.seconds;
+      request_.camera_time = Clock::now();
+      ++request_.scene_number;
+      break;
     case Kind::pause: request_.paused = message.on; break;
     case Kind::restart: ++request_.restart_number; break;
     case Kind::save:
-      if (saves_.size() >= max_saves) throw_error(ErrorClass::usage, "files are being made; ask again later");
-      saves_.push_back({id, message.name, message.exposure});
-      break;
     case Kind::shown:
     case Kind::control: break;
   }
-  if (message.kind == Kind::camera || message.kind == Kind::scene_camera || message.kind == Kind::technique) ++changes_;
-  has_asked_ = true;
-  asked_.notify_all();
-  answer(page, message.id, "");
+  if (message.kind == Kind::camera || message.kind == Kind::scene_camera || message.kind == Kind::technique ||
+      message.kind == Kind::scene || message.kind == Kind::time)
+    ++changes_;
+}
+
+/// The oldest one that the page has not got: it stays in step with all slots.
+const ViewHub::Picture* ViewHub::next_picture(Page& page) {
+  const Picture* next = nullptr;
+  size_t chosen = 0;
+  for (size_t slot = 0; slot < slots; ++slot) {
+    const Picture& picture = pictures_[slot];
+    if (picture.number <= page.sent_of[slot] || (next && next->number < picture.number)) continue;
+    next = &picture;
+    chosen = slot;
+  }
+  if (!next) return nullptr;
+  page.sent_of[chosen] = page.sent = next->number;
+  return next;
 }
 
 std::optional<ViewHub::Outgoing> ViewHub::next(uint64_t id) {
@@ -170,18 +215,30 @@ std::optional<ViewHub::Outgoing> ViewHub::next(uint64_t id) {
     page.status = status_number_;
     return status_;
   }
-  if (page.sent < picture_number_ && page.on_the_way < pictures_on_the_way) {
-    page.sent = picture_number_;
-    ++page.on_the_way;
-    return picture_;
-  }
-  return std::nullopt;
+  if (page.on_the_way >= pictures_on_the_way) return std::nullopt;
+  const Picture* const picture = next_picture(page);
+  if (!picture) return std::nullopt;
+  ++page.on_the_way;
+  return picture->data;
 }
 
 void ViewHub::set_welcome(std::string data) {
   const std::lock_guard lock(mutex_);
   welcome_ = text(std::move(data));
   for (auto& [id, page] : pages_) page.queue.push_back(welcome_);
+  news();
+}
+
+void ViewHub::set_scene(std::string data) {
+  const std::lock_guard lock(mutex_);
+  scene_ = text(std::move(data));
+  for (auto& [id, page] : pages_) page.queue.push_back(scene_);
+  news();
+}
+
+void ViewHub::set_notice(const std::string& why) {
+  const std::lock_guard lock(mutex_);
+  for (auto& [id, page] : pages_) page.queue.push_back(text(dump({{"error", why}})));
   news();
 }
 
@@ -192,10 +249,9 @@ void ViewHub::set_status(std::string data) {
   news();
 }
 
-void ViewHub::set_picture(uint64_t number, std::string data) {
+void ViewHub::set_picture(size_t slot, uint64_t number, std::string data) {
   const std::lock_guard lock(mutex_);
-  picture_ = {true, std::make_shared<const std::string>(std::move(data))};
-  picture_number_ = number;
+  pictures_.at(slot) = {{true, std::make_shared<const std::string>(std::move(data))}, number};
   news();
 }
 

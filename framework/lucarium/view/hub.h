@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -23,9 +24,14 @@ namespace lucarium {
 /// What the page that controls wants: the state that the rendering thread runs after. A number that has grown says
 /// that a part was asked for again.
 struct ViewRequest {
-  std::string technique;
-  std::vector<std::pair<std::string, std::string>> parameters;
-  uint64_t technique_number = 0;
+  struct Side {
+    std::string technique;
+    std::vector<std::pair<std::string, std::string>> parameters;
+    uint64_t number = 0;
+  };
+  std::array<Side, view_sides> sides;
+  bool beside = false;  ///< both sides render
+  bool flip = false;    ///< FLIP of the two is wanted
   uint32_t scene_camera = 0;
   std::optional<CameraKey> camera;  ///< instead of the scene's
   uint64_t camera_number = 0;
@@ -34,6 +40,11 @@ struct ViewRequest {
   uint64_t layer_number = 0;
   uint64_t restart_number = 0;
   bool paused = false;
+  bool reference = false;
+  SceneEdits edits;
+  uint64_t scene_number = 0;
+  uint32_t inspect_x = 0, inspect_y = 0;
+  uint64_t inspect_number = 0;  ///< 0: nothing is
 };
 
 /// A file that a page asked for.
@@ -53,6 +64,8 @@ class ViewHub {
   };
   /// Pages at once; further ones are refused.
   static constexpr size_t max_pages = 16;
+  /// Pictures that are kept side by side.
+  static constexpr size_t slots = view_sides + 1;
 
   // ---- The serving thread.
 
@@ -73,9 +86,14 @@ class ViewHub {
 
   /// What every page gets first.
   void set_welcome(std::string text);
+  /// What every page gets now, and others after the welcome.
+  void set_scene(std::string text);
   void set_status(std::string text);
-  /// The picture of that number (from 1, ascending), for all pages.
-  void set_picture(uint64_t number, std::string data);
+  /// A message for people on all pages that are there.
+  void set_notice(const std::string& why);
+  /// The picture of that number (from 1, ascending), for all pages, instead of the last one in its slot: one for each
+  /// side, one for what is between them.
+  void set_picture(size_t slot, uint64_t number, std::string data);
   /// What a page asked for with "save".
   void send_file(uint64_t page, std::string data);
   void send_error(uint64_t page, const std::string& why);
@@ -96,18 +114,25 @@ class ViewHub {
 
  private:
   using Clock = std::chrono::steady_clock;
+  struct Picture {
+    Outgoing data;
+    uint64_t number = 0;
+  };
   struct Page {
-    std::deque<Outgoing> queue;    ///< answers and files
-    uint64_t status = 0;           ///< number of the last one sent
-    uint64_t sent = 0, shown = 0;  ///< pictures
-    int on_the_way = 0;            ///< pictures that were sent and not yet shown
-    double allowance = 0;          ///< messages that it may send now
+    std::deque<Outgoing> queue;             ///< answers and files
+    uint64_t status = 0;                    ///< number of the last one sent
+    std::array<uint64_t, slots> sent_of{};  ///< the last picture of each slot
+    uint64_t sent = 0, shown = 0;           ///< pictures
+    int on_the_way = 0;                     ///< pictures that were sent and not yet shown
+    double allowance = 0;                   ///< messages that it may send now
     Clock::time_point counted{};
   };
   static Outgoing text(std::string data);
   void answer(Page& page, const std::optional<int64_t>& id, const std::string& error);
   bool may_send(Page& page) const;
   void apply(uint64_t id, Page& page, const ViewMessage& message);
+  void change_request(const ViewMessage& message);
+  const Picture* next_picture(Page& page);
   void tell_control();
   void news();
 
@@ -120,8 +145,9 @@ class ViewHub {
   Clock::time_point empty_since_ = Clock::now();
   ViewRequest request_;
   std::vector<ViewSave> saves_;
-  Outgoing welcome_, status_, picture_;
-  uint64_t status_number_ = 0, picture_number_ = 0;
+  Outgoing welcome_, scene_, status_;
+  std::array<Picture, slots> pictures_;
+  uint64_t status_number_ = 0;
   std::atomic<uint64_t> changes_{0};
 };
 

@@ -20,6 +20,9 @@ namespace {
 constexpr size_t longest_text = 400, max_parameters = 200;
 constexpr double largest_exposure = 100;  // [stops]
 constexpr double farthest = 1e15;         // [m]
+constexpr double longest_time = 1e6;      // [s]
+constexpr uint64_t largest_side = 1u << 20;
+constexpr size_t max_edits = 200;
 
 json parse(std::string_view text) {
   if (text.size() > largest_view_message)
@@ -107,6 +110,23 @@ std::vector<std::pair<std::string, std::string>> read_parameters(const json& lis
   return parameters;
 }
 
+std::vector<std::string> read_texts(const json& list, const char* name) {
+  if (!list.is_array() || list.size() > max_edits)
+    throw_error(ErrorClass::usage, "\"{}\" is not a list of at most {} texts", name, max_edits);
+  std::vector<std::string> texts;
+  for (const json& text : list) texts.push_back(Members::text_of(text, name));
+  return texts;
+}
+
+SceneEdits read_edits(Members& members) {
+  SceneEdits edits;
+  if (const json& lights = members.at("lights"); !lights.is_null()) edits.lights = read_texts(lights, "lights");
+  edits.materials = read_texts(members.at("materials"), "materials");
+  edits.environment = members.text("environment");
+  check_scene_edits(edits);
+  return edits;
+}
+
 void read_members(ViewMessage& message, Members& members) {
   switch (message.kind) {
     case Kind::shown: message.picture = members.count("picture", UINT64_MAX); break;
@@ -117,8 +137,21 @@ void read_members(ViewMessage& message, Members& members) {
     case Kind::technique:
       message.name = members.text("name");
       message.parameters = read_parameters(members.at("parameters"));
+      if (members.has("side")) message.index = static_cast<uint32_t>(members.count("side", view_sides - 1));
+      break;
+    case Kind::beside:
+      message.name = members.text("as");
+      if (message.name != "none" && message.name != "pictures" && message.name != "flip")
+        throw_error(ErrorClass::usage, "\"as\" is neither none, pictures nor flip");
       break;
     case Kind::layer: message.name = members.text("name"); break;
+    case Kind::inspect:
+      message.x = static_cast<uint32_t>(members.count("x", largest_side));
+      message.y = static_cast<uint32_t>(members.count("y", largest_side));
+      break;
+    case Kind::scene: message.edits = read_edits(members); break;
+    case Kind::time: message.edits.seconds = members.number("seconds", 0, longest_time); break;
+    case Kind::reference:
     case Kind::pause: message.on = members.flag("on"); break;
     case Kind::save:
       message.name = members.text("kind");
@@ -132,15 +165,14 @@ void read_members(ViewMessage& message, Members& members) {
 }  // namespace
 
 ViewMessage parse_view_message(std::string_view text) {
-  static const std::map<std::string, Kind, std::less<>> kinds = {{"shown", Kind::shown},
-                                                                 {"control", Kind::control},
-                                                                 {"camera", Kind::camera},
-                                                                 {"scene_camera", Kind::scene_camera},
-                                                                 {"technique", Kind::technique},
-                                                                 {"layer", Kind::layer},
-                                                                 {"pause", Kind::pause},
-                                                                 {"restart", Kind::restart},
-                                                                 {"save", Kind::save}};
+  static const std::map<std::string, Kind, std::less<>> kinds = {
+      {"shown", Kind::shown},         {"control", Kind::control},
+      {"camera", Kind::camera},       {"scene_camera", Kind::scene_camera},
+      {"technique", Kind::technique}, {"beside", Kind::beside},
+      {"layer", Kind::layer},         {"inspect", Kind::inspect},
+      {"reference", Kind::reference}, {"scene", Kind::scene},
+      {"time", Kind::time},           {"pause", Kind::pause},
+      {"restart", Kind::restart},     {"save", Kind::save}};
   const json object = parse(text);
   Members members(object);
   const auto kind = kinds.find(members.text("do"));

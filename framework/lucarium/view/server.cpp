@@ -48,6 +48,7 @@ std::string header(lws* wsi, lws_token_indexes token) {
 struct ViewServer::State {
   ViewHub& hub;
   std::string token = make_view_token(), url;
+  int port = 0;
   lws_context* context = nullptr;
   lws_sorted_usec_list_t timer{};
   std::vector<unsigned char> buffer;
@@ -198,6 +199,7 @@ std::string view_server_obstacle() { return {}; }
 
 ViewServer::ViewServer(ViewHub& hub, const ViewServerOptions& options) : state_(std::make_unique<State>(hub)) {
   State& state = *state_;
+  if (!options.token.empty()) state.token = options.token;
   lws_set_log_level(0, nullptr);
   state.protocols = {
       lws_protocols{.name = "http", .callback = State::on_http, .per_session_data_size = sizeof(Connection)},
@@ -225,8 +227,9 @@ ViewServer::ViewServer(ViewHub& hub, const ViewServerOptions& options) : state_(
     throw_error(ErrorClass::usage, "cannot listen at {} port {}: give another --port or --listen", options.address,
                 options.port);
   const bool is_ipv6 = options.address.find(':') != std::string::npos;
-  state.url = fmt::format("http://{}:{}/{}/", is_ipv6 ? "[" + options.address + "]" : options.address,
-                          lws_get_vhost_listen_port(host), state.token);
+  state.port = lws_get_vhost_listen_port(host);
+  state.url =
+      fmt::format("http://{}:{}/{}/", is_ipv6 ? "[" + options.address + "]" : options.address, state.port, state.token);
   hub.on_news([context = state.context] { lws_cancel_service(context); });
 }
 
@@ -237,6 +240,8 @@ ViewServer::~ViewServer() {
 }
 
 const std::string& ViewServer::url() const { return state_->url; }
+int ViewServer::port() const { return state_->port; }
+const std::string& ViewServer::token() const { return state_->token; }
 
 void ViewServer::run(const std::function<bool()>& ended) {
   while (!ended()) {

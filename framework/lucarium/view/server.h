@@ -11,6 +11,7 @@ class ViewHub;
 struct ViewServerOptions {
   std::string address = "127.0.0.1";  ///< to listen at
   int port = 0;                       ///< 0: a free one
+  std::string token;                  ///< empty: a new one
 };
 
 /// Why there is no server in this build, for people; empty: there is one.
@@ -29,6 +30,8 @@ class ViewServer {
 
   /// Where the page is: http://127.0.0.1:PORT/TOKEN/
   const std::string& url() const;
+  int port() const;
+  const std::string& token() const;
   /// Until `ended`, which is asked about ten times a second.
   void run(const std::function<bool()>& ended);
 

@@ -21,6 +21,10 @@ const std::string& ViewServer::url() const {
   return none;
 }
 
+int ViewServer::port() const { return 0; }
+
+const std::string& ViewServer::token() const { return url(); }
+
 void ViewServer::run(const std::function<bool()>&) {}
 
 }  // namespace lucarium

@@ -5,6 +5,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/session/scene_on_device.h"
 
 namespace lucarium {
 
@@ -14,12 +15,14 @@ RenderSettings divided_size(RenderSettings settings, uint32_t divisor) {
   return settings;
 }
 
-ViewSessions::ViewSessions(std::shared_ptr<Device> device, Scene scene, RenderSession::OnPreparing on_preparing,
+ViewSessions::ViewSessions(std::shared_ptr<Device> device, RenderSession::OnPreparing on_preparing,
                            std::function<bool()> cancel)
-    : device_(std::move(device)),
-      scene_(share_scene(std::move(scene))),
-      on_preparing_(std::move(on_preparing)),
-      cancel_(std::move(cancel)) {}
+    : device_(std::move(device)), on_preparing_(std::move(on_preparing)), cancel_(std::move(cancel)) {}
+
+void ViewSessions::set_scene(std::shared_ptr<SceneOnDevice> scene) {
+  clear();
+  scene_ = std::move(scene);
+}
 
 ViewSessions::Sized ViewSessions::make(const TechniqueType& type, const ViewTechnique& technique,
                                        const RenderSettings& settings, uint32_t divisor) const {
@@ -68,6 +71,21 @@ RenderSession& ViewSessions::at(uint32_t divisor) {
 void ViewSessions::set_camera(const SceneCamera& camera) {
   settings_.camera = camera;
   ++camera_number_;
+}
+
+bool ViewSessions::set_time(double seconds) {
+  if (!whole_.session || scene_->sessions > (coarse_.session ? 2 : 1)) return false;
+  coarse_ = {};
+  try {
+    whole_.session->set_time(seconds);
+  } catch (const Error& error) {
+    if (error.error_class() != ErrorClass::technique) throw;
+    return false;
+  }
+  whole_.session->set_camera(settings_.camera);
+  whole_.camera_number = camera_number_;
+  whole_.fresh = false;
+  return true;
 }
 
 void ViewSessions::restart() {

@@ -7,22 +7,19 @@
 #include <vector>
 
 #include "lucarium/session/session.h"
+#include "lucarium/view/edits/view_technique.h"
 
 namespace lucarium {
-
-/// A technique with the parameters that were given; all others have their defaults.
-struct ViewTechnique {
-  std::string name;
-  std::vector<std::pair<std::string, std::string>> parameters;
-};
 
 /// The sessions of one technique on one scene: one of the whole size, and beside it a coarse one for moments in which a
 /// picture matters more than its pixels. Both stay, so that a move of the camera builds nothing again.
 class ViewSessions {
  public:
   /// `cancel`: asked between passes of an iteration of the whole size; true where its picture is no longer wanted.
-  ViewSessions(std::shared_ptr<Device> device, Scene scene, RenderSession::OnPreparing on_preparing,
-               std::function<bool()> cancel);
+  ViewSessions(std::shared_ptr<Device> device, RenderSession::OnPreparing on_preparing, std::function<bool()> cancel);
+
+  /// The scene, which others may share, of sessions that are made from now on; those that are there end.
+  void set_scene(std::shared_ptr<SceneOnDevice> scene);
 
   /// Another technique, other parameters. Throws Error where they are refused; all is then as it was before. It needs
   /// the memory of both for a moment; where that does not suffice the old one goes first, and may be lost.
@@ -35,6 +32,9 @@ class ViewSessions {
   /// The session whose size is the whole one divided by that, brought to the camera.
   RenderSession& at(uint32_t divisor);
   void set_camera(const SceneCamera& camera);
+  /// Moves the scene to a time of its animation, in place, with the session of the whole size alone. Returns false, and
+  /// has changed nothing, where there is none or its technique cannot follow.
+  bool set_time(double seconds);
   /// From the first sample.
   void restart();
   /// Whether nothing but iterations happened to the session since it was made: a rendering from the start gives the

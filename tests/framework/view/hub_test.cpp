@@ -62,7 +62,7 @@ TEST_CASE("a page that shows nothing gets two pictures and then none, and the ot
   size_t of_sleeping = 0, of_awake = 0;
   for (uint64_t number = 1; number <= 10; ++number) {
     CHECK(hub.wants_picture());
-    hub.set_picture(number, std::string(number, 'p'));
+    hub.set_picture(0, number, std::string(number, 'p'));
     of_sleeping += take_all(hub, sleeping).size();
     const std::vector<json> pictures = take_all(hub, awake);
     REQUIRE(pictures.size() == 1);
@@ -78,13 +78,45 @@ TEST_CASE("a page that shows nothing gets two pictures and then none, and the ot
   CHECK(has_error(take_all(hub, sleeping)));
 }
 
+TEST_CASE("pictures of several slots come in their order, each slot's last one") {
+  ViewHub hub;
+  const uint64_t page = *hub.join();
+  take_all(hub, page);
+  hub.set_picture(0, 1, "1");
+  hub.set_picture(1, 2, "22");
+  hub.set_picture(0, 3, "333");  // the first one was not taken in time
+  CHECK(take_all(hub, page) == std::vector<json>{{{"picture", 2}}, {{"picture", 3}}});
+  hub.set_picture(1, 4, "4444");
+  CHECK(take_all(hub, page).empty());  // two are on the way
+  hub.receive(page, R"({"do": "shown", "picture": 3})");
+  CHECK(take_all(hub, page) == std::vector<json>{{{"picture", 4}}});
+}
+
+TEST_CASE("sides have techniques of their own") {
+  ViewHub hub;
+  const uint64_t page = *hub.join();
+  hub.receive(page, R"({"do": "technique", "name": "a", "parameters": []})");
+  hub.receive(page, R"({"do": "technique", "name": "b", "parameters": [["c", "1"]], "side": 1})");
+  hub.receive(page, R"({"do": "beside", "as": "flip"})");
+  ViewRequest request = hub.request();
+  CHECK(request.sides[0].technique == "a");
+  CHECK(request.sides[1].technique == "b");
+  CHECK(request.sides[1].parameters.size() == 1);
+  CHECK((request.beside && request.flip));
+  hub.receive(page, R"({"do": "beside", "as": "pictures"})");
+  request = hub.request();
+  CHECK((request.beside && !request.flip));
+  hub.receive(page, R"({"do": "beside", "as": "none"})");
+  CHECK_FALSE(hub.request().beside);
+}
+
 TEST_CASE("where nobody has room for a picture none is wanted") {
   ViewHub hub;
   CHECK_FALSE(hub.wants_picture());
   const uint64_t page = *hub.join();
   for (uint64_t number = 1; number <= 2; ++number) {
     CHECK(hub.wants_picture());
-    hub.set_picture(number, "p");
+    hub.set_picture(0, number, "p");
     take_all(hub, page);
   }
   CHECK_FALSE(hub.wants_picture());
@@ -104,7 +136,7 @@ TEST_CASE("what is asked for becomes the request, and grows its numbers") {
   const ViewRequest request = hub.request();
   REQUIRE(request.camera);
   CHECK(request.camera->eye == glm::vec3(1, 2, 3));
-  CHECK(request.technique == "x");
+  CHECK(request.sides[0].technique == "x");
   CHECK(request.layer == "direct");
   CHECK(request.restart_number == 1);
   CHECK(hub.changes() == changes + 2);
@@ -142,7 +174,7 @@ TEST_CASE("two threads use the hub at once") {
   std::thread renderer([&] {
     for (uint64_t number = 1; !ended; ++number) {
       hub.wait(std::chrono::milliseconds(1));
-      if (hub.wants_picture()) hub.set_picture(number, std::string(100, 'p'));
+      if (hub.wants_picture()) hub.set_picture(0, number, std::string(100, 'p'));
       hub.set_status("{}");
       for (const ViewSave& save : hub.take_saves()) hub.send_file(save.page, "file");
     }

@@ -21,6 +21,13 @@ const std::vector<std::string> good = {
     R"({"do": "camera", "eye": [0, 1.5, -2e1], "target": [0, 1, 0], "vfov": 40})",
     R"({"do": "scene_camera", "index": 1})",
     R"({"do": "technique", "name": "path_tracing", "parameters": [["nee", "off"], ["lights", "power"]], "id": 1})",
+    R"({"do": "technique", "name": "path_tracing", "parameters": [], "side": 1})",
+    R"({"do": "beside", "as": "flip"})",
+    R"({"do": "inspect", "x": 3, "y": 4})",
+    R"({"do": "reference", "on": true})",
+    R"({"do": "scene", "lights": ["point:0,1,0:1,1,1"], "materials": ["a:roughness=0.5"], "environment": "none"})",
+    R"({"do": "scene", "lights": null, "materials": [], "environment": ""})",
+    R"({"do": "time", "seconds": 1.5})",
     R"({"do": "layer", "name": "direct"})",
     R"({"do": "pause", "on": true})",
     R"({"do": "restart"})",
@@ -77,15 +84,32 @@ TEST_CASE("good messages say what they mean") {
 }
 
 TEST_CASE("messages with a mistake are refused") {
-  for (const char* text :
-       {"", "[]", "5", "{}", R"({"do": "dance"})", R"({"do": 1})", R"({"do": "pause"})", R"({"do": "pause", "on": 1})",
-        R"({"do": "restart", "more": 1})", R"({"do": "camera", "eye": [0, 0, 0], "target": [0, 0, 0], "vfov": 40})",
-        R"({"do": "camera", "eye": [0, 0], "target": [0, 0, 1], "vfov": 40})",
-        R"({"do": "camera", "eye": [0, 0, 1e30], "target": [0, 0, 1], "vfov": 40})",
-        R"({"do": "camera", "eye": [0, 0, 5], "target": [0, 0, 1], "vfov": 180})",
-        R"({"do": "technique", "name": "a", "parameters": {"b": "c"}})",
-        R"({"do": "technique", "name": "a", "parameters": [["b", 1]]})", R"({"do": "scene_camera", "index": -1})",
-        R"({"do": "save", "kind": "/etc/passwd", "exposure": 0})", R"({"do": "shown", "picture": 0, "id": -4})"})
+  for (const char* text : {"",
+                           "[]",
+                           "5",
+                           "{}",
+                           R"({"do": "dance"})",
+                           R"({"do": 1})",
+                           R"({"do": "pause"})",
+                           R"({"do": "pause", "on": 1})",
+                           R"({"do": "restart", "more": 1})",
+                           R"({"do": "camera", "eye": [0, 0, 0], "target": [0, 0, 0], "vfov": 40})",
+                           R"({"do": "camera", "eye": [0, 0], "target": [0, 0, 1], "vfov": 40})",
+                           R"({"do": "camera", "eye": [0, 0, 1e30], "target": [0, 0, 1], "vfov": 40})",
+                           R"({"do": "camera", "eye": [0, 0, 5], "target": [0, 0, 1], "vfov": 180})",
+                           R"({"do": "technique", "name": "a", "parameters": {"b": "c"}})",
+                           R"({"do": "technique", "name": "a", "parameters": [["b", 1]]})",
+                           R"({"do": "scene_camera", "index": -1})",
+                           R"({"do": "technique", "name": "a", "parameters": [], "side": 2})",
+                           R"({"do": "beside", "as": "above"})",
+                           R"({"do": "inspect", "x": -1, "y": 0})",
+                           R"({"do": "reference", "on": 1})",
+                           R"({"do": "time", "seconds": -1})",
+                           R"({"do": "scene", "lights": ["bulb"], "materials": [], "environment": ""})",
+                           R"({"do": "scene", "lights": null, "materials": ["a:shine=1"], "environment": ""})",
+                           R"({"do": "scene", "lights": null, "materials": [], "environment": "/etc/passwd.hdr"})",
+                           R"({"do": "save", "kind": "/etc/passwd", "exposure": 0})",
+                           R"({"do": "shown", "picture": 0, "id": -4})"})
     CHECK_FALSE_MESSAGE(is_understood(text), text);
   CHECK_FALSE(is_understood(R"({"do": "layer", "name": ")" + std::string(500, 'x') + "\"}"));
   CHECK_FALSE(is_understood(R"({"do": "layer", "name": ")" + std::string(largest_view_message, 'x') + "\"}"));

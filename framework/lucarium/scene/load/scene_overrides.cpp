@@ -69,6 +69,19 @@ std::optional<SceneLight> parse_light(std::string_view text) {
   return light;
 }
 
+std::string light_text(const SceneLight& light) {
+  const auto text = [](const glm::vec3& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
+  const std::string position = text(glm::vec3(light.world_from_light[3])), intensity = text(light.intensity),
+                    direction = text(-glm::normalize(glm::vec3(light.world_from_light[2])));
+  switch (light.type) {
+    case LightType::point: return fmt::format("point:{}:{}", position, intensity);
+    case LightType::directional: return fmt::format("directional:{}:{}", direction, intensity);
+    case LightType::spot: break;
+  }
+  return fmt::format("spot:{}:{}:{}:{}:{}", position, direction, intensity, glm::degrees(light.outer_angle),
+                     glm::degrees(light.inner_angle));
+}
+
 EnvironmentChoice parse_environment(std::string_view text) {
   EnvironmentChoice choice;
   if (text == "none") {

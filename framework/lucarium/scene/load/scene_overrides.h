@@ -19,6 +19,8 @@ std::optional<SceneCamera> parse_look_at(std::string_view text);  ///< empty: it
 
 /// nullopt for "none".
 std::optional<SceneLight> parse_light(std::string_view text);
+/// The text that gives the light again, where it stands at the scene's time.
+std::string light_text(const SceneLight& light);
 
 struct EnvironmentChoice {
   bool none = false;           ///< remove the scene's own

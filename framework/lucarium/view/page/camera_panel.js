@@ -13,11 +13,13 @@ class CameraPanel {
     this.text = h('code', {class: 'line', id: 'camera-text'});
     this.marks = h('div', {class: 'row'});
     this.bookmarks = [];
+    this.path = new PathPanel(mover);
+    this.time = new TimePanel(connection);
     this.node = h('details', {class: 'panel', open: true}, h('summary', {}, 'Camera'),
       h('div', {class: 'row'}, h('label', {class: 'control'}, h('span', {}, 'Camera'), this.box),
         h('button', {type: 'button', class: 'bookmark', onclick: () => this.keep()}, 'Bookmark')),
       this.marks, h('div', {class: 'row'}, this.vfov), this.text,
-      copyButton('Copy for --camera', () => this.text.textContent));
+      copyButton('Copy for --camera', () => this.text.textContent), this.path.node, this.time.node);
   }
 
   chooseScene(index) {

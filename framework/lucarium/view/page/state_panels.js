@@ -72,9 +72,11 @@ class RepeatPanel {
       status.repeat.exact ? h('p', {class: 'note'}, 'These pixels again:') :
                             h('p', {class: 'note'}, 'Light was kept from earlier cameras: press Restart for a ' +
                               'picture that a command repeats bit for bit.'),
-      ...lines.flatMap(({name, line}) => [
-        h('div', {class: 'note'}, name),
+      ...lines.flatMap(({name, line, file}) => [
+        h('div', {class: 'note'}, file ? `${name}: ${file}` : name),
         h('code', {class: 'line', 'data-command': name}, line),
-        copyButton('Copy', () => line)]));
+        copyButton('Copy', () => line),
+        ...(file ? [' ', h('button', {type: 'button', class: 'save-text', 'data-file': file,
+          onclick: () => keepFile({header: {file}, rest: line})}, `Save ${file}`)] : [])]));
   }
 }

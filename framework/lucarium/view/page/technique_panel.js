@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which technique runs, with which parameters; what is wanted beside what runs.
+// Which technique runs on a side, with which parameters; what is wanted beside what runs.
 
 class TechniquePanel {
-  constructor(view, ask) {
-    Object.assign(this, {view, ask});
+  // `beside`: what chooses the side, in front.
+  constructor(view, ask, beside) {
+    Object.assign(this, {view, ask, side: 0});
     this.name = '';
     this.given = new Map();
     this.controls = new Map();
@@ -15,7 +16,7 @@ class TechniquePanel {
     const named = view.named.length > 1 ? h('div', {class: 'row', role: 'group', 'aria-label': 'named at the start'},
       view.named.map((t, i) => h('button', {type: 'button', title: parameterText(t.parameters),
         onclick: () => this.choose(t.name, t.parameters)}, `${i + 1} ${t.name}`))) : undefined;
-    this.node = h('details', {class: 'panel', open: true}, h('summary', {}, 'Technique'),
+    this.node = h('details', {class: 'panel', open: true}, h('summary', {}, 'Technique'), beside,
       h('div', {class: 'row'}, h('label', {class: 'control'}, h('span', {}, 'Technique'), this.box)), named,
       this.refusal, this.facts, this.body);
   }
@@ -57,8 +58,16 @@ class TechniquePanel {
 
   async send() {
     this.asked = performance.now();
-    const why = await this.ask({do: 'technique', name: this.name, parameters: [...this.given]});
+    const parameters = [...this.given];
+    const why = await this.ask({do: 'technique', name: this.name, parameters, side: this.side});
     if (why) this.showRefusal(why);
+  }
+
+  // The other side, as it is.
+  setSide(side) {
+    clearTimeout(this.timer);
+    this.side = side;
+    this.asked = undefined;
   }
 
   // Back to what runs.

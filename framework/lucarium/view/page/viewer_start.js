@@ -4,12 +4,13 @@
 const keyHelp = [
   ['drag', 'orbit'], ['right drag', 'look around'], ['Shift drag', 'pan'], ['wheel, two fingers', 'nearer, farther'],
   ['W A S D Q E', 'fly'], ['arrows', 'orbit'], ['Shift arrows', 'pan'], ['+ −', 'nearer, farther'], ['[ ]', 'exposure'],
-  ['Space', 'pause'], ['Home', 'first camera']
+  ['P', 'pixel in the middle'], ['click', 'pixel'], ['Space', 'pause'], ['Home', 'first camera']
 ];
 
 class Page {
   constructor() {
     this.picture = new Picture();
+    this.latest = new Map();
     this.line = new StateLine();
     this.notice = h('div', {role: 'alert', id: 'notice'});
     this.control = h('span', {class: 'note', id: 'control'});
@@ -30,6 +31,7 @@ class Page {
 
   receive(name, value, whole) {
     if (name === 'view') this.build(value);
+    if (name === 'scene') this.setScene(value);
     if (name === 'status') this.update(value);
     if (name === 'control') this.setControl(value, whole.pages);
     if (name === 'picture') this.takePicture(value);
@@ -40,29 +42,57 @@ class Page {
   build(view) {
     this.view = view;
     document.title = `${view.scene} · Lucarium viewer`;
-    this.technique = new TechniquePanel(view, message => this.connection.ask(message));
+    this.side = 0;
+    this.beside = new BesidePanel(this.picture, this.connection, side => this.chooseSide(side));
+    this.technique = new TechniquePanel(view, message => this.connection.ask(message), this.beside.node);
     this.picturePanel = new PicturePanel(this.picture, this.connection);
     this.camera = new CameraPanel(view, this.mover, this.connection);
-    this.panels = [this.technique, this.picturePanel, this.camera, new MachinePanel(), new RepeatPanel(), this.line];
+    this.scene = new ScenePanel(this.connection);
+    this.inspect = new InspectPanel(view, this.picture, this.connection);
+    this.panels = [this.technique, this.picturePanel, this.camera, new TruthPanel(this.connection), this.inspect,
+      this.scene, new MachinePanel(), new RepeatPanel(), this.line];
     if (!this.input) this.input = new CameraInput(this.picture.canvas, this.mover, () => this.camera.chooseScene(0));
     const theme = h('button', {type: 'button', id: 'theme',
-      onclick: () => document.documentElement.dataset.theme = isDark() ? 'light' : 'dark'}, 'Light / dark');
+      onclick: () => {
+        document.documentElement.dataset.theme = isDark() ? 'light' : 'dark';
+        drawCharts();
+        this.picture.changed();
+      }}, 'Light / dark');
     document.getElementById('top').replaceChildren(
       h('div', {class: 'title'}, h('h1', {}, 'Lucarium viewer'), h('p', {}, `${view.scene} · ${view.size.join('×')}`)),
       h('div', {class: 'controls'}, this.control, this.take, theme));
     const help = h('details', {class: 'panel'}, h('summary', {}, 'Mouse, fingers and keys'),
       h('dl', {}, keyHelp.flatMap(([keys, text]) => [h('dt', {}, keys), h('dd', {}, text)])));
     document.getElementById('main').replaceChildren(
-      h('div', {class: 'stage'}, this.picture.canvas, this.line.node, this.notice),
+      h('div', {class: 'stage'},
+        h('div', {class: 'frame'}, this.picture.canvas, this.beside.handle, this.beside.labels), this.line.node,
+        this.notice),
       h('div', {class: 'panels'}, this.panels.slice(0, -1).map(panel => panel.node), help));
+  }
+
+  setScene(scene) {
+    this.scene.setScene(scene);
+    this.camera.time.setScene(scene);
   }
 
   update(status) {
     if (!this.panels) return;
-    this.panels.forEach(panel => panel.update(status));
-    const text = status.stage === 'failed' ? status.failure || status.refusal : '';
+    this.status = status;
+    this.beside.update(status);
+    if (this.side >= status.sides.length && this.beside.settled()) this.chooseSide(0);
+    const side = status.sides[this.side] || status.sides[0];
+    this.panels.forEach(panel => panel.update({...status, ...side}));
+    const text = side.stage === 'failed' ? side.failure || side.refusal : '';
     if (text !== this.failure) this.notify(text);
     this.failure = text;
+  }
+
+  // Whose parameters, state and costs the panels show.
+  chooseSide(side) {
+    this.side = side;
+    this.technique.setSide(side);
+    this.beside.mark(side);
+    if (this.status?.sides[side]) this.update(this.status);
   }
 
   setControl(mine, pages) {
@@ -72,15 +102,16 @@ class Page {
     document.body.classList.toggle('watching', !mine);
   }
 
-  // Of several pictures that have come the last one is drawn. One that is drawn makes room for the next.
+  // Of several pictures of a side that have come the last one is drawn. One that is drawn makes room for the next.
   async takePicture(message) {
-    this.latest = message;
+    this.latest.set(message.header.side, message);
     if (this.decoding || document.hidden) return;
     this.decoding = true;
-    while (this.latest) {
-      const {header, rest} = this.latest;
-      this.latest = undefined;
+    while (this.latest.size) {
+      const [[side, {header, rest}]] = this.latest;
+      this.latest.delete(side);
       this.picture.show(await decodePicture(header, rest));
+      if (side === 0) this.camera?.time.shown(header.time);
       this.connection.send({do: 'shown', picture: header.picture});
     }
     this.decoding = false;
@@ -88,7 +119,8 @@ class Page {
 
   // A hidden page takes no pictures.
   shown() {
-    if (!document.hidden && this.latest) this.takePicture(this.latest);
+    const [waiting] = this.latest.values();
+    if (!document.hidden && waiting) this.takePicture(waiting);
   }
 }
 

@@ -7,97 +7,13 @@ driver is absent."""
 import pathlib
 import shlex
 import shutil
-import signal
-import struct
 import subprocess
 import sys
-import zlib
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / 'support'))
-from browser import Browser, check, wait  # noqa: E402
-
-SIZE, ITERATIONS = (48, 32), 4
-SCENE = ['builtin:cornell', '--size', f'{SIZE[0]}x{SIZE[1]}', '--exposure', '0']
-DATA = "return {...document.querySelector('.picture').dataset};"
-PIXELS = """const c = document.querySelector('.picture');
-const copy = Object.assign(document.createElement('canvas'), {width: c.width, height: c.height});
-const context = copy.getContext('2d', {willReadFrequently: true});  // else reading complains on the console
-context.drawImage(c, 0, 0);
-return [c.width, c.height, ...context.getImageData(0, 0, c.width, c.height).data];"""
-STAGE = "return document.querySelector('.state')?.dataset.stage;"
-LUMINANCE = """const rgb = getComputedStyle(document.body)[arguments[0]].match(/[0-9.]+/g).map(Number);
-return .2126 * rgb[0] + .7152 * rgb[1] + .0722 * rgb[2];"""
-SET = """const node = document.querySelector(arguments[0]);
-if (node.type === 'checkbox') node.checked = arguments[1]; else node.value = arguments[1];
-node.dispatchEvent(new Event('change', {bubbles: true}));"""
-CLICK = "document.querySelector(arguments[0]).click();"
-VALUE = "return document.getElementById(arguments[0]).value;"
-TEXT = "return document.querySelector(arguments[0])?.textContent || '';"
-
-
-def png_pixels(file):
-    """Rows of RGB bytes of an 8-bit picture."""
-    data, at, packed = file.read_bytes(), 8, b''
-    width = height = channels = 0
-    while at < len(data):
-        length, kind = struct.unpack('>I4s', data[at:at + 8])
-        chunk = data[at + 8:at + 8 + length]
-        if kind == b'IHDR':
-            width, height, _, color = struct.unpack('>IIBB', chunk[:10])
-            channels = {2: 3, 6: 4}[color]
-        if kind == b'IDAT':
-            packed += chunk
-        at += length + 12
-    raw, stride, above, pixels = zlib.decompress(packed), width * channels, bytes(width * channels), []
-    for y in range(height):
-        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for i in range(stride):
-            a, b = row[i - channels] if i >= channels else 0, above[i]
-            c = above[i - channels] if i >= channels else 0
-            p = a + b - c
-            paeth = a if abs(p - a) <= min(abs(p - b), abs(p - c)) else b if abs(p - b) <= abs(p - c) else c
-            row[i] = (row[i] + (0, a, b, (a + b) // 2, paeth)[kind]) & 255
-        above = bytes(row)
-        pixels.append([row[i:i + 3] for i in range(0, stride, channels)])
-    return pixels
-
-
-def largest_difference(canvas, file):
-    """Between what the canvas shows and a PNG; 255 where the sizes differ."""
-    (width, height), values, rows = canvas[:2], canvas[2:], png_pixels(file)
-    if len(rows) != height or len(rows[0]) != width:
-        return 255
-    return max(abs(values[4 * (y * width + x) + c] - rows[y][x][c])
-               for y in range(height) for x in range(width) for c in range(3))
-
-
-class Viewer:
-    def __init__(self, program, folder):
-        self.program, self.folder = program, folder
-        words = ['view', *SCENE, '--iterations', str(ITERATIONS), '-t', 'path_tracing', '-t',
-                 'path_tracing:estimator=bsdf']
-        self.process = subprocess.Popen([program, *words], stdout=subprocess.PIPE, text=True)
-        self.address = self.process.stdout.readline().strip()
-
-    def render(self, name, *words):
-        """The picture of `lucarium render`."""
-        file = self.folder / name
-        subprocess.run([self.program, 'render', *SCENE, '--iterations', str(ITERATIONS), *words, '-q', '-o', file],
-                       check=True)
-        return file
-
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
-        return self.process.wait(60)
-
-
-def is_whole(browser):
-    data = browser.run(DATA)
-    return data.get('divisor') == '1' and data.get('iterations') == str(ITERATIONS) and browser.run(STAGE) == 'done'
-
-
-def shows(browser, holds):
-    return wait(lambda: is_whole(browser) and holds())
+from scene_browser import edits, errors, inspector
+from viewer_page import (CLICK, DATA, ITERATIONS, LUMINANCE, PIXELS, SET, SIZE, STAGE, TEXT, VALUE, Viewer,
+                         largest_difference, png_pixels, shows)
+from browser import Browser, check, wait
 
 
 def picture(browser, viewer):
@@ -159,6 +75,57 @@ def technique(browser, viewer):
     check('techniques of the command line are at hand', shows(browser, lambda: browser.run(PIXELS) == before))
 
 
+def has_second(browser):
+    data = browser.run(DATA)
+    return data.get('second') == str(ITERATIONS) and data.get('secondDivisor') == '1'
+
+
+def beside(browser, viewer):
+    """The second technique of the command line on the second side."""
+    plain, other = browser.run(PIXELS), viewer.folder / 'other.png'
+    browser.run(SET, '#beside', 'split')
+    check('a second technique renders beside the first', shows(browser, lambda: has_second(browser)))
+    browser.run("document.querySelector('.handle').focus()")
+    browser.press('Home')
+    check('the handle moves by keys: all is the second one', wait(
+        lambda: largest_difference(browser.run(PIXELS), other) <= 1))
+    browser.run("""const handle = document.querySelector('.handle'), box = document.querySelector('.picture')
+    .getBoundingClientRect();
+const at = (type, x) => handle.dispatchEvent(new PointerEvent(type, {pointerId: 1, bubbles: true, clientX: x}));
+at('pointerdown', box.left); at('pointermove', box.left + box.width / 2); at('pointerup', box.left);""")
+    width, height = SIZE
+    left = [4 * (y * width + x) for y in range(height) for x in range(width // 2)]
+    rows = png_pixels(other)
+
+    def is_split():
+        values = browser.run(PIXELS)[2:]
+        return all(values[i + c] == plain[2 + i + c] for i in left for c in range(3)) and all(
+            abs(values[4 * (y * width + x) + c] - rows[y][x][c]) <= 1
+            for y in range(height) for x in range(width // 2, width) for c in range(3))
+    check('and by dragging: left of it the first, right of it the second', wait(is_split))
+    browser.run(SET, '#beside', 'blink')
+    check('blinking shows one, then the other', wait(lambda: browser.run(PIXELS) == plain) and wait(
+        lambda: largest_difference(browser.run(PIXELS), other) <= 1))
+    browser.run(SET, '#beside', 'difference')
+    check('the difference is shown', wait(lambda: browser.run(DATA)['mode'] == 'difference' and browser.run(
+        PIXELS) != plain and largest_difference(browser.run(PIXELS), other) > 1))
+    browser.run(SET, '#beside', 'flip')
+    check('FLIP between them is measured', wait(lambda: 0 < float(browser.run(DATA)['flip'] or 0) < 1))
+    browser.run(CLICK, '#side-1')
+    check('each side has its own parameters', wait(lambda: browser.run(VALUE, 'parameter-estimator') == 'bsdf'))
+    browser.run(SET, '#beside', 'split')
+    browser.run(SET, '#parameter-estimator', 'mis')
+    browser.run("document.querySelector('.handle').focus()")
+    browser.press('Home')
+    check('a change of the second leaves the first', shows(browser, lambda: has_second(browser) and browser.run(
+        PIXELS) == plain) and browser.run(CLICK, '#side-0') is None and wait(
+            lambda: browser.run(VALUE, 'parameter-estimator') == 'mis'))
+    (viewer.folder / 'split.png').write_bytes(browser.picture())
+    browser.run(SET, '#beside', 'first')
+    check('one technique again', shows(browser, lambda: browser.run(DATA)['second'] == '' and
+                                       browser.run(PIXELS) == plain))
+
+
 def tabs(browser, viewer):
     before = browser.run(PIXELS)
     browser.call('/refresh', {})
@@ -192,6 +159,25 @@ def files(browser, viewer):
     check('there is a command that repeats it', line[:2] == ['lucarium', 'render'])
     subprocess.run([viewer.program, *line[1:-1], viewer.folder / 'repeated.png', '-q', '--exposure', '0'], check=False)
     check('which it does', (viewer.folder / 'repeated.png').read_bytes() == saved.read_bytes())
+    compare(browser, viewer)
+
+
+def compare(browser, viewer):
+    """The command of a comparison, and its file, give the picture of `render`."""
+    picture_file = viewer.folder / 'whole.exr'
+    viewer.render('whole.exr')
+    line = shlex.split(browser.run(TEXT, '[data-command="compare"]'))
+    check('there is a comparison, too', line[:2] == ['lucarium', 'compare'])
+    browser.run(CLICK, '[data-file="comparison.json"]')
+    saved = viewer.folder / 'comparison.json'
+    check('and its file is saved', wait(saved.exists))
+    for name, words in (('by_line', line[1:-1]), ('by_file', ['compare', '--comparison', saved, '-o'])):
+        folder = viewer.folder / name
+        subprocess.run([viewer.program, *words, folder, '-q'], check=False)
+        piece = folder / 'pieces/scene1-variant1-budget1-seed1.exr'
+        same = subprocess.run([viewer.program, 'diff', piece, picture_file, '--json'], capture_output=True, text=True,
+                              check=False)
+        check(f'{name}: the same pixels', same.returncode == 0 and '"relMSE": 0.0' in same.stdout)
 
 
 def looks(browser, viewer):
@@ -230,6 +216,10 @@ def main():
         picture(session, viewer)
         camera(session, viewer)
         technique(session, viewer)
+        beside(session, viewer)
+        inspector(session, viewer)
+        errors(session, viewer)
+        edits(session, viewer)
         tabs(session, viewer)
         files(session, viewer)
         looks(session, viewer)

@@ -139,10 +139,53 @@ def malformed(place, path):
         check(f'{name}: answered with an error', 'error' in page.until(lambda m: 'answer' in m))
     page.send('{"do": "technique", "name": "no_such", "parameters": []}')
     check('an unknown technique is refused with the reason',
-          'no_such' in page.until(lambda m: m.get('status', {}).get('refusal'))['status']['refusal'])
+          'no_such' in page.until(
+              lambda m: 'status' in m and m['status']['sides'][0]['refusal'])['status']['sides'][0]['refusal'])
     page.send('{"do": "save", "kind": "png", "exposure": 0, "id": 5}')
     check('a file comes', page.until(lambda m: 'file' in m.get('binary', {}))['binary']['file'] == 'picture.png')
     return page
+
+
+def status_where(page, holds):
+    return page.until(lambda m: 'status' in m and holds(m['status']))['status']
+
+
+def inspector(page):
+    """The constant technique's picture is blue; the room's back wall lies behind the middle."""
+    page.send('{"do": "inspect", "x": 1000000, "y": 2}')
+    seen = status_where(page, lambda s: s['inspected'])['inspected']
+    check('a pixel outside is the last one', seen['x'] > 0 and seen['y'] == 2)
+    page.send(json.dumps({'do': 'inspect', 'x': seen['x'] // 2, 'y': 4}))
+    seen = status_where(page, lambda s: s['inspected']['y'] == 4 and s['inspected']['sides'])['inspected']
+    surface = seen['surface']
+    length = sum(v * v for v in surface['normal']) ** 0.5
+    check(f'a pixel shows values and surface {seen}', abs(seen['sides'][0]['layers']['image'][2] - 0.25) < 1e-6 and
+          surface['material_name'] and surface['distance'] > 0 and abs(length - 1) < 1e-4)
+
+
+def edits(page):
+    """Lights, materials, time; a file is none of the page's business."""
+    def ask(identity, **members):
+        page.send(json.dumps({'do': 'scene', 'lights': None, 'materials': [], 'environment': '', **members,
+                              'id': identity}))
+        return page.until(lambda m: m.get('answer') == identity).get('error')
+    check('an environment file is refused', 'opens no file' in (ask(10, environment='/etc/passwd.hdr') or ''))
+    check('a malformed light is refused', 'bulb' in (ask(11, lights=['bulb']) or ''))
+    check('and a material', 'roughness' in (ask(12, materials=['white:roughness=2']) or ''))
+    check('a light is added', ask(13, lights=['point:0,1,0:1,2,3']) is None)
+    scene = page.until(lambda m: 'scene' in m)['scene']
+    check('which every page hears', scene['lights'][0]['text'] == 'point:0,1,0:1,2,3')
+    check('a material that is not there is refused', ask(14, materials=['no_such:roughness=0.5']) is None and
+          'no_such' in status_where(page, lambda s: s['scene_refusal'])['scene_refusal'])
+    check('the scene as it was', ask(15) is None and page.until(lambda m: 'scene' in m)['scene']['lights'] == [])
+
+
+def reference(page):
+    page.send('{"do": "reference", "on": true}')
+    truth = status_where(page, lambda s: s['truth']['on'] and (s['truth']['obstacle'] or s['truth']['references']))
+    check('a reference is wanted, or cannot be had', truth['truth']['on'])
+    page.send('{"do": "reference", "on": false}')
+    check('and no more', status_where(page, lambda s: not s['truth']['on'])['truth']['references'] == [])
 
 
 def several(place, path, first):
@@ -165,6 +208,9 @@ def main():
     refused_requests(place, path, address.netloc)
     refused_sockets(place, path, address.netloc)
     page = malformed(place, path)
+    inspector(page)
+    edits(page)
+    reference(page)
     second = several(place, path, page)
     sleeping = Page(place, path + 'socket')  # takes nothing from now on
     second.send('{"do": "restart"}')
@@ -183,4 +229,5 @@ def main():
     print('end')
 
 
-main()
+if __name__ == '__main__':
+    main()

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium view: what strangers and pages say to it (view_client.py), and its page in a browser (view_browser.py).
+// lucarium view: what strangers and pages say to it (view_client.py), its page in a browser (view_browser.py), and
+// what happens when files change (view_watch.py).
 #include "cli_support.h"
 #include "lucarium/view/server.h"
 
@@ -29,7 +30,8 @@ TEST_CASE("the viewer answers its pages, refuses strangers and malformed message
                           540));
 }
 
-TEST_CASE("viewer in a browser: picture, camera, technique, parameters, tabs, files, looks, keys") {
+TEST_CASE(
+    "viewer in a browser: picture, camera, technique, two sides, pixel, errors, scene, tabs, files, looks, keys") {
   if (!has_viewer()) return skip("libwebsockets");
   const TemporaryFolder folder;
   const ProgramResult found = run_program(
@@ -37,6 +39,16 @@ TEST_CASE("viewer in a browser: picture, camera, technique, parameters, tabs, fi
       540);
   if (found.exit_code == 77) return skip("chromium");
   check_found(found);
+}
+
+TEST_CASE("a watching viewer starts again when a kernel changes, and shows what the compiler says of it") {
+  if (!has_viewer()) return skip("libwebsockets");
+  const TemporaryFolder folder;
+  const fs::path kernel = fs::path(environment("LUCARIUM_TEST_SOURCE")) /
+                          "framework/lucarium/services/path_integrator/accumulate_samples.cl";
+  check_found(run_program("python3 " + (here() / "view_watch.py").string() + " " + lucarium_program() + " " +
+                              kernel.string() + " " + (folder.path() / "kernels").string(),
+                          540));
 }
 
 TEST_CASE("what cannot be viewed is refused before anything is served") {

@@ -7,6 +7,8 @@ function h(tag, properties, ...children) {
     if (value === undefined || value === null || value === false) continue;
     if (key.startsWith('on'))
       node.addEventListener(key.slice(2), value);
+    else if (key === 'style')
+      node.style.cssText = value;  // an attribute would need a policy that allows it
     else if (key in node && typeof value !== 'string')
       node[key] = value;
     else

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/view/truth/error_history.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lucarium/base/json.h"
+
+namespace lucarium {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr double growth = 1.41421356;
+constexpr size_t max_bytes = size_t{256} << 20;  // of images
+constexpr size_t max_curves = 24;
+
+ordered_json number_or_null(double value) { return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr); }
+
+}  // namespace
+
+const ErrorHistory::Curve* ErrorHistory::find(const ViewTechnique& technique) const {
+  const auto found =
+      std::find_if(curves_.begin(), curves_.end(), [&](const Curve& curve) { return curve.technique == technique; });
+  return found == curves_.end() ? nullptr : &*found;
+}
+
+bool ErrorHistory::wants(const ViewTechnique& technique, double seconds) const {
+  const Curve* const curve = find(technique);
+  if (!curve || curve->points.empty()) return seconds > 0;
+  return seconds >= growth * curve->points.back().seconds;
+}
+
+void ErrorHistory::keep(const ViewTechnique& technique, const std::string& paths, double seconds, uint64_t samples,
+                        const Film& film) {
+  if (!find(technique)) {
+    if (curves_.size() >= max_curves) curves_.erase(curves_.begin());
+    curves_.push_back({technique, paths, {}});
+  }
+  Point point{seconds, samples, GrowingReference::noise_of(film), 0, 0, 0, film.image()};
+  make_room(point.image.size() * sizeof(float));
+  const_cast<Curve*>(find(technique))->points.push_back(std::move(point));
+}
+
+/// Of the oldest curve first: its errors stay as they were measured last.
+void ErrorHistory::make_room(size_t bytes) {
+  for (const Curve& curve : curves_)
+    for (const Point& point : curve.points) bytes += point.image.size() * sizeof(float);
+  for (Curve& curve : curves_) {
+    for (Point& point : curve.points) {
+      if (bytes <= max_bytes) return;
+      bytes -= point.image.size() * sizeof(float);
+      point.image = {};
+    }
+  }
+}
+
+bool ErrorHistory::measure_one(const std::string& paths, const GrowingReference& reference) {
+  const uint64_t present = reference.measured_samples();
+  if (present == 0) return false;
+  for (auto curve = curves_.rbegin(); curve != curves_.rend(); ++curve) {
+    if (curve->paths != paths) continue;
+    for (auto point = curve->points.rbegin(); point != curve->points.rend(); ++point) {
+      if (point->measured == present || point->image.empty()) continue;
+      point->relmse = reference.relmse(point->image);
+      point->flip = reference.flip(point->image);
+      point->measured = present;
+      return true;
+    }
+  }
+  return false;
+}
+
+ordered_json ErrorHistory::describe() const {
+  ordered_json curves = ordered_json::array();
+  for (const Curve& curve : curves_) {
+    ordered_json points = ordered_json::array();
+    for (const Point& point : curve.points) {
+      if (point.measured == 0) continue;
+      points.push_back({{"seconds", point.seconds},
+                        {"samples", point.samples},
+                        {"relmse", number_or_null(point.relmse)},
+                        {"flip", number_or_null(point.flip)},
+                        {"noise", number_or_null(point.noise)}});
+    }
+    curves.push_back({{"technique", curve.technique.name},
+                      {"parameters", curve.technique.parameters},
+                      {"paths", curve.paths},
+                      {"points", std::move(points)}});
+  }
+  return curves;
+}
+
+}  // namespace lucarium

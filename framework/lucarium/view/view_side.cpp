@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lucarium/view/view_side.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lucarium/base/json.h"
+#include "lucarium/base/log.h"
+#include "lucarium/technique/plugin.h"
+#include "lucarium/view/film_picture.h"
+#include "lucarium/view/status.h"
+
+namespace lucarium {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+constexpr double settled_seconds = 0.2;       // after a move, before the whole size is rendered
+constexpr double quick_seconds = 0.3;         // a first picture that takes longer comes coarse before
+constexpr double serving_share = 0.04;        // of the time, for pictures
+constexpr double serving_at_first = 0.25;     // [s] for a new picture, beside that share
+constexpr double shortest_interval = 0.04;    // [s] between pictures while nothing moves
+constexpr double patience_without_page = 60;  // [s] then rendering waits
+constexpr std::chrono::milliseconds nap{50};
+
+double seconds_since(std::chrono::steady_clock::time_point time) {
+  if (time == std::chrono::steady_clock::time_point{}) return INFINITY;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - time).count();
+}
+
+const char* stage_name(ViewSide::Stage stage) {
+  using Stage = ViewSide::Stage;
+  switch (stage) {
+    case Stage::preparing: return "preparing";
+    case Stage::rendering: return "rendering";
+    case Stage::done: return "done";
+    case Stage::paused: return "paused";
+    case Stage::waiting: return "waiting";
+    case Stage::failed: return "failed";
+  }
+  return "";
+}
+
+}  // namespace
+
+ViewSide::ViewSide(ViewSurroundings& around, ViewHub& hub, uint32_t index, std::function<void()> preparing,
+                   std::function<bool()> unwanted)
+    : around_(around),
+      hub_(hub),
+      index_(index),
+      preparing_(std::move(preparing)),
+      sessions_(
+          around.device, [this](double fraction, const std::string& stage) { set_preparing(fraction, stage); },
+          std::move(unwanted)) {}
+
+void ViewSide::set_preparing(double fraction, const std::string& stage) {
+  stage_ = Stage::preparing;
+  stage_text_ = stage;
+  stage_fraction_ = fraction;
+  preparing_();
+}
+
+void ViewSide::set_scene(std::shared_ptr<SceneOnDevice> scene) {
+  session_ = nullptr;
+  sessions_.set_scene(std::move(scene));
+}
+
+void ViewSide::follow_camera() {
+  sessions_.set_camera(around_.settings.camera);
+  begin_picture();
+}
+
+void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& technique) {
+  try {
+    const TechniqueType& type = registry.find(technique.name);
+    if (sessions_.empty() || sessions_.technique().name != technique.name) motion_.forget();
+    set_preparing(-1, "preparing");
+    const uint32_t divisor = type.info().capabilities.view_independent ? 1 : motion_.divisor(whole_pixels(), 0);
+    sessions_.change(type, technique, around_.settings, divisor);
+    session_ = nullptr;
+    failed_ = false;
+    refusal_.clear();
+    begin_picture();
+  } catch (const Error& error) {
+    if (error.error_class() == ErrorClass::interrupted) throw;
+    refuse(technique, error);
+  }
+}
+
+/// What ran before goes on, where there is anything.
+void ViewSide::refuse(const ViewTechnique& technique, const Error& error) {
+  refusal_ = error.what();
+  if (!error.details().empty()) refusal_ += "\n" + error.details();
+  log_info("{} was refused: {}", technique.name, error.what());
+  if (sessions_.empty()) {
+    failed_ = true;
+    session_ = nullptr;
+  }
+}
+
+void ViewSide::restart() {
+  failed_ = false;
+  sessions_.restart();
+  begin_picture();
+}
+
+void ViewSide::clear() {
+  session_ = nullptr;
+  sessions_.clear();
+  film_.reset();
+  sent_divisor_ = 0;
+  stage_ = Stage::waiting;
+}
+
+void ViewSide::fail(const std::string& why) {
+  failed_ = true;
+  failure_ = why;
+  clear();
+  stage_ = Stage::failed;
+}
+
+double ViewSide::whole_pixels() const { return double{1} * around_.settings.width * around_.settings.height; }
+
+void ViewSide::begin_picture() {
+  done_ = false;
+  sent_divisor_ = 0;
+  serving_seconds_ = 0;
+  spent_ = 0;
+  since_picture_began_.restart();
+}
+
+bool ViewSide::has_work() const {
+  if (failed_ || sessions_.empty() || done_) return false;
+  if (hub_.seconds_without_pages() > patience_without_page && sent_divisor_ == 1) return false;
+  return !around_.request.paused || sent_divisor_ != 1;
+}
+
+uint32_t ViewSide::choose_divisor() const {
+  if (sessions_.type().info().capabilities.view_independent) return 1;
+  const uint32_t coarse = motion_.divisor(whole_pixels(), divisor_);
+  if (seconds_since(around_.request.camera_time) < settled_seconds) return coarse;
+  const double seconds = motion_.expected_seconds(whole_pixels());
+  return sent_divisor_ == 0 && (seconds < 0 || seconds > quick_seconds) ? coarse : 1;
+}
+
+bool ViewSide::reached_budget(const RenderSession& session) const {
+  const RenderBudget& budget = around_.budget;
+  return session.last().converged || (budget.iterations > 0 && session.iterations() >= budget.iterations) ||
+         (budget.samples > 0 && session.last().samples >= budget.samples) ||
+         (budget.seconds > 0 && session.clocks().iterate >= budget.seconds);
+}
+
+void ViewSide::work() {
+  const Stopwatch working;
+  const uint32_t divisor = choose_divisor();
+  session_ = nullptr;
+  RenderSession& session = sessions_.at(divisor);
+  session_ = &session;
+  divisor_ = divisor;
+  stage_ = Stage::rendering;
+  if (!reached_budget(session)) {
+    const uint64_t before = session.iterations();
+    const Stopwatch watch;
+    session.iterate();
+    if (session.iterations() > before)
+      motion_.measured(watch.seconds(), double{1} * session.settings().width * session.settings().height);
+  } else if (divisor != 1) {
+    hub_.wait(nap);
+  }
+  done_ = divisor == 1 && reached_budget(session);
+  if (is_picture_due(session)) send_picture(session);
+  spent_ += working.seconds();
+}
+
+bool ViewSide::rest() {
+  stage_ = failed_ ? Stage::failed : done_ ? Stage::done : around_.request.paused ? Stage::paused : Stage::waiting;
+  if (!session_ || !is_picture_due(*session_)) return false;
+  send_picture(*session_);
+  return true;
+}
+
+bool ViewSide::set_time(double seconds) {
+  session_ = nullptr;
+  if (!sessions_.set_time(seconds)) return false;
+  begin_picture();
+  return true;
+}
+
+RenderSession* ViewSide::whole() { return session_ && divisor_ == 1 ? session_ : nullptr; }
+
+/// Pictures get a small share of the time, except for the first of each state; nobody's picture is not made.
+bool ViewSide::is_picture_due(const RenderSession& session) const {
+  const IterationResult last = session.last();
+  if (last.samples == 0 && !last.visible) return false;
+  if (sent_divisor_ == divisor_ && sent_iterations_ == session.iterations()) return false;
+  if (!hub_.wants_picture()) return false;
+  if (sent_divisor_ == 0 || (sent_divisor_ != 1 && divisor_ == 1) || stage_ != Stage::rendering) return true;
+  if (divisor_ != 1 && sent_divisor_ == 1) return false;
+  const double allowed = serving_at_first + serving_share * since_picture_began_.seconds();
+  return since_sent_.seconds() >= shortest_interval && serving_seconds_ + picture_cost_ <= allowed;
+}
+
+void ViewSide::send_picture(RenderSession& session) {
+  const Stopwatch watch;
+  auto film = std::make_unique<Film>(session.settings().width, session.settings().height);
+  session.technique().resolve(*film);
+  layers_ = layer_names(*film);
+  ordered_json header = describe_progress(session);
+  header["picture"] = ++around_.picture_number;
+  header["side"] = index_;
+  header["camera_number"] = around_.request.camera_number;
+  header["divisor"] = divisor_;
+  header["layer"] = around_.request.layer;
+  header["time"] = session.scene().time;
+  hub_.set_picture(index_, around_.picture_number,
+                   encode_film(std::move(header), *film, around_.request.layer, around_.exposure));
+  film_ = std::move(film);
+  film_number_ = around_.picture_number;
+  sent_divisor_ = divisor_;
+  sent_iterations_ = session.iterations();
+  picture_cost_ = watch.seconds();
+  serving_seconds_ += picture_cost_;
+  since_sent_.restart();
+}
+
+ordered_json ViewSide::status(const std::vector<ViewTechnique>& others) {
+  const ViewRequest& request = around_.request;
+  ordered_json status = {
+      {"stage", stage_name(stage_)}, {"layers", layers_}, {"refusal", refusal_}, {"failure", failure_}};
+  status["wanted"] = {{"name", request.sides.at(index_).technique},
+                      {"parameters", request.sides.at(index_).parameters}};
+  if (stage_ == Stage::preparing) {
+    status["preparing"] = {{"text", stage_text_}, {"fraction", stage_fraction_}};
+    return status;
+  }
+  if (!session_) return status;
+  status["running"] = describe_running(sessions_.technique(), *session_);
+  status["progress"] = describe_progress(*session_);
+  status["machine"] = describe_machine(*session_);
+  status["divisor"] = divisor_;
+  if (around_.commands && divisor_ == 1) {
+    ordered_json commands = ordered_json::array();
+    for (const RepeatText& repeat : around_.commands({sessions_.technique(), request.camera, request.scene_camera,
+                                                      session_->iterations(), request.edits, others}))
+      commands.push_back({{"name", repeat.name}, {"line", repeat.text}, {"file", repeat.file}});
+    status["repeat"] = {{"exact", sessions_.is_fresh(1)}, {"commands", std::move(commands)}};
+  }
+  return status;
+}
+
+}  // namespace lucarium

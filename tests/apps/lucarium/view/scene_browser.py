@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pixels, errors, scene and camera paths on the page of view_browser.py."""
+import shlex
+import subprocess
+
+from viewer_page import (CLICK, DATA, PIXELS, SET, SIZE, TEXT, largest_difference, shows)
+
+from browser import check, wait
+
+
+def inspector(browser, viewer):
+    width, height = SIZE
+    x, y = width // 2, 2 * height // 3
+    values = browser.run(PIXELS)[2:]
+    browser.run("""const c = document.querySelector('.picture'), box = c.getBoundingClientRect();
+const scale = Math.min(box.width / c.width, box.height / c.height);
+const at = {pointerId: 1, bubbles: true, buttons: 1, button: 0,
+  clientX: box.left + (box.width - c.width * scale) / 2 + (arguments[0] + 0.5) * scale,
+  clientY: box.top + (box.height - c.height * scale) / 2 + (arguments[1] + 0.5) * scale};
+c.dispatchEvent(new PointerEvent('pointerdown', at)); c.dispatchEvent(new PointerEvent('pointerup', at));""", x, y)
+    check('a click asks for its pixel', wait(lambda: browser.run(
+        "return document.querySelector('#inspector .inspector').dataset.pixel") == f'{x} {y}'))
+    rows = dict(browser.run("return [...document.querySelectorAll('#inspector tr')].map(row =>"
+                            " [row.children[0].textContent, row.children[1].textContent]);"))
+    linear = [float(v.replace('−', '-')) for v in rows['image'].split()]
+    shown = [round(255 * (12.92 * v if v <= 0.0031308 else 1.055 * min(v, 1) ** (1 / 2.4) - 0.055)) for v in linear]
+    pixel = values[4 * (y * width + x):][:3]
+    check(f'with the values that are seen {shown} {pixel}', all(abs(a - b) <= 1 for a, b in zip(shown, pixel)))
+    check(f'every layer, normal, material, instance {sorted(rows)}',
+          {'direct', 'indirect', 'material', 'instance', 'normal'} <= set(rows) and rows['material'])
+    browser.run("document.querySelector('.picture').focus()")
+    browser.press('p')
+    check('P asks for the middle', wait(lambda: browser.run(
+        "return document.querySelector('#inspector .inspector').dataset.pixel") == f'{width // 2} {height // 2}'))
+
+
+ERRORS = """return [...document.querySelectorAll('#errors tbody tr')].map(row =>
+  [...row.children].map(cell => cell.textContent));"""
+
+
+def errors(browser, viewer):
+    browser.run(CLICK, '#grow-reference')
+    check('a reference grows and an error is measured', wait(lambda: browser.run(ERRORS)))
+    first = browser.run(ERRORS)[0]
+    check(f'relMSE and FLIP are numbers {first}', float(first[2]) > 0 and float(first[5]) > 0)
+    browser.run(SET, '#parameter-estimator', 'bsdf')
+    check('another technique joins it', wait(lambda: len(browser.run(ERRORS)) == 2))
+    browser.run(SET, '#parameter-replicates', '4')
+    check('noise stands apart from bias where the variance is known', wait(
+        lambda: len(browser.run(ERRORS)) == 3 and browser.run(ERRORS)[2][3] not in ('', '–')))
+    browser.run(CLICK, '[aria-label="named at the start"] button')
+    check('and all are kept when one goes back', shows(browser, lambda: len(browser.run(ERRORS)) == 3))
+    check('there is a plot', browser.run("return document.querySelector('.chart canvas').width > 100"))
+    (viewer.folder / 'errors.png').write_bytes(browser.picture())
+    browser.run(CLICK, '#grow-reference')
+    check('without a reference there are no errors', wait(lambda: not browser.run(ERRORS)))
+
+
+def edits(browser, viewer):
+    before = browser.run(PIXELS)
+    browser.run("document.getElementById('scene').open = true")
+    browser.run(CLICK, '#add-light')
+    check('a light is added', shows(browser, lambda: browser.run(PIXELS) != before))
+    text = browser.run("return document.querySelector('#lights input[type=number]').value")
+    check(f'at the eye ({text})', text != '')
+    lit = browser.run(PIXELS)
+    line = shlex.split(browser.run(TEXT, '[data-command="render"]'))
+    check('the command says so', '--light' in line)
+    subprocess.run([viewer.program, *line[1:-1], viewer.folder / 'lit.png', '-q', '--exposure', '0'], check=False)
+    difference = largest_difference(lit, viewer.folder / 'lit.png')
+    check(f'and repeats it ({difference})', difference <= 1)
+    browser.run(CLICK, '[data-light="0"] input[type="checkbox"]')
+    check('switched off the picture is as before', shows(browser, lambda: browser.run(PIXELS) == before))
+    browser.run(CLICK, '[data-light="0"] input[type="checkbox"]')
+    check('and on again', shows(browser, lambda: browser.run(PIXELS) == lit))
+    browser.run(SET, '#lights input[type=number]', '0.1')
+    check('a light moves', shows(browser, lambda: browser.run(PIXELS) not in (lit, before)))
+    check('the sidecar holds it', wait(lambda: '"lights"' in browser.run(TEXT, '[data-command="beside the scene"]')))
+    browser.run(CLICK, '#scene-reset')
+    check('the scene as it was', shows(browser, lambda: browser.run(PIXELS) == before))
+    browser.run(SET, '#material-roughness', '0.123')
+    check('a material changes', wait(lambda: 'roughness=0.123' in browser.run(TEXT, '[data-command="render"]')))
+    browser.run(CLICK, '#scene-reset')
+    check('and goes back', shows(browser, lambda: browser.run(PIXELS) == before and
+                                 'roughness' not in browser.run(TEXT, '[data-command="render"]')))
+    browser.run(CLICK, '#add-key')
+    browser.run("document.querySelector('.picture').focus()")
+    browser.press('ArrowRight')
+    check('the camera turns for a second key', shows(browser, lambda: browser.run(PIXELS) != before))
+    browser.run(CLICK, '#add-key')
+    path = browser.run(TEXT, '#path-text')
+    found = subprocess.run([viewer.program, 'scene', 'builtin:cornell', '--camera-path', path, '--at', '1', '--json'],
+                           capture_output=True, text=True, check=False)
+    check(f'a walk of two keys is one for --camera-path {path}', found.returncode == 0 and path.startswith('spline:0@'))
+    browser.run("document.querySelector('.picture').focus()")
+    browser.press('Home')
+    check('and back home', shows(browser, lambda: browser.run(PIXELS) == before))

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// References that grow, and errors measured against them.
+#include <doctest/doctest.h>
+
+#include "lucarium/base/json.h"
+#include "lucarium/view/truth/error_history.h"
+#include "technique_session.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+using nlohmann::json;
+
+namespace {
+
+constexpr uint64_t grown = 2048;  // samples of the reference
+
+std::unique_ptr<GrowingReference> reference_of(const std::shared_ptr<SceneOnDevice>& scene,
+                                               const RenderSettings& settings, const PathSet& paths) {
+  return std::make_unique<GrowingReference>(test::test_device(), scene, test::registry().find("path_tracing"), settings,
+                                            paths, RenderSession::OnPreparing{}, [] { return false; });
+}
+
+}  // namespace
+
+TEST_CASE("the error of an unbiased picture is its noise and the reference's own, that of a biased one is more") {
+  const std::shared_ptr<SceneOnDevice> scene = share_scene(load_scene("builtin:cornell"));
+  RenderSettings settings;
+  settings.width = settings.height = 24;
+  settings.camera = load_scene("builtin:cornell").cameras.front();
+  const TechniqueType& type = test::registry().find("path_tracing");
+  RenderSession session(test::test_device(), scene, type, settings, {{"replicates", "16"}});
+  const PathSet paths = session.technique().path_set(session.scene(), session.settings());
+  const auto reference = reference_of(scene, settings, paths);
+  CHECK(reference->measured_samples() == 0);
+  while (reference->measured_samples() < grown) reference->work();
+  while (session.last().samples < 128) session.iterate();
+  const Film film = session.resolve();
+  const double noise = GrowingReference::noise_of(film), own = reference->own_relmse();
+  CHECK(noise > 0);
+  CHECK(own < 0.2 * noise);
+  // 576 pixels of three channels: the sum of their squares is within a tenth or so of what is expected.
+  CHECK(reference->relmse(film.image()) == test::relative(noise + own, 0.3));
+  std::vector<float> brighter = film.image();
+  for (float& value : brighter) value *= 1.5f;
+  CHECK(reference->relmse(brighter) > 4 * (noise + own));
+  CHECK(reference->flip(brighter) > reference->flip(film.image()));
+}
+
+TEST_CASE("errors of all that was tried stay, and are measured again when the reference is better") {
+  const std::shared_ptr<SceneOnDevice> scene = share_scene(load_scene("builtin:cornell"));
+  RenderSettings settings;
+  settings.width = settings.height = 16;
+  settings.camera = load_scene("builtin:cornell").cameras.front();
+  const auto reference = reference_of(scene, settings, {});
+  while (reference->measured_samples() == 0) reference->work();
+  Film film(16, 16);
+  FilmLayer& layer = film.layer("direct", {"R", "G", "B"}, true);
+  std::fill(layer.pixels.begin(), layer.pixels.end(), 0.25f);
+
+  ErrorHistory history;
+  const ViewTechnique first{"a", {}}, second{"a", {{"b", "1"}}};
+  CHECK_FALSE(history.wants(first, 0));
+  CHECK(history.wants(first, 0.5));
+  history.keep(first, "paths", 0.5, 1, film);
+  CHECK_FALSE(history.wants(first, 0.6));
+  CHECK(history.wants(first, 0.8));
+  history.keep(first, "paths", 0.8, 2, film);
+  CHECK(history.wants(second, 0.1));
+  history.keep(second, "other paths", 0.1, 1, film);
+  CHECK(history.measure_one("paths", *reference));
+  CHECK(history.measure_one("paths", *reference));
+  CHECK_FALSE(history.measure_one("paths", *reference));
+  json curves = history.describe();
+  REQUIRE(curves.size() == 2);
+  REQUIRE(curves[0]["points"].size() == 2);
+  CHECK(curves[1]["points"].empty());  // other paths: another reference
+  CHECK(curves[0]["points"][0]["relmse"] == reference->relmse(film.image()));
+  CHECK(curves[0]["points"][0]["noise"].is_null());
+
+  const uint64_t before = reference->measured_samples();
+  while (reference->measured_samples() == before) reference->work();
+  CHECK(reference->measured_samples() == 2 * before);
+  CHECK(history.measure_one("paths", *reference));
+  CHECK(history.measure_one("paths", *reference));
+  curves = history.describe();
+  CHECK(curves[0]["points"][0]["relmse"] == reference->relmse(film.image()));
+}
