@@ -63,7 +63,7 @@ bool ViewTruth::watch(ViewSide& side) {
   const std::string before = std::exchange(obstacle_, found == obstacles_.end() ? "" : found->second);
   if (!obstacle_.empty()) return before != obstacle_;
   const double seconds = session->clocks().iterate;
-  if (history_.wants(side.technique(), seconds))
+  if (history_.wants(side.technique(), seconds, side.stage() == ViewSide::Stage::done))
     history_.keep(side.technique(), text, seconds, session->last().samples, session->resolve());
   return false;
 }
@@ -79,11 +79,17 @@ bool ViewTruth::has_work() const { return on_ && next(); }
 
 void ViewTruth::work() {
   const Stopwatch watch;
-  const bool measured = std::any_of(references_.begin(), references_.end(), [&](const auto& entry) {
-    return history_.measure_one(entry.first, *entry.second);
-  });
-  if (!measured)
-    if (GrowingReference* const reference = next()) reference->work();
+  try {
+    const bool measured = std::any_of(references_.begin(), references_.end(), [&](const auto& entry) {
+      return history_.measure_one(entry.first, *entry.second);
+    });
+    GrowingReference* const reference = measured ? nullptr : next();
+    if (reference) reference->work();
+  } catch (const Error& error) {  // what is being watched goes on
+    begin();
+    on_ = false;
+    obstacle_ = error.what();
+  }
   spent_ += watch.seconds();
 }
 

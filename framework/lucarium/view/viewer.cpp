@@ -135,12 +135,15 @@ void Viewer::follow_scene(const ViewRequest& before) {
   try {
     if (!(same == edits) || !move_scene(edits.seconds.value_or(0))) {
       Scene scene = edited_(edits);
-      replace_scene(std::move(scene));
-      for (uint32_t index = 0; index < sides(); ++index) {
-        ViewSide& side = *sides_[index];
+      std::array<ViewTechnique, view_sides> running;  // what is wanted may have been refused
+      for (uint32_t index = 0; index < view_sides; ++index) {
         const ViewRequest::Side& wanted = around_.request.sides[index];
-        attempt(side, [&] { side.take(registry_, {wanted.technique, wanted.parameters}); });
+        running[index] =
+            sides_[index]->empty() ? ViewTechnique{wanted.technique, wanted.parameters} : sides_[index]->technique();
       }
+      replace_scene(std::move(scene));
+      for (uint32_t index = 0; index < sides(); ++index)
+        attempt(*sides_[index], [&] { sides_[index]->take(registry_, running[index]); });
     }
     scene_refusal_.clear();
   } catch (const Error& error) {

@@ -59,13 +59,15 @@ TEST_CASE("errors of all that was tried stay, and are measured again when the re
 
   ErrorHistory history;
   const ViewTechnique first{"a", {}}, second{"a", {{"b", "1"}}};
-  CHECK_FALSE(history.wants(first, 0));
-  CHECK(history.wants(first, 0.5));
+  CHECK_FALSE(history.wants(first, 0, false));
+  CHECK(history.wants(first, 0.5, false));
   history.keep(first, "paths", 0.5, 1, film);
-  CHECK_FALSE(history.wants(first, 0.6));
-  CHECK(history.wants(first, 0.8));
+  CHECK_FALSE(history.wants(first, 0.6, false));
+  CHECK(history.wants(first, 0.6, true));
+  CHECK_FALSE(history.wants(first, 0.5, true));
+  CHECK(history.wants(first, 0.8, false));
   history.keep(first, "paths", 0.8, 2, film);
-  CHECK(history.wants(second, 0.1));
+  CHECK(history.wants(second, 0.1, false));
   history.keep(second, "other paths", 0.1, 1, film);
   CHECK(history.measure_one("paths", *reference));
   CHECK(history.measure_one("paths", *reference));

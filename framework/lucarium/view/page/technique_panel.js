@@ -52,6 +52,7 @@ class TechniquePanel {
     if (parameter.preset) this.given.clear();
     this.given.set(parameter.name, text);
     this.controls.get(parameter.name)?.set(text, true);
+    this.asked = performance.now();  // a state that was on its way does not undo it
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.send(), 120);
   }

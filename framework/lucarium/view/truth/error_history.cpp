@@ -26,10 +26,10 @@ const ErrorHistory::Curve* ErrorHistory::find(const ViewTechnique& technique) co
   return found == curves_.end() ? nullptr : &*found;
 }
 
-bool ErrorHistory::wants(const ViewTechnique& technique, double seconds) const {
+bool ErrorHistory::wants(const ViewTechnique& technique, double seconds, bool last) const {
   const Curve* const curve = find(technique);
   if (!curve || curve->points.empty()) return seconds > 0;
-  return seconds >= growth * curve->points.back().seconds;
+  return seconds > (last ? 1.0 : growth) * curve->points.back().seconds;
 }
 
 void ErrorHistory::keep(const ViewTechnique& technique, const std::string& paths, double seconds, uint64_t samples,

@@ -16,8 +16,8 @@ namespace lucarium {
 class ErrorHistory {
  public:
   /// Whether an image of that technique at that time [s] must be kept. One that comes back adds what lies beyond its
-  /// last image.
-  bool wants(const ViewTechnique& technique, double seconds) const;
+  /// last image. `last`: there will be no later one.
+  bool wants(const ViewTechnique& technique, double seconds, bool last) const;
   void keep(const ViewTechnique& technique, const std::string& paths, double seconds, uint64_t samples,
             const Film& film);
   /// Measures the newest image of those light paths that has not met the reference's present image. Returns whether
