@@ -5,14 +5,13 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
+#include "lucarium/view/status.h"
 
 namespace lucarium {
 
 using nlohmann::ordered_json;
 
 namespace {
-
-ordered_json to_json(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 ordered_json describe_surface(const PixelSurface& surface) {
   if (!surface.hit) return nullptr;

@@ -15,8 +15,6 @@ namespace {
 
 constexpr size_t max_passes = 20;
 
-ordered_json to_json(const glm::vec3& v) { return {v.x, v.y, v.z}; }
-
 ordered_json to_json(const ViewTechnique& technique) {
   return {{"name", technique.name}, {"parameters", technique.parameters}};
 }
@@ -43,6 +41,8 @@ ordered_json to_json(const TechniqueType& type) {
 }
 
 }  // namespace
+
+ordered_json to_json(const glm::vec3& v) { return {v.x, v.y, v.z}; }
 
 ordered_json to_json(const CameraKey& key) {
   return {{"eye", to_json(key.eye)},

@@ -30,6 +30,7 @@ nlohmann::ordered_json describe_progress(const RenderSession& session);
 /// Time per pass [s] since the last change, device memory by owner [bytes], the technique's counters.
 nlohmann::ordered_json describe_machine(RenderSession& session);
 
+nlohmann::ordered_json to_json(const glm::vec3& v);
 nlohmann::ordered_json to_json(const CameraKey& key);
 
 /// One line of JSON; bytes that are no UTF-8 are replaced.

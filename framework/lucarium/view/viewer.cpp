@@ -19,7 +19,7 @@ using Stage = ViewSide::Stage;
 namespace {
 
 constexpr double report_interval = 0.25;  // [s]
-constexpr std::chrono::milliseconds nap{50};
+constexpr std::chrono::milliseconds idle{50};
 
 }  // namespace
 
@@ -78,7 +78,7 @@ void Viewer::step() {
       if (truth_.watch(*chosen)) report(true);
     });
   } else {
-    hub_.wait(nap);
+    hub_.wait(idle);
   }
   for (uint32_t index = 0; index < sides(); ++index) {
     ViewSide& side = *sides_[index];

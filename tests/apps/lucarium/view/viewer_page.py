@@ -76,7 +76,8 @@ class Viewer:
     def render(self, name, *words):
         """The picture of `lucarium render`."""
         file = self.folder / name
-        subprocess.run([self.program, 'render', *SCENE, '--iterations', str(ITERATIONS), *words, '-q', '-o', file],
+        scene = SCENE if file.suffix == '.png' else SCENE[:SCENE.index('--exposure')]
+        subprocess.run([self.program, 'render', *scene, '--iterations', str(ITERATIONS), *words, '-q', '-o', file],
                        check=True)
         return file
 
