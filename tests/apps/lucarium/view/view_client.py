@@ -131,6 +131,16 @@ def refused_sockets(place, path, host):
     check('not of another protocol', not Page(place, path + 'socket', protocol='http').open)
 
 
+def saved(page):
+    """The header of a file, once there is a whole picture."""
+    while True:
+        page.send('{"do": "save", "kind": "png", "exposure": 0}')
+        message = page.until(lambda m: 'file' in m.get('binary', {}) or 'error' in m)
+        if 'binary' in message:
+            return message['binary']
+        time.sleep(0.2)
+
+
 def malformed(place, path):
     page = Page(place, path + 'socket')
     for name, data, kind in (('no JSON', '{', 1), ('another message', '{"do": "dance"}', 1), ('bytes', b'\0\1\2', 2),
@@ -141,8 +151,7 @@ def malformed(place, path):
     check('an unknown technique is refused with the reason',
           'no_such' in page.until(
               lambda m: 'status' in m and m['status']['sides'][0]['refusal'])['status']['sides'][0]['refusal'])
-    page.send('{"do": "save", "kind": "png", "exposure": 0, "id": 5}')
-    check('a file comes', page.until(lambda m: 'file' in m.get('binary', {}))['binary']['file'] == 'picture.png')
+    check('a file comes', saved(page)['file'] == 'picture.png')
     return page
 
 
