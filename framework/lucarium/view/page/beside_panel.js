@@ -108,10 +108,12 @@ class BesidePanel {
     if (two && this.picture.mode === 'first' && this.settled()) this.picture.setMode('split');
     this.mode.value = this.picture.mode;
     this.tabRow.hidden = !two;
+    const [a, b] = status.sides, alike = b && a.wanted.name === b.wanted.name;
     status.sides.forEach((side, i) => {
-      const name = `${i ? 'Second' : 'First'}: ${side.wanted.name}`;
-      this.tabs[i].textContent = name;
-      this.labels[i].textContent = side.wanted.name + (side.stage === 'failed' ? ' (failed)' :
+      // Two of one name differ in their parameters.
+      const name = [side.wanted.name, alike && parameterText(side.wanted.parameters)].filter(Boolean).join(' ');
+      this.tabs[i].textContent = `${i ? 'Second' : 'First'}: ${name}`;
+      this.labels[i].textContent = name + (side.stage === 'failed' ? ' (failed)' :
           side.progress ? ` · ${number(side.progress.samples)} samples` : '');
     });
     const flip = this.picture.images[flipSlot]?.header.flip;
