@@ -83,7 +83,6 @@ void CheckContext::run_long(RenderSession& session) const {
 Picture CheckContext::run_short(RenderSession& session, uint64_t iterations) const {
   // What a technique does before it begins to render (its progress is known, and 0) comes first, or it alone would be
   // seen.
-  constexpr uint64_t longest_lead = 64;
   const auto leads = [&] {
     return session.last().progress == 0 && !session.last().phase.empty() && !session.last().converged;
   };

@@ -46,6 +46,8 @@ struct CheckContext {
   /// Of comparisons with the reference: two names in the list may stand for the same one.
   std::map<std::pair<MaterialKind, LightKind>, Outcome> compared = {};
 
+  static constexpr uint64_t longest_lead = 64;  ///< iterations before the first sample
+
   const Capabilities& can() const { return type.info().capabilities; }
   bool claims(LightKind kind) const;
   bool claims(MaterialKind kind) const;
