@@ -13,8 +13,20 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-// Relative error by pixels of rasterized bundles, over their number per axis.
+// Bounds of admitted_bias(), measured (docs/measurements/bidirectional_vpl.md, bias) or derived.
+// Dependent directions.
+constexpr double kSharedBias = 0.1;
+// Pixels of rasterized bundles, over their number per axis: feet of bodies get too dark.
 constexpr double kBundlePixelBias = 2;
+// Clamped connections are those of paths of two bounces and more: rho^2 of all light in a room of reflectance rho = .7,
+// of which a corner loses 39 % at 1 / m^2.
+constexpr double kClampBias = 0.49 * 0.39;
+// Lobes that are wider, cut or spread, of either sign: rough glass after 64 samples.
+constexpr double kGlossBias = 0.25;
+// Texels of maps, of either sign: edges of shadows. Of virtual lights' maps at 256 x 256.
+constexpr double kMapBias = 0.02, kMapRes = 256;
+// Filter and caches of a picture that rests, on diffuse surfaces: the filter mixes pixels of almost one plane.
+constexpr double kFewSamplesBias = 0.01;
 
 }  // namespace
 
@@ -51,11 +63,15 @@ TechniqueInfo technique_info() {
 double admitted_bias(const BidirectionalParameters& parameters, double declared) {
   const bool bundles = parameters.directions != Directions::bsdf;
   const bool shared = parameters.directions == Directions::bundle && parameters.reuse == Reuse::shared;
-  double bias = shared ? 0.1 : declared;
+  double bias = shared ? kSharedBias : declared;
   if (bundles && parameters.bundle_mode != BundleMode::rays && parameters.bundle_mode != BundleMode::exact)
     bias += kBundlePixelBias / parameters.bundle_res;
-  if (parameters.two_bounce == TwoBounce::clamp || parameters.gloss != Gloss::none) bias += 0.5;
-  if (parameters.caches || parameters.filter) bias += 0.3;
+  if (parameters.two_bounce == TwoBounce::clamp) bias += kClampBias;
+  if (parameters.gloss != Gloss::none) bias += kGlossBias;
+  if (parameters.light_trace == LightTrace::rsm) bias += kMapBias;
+  if (parameters.direct == Direct::maps) bias += kMapBias;
+  if (parameters.vpl_visibility == VplVisibility::map) bias += kMapBias * kMapRes / parameters.map_res;
+  if (parameters.caches || parameters.filter) bias += kFewSamplesBias;
   return bias;
 }
 

@@ -124,7 +124,8 @@ void LightMaps::warm_up() {
 }
 
 size_t LightMaps::estimate_bytes(size_t triangles, size_t lights, uint32_t side) {
-  return lights * kLightFaces * (size_t{side} * side * sizeof(uint32_t) + sizeof(LayeredView)) +
+  // Where there are no lights, one stands for all.
+  return std::max<size_t>(lights, 1) * kLightFaces * (size_t{side} * side * sizeof(uint32_t) + sizeof(LayeredView)) +
          FaceRaster::estimate_bytes(triangles, side);
 }
 
