@@ -16,8 +16,12 @@ constexpr double kAtlasSeconds = 6e-6;          // a texel of the atlas, with wh
 constexpr double kChartSeconds = 3e-6;          // a triangle
 constexpr double kAccessibilitySeconds = 4e-8;  // a ray of a texel that measures accessibility
 constexpr double kSideLightSeconds = 1.8e-5;    // a texel's first light samples
+constexpr double kFirstLightSamples = 64;       // so many
 constexpr double kFilmPixelSeconds = 1.5e-7;    // a pixel of a film, in a sweep
+constexpr double kKeptPixelSeconds = 3e-8;      // the same where fragments are kept
 constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a line
+constexpr double kKeepingFilms = 1.5;           // what keeping a film takes, of drawing it
+constexpr double kPreviewFilms = 3. / 16;       // that a preview draws, of all
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kSweeps = 6;                   // of unlimited bounces
 constexpr size_t kTileBytes = 24;               // a tile's share of norms, and its place in the list
@@ -42,10 +46,25 @@ double tiled_share(const Parameters& parameters, const Scene& scene) {
   return all > 0 ? static_cast<double>(tiled) / static_cast<double>(all) : 0;
 }
 
-FilmPlan expected_film(const Plan& plan, const Parameters& parameters, const Scene& scene) {
+double area_of(const Plan& plan, const Scene& scene) {
   const double edge = SurfaceAtlas::estimate_edge(scene, plan.atlas);
-  const double area = edge * edge * static_cast<double>(plan.atlas.texel_count);
-  return plan_film(parameters, scene.bounds(), area, edge, 0);
+  return edge * edge * static_cast<double>(plan.atlas.texel_count);
+}
+
+FilmPlan expected_film(const Plan& plan, const Parameters& parameters, const Scene& scene) {
+  return plan_film(parameters, scene.bounds(), area_of(plan, scene), SurfaceAtlas::estimate_edge(scene, plan.atlas), 0);
+}
+
+/// For all fragments, whether or not that many may be kept [bytes].
+size_t fragment_bytes(const Parameters& parameters, const FilmPlan& film, double area) {
+  return KeptRows::estimate_bytes(LightField::estimate_fragments(
+      static_cast<uint32_t>(parameters.dir_n), static_cast<uint32_t>(parameters.perturb), film.pixel(), area));
+}
+
+/// Whether films are drawn once, and all fragments kept for later sweeps.
+bool keeps_all(const Plan& plan, const Parameters& parameters, const FilmPlan& film, double area) {
+  return (plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces) &&
+         fragment_bytes(parameters, film, area) <= static_cast<size_t>(parameters.cache_visibility) << 20;
 }
 
 }  // namespace
@@ -61,12 +80,21 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
     const FilmPlan film = expected_film(plan, parameters, scene);
     const double lines = 2. * parameters.dir_n * parameters.dir_n + 1,
                  edge = std::ldexp(film.film, static_cast<int>(film.shift));
-    const double sweeps = (plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps) + 1;
+    const double sweeps = plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps;
+    const double drawn = edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds,
+                 kept = edge * edge * kKeptPixelSeconds;
+    const bool keeps = keeps_all(plan, parameters, film, area_of(plan, scene));
+    const double film_seconds = (parameters.preview ? kPreviewFilms * drawn : 0) +
+                                (keeps ? kKeepingFilms * drawn + sweeps * kept : (sweeps + 1) * drawn);
     device += texels * (parameters.open_rays * kAccessibilitySeconds + (plan.sampled ? kSideLightSeconds : 0)) +
-              sweeps * parameters.perturb * lines * (edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds);
+              parameters.perturb * lines * film_seconds;
   }
   return host / power.host + device / power.device;
 }
+
+double light_seconds(uint32_t samples) { return samples * kSideLightSeconds / kFirstLightSamples; }
+double film_seconds(double film_pixels) { return film_pixels * kFilmPixelSeconds; }
+double eye_seconds(uint32_t pixels) { return pixels * kPixelSeconds; }
 
 std::vector<ParameterSaving> savings() {
   return {{"open_rays", {"128"}},
@@ -87,11 +115,9 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
   const double area = edge * edge * static_cast<double>(sides);
   const double cells = directions * kTileOverhead * area * tiled_share(parameters, scene) / (4 * film.cell * film.cell);
   const bool keeps = plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces;
-  const size_t kept = !keeps ? 0
-                             : std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
-                                        KeptRows::estimate_bytes(LightField::estimate_fragments(
-                                            static_cast<uint32_t>(parameters.dir_n),
-                                            static_cast<uint32_t>(parameters.perturb), film.pixel(), area)));
+  const size_t kept =
+      !keeps ? 0
+             : std::min(static_cast<size_t>(parameters.cache_visibility) << 20, fragment_bytes(parameters, film, area));
   const auto tile = static_cast<size_t>(parameters.tile > 0 ? parameters.tile : 8);
   LayeredRasterOptions raster;
   raster.max_width = raster.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);

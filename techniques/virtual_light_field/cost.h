@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "lucarium/technique/cost.h"
@@ -10,6 +11,11 @@ namespace lucarium::vlf {
 /// Seconds until the first picture with all its light, as Technique::estimate_seconds().
 double estimate_seconds(const Plan& plan, const Parameters& parameters, const Scene& scene,
                         const RenderSettings& settings, const ComputePower& power);
+
+/// Parts of an iteration [s of a core]: light samples of texel sides, pixels of films, a sample of pixels.
+double light_seconds(uint32_t samples);
+double film_seconds(double film_pixels);
+double eye_seconds(uint32_t pixels);
 
 /// Technique::savings().
 std::vector<ParameterSaving> savings();

@@ -92,7 +92,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
 
   std::string state_refusal() const override { return {}; }
   std::vector<std::string> parameters_of_view() const override {
-    return {"camera_samples", "eye_interp", "inspect_line"};
+    return {"camera_samples", "eye_interp", "inspect_line", "preview"};
   }
 
   std::map<std::string, double> counters() const override {
@@ -116,8 +116,11 @@ class VirtualLightField : public TechniqueBase<Parameters> {
  protected:
   bool step() override {
     if (!propagate()) return false;
-    if (!view_->sample()) return false;
-    view_->commit();
+    if (is_eye_due()) {
+      if (!view_->sample()) return false;
+      view_->commit();
+      eye_credit_ = 0;
+    }
     stepped_ = false;
     return true;
   }
@@ -145,6 +148,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     if (!built() || !change.only_camera()) return false;
     view_->set_frame(frame());
     stepped_ = false;
+    eye_credit_ = 0;
     return true;
   }
 
@@ -168,6 +172,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     field_.reset();
     stepped_ = false;
     runs_left_ = 0;
+    eye_credit_ = 0;
     if (plan_.field) {
       if (!context().state) surfaces_->measure(context().progress);  // where a state that was loaded has spared it
       surfaces_->light.reset(seed());
@@ -222,23 +227,39 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   bool propagate() {
     if (!field_ || stepped_ || light_held()) return true;
     if (!lit()) {
-      if (runs_left_ == 0) runs_left_ = surfaces_->light.runs();
+      if (runs_left_ == 0) {
+        runs_left_ = surfaces_->light.runs();
+        eye_credit_ += light_seconds(runs_left_ * surfaces_->light.run_length());
+      }
       for (; runs_left_ > 0 && !lit(); --runs_left_) {
         if (!surfaces_->light.sample()) return false;
         surfaces_->light.commit();
       }
       runs_left_ = 0;
-    } else if (!field_->advance()) {
-      return false;
+    } else {
+      if (!field_->advance(kFilmPixels)) return false;
+      eye_credit_ += film_seconds(kFilmPixels);
     }
     stepped_ = true;
     return true;
   }
 
+  /// Until all light is there samples of pixels are kEyeShare of the work: what the image lacks most is light.
+  bool is_eye_due() const {
+    const bool settled = !field_ || field_->done() || light_held();
+    const double eye = eye_seconds(frame().width * frame().height);
+    return settled || view_->samples() == 0 || kEyeShare * (eye_credit_ + eye) >= eye ||
+           view_->shown_sweeps() != field_->shown_sweeps();
+  }
+
+  static constexpr double kEyeShare = 0.25;
+  static constexpr double kFilmPixels = 4e6;  ///< that light runs through in an iteration
+
   Plan plan_;
   std::unique_ptr<FieldSurfaces> surfaces_;  ///< null where no light is propagated
   std::unique_ptr<LightField> field_;        ///< likewise
   std::unique_ptr<FieldView> view_;
+  double eye_credit_ = 0;   ///< work of the propagation since the last sample of pixels [s of a core]
   bool stepped_ = false;    ///< the propagation of this iteration is done
   uint32_t runs_left_ = 0;  ///< of light samples, in an iteration that was cancelled
 };

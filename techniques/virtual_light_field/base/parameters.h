@@ -40,6 +40,7 @@ struct Parameters {
   EyeInterpolation eye_interp = EyeInterpolation::bary;
   float patch_cone = 30;
   Store store = Store::tiles;
+  bool preview = true;
   int cache_visibility = 512;
   int inspect_line = -1;
   int camera_samples = 64;
@@ -105,6 +106,9 @@ struct Parameters {
              "cells of a surface on a film: square tiles (tiles, paper), or rows of cells from edge to edge (csr)");
     v.number("cache_visibility", cache_visibility, 0, 1 << 20, "MiB",
              "memory for fragments of films that are kept from sweep to sweep (paper: sorted lists); 0: none");
+    v.flag(
+        "preview", preview,
+        "show diffuse light of few bounces along a sixteenth of the lines until better is known; with direct_mode=nee");
     v.number("inspect_line", inspect_line, -1, 8192, "",
              "line whose film is shown as layer subfield, of 0 to 2 n^2: what leaves the scene along it; -1: none");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
@@ -118,7 +122,8 @@ struct Parameters {
                  {"eye_direct", "atlas"},
                  {"eye_specular", "vlf"},
                  {"eye_glossy", "vlf"},
-                 {"patch_cone", "0"}}},
+                 {"patch_cone", "0"},
+                 {"preview", "off"}}},
                {"walkthrough",
                 {{"eye_direct", "atlas"}, {"eye_specular", "vlf"}, {"eye_glossy", "vlf"}, {"camera_samples", "1"}}}},
               "set of values; paper: the choices of Mortensen et al. 2007; walkthrough: frames of constant time");

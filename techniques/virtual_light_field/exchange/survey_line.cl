@@ -14,6 +14,10 @@ typedef struct Survey {
 
 void bundle_expect(Survey* survey, uint texel) { LUCARIUM_PREFETCH(survey->side_facet + texel); }
 
+#include "lucarium/services/layered_raster/kept_rows.clh"
+
+void layered_expect(Survey* survey, uint payload) { bundle_expect(survey, payload & BUNDLE_TEXEL); }
+
 void survey_end(Survey* survey, FragmentSide end, uint2 pixel, uint backwards) {
   if (end.side == LUCARIUM_NONE) return;
   const uint cell = line_cell(survey, survey->side_facet[end.side], pixel, backwards);
@@ -39,13 +43,24 @@ void layered_ray_ends(Survey* survey, uint2 pixel, uint payload, bool front) {
   survey_end(survey, fragment_side(survey, payload, front), pixel, 0u);
 }
 
+#define SURVEY_SET(survey)           \
+  LINE_ROWS_SET(survey)              \
+  (survey)->side_facet = side_facet; \
+  (survey)->distances = distances;   \
+  (survey)->cell_side = cell_side;
+
 // distances: 0 at first. cell_side: LUCARIUM_NONE at first.
 __kernel void survey_line(LAYERED_TILE_PARAMETERS LINE_ROWS_PARAMETERS, __global const uint* side_facet,
                           __global float* distances, __global uint* cell_side) {
   Survey survey;
-  LINE_ROWS_SET(&survey);
-  survey.side_facet = side_facet;
-  survey.distances = distances;
-  survey.cell_side = cell_side;
+  SURVEY_SET(&survey);
   LAYERED_RUN_TILES(&survey);
+}
+
+// The same of a line whose fragments are kept.
+__kernel void survey_kept_line(LAYERED_KEPT_PARAMETERS LINE_ROWS_PARAMETERS, __global const uint* side_facet,
+                               __global float* distances, __global uint* cell_side) {
+  Survey survey;
+  SURVEY_SET(&survey);
+  LAYERED_WALK_KEPT(&survey);
 }

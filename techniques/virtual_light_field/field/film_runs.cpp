@@ -64,7 +64,7 @@ FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host
   record_begin(device, scene);
   const Program average = make_field_program(device, "exchange/average_line");
   if (maps.cells() > 0) {
-    record_survey(raster, atlas, cells, average);
+    record_survey(raster, atlas, cells, average, false, &survey_);
     record_average(cells, average);
   }
   record_exchange(device, raster, atlas, interior, accessibility, cells, records, false, &exchange_);
@@ -78,6 +78,7 @@ FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host
   keeping.remedy = "lower cache_visibility";
   kept_ = std::make_unique<KeptRows>(device, scheduler, raster, atlas, views_, keeping);
   record_exchange(device, raster, atlas, interior, accessibility, cells, records, true, &exchange_kept_);
+  if (maps.cells() > 0 && options.perturb == 1) record_survey(raster, atlas, cells, average, true, &survey_kept_);
 }
 
 void FilmRuns::record_begin(Device& device, const SceneBuffers& scene) {
@@ -96,8 +97,8 @@ void FilmRuns::record_begin(Device& device, const SceneBuffers& scene) {
 }
 
 void FilmRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas& atlas, const CellBuffers& cells,
-                             const Program& average) {
-  ScheduleRecorder recorder = scheduler_->record("survey of a line", technique_name);
+                             const Program& average, bool kept, Run* target) {
+  ScheduleRecorder recorder = scheduler_->record(kept ? "survey of a kept line" : "survey of a line", technique_name);
   Run run;
   run.line = recorder.variable("line", 0u);
   run.first_cell = recorder.variable("first_cell", 0u);
@@ -107,18 +108,22 @@ void FilmRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas& at
       .arg("count", run.cells)
       .arg("distances", distance_);
   const Program program = make_field_program(views_.device(), "exchange/survey_line", raster.defines());
-  raster.record_tiles(recorder, "survey", {views_, recorder.variable("view index", 0u)}, program, "survey_line",
-                      [&](PassBuilder& pass) {
-                        atlas.bind(pass);
-                        maps_->bind(pass);
-                        pass.arg("line", run.line)
-                            .arg("first_cell", run.first_cell)
-                            .arg("shift", options_.film.shift)
-                            .arg("distances", distance_)
-                            .arg("cell_side", cells.side);
-                      });
+  const auto bind = [&](PassBuilder& pass) {
+    atlas.bind(pass);
+    maps_->bind(pass);
+    pass.arg("line", run.line)
+        .arg("first_cell", run.first_cell)
+        .arg("shift", options_.film.shift)
+        .arg("distances", distance_)
+        .arg("cell_side", cells.side);
+  };
+  if (kept)
+    kept_->record_walk(recorder, "survey", run.line, program, "survey_kept_line", bind);
+  else
+    raster.record_tiles(recorder, "survey", {views_, recorder.variable("view index", 0u)}, program, "survey_line",
+                        bind);
   run.schedule = recorder.compile();
-  survey_ = std::move(run);
+  *target = std::move(run);
 }
 
 void FilmRuns::record_exchange(Device& device, const LayeredRaster& raster, const SurfaceAtlas& atlas,
@@ -207,10 +212,11 @@ bool FilmRuns::begin(const FieldLine& film, uint32_t number, bool emission) {
 bool FilmRuns::survey(uint32_t line) {
   if (!begin(maps_->host_lines()[line], line, false)) return false;
   const std::vector<uint32_t>& first = maps_->first_cells();
-  survey_.schedule.set(survey_.line, line);
-  survey_.schedule.set(survey_.first_cell, first[2 * line]);
-  survey_.schedule.set(survey_.cells, first[2 * line + 2] - first[2 * line]);
-  scheduler_->run_to_end(survey_.schedule);
+  Run& run = survey_kept_.schedule && kept_->has(line) ? survey_kept_ : survey_;
+  run.schedule.set(run.line, line);
+  run.schedule.set(run.first_cell, first[2 * line]);
+  run.schedule.set(run.cells, first[2 * line + 2] - first[2 * line]);
+  scheduler_->run_to_end(run.schedule);
   return true;
 }
 
@@ -247,6 +253,7 @@ void FilmRuns::warm_up() {
   if (kept_) {
     kept_->warm_up();
     scheduler_->warm_up(exchange_kept_.schedule);
+    if (survey_kept_.schedule) scheduler_->warm_up(survey_kept_.schedule);
   }
   scheduler_->warm_up(exchange_.schedule);
   if (average_.schedule) scheduler_->warm_up(average_.schedule);

@@ -49,6 +49,7 @@ class FilmRuns {
   bool keeps() const { return kept_ != nullptr; }
   uint32_t kept_films() const { return kept_ ? kept_->kept_views() : 0; }
   uint64_t drawn() const { return drawn_; }  ///< films, by raster or kept
+  void forget_drawn() { drawn_ = 0; }
   double drawn_pixels() const { return static_cast<double>(drawn_) * pixels(); }
   /// Directions of films, xyz; perturbed ones where there are any.
   const std::vector<FieldLine>& host_films() const { return perturbed_.empty() ? maps_->host_lines() : perturbed_; }
@@ -63,7 +64,7 @@ class FilmRuns {
   };
   void record_begin(Device& device, const SceneBuffers& scene);
   void record_survey(const LayeredRaster& raster, const SurfaceAtlas& atlas, const CellBuffers& cells,
-                     const Program& average);
+                     const Program& average, bool kept, Run* target);
   void record_exchange(Device& device, const LayeredRaster& raster, const SurfaceAtlas& atlas,
                        const TexelInterior& interior, const SideAccessibility& accessibility, const CellBuffers& cells,
                        const TypedBuffer<float4>& records, bool kept, Run* run);
@@ -84,7 +85,7 @@ class FilmRuns {
   Variable<LayeredView> view_;
   Variable<float4> omega_;
   Variable<uint32_t> emission_;
-  Run survey_, exchange_, exchange_kept_, average_;
+  Run survey_, survey_kept_, exchange_, exchange_kept_, average_;
   uint64_t drawn_ = 0;
 };
 

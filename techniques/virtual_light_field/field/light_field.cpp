@@ -22,12 +22,13 @@ uint32_t divide_up(uint32_t a, uint32_t b) { return (a + b - 1) / b; }
 
 double brightest(const glm::vec3& c) { return static_cast<double>(std::max(c.x, std::max(c.y, c.z))); }
 
-/// What texel sides reflect diffusely in propagation.
-std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials, const Patches& patches, bool fold) {
+/// What texel sides reflect diffusely in propagation. `facets`: those with cells as if they scattered diffusely.
+std::vector<float4> transport_albedo(const std::vector<AtlasMaterial>& materials, const Patches& patches, bool fold,
+                                     bool facets) {
   std::vector<float4> result;
   for (size_t side = 0; side < materials.size(); ++side) {
     glm::vec3 albedo = materials[side].diffuse.xyz();
-    if (fold && patches.side_facet[side] == LUCARIUM_NONE) albedo += patches.side_albedo[side].xyz();
+    if (patches.side_facet[side] == LUCARIUM_NONE ? fold : facets) albedo += patches.side_albedo[side].xyz();
     result.emplace_back(albedo, 0.f);
   }
   return result;
@@ -53,6 +54,7 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
     : scheduler_(&scheduler),
       host_scene_(&host_scene),
       atlas_(&atlas),
+      patches_(&patches),
       options_(options),
       grid_(options.dir_n, options.seed),
       maps_(device, scheduler, host_scene, scene, grid_, patches,
@@ -61,7 +63,7 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       sides_(atlas.info().texel_count),
       light_samples_(light_samples),
       albedo_(device, technique_name, "albedo of texel sides",
-              transport_albedo(atlas.materials().download(), patches, options.fold), remedies::lower_texels),
+              transport_albedo(atlas.materials().download(), patches, options.fold, false), remedies::lower_texels),
       records_(device, technique_name, "records of texel sides", 2 * size_t{sides_}, remedies::lower_texels),
       direct_(device, technique_name, "direct light of texel sides", sides_, remedies::lower_texels),
       indirect_(device, technique_name, "indirect light of texel sides", sides_, remedies::lower_texels),
@@ -157,9 +159,20 @@ void LightField::begin() {
   scheduler_->run_to_end(emit_);
   scheduler_->finish();
   if (scatter_) scatter_->begin();
-  stage_ = tiled_ ? Stage::survey : films_->keeps() ? Stage::keep : Stage::transport;
-  next_film_ = sweep_ = shown_sweeps_ = 0;
+  choose_preview_lines();
+  if (!preview_films_.empty()) set_albedo(true);
+  stage_ = preview_films_.empty() ? stage_after_preview() : Stage::preview;
+  next_film_ = sweep_ = shown_sweeps_ = preview_sweep_ = 0;
   begun_ = true;
+}
+
+void LightField::set_albedo(bool facets) {
+  scheduler_->finish();
+  albedo_.upload(transport_albedo(atlas_->materials().download(), *patches_, options_.fold, facets));
+}
+
+LightField::Stage LightField::stage_after_preview() const {
+  return films_->keeps() ? Stage::keep : tiled_ ? Stage::survey : Stage::transport;
 }
 
 /// A power of two that takes the brightest sender to the middle of what cells can hold.
@@ -198,9 +211,7 @@ bool LightField::advance(double film_pixels) {
       work_left_ -= kCellWork * scatter_tiles();
       continue;
     }
-    // Sampled direct light needs no first sweep, unless facets reflect emitters and sky.
-    const bool known = stage_ == Stage::transport && sweep_ == 0 && options_.sampled && !tiled_;
-    if (!known && next_film_ < (stage_ == Stage::survey ? films_->lines() : films_->films())) {
+    if (next_film_ < films_of_stage()) {
       if (!run_film()) return false;
       ++next_film_;
       work_left_ -= films_->pixels();
@@ -213,8 +224,16 @@ bool LightField::advance(double film_pixels) {
   return true;
 }
 
+uint32_t LightField::films_of_stage() const {
+  // Sampled direct light needs no first sweep, unless facets reflect emitters and sky.
+  if (stage_ == Stage::transport && sweep_ == 0 && options_.sampled && !tiled_) return 0;
+  if (stage_ == Stage::preview) return preview_sweep_ == 0 ? 0 : static_cast<uint32_t>(preview_films_.size());
+  return stage_ == Stage::survey ? films_->lines() : films_->films();
+}
+
 bool LightField::run_film() {
   switch (stage_) {
+    case Stage::preview: return films_->exchange(preview_films_[next_film_], false, scale_);
     case Stage::survey: return films_->survey(next_film_);
     case Stage::keep: return films_->keep(next_film_);
     default: return films_->exchange(next_film_, sweep_ == 0, scale_);
@@ -224,13 +243,14 @@ bool LightField::run_film() {
 /// All films have been run through.
 void LightField::end_films() {
   next_film_ = 0;
-  if (stage_ == Stage::transport)
-    end_sweep();
-  else if (stage_ == Stage::survey && films_->keeps())
-    stage_ = Stage::keep;
-  else {
-    if (stage_ == Stage::keep) films_->end_keeping();
-    stage_ = Stage::transport;
+  switch (stage_) {
+    case Stage::preview: return end_preview_sweep();
+    case Stage::transport: return end_sweep();
+    case Stage::keep:
+      films_->end_keeping();
+      stage_ = tiled_ ? Stage::survey : Stage::transport;
+      return;
+    default: stage_ = Stage::transport;
   }
 }
 
@@ -285,14 +305,19 @@ void LightField::finish_sweep(const Norms& norms) {
   if (last && unlimited && options_.tail && std::isfinite(tail_.error)) factor = tail_.factor;
   // What is missing is λ / (1 - λ) times the last sweep's irradiance, and as much of what cells send next, which is
   // known.
-  show_.set(show_tail_, factor);
-  show_.set(show_hold_, is_last() ? 1u : 0u);
-  scheduler_->run_to_end(show_);
+  if (last || sweep_ >= preview_bounces()) show(factor, is_last());
   if (stage_ == Stage::scatter) scatter_->add(sweep_, factor);
   ++sweep_;
   ++shown_sweeps_;
   stage_ = last ? Stage::done : Stage::transport;
   if (last) end_propagation();
+}
+
+/// `hold`: rays of pixels do not look up the last sweep.
+void LightField::show(const float4& tail, bool hold) {
+  show_.set(show_tail_, tail);
+  show_.set(show_hold_, hold ? 1u : 0u);
+  scheduler_->run_to_end(show_);
 }
 
 /// What only propagation needs goes: a walk keeps totals.
@@ -307,47 +332,6 @@ void LightField::end_propagation() {
   emit_ = Schedule();
   fold_ = Schedule();
   show_ = Schedule();
-}
-
-LightField::Counts LightField::counts() const {
-  Counts result = counts_;
-  const auto cells = size_t{maps_.cells()};
-  const size_t split = options_.split ? kSplitBytes : 0;
-  result.rendering_bytes = maps_.index_bytes() + cells * (sizeof(uint32_t) + split);
-  if (!films_) return result;
-  result.films = films_->drawn();
-  result.film_pixels = films_->drawn_pixels();
-  result.kept_films = films_->kept_films();
-  if (scatter_) result.cells_scattered = scatter_->cells_scattered();
-  result.propagating_bytes =
-      maps_.index_bytes() + cells * (kCellBytes + split) + (scatter_ ? scatter_->norm_bytes() + maps_.list_bytes() : 0);
-  return result;
-}
-
-double LightField::progress() const {
-  if (done()) return 1;
-  if (!begun_) return 0;
-  const double lines = static_cast<double>(next_film_) / films_->films();
-  if (options_.max_bounces >= 0) {
-    const double all = options_.max_bounces + (tiled_ ? 2. : 1.);
-    return std::min((sweep_ + lines + (tiled_ && stage_ != Stage::survey ? 1. : 0.)) / all, 0.99);
-  }
-  // The error falls by a factor per sweep: on a logarithmic scale it comes evenly.
-  const double error = options_.tail ? tail_.error : tail_.without;
-  if (sweep_ < 3 || !(error > 0) || !std::isfinite(error) || !(options_.residual > 0))
-    return std::min(0.05 * sweep_, 0.2);
-  return std::clamp(std::log(error) / std::log(options_.residual), 0.2, 0.99);
-}
-
-std::string LightField::phase() const {
-  switch (stage_) {
-    case Stage::survey: return "survey";
-    case Stage::keep: return "fragments";
-    case Stage::transport: return fmt::format("sweep {}", sweep_);
-    case Stage::scatter: return fmt::format("scatter {}", sweep_);
-    case Stage::done: break;
-  }
-  return "walk";
 }
 
 void LightField::warm_up() {
@@ -373,6 +357,7 @@ LightField::Options field_options(const Plan& plan, const Parameters& parameters
   options.split = parameters.split_layers;
   options.fold = plan.fold;
   options.tail = parameters.tail;
+  options.preview = parameters.preview;
   options.residual = static_cast<double>(parameters.residual);
   return options;
 }

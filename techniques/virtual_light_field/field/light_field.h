@@ -35,6 +35,7 @@ class LightField {
     bool split = true;         ///< direct light of cells is kept apart
     bool fold = true;          ///< weak coats reflect diffusely
     bool tail = true;
+    bool preview = false;  ///< few lines bring a coarse field first, which is displayed until a better one is known
     double residual = 0.005;
     bool loaded = false;  ///< nothing will be propagated: load() follows
   };
@@ -88,12 +89,19 @@ class LightField {
   static double estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area);
 
  private:
-  enum class Stage { survey, keep, transport, scatter, done };
+  enum class Stage { preview, keep, survey, transport, scatter, done };
   void record_sides();
   void begin();
   void find_scale();
   bool run_film();
+  uint32_t films_of_stage() const;
+  uint32_t preview_bounces() const;  ///< 0: no preview
   void end_films();
+  Stage stage_after_preview() const;
+  void set_albedo(bool facets);  ///< facets reflect diffusely, too
+  void choose_preview_lines();
+  void end_preview_sweep();
+  void show(const float4& tail, bool hold);
   void end_sweep();
   double scatter_tiles();  ///< the next ones; how many cells
   void finish_sweep(const Norms& norms);
@@ -104,6 +112,7 @@ class LightField {
   KernelScheduler* scheduler_;
   const Scene* host_scene_;
   const SurfaceAtlas* atlas_;
+  const Patches* patches_;
   Options options_;
   DirectionGrid grid_;
   TileMaps maps_;
@@ -123,6 +132,8 @@ class LightField {
   bool begun_ = false;
   double work_left_ = 0;  ///< of an iteration that was cancelled [film pixels]
   uint32_t next_film_ = 0, sweep_ = 0, shown_sweeps_ = 0;
+  std::vector<uint32_t> preview_films_;
+  uint32_t preview_sweep_ = 0;  ///< sweeps of the preview that have ended
   float scale_ = 1;
   FieldTail tail_;
   std::string why_done_;

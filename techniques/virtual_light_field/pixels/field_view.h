@@ -36,6 +36,7 @@ class FieldView {
   void set_frame(const Frame& frame);
   void warm_up();
   uint32_t samples() const { return samples_; }
+  uint32_t shown_sweeps() const { return shown_sweeps_; }    ///< of the field, that the last sample shows
   uint32_t field_samples() const { return field_samples_; }  ///< of them, those that show the field as it is
   uint64_t rays() const { return chains_ ? chains_->rays() : 0; }
   void resolve(Film& film) const;

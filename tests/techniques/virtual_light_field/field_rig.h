@@ -56,6 +56,7 @@ class FieldRig {
     uint64_t seed = 1;
     uint32_t light_samples = 64;  ///< per texel side, at least
     size_t cache_bytes = 0;       ///< for kept fragments, instead of cache_visibility
+    bool preview = false;         ///< instead of the parameter
   };
   FieldRig(Scene scene, const vlf::Parameters& parameters) : FieldRig(std::move(scene), parameters, Options()) {}
   FieldRig(Scene scene, const vlf::Parameters& parameters, const Options& options)
@@ -80,6 +81,7 @@ class FieldRig {
     field.seed = options.seed;
     field.line_seed = static_cast<uint32_t>(options.seed);
     field.scatter_last = true;
+    field.preview = options.preview;
     if (options.cache_bytes > 0) field.cache = options.cache_bytes;
     field_ = std::make_unique<vlf::LightField>(*device_, scheduler_, scene_, buffers_, bvh_, surfaces_.atlas,
                                                surfaces_.patches, surfaces_.raster, surfaces_.interior,

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the propagation of a field is, and what it has taken.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "virtual_light_field/field/light_field.h"
+
+namespace lucarium::vlf {
+
+LightField::Counts LightField::counts() const {
+  Counts result = counts_;
+  const auto cells = size_t{maps_.cells()};
+  const size_t split = options_.split ? kSplitBytes : 0;
+  result.rendering_bytes = maps_.index_bytes() + cells * (sizeof(uint32_t) + split);
+  if (!films_) return result;
+  result.films = films_->drawn();
+  result.film_pixels = films_->drawn_pixels();
+  result.kept_films = films_->kept_films();
+  if (scatter_) result.cells_scattered = scatter_->cells_scattered();
+  result.propagating_bytes =
+      maps_.index_bytes() + cells * (kCellBytes + split) + (scatter_ ? scatter_->norm_bytes() + maps_.list_bytes() : 0);
+  return result;
+}
+
+double LightField::progress() const {
+  if (done()) return 1;
+  if (!begun_) return 0;
+  const double lines = static_cast<double>(next_film_) / films_->films();
+  if (options_.max_bounces >= 0) {
+    const double all = options_.max_bounces + (tiled_ ? 2. : 1.);
+    if (stage_ == Stage::preview) return 0;
+    return std::min((sweep_ + lines + (tiled_ && stage_ != Stage::survey ? 1. : 0.)) / all, 0.99);
+  }
+  // The error falls by a factor per sweep: on a logarithmic scale it comes evenly.
+  const double error = options_.tail ? tail_.error : tail_.without;
+  if (sweep_ < 3 || !(error > 0) || !std::isfinite(error) || !(options_.residual > 0))
+    return std::min(0.05 * sweep_, 0.2);
+  return std::clamp(std::log(error) / std::log(options_.residual), 0.2, 0.99);
+}
+
+std::string LightField::phase() const {
+  switch (stage_) {
+    case Stage::preview: return "preview";
+    case Stage::survey: return "survey";
+    case Stage::keep: return "fragments";
+    case Stage::transport: return fmt::format("sweep {}", sweep_);
+    case Stage::scatter: return fmt::format("scatter {}", sweep_);
+    case Stage::done: break;
+  }
+  return "walk";
+}
+
+}  // namespace lucarium::vlf
