@@ -10,7 +10,7 @@ namespace lucarium::vlf {
 namespace {
 
 constexpr uint32_t kCoarser = 4;         // in n: a sixteenth of the lines
-constexpr uint32_t kPreviewBounces = 3;  // the fewest that tell the ratio of the series
+constexpr uint32_t kPreviewBounces = 3;  // the fewest that show the ratio of the series
 
 }  // namespace
 
