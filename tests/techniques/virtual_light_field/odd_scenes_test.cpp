@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "field_rig.h"
 #include "lucarium/base/error.h"
 #include "lucarium/scene/builtin/builder.h"
 #include "made_scene.h"
@@ -49,14 +50,6 @@ void check(const Scene& scene, double expected, double tolerance) {
   }
 }
 
-SceneMaterial mirror() {
-  SceneMaterial material;
-  material.base_color = glm::vec4(1);
-  material.metallic = 1;
-  material.roughness = 0;
-  return material;
-}
-
 }  // namespace
 
 TEST_CASE("a scene without surfaces, or with none that has an area, shows its sky") {
@@ -87,7 +80,7 @@ TEST_CASE("sheets in one place reflect the sky as one of them does") {
 
 TEST_CASE("scenes of mirrors alone show the sky in them") {
   Scene scene = under_sky();
-  const int material = test::add_material(scene, mirror());
+  const int material = test::add_material(scene, test::mirror());
   test::add_horizontal(scene, 0, 0, 0, 3, 3, true, material);
   test::add_polygon(scene, {{-1, 0, -1}, {1, 0, -1}, {1, 1, -1}, {-1, 1, -1}}, material);
   check(scene, 1, 0.01);
