@@ -47,11 +47,13 @@ double admitted_bias(const AbufferParameters& parameters, double declared) {
   if (parameters.structure == Structure::bvh || parameters.structure == Structure::grid) return 0;
   if (parameters.structure != Structure::abuffer) return max_bias;  // surfaces as thick as a voxel
   if (parameters.intersect == Intersect::exact) return parameters.conservative_voxels ? 0 : declared;
-  // Measured with `lucarium check` at 256 and 1280 pixels. What lies between two points of a voxel does not shrink with
-  // pixels: light through the edges of glass counts most.
-  const bool steps = parameters.intersect != Intersect::plane && parameters.search != Search::columns;
-  const double between = !steps ? 0 : parameters.search == Search::three_steps ? 0.08 : 0.16;
-  return std::min(max_bias, declared * std::sqrt(1280.0 / parameters.abuffer_size) + between);
+  // Hits by all columns are where the ray meets a triangle.
+  const bool parity = parameters.intersect != Intersect::plane;
+  const bool refined = parameters.attributes == Attributes::triangle && parameters.conservative_voxels;
+  if (parity && refined && parameters.search == Search::columns && parameters.abuffer_size >= 256) return declared;
+  // Others err in bands along edges as wide as a pixel, and between points as long as a part of a voxel.
+  const double between = parity && parameters.search == Search::one_step ? 3 : 1;
+  return std::min(max_bias, declared * between * std::max(1.0, 1280.0 / parameters.abuffer_size));
 }
 
 PathSet path_set(const AbufferParameters& parameters, const RenderSettings& settings) {

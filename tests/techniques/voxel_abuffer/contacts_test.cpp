@@ -79,6 +79,40 @@ TEST_CASE("contacts: a mesh without an inside is hit by parity where it is, and 
   check_groups(rig, structure, rays, {0.003, 0.002, 0.001, 0.003});
 }
 
+TEST_CASE("contacts: rays that pass within a pixel of an edge meet nothing there, those between two triangles one") {
+  // The staircase of an edge reaches half a pixel beyond it.
+  AbufferRig rig(check::make_material_scene(MaterialKind::diffuse, LightKind::emissive));
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  for (const Intersect intersect : {Intersect::automatic, Intersect::parity}) {
+    CAPTURE(static_cast<int>(intersect));
+    const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .intersect = intersect});
+    const float pixel = structure.state().grid.center.w;
+    const glm::vec3 eye(0.9f, 1.6f, 3.4f);
+    Random random(6);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 30000; ++i) {
+      const float along = random.uniform(-1, 1);
+      const glm::vec3 edge = i % 3 == 0 ? glm::vec3(0.4f * along, 1.05f, -0.5f)  // of the box, above, at the back
+                             : i % 3 == 1
+                                 ? glm::vec3(2.5f * along, 0, -3)             // the floor's rim
+                                 : 0.5f * glm::vec3(along, 1.1f + along, 1);  // between two triangles of its front
+      rays.push_back(make_ray(eye, glm::normalize(edge + pixel * random.in_cube(1) - eye)));
+    }
+    const std::vector<Hit> right = rig.trace(bvh, rays).hits, found = rig.trace(structure, rays).hits;
+    uint32_t past = 0, invented = 0, missed = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const bool hit = right[i].triangle != LUCARIUM_NO_HIT, told = found[i].triangle != LUCARIUM_NO_HIT;
+      past += !hit;
+      invented += !hit && told;
+      if (i % 3 == 2) missed += !(std::fabs(right[i].distance - found[i].distance) <= 4 * pixel);
+    }
+    MESSAGE(invented, " of ", past, " that meet nothing; ", missed, " between triangles missed");
+    CHECK(past > 5000);
+    CHECK(invented <= past / 500);
+    CHECK(missed <= rays.size() / 1000);
+  }
+}
+
 TEST_CASE("contacts: rays from within half a pixel of another solid meet it, or leave") {
   AbufferRig rig(scene_of(furnished_room()));
   const VoxelAbuffer structure = rig.make({.abuffer_size = 320, .intersect = Intersect::parity});
@@ -114,6 +148,25 @@ TEST_CASE("contacts: rays from within half a pixel of another solid meet it, or 
   CHECK(unlike <= 200);
 }
 
+TEST_CASE("contacts: rays that begin in the edge of a room meet its other wall") {
+  AbufferRig rig(scene_of(inverted(box({-2, 0, -2}, {2, 2.5f, 2}))));
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 320, .intersect = Intersect::parity});
+  const float pixel = structure.state().grid.center.w;
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  const uint32_t down = rig.trace(bvh, {make_ray({1.9f, 1, 0.3f}, {0, -1, 0})}).hits[0].triangle;
+  Random random(8);
+  TestRays rays;
+  for (uint32_t i = 0; i < 2000; ++i) {
+    const glm::vec3 from(2 - random.uniform(0.001f, 0.008f) * pixel, 1e-5f, random.uniform(0.1f, 0.5f));
+    rays.rays.push_back(
+        make_ray(from, glm::normalize(glm::vec3(random.uniform(0.1f, 1), random.uniform(), random.uniform(-1, 1)))));
+    rays.ends.push_back({down, LUCARIUM_NONE});
+  }
+  uint32_t left = 0;
+  for (const Hit& hit : rig.trace(structure, rays.rays, rays.ends).hits) left += !(hit.distance < pixel);
+  CHECK(left == 0);
+}
+
 TEST_CASE("contacts: a face in the last half pixel of a voxel is met from inside") {
   // The state of a column changes up to half a pixel beyond the surface: in the next voxel.
   AbufferRig rig(check::make_material_scene(MaterialKind::diffuse, LightKind::emissive));
@@ -132,4 +185,23 @@ TEST_CASE("contacts: a face in the last half pixel of a voxel is met from inside
   uint32_t missed = 0;
   for (const Hit& hit : rig.trace(structure, rays).hits) missed += hit.distance > 1.1f;
   CHECK(missed == 0);
+}
+
+TEST_CASE("contacts: bodies whose triangles are smaller than pixels are hit, with an inside and without") {
+  // Most of these triangles have no fragments.
+  const Soup ball = sphere({0.1f, 0.2f, 0.3f}, 1, 320);
+  Soup cup = ball;
+  std::erase_if(cup.triangles, [&](const Triangle& t) { return cup.vertices[t.v0].position.z > 0.7f; });
+  for (const Soup& body : {ball, cup}) {
+    Soup soup = inverted(box({-2, -2, -2}, {4, 4, 4}));
+    append(soup, body);
+    AbufferRig rig(scene_of(soup));
+    const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .intersect = Intersect::parity});
+    CHECK(structure.statistics().exact_triangles == 0);
+    CAPTURE(structure.statistics().open_components);
+    const WalkedRays rays = walk_rays(rig, {0.9f, 1.6f, 3.4f}, 10000, 3);
+    // What has no inside errs near its rim.
+    const bool open = structure.statistics().open_components > 0;
+    check_groups(rig, structure, rays, open ? Limits{0.003, 0.02, 0.001, 0.06} : Limits{0.003, 0.002, 0.001, 0.003});
+  }
 }

@@ -96,8 +96,8 @@ TEST_CASE("voxels: exact search loses rays without conservative ones") {
 }
 
 TEST_CASE("voxels: a thin plate is searched along its normal, though the normals of its faces cancel") {
-  Soup plate = box({-1, -1, 0.01f}, {1, 1, 0.02f});  // within one layer of voxels
-  append(plate, box({-1, -1, 0.5f}, {-0.99f, 1, 1.5f}));
+  Soup plate = box({-1, -1, 0.01f}, {1, 1, 0.02f});      // within one layer of voxels
+  append(plate, box({0.3f, -1, 0.012f}, {1, 1, 1.5f}));  // on it a block, whose side has the greater average
   AbufferRig rig(scene_of(plate));
   const auto axes = [&](abuffer::AxisRule rule) {
     const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .axis_rule = rule});
@@ -115,6 +115,7 @@ TEST_CASE("voxels: a thin plate is searched along its normal, though the normals
   const auto absolute = axes(abuffer::AxisRule::absolute_normal), average = axes(abuffer::AxisRule::average_normal);
   CHECK(absolute[2] > 300);
   CHECK(absolute[0] + absolute[1] + absolute[3] == 0);
-  CHECK(average[2] == 0);
-  CHECK(average[3] == absolute[2]);
+  CHECK(average[0] > 20);
+  CHECK(average[2] > 100);
+  CHECK(average[1] + average[3] == 0);
 }
