@@ -236,3 +236,24 @@ TEST_CASE("planes: of sheets in one voxel the nearest is hit") {
     CHECK(wrong == 0);
   }
 }
+
+TEST_CASE("planes: a wall is met where it stands on a floor, whose voxels are searched along the other axis") {
+  Soup soup = box({-3, -0.1f, -3}, {3, 0, 3});
+  append(soup, box({-0.4f, 0.01f, -0.4f}, {0.4f, 1, 0.4f}));
+  AbufferRig rig(scene_of(soup));
+  const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .intersect = Intersect::plane});
+  Random random(3);
+  std::vector<Ray> rays;
+  for (int i = 0; i < 4000; ++i) {
+    const glm::vec3 from(random.uniform(-1, 1), random.uniform(0.2f, 0.5f), 2.5f);
+    rays.push_back(make_ray(
+        from, glm::normalize(glm::vec3(random.uniform(-0.35f, 0.35f), random.uniform(0.04f, 0.15f), 0.4f) - from)));
+  }
+  const std::vector<Hit> right = rig.trace(bvh, rays).hits, found = rig.trace(structure, rays).hits;
+  uint32_t wrong = 0;
+  for (size_t i = 0; i < rays.size(); ++i)
+    wrong += !(std::fabs(right[i].distance - found[i].distance) <= 4 * structure.state().grid.center.w);
+  MESSAGE(wrong, " wrong");
+  CHECK(wrong <= rays.size() / 200);
+}
