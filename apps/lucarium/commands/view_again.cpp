@@ -93,8 +93,7 @@ std::optional<ViewState> state_of_earlier_view() {
   }
 }
 
-void start_again(const ViewState& state) {
-  std::vector<std::string> words = own_command_line();
+void start_again(std::vector<std::string> words, const ViewState& state) {
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);

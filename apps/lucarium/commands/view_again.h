@@ -19,7 +19,8 @@ struct ViewState {
 /// In a program that start_again() has started: what the one before left. The variable is gone then.
 std::optional<ViewState> state_of_earlier_view();
 
-/// Replaces this program by a new one with the same command line. Returns only if that fails; throws Error{internal}.
-[[noreturn]] void start_again(const ViewState& state);
+/// Replaces this program by a new one with the command line `words` (own_command_line()). Throws Error{internal} if
+/// that fails.
+[[noreturn]] void start_again(std::vector<std::string> words, const ViewState& state);
 
 }  // namespace lucarium::app

@@ -4,6 +4,8 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <memory>
 #include <thread>
 
 #include "commands/commands.h"
@@ -81,22 +83,36 @@ bool is_loadable(const ViewArguments& arguments, ViewHub& hub) {
 }
 
 /// Renders on a thread of its own while this one serves, until interrupted or `changed`. What is being computed when
-/// the end comes need not be finished: nothing of it is kept.
-void serve(Viewer& viewer, ViewServer& server, const std::function<bool()>& changed) {
-  std::atomic<bool> rendering{true};
-  std::thread renderer([&] {
+/// the end comes need not be finished: nothing of it is kept. False: it goes on, and needs the viewer and what that
+/// has.
+bool serve(Viewer& viewer, ViewServer& server, const std::function<bool()>& changed) {
+  const auto rendering = std::make_shared<std::atomic<bool>>(true);  // it may outlive this function
+  std::thread renderer([&viewer, rendering] {
     viewer.run();
-    rendering = false;
+    *rendering = false;
   });
-  server.run([&] { return interrupt_requested() || changed(); });
+  try {
+    server.run([&] { return interrupt_requested() || changed(); });
+  } catch (...) {
+    viewer.stop();
+    renderer.join();
+    throw;
+  }
   viewer.stop();
   const Stopwatch waiting;
-  while (rendering && waiting.seconds() < patience_at_end) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  if (!rendering) return renderer.join();
-  renderer.detach();  // kernels that compile cannot be stopped
-  if (!interrupt_requested()) return;
+  while (*rendering && waiting.seconds() < patience_at_end) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  if (*rendering) {
+    renderer.detach();  // kernels that compile cannot be stopped
+    return false;
+  }
+  renderer.join();
+  return true;
+}
+
+/// Without what the thread that renders still needs.
+[[noreturn]] void leave(int code) {
   flush_results();
-  std::_Exit(0);
+  std::_Exit(code);
 }
 
 /// Says where the page is, and opens it where that was asked for.
@@ -143,21 +159,29 @@ int view(const ViewArguments& arguments, const Messages& messages) {
   if (!earlier) announce(arguments, messages, server->url());
   const KeepOnInterrupt end_in_order;
   if (!arguments.watch) {
-    serve(viewer, *server, [] { return false; });
+    if (!serve(viewer, *server, [] { return false; })) leave(0);
     return 0;
   }
+  const std::vector<std::string> words = own_command_line();  // before a build replaces the program
   InputWatcher watcher(watched_inputs(arguments, registry));
-  serve(viewer, *server, [&] {
+  const bool ended = serve(viewer, *server, [&] {
     const std::filesystem::path file = watcher.changed();
     if (file.empty() || !is_loadable(arguments, hub)) return false;
     if (!messages.quiet) print_note("{} changed\n", file.string());
     return true;
   });
+  if (interrupt_requested() && !ended) leave(0);
   if (interrupt_requested()) return 0;
   const ViewState state{server->port(), server->token(), hub.request()};
   server.reset();  // its port is the next one's
   flush_results();
-  start_again(state);
+  try {
+    start_again(words, state);
+  } catch (const Error& error) {
+    if (ended) throw;
+    print_note("lucarium: error: {}\n", error.what());
+    leave(error.exit_code());
+  }
 }
 
 }  // namespace

@@ -45,6 +45,7 @@ void PixelInspector::look(const ViewSurroundings& around, SceneOnDevice& scene) 
   x_ = std::min(around.request.inspect_x, around.settings.width - 1);
   y_ = std::min(around.request.inspect_y, around.settings.height - 1);
   obstacle_.clear();
+  known_ = false;
   try {
     surface_ = find_pixel_surface(around.device, scene, around.settings, x_, y_);
     known_ = true;

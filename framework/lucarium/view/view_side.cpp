@@ -242,7 +242,7 @@ ordered_json ViewSide::status(const std::vector<ViewTechnique>& others) {
   if (around_.commands && divisor_ == 1) {
     ordered_json commands = ordered_json::array();
     for (const RepeatText& repeat : around_.commands({sessions_.technique(), request.camera, request.scene_camera,
-                                                      session_->iterations(), request.edits, others}))
+                                                      session_->iterations(), around_.edits, others}))
       commands.push_back({{"name", repeat.name}, {"line", repeat.text}, {"file", repeat.file}});
     status["repeat"] = {{"exact", sessions_.is_fresh(1)}, {"commands", std::move(commands)}};
   }

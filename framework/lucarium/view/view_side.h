@@ -40,6 +40,7 @@ struct ViewSurroundings {
   RenderBudget budget;      ///< of a picture; 0: it goes on
   RepeatCommands commands;
   float exposure = 0;           ///< [stops] NaN: automatic
+  SceneEdits edits;             ///< that the scene has; those asked for may have been refused
   ViewRequest request;          ///< that is being followed
   uint64_t picture_number = 0;  ///< of the last one sent, of any side
 };

@@ -63,8 +63,11 @@ bool ViewTruth::watch(ViewSide& side) {
   const std::string before = std::exchange(obstacle_, found == obstacles_.end() ? "" : found->second);
   if (!obstacle_.empty()) return before != obstacle_;
   const double seconds = session->clocks().iterate;
-  if (history_.wants(side.technique(), seconds, side.stage() == ViewSide::Stage::done))
-    history_.keep(side.technique(), text, seconds, session->last().samples, session->resolve());
+  if (history_.wants(side.technique(), seconds, side.stage() == ViewSide::Stage::done)) {
+    Film film(session->settings().width, session->settings().height);
+    session->technique().resolve(film);  // unchecked: pages see pixels that are no numbers, too
+    history_.keep(side.technique(), text, seconds, session->last().samples, film);
+  }
   return false;
 }
 

@@ -28,7 +28,8 @@ Viewer::Viewer(std::shared_ptr<Device> device, Scene scene, const TechniqueRegis
     : registry_(registry),
       named_(std::move(options.techniques)),
       hub_(hub),
-      around_{std::move(device), options.settings, options.budget, std::move(options.commands), scene.exposure, {}, 0},
+      around_{
+          std::move(device), options.settings, options.budget, std::move(options.commands), scene.exposure, {}, {}, 0},
       edited_(std::move(options.edited)),
       truth_(around_, registry, [this] { return stopped_ || hub_.changes() != changes_; }) {
   hub_.set_welcome(describe_view(scene, registry, named_, around_.settings));
@@ -49,7 +50,13 @@ Viewer::Viewer(std::shared_ptr<Device> device, Scene scene, const TechniqueRegis
 bool Viewer::should_stop() const { return stopped_ || interrupt_requested(); }
 
 void Viewer::run() {
-  while (!should_stop()) step();
+  while (!should_stop()) {
+    try {
+      step();
+    } catch (const std::exception& error) {  // what no side could be blamed for
+      for (const auto& side : sides_) side->fail(error.what());
+    }
+  }
 }
 
 /// What is thrown is the failure of that side alone.
@@ -72,6 +79,7 @@ void Viewer::step() {
   ViewSide* const chosen = next_side();
   if (is_truth_next(chosen)) {
     truth_.work();
+    if (!truth_.is_on()) end_truth();
   } else if (chosen) {
     attempt(*chosen, [&] {
       chosen->work();
@@ -110,10 +118,17 @@ bool Viewer::is_truth_next(const ViewSide* side) const {
   return !side || (side->film_divisor() == 1 && truth_.spent() < side->spent());
 }
 
+/// The reference has failed: it can be asked for again.
+void Viewer::end_truth() {
+  hub_.set_request([](ViewRequest& request) { request.reference = false; });
+  around_.request.reference = false;
+  report(true);
+}
+
 void Viewer::follow(const ViewRequest& request) {
   const ViewRequest before = around_.request;
   around_.request = request;
-  if (request.scene_number != before.scene_number) follow_scene(before);
+  if (request.scene_number != before.scene_number) follow_scene();
   if (request.camera_number != before.camera_number) follow_camera(request);
   for (uint32_t index = 0; index < view_sides; ++index) follow_side(index, before);
   if (request.reference != before.reference) {
@@ -128,9 +143,9 @@ void Viewer::follow(const ViewRequest& request) {
 }
 
 /// A change of time alone is made in place, where the session that is there can follow; all else is a new scene.
-void Viewer::follow_scene(const ViewRequest& before) {
+void Viewer::follow_scene() {
   const SceneEdits& edits = around_.request.edits;
-  SceneEdits same = before.edits;
+  SceneEdits same = around_.edits;
   same.seconds = edits.seconds;
   try {
     if (!(same == edits) || !move_scene(edits.seconds.value_or(0))) {
@@ -141,6 +156,7 @@ void Viewer::follow_scene(const ViewRequest& before) {
         running[index] =
             sides_[index]->empty() ? ViewTechnique{wanted.technique, wanted.parameters} : sides_[index]->technique();
       }
+      around_.edits = edits;
       replace_scene(std::move(scene));
       for (uint32_t index = 0; index < sides(); ++index)
         attempt(*sides_[index], [&] { sides_[index]->take(registry_, running[index]); });
@@ -156,6 +172,7 @@ void Viewer::follow_scene(const ViewRequest& before) {
 bool Viewer::move_scene(double seconds) {
   truth_.begin();
   if (sides() > 1 || !sides_[0]->set_time(seconds)) return false;
+  around_.edits.seconds = around_.request.edits.seconds;
   take_scene(scene_->scene);
   return true;
 }
@@ -171,7 +188,7 @@ void Viewer::take_scene(const Scene& scene) {
   cameras_ = scene.cameras;
   bounds_ = scene.bounds();
   around_.exposure = scene.exposure;
-  hub_.set_scene(describe_scene(scene, around_.request.edits));
+  hub_.set_scene(describe_scene(scene, around_.edits));
   follow_camera(around_.request);
 }
 
@@ -220,9 +237,9 @@ void Viewer::send_flip() {
 void Viewer::send_files() {
   for (const ViewSave& save : hub_.take_saves()) {
     try {
-      ViewSide& side = *sides_[0];
-      RenderSession* const session = side.film_divisor() == 1 ? side.whole() : nullptr;
-      if (!session) throw_error(ErrorClass::usage, "there is no whole picture yet");
+      RenderSession* const session = sides_[0]->whole();  // whether a page has seen it or not
+      if (!session || (session->last().samples == 0 && !session->last().visible))
+        throw_error(ErrorClass::usage, "there is no whole picture yet");
       hub_.send_file(save.page, encode_file(save.kind, save.exposure, session->resolve()));
     } catch (const Error& error) {
       hub_.send_error(save.page, error.what());

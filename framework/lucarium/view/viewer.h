@@ -41,7 +41,8 @@ class Viewer {
   void follow(const ViewRequest& request);
   void follow_camera(const ViewRequest& request);
   void follow_side(uint32_t index, const ViewRequest& before);
-  void follow_scene(const ViewRequest& before);
+  void follow_scene();
+  void end_truth();
   void replace_scene(Scene scene);
   void take_scene(const Scene& scene);
   bool move_scene(double seconds);

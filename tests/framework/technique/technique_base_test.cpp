@@ -20,7 +20,7 @@ struct BaseOptions {
   }
 };
 
-class Counting : public TechniqueBase<Options> {
+class Counting : public TechniqueBase<BaseOptions> {
  public:
   PathSet path_set(const Scene&, const RenderSettings&) const override { return PathSet::no_light_transport(); }
   std::vector<std::string> limitations(const Scene&, const RenderSettings&) const override { return {}; }

@@ -46,6 +46,23 @@ TEST_CASE("the error of an unbiased picture is its noise and the reference's own
   CHECK(reference->flip(brighter) > reference->flip(film.image()));
 }
 
+TEST_CASE("a reference has the bounces that the technique has, though more are asked for") {
+  const std::shared_ptr<SceneOnDevice> scene = share_scene(load_scene("builtin:cornell"));
+  RenderSettings settings;
+  settings.width = settings.height = 16;
+  settings.camera = load_scene("builtin:cornell").cameras.front();
+  RenderSettings direct = settings;
+  direct.max_bounces = 0;
+  RenderSession session(test::test_device(), scene, test::registry().find("path_tracing"), direct,
+                        {{"replicates", "16"}});
+  const auto reference = reference_of(scene, settings, session.technique().path_set(session.scene(), direct));
+  while (reference->measured_samples() < 256) reference->work();
+  while (session.last().samples < 64) session.iterate();
+  const Film film = session.resolve();
+  // Indirect light would make it thousands of times as much.
+  CHECK(reference->relmse(film.image()) < 3 * (GrowingReference::noise_of(film) + reference->own_relmse()));
+}
+
 TEST_CASE("errors of all that was tried stay, and are measured again when the reference is better") {
   const std::shared_ptr<SceneOnDevice> scene = share_scene(load_scene("builtin:cornell"));
   RenderSettings settings;

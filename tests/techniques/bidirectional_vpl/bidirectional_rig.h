@@ -28,7 +28,7 @@ struct Picture {
 };
 
 inline Film render(const Scene& scene, const std::string& technique, const Picture& picture,
-                   const Parameters& parameters = {}) {
+                   const Parameters& parameters = {}, const std::shared_ptr<Device>& device = test_device()) {
   RenderSettings settings;
   settings.width = picture.width;
   settings.height = picture.height;
@@ -36,7 +36,7 @@ inline Film render(const Scene& scene, const std::string& technique, const Pictu
   settings.seed = picture.seed;
   settings.pixel_sampling = picture.pixel_sampling;
   settings.camera = scene.cameras.front();
-  RenderSession session(test_device(), scene, registry().find(technique), settings, parameters);
+  RenderSession session(device, scene, registry().find(technique), settings, parameters);
   session.run({.iterations = picture.iterations});
   return session.resolve();
 }

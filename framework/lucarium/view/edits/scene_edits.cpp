@@ -66,7 +66,9 @@ std::string describe_scene(const Scene& scene, const SceneEdits& edits) {
     materials.push_back(describe_material(scene.materials[i]));
   ordered_json json = {{"lights", std::move(lights)}, {"materials", std::move(materials)}};
   json["environment"] = !scene.environment ? "none" : edits.environment.empty() ? "" : edits.environment;
-  json["edits"] = edits.materials;
+  json["edits"] = {{"lights", edits.lights ? ordered_json(*edits.lights) : ordered_json(nullptr)},
+                   {"materials", edits.materials},
+                   {"environment", edits.environment}};
   json["time"] = scene.time;
   const bool moves = scene.animation >= 0 && static_cast<size_t>(scene.animation) < scene.animations.size();
   json["duration"] = moves ? scene.animations[static_cast<size_t>(scene.animation)].duration : 0.0;

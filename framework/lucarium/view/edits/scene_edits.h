@@ -33,7 +33,7 @@ std::vector<std::string> light_words(const SceneEdits& edits);
 std::string sidecar_text(const SceneEdits& edits, const std::string& camera);
 
 /// What can be edited: {"lights": [{"text"}], "materials": [{"name", "base_color", …}], "environment", "animation",
-/// "duration", "time"}
+/// "duration", "time"}, and what was: "edits": {"lights" or null, "materials", "environment"}
 std::string describe_scene(const Scene& scene, const SceneEdits& edits);
 
 }  // namespace lucarium

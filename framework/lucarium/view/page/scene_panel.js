@@ -89,9 +89,11 @@ class ScenePanel {
   }
 
   // Those that another page has made, or this one before it was loaded again.
-  takeEdits(texts) {
+  takeEdits(edits) {
+    this.lights = edits.lights;
+    this.environment = edits.environment;
     this.materials.clear();
-    for (const text of texts) {
+    for (const text of edits.materials) {
       const at = text.lastIndexOf(':', text.indexOf('=')), values = new Map();
       for (const piece of text.slice(at + 1).split(/,(?=[a-z_]+=)/)) values.set(...piece.split('='));
       this.materials.set(text.slice(0, at), values);

@@ -17,7 +17,8 @@ constexpr uint64_t replicates = 16;           // sample sets: each has a sample 
 constexpr uint64_t max_samples = 1ull << 20;  // per pixel; far below what a picture can show
 
 /// The samples are never those of a picture: with the same seed its noise would be the reference's.
-RenderSettings reference_settings(RenderSettings settings) {
+RenderSettings reference_settings(RenderSettings settings, const PathSet& paths) {
+  settings.max_bounces = paths.max_bounces;  // a technique may have fewer than are asked for
   settings.seed = Hasher().add(settings.seed).add(uint64_t{1}).finish().low;
   return settings;
 }
@@ -34,7 +35,7 @@ std::vector<std::pair<std::string, std::string>> parameters_of(const PathSet& pa
 GrowingReference::GrowingReference(std::shared_ptr<Device> device, std::shared_ptr<SceneOnDevice> scene,
                                    const TechniqueType& type, const RenderSettings& settings, const PathSet& paths,
                                    RenderSession::OnPreparing on_preparing, std::function<bool()> unwanted)
-    : session_(std::move(device), std::move(scene), type, reference_settings(settings), parameters_of(paths),
+    : session_(std::move(device), std::move(scene), type, reference_settings(settings, paths), parameters_of(paths),
                std::move(on_preparing)),
       own_relmse_(NAN) {
   session_.scheduler().set_cancel([unwanted = std::move(unwanted)] { return interrupt_requested() || unwanted(); });
