@@ -21,7 +21,6 @@ constexpr double kFilmPixelSeconds = 1.5e-7;    // a pixel of a film, in a sweep
 constexpr double kKeptPixelSeconds = 3e-8;      // the same where fragments are kept
 constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a line
 constexpr double kKeepingFilms = 1.5;           // what keeping a film takes, of drawing it
-constexpr double kPreviewFilms = 3. / 16;       // that a preview draws, of all
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kSweeps = 6;                   // of unlimited bounces
 constexpr size_t kTileBytes = 24;               // a tile's share of norms, and its place in the list
@@ -61,10 +60,9 @@ size_t fragment_bytes(const Parameters& parameters, const FilmPlan& film, double
       static_cast<uint32_t>(parameters.dir_n), static_cast<uint32_t>(parameters.perturb), film.pixel(), area));
 }
 
-/// Whether films are drawn once, and all fragments kept for later sweeps.
-bool keeps_all(const Plan& plan, const Parameters& parameters, const FilmPlan& film, double area) {
-  return (plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces) &&
-         fragment_bytes(parameters, film, area) <= static_cast<size_t>(parameters.cache_visibility) << 20;
+/// Whether films are drawn once, and fragments kept for later sweeps where there is room.
+bool keeps_any(const Plan& plan, const Scene& scene) {
+  return (plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces) && FilmRuns::can_keep(scene);
 }
 
 }  // namespace
@@ -83,17 +81,21 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
     const double sweeps = plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps;
     const double drawn = edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds,
                  kept = edge * edge * kKeptPixelSeconds;
-    const bool keeps = keeps_all(plan, parameters, film, area_of(plan, scene));
-    const double film_seconds = (parameters.preview ? kPreviewFilms * drawn : 0) +
-                                (keeps ? kKeepingFilms * drawn + sweeps * kept : (sweeps + 1) * drawn);
+    const bool keeps = keeps_any(plan, scene) && fragment_bytes(parameters, film, area_of(plan, scene)) <=
+                                                     static_cast<size_t>(parameters.cache_visibility) << 20;
+    const double film_seconds = keeps ? kKeepingFilms * drawn + sweeps * kept : (sweeps + 1) * drawn;
+    const double previews =
+        parameters.preview ? LightField::estimate_preview_films(field_options(plan, parameters)) : 0;
     device += texels * (parameters.open_rays * kAccessibilitySeconds + (plan.sampled ? kSideLightSeconds : 0)) +
-              parameters.perturb * lines * film_seconds;
+              parameters.perturb * lines * film_seconds + previews * drawn;
   }
   return host / power.host + device / power.device;
 }
 
 double light_seconds(uint32_t samples) { return samples * kSideLightSeconds / kFirstLightSamples; }
-double film_seconds(double film_pixels) { return film_pixels * kFilmPixelSeconds; }
+double film_seconds(double film_pixels, double drawn) {
+  return film_pixels * (drawn * kFilmPixelSeconds + (1 - drawn) * kKeptPixelSeconds);
+}
 double eye_seconds(uint32_t pixels) { return pixels * kPixelSeconds; }
 
 std::vector<ParameterSaving> savings() {
@@ -114,10 +116,9 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
   const double edge = SurfaceAtlas::estimate_edge(scene, plan.atlas);
   const double area = edge * edge * static_cast<double>(sides);
   const double cells = directions * kTileOverhead * area * tiled_share(parameters, scene) / (4 * film.cell * film.cell);
-  const bool keeps = plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces;
-  const size_t kept =
-      !keeps ? 0
-             : std::min(static_cast<size_t>(parameters.cache_visibility) << 20, fragment_bytes(parameters, film, area));
+  const size_t kept = !keeps_any(plan, scene) ? 0
+                                              : std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
+                                                         fragment_bytes(parameters, film, area));
   const auto tile = static_cast<size_t>(parameters.tile > 0 ? parameters.tile : 8);
   LayeredRasterOptions raster;
   raster.max_width = raster.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);

@@ -50,7 +50,8 @@
 // lucarium/services/layered_raster sorts the fragments of each pixel.
 //
 // Not in the paper: the tail, light samples (direct_mode=nee), rays from pixels (pixels/trace_lobes.cl), glossy lobes
-// by gathers with normalised weights, patches that are not planar, accessibility (texel_sides/side_accessibility.h).
+// by gathers with normalised weights, patches that are not planar, accessibility (texel_sides/side_accessibility.h), a
+// coarse field before the first sweep (field/field_preview.cpp).
 
 #include <fmt/format.h>
 
@@ -237,8 +238,9 @@ class VirtualLightField : public TechniqueBase<Parameters> {
       }
       runs_left_ = 0;
     } else {
+      const double drawn = field_->drawn_share();
       if (!field_->advance(kFilmPixels)) return false;
-      eye_credit_ += film_seconds(kFilmPixels);
+      eye_credit_ += film_seconds(kFilmPixels, drawn);
     }
     stepped_ = true;
     return true;

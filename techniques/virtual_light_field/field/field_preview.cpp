@@ -12,14 +12,28 @@ namespace {
 constexpr uint32_t kCoarser = 4;         // in n: a sixteenth of the lines
 constexpr uint32_t kPreviewBounces = 3;  // the fewest that show the ratio of the series
 
+uint32_t coarse_n(uint32_t dir_n) { return std::max(dir_n / kCoarser, 2u); }
+
+uint32_t bounces_of(int max_bounces) {
+  return max_bounces < 0 ? kPreviewBounces : std::min(kPreviewBounces, static_cast<uint32_t>(max_bounces));
+}
+
+bool has_preview(const LightField::Options& options) {
+  return options.preview && options.sampled && options.max_bounces != 0 && coarse_n(options.dir_n) < options.dir_n;
+}
+
 }  // namespace
+
+uint32_t LightField::estimate_preview_films(const Options& options) {
+  const uint32_t n = coarse_n(options.dir_n);
+  return has_preview(options) ? (2 * n * n + 1) * bounces_of(options.max_bounces) : 0;
+}
 
 /// The lines nearest to those of a coarser grid, which cover the sphere as evenly.
 void LightField::choose_preview_lines() {
   preview_films_.clear();
-  const uint32_t coarse_n = std::max(options_.dir_n / kCoarser, 2u);
-  if (!options_.preview || !options_.sampled || options_.max_bounces == 0 || coarse_n == options_.dir_n) return;
-  const DirectionGrid coarse(coarse_n, options_.seed);
+  if (!has_preview(options_)) return;
+  const DirectionGrid coarse(coarse_n(options_.dir_n), options_.seed);
   std::set<uint32_t> nearest;
   for (uint32_t line = 0; line < coarse.lines(); ++line) {
     const glm::dvec3 wanted = coarse.direction(2 * line);
@@ -40,18 +54,15 @@ void LightField::end_preview_sweep() {
   const bool unlimited = options_.max_bounces < 0;
   if (++preview_sweep_ <= preview_bounces()) return;
   const FieldTail tail = find_tail(take_norms());
-  show(unlimited && std::isfinite(tail.error) ? tail.factor : float4{}, false);
+  const bool all = !unlimited && preview_bounces() == static_cast<uint32_t>(options_.max_bounces);
+  show(unlimited && std::isfinite(tail.error) ? tail.factor : float4{}, all);
   ++shown_sweeps_;
   films_->forget_drawn();
-  set_albedo(false);
+  if (tiled_) set_albedo(false);
   scheduler_->run_to_end(emit_);
   stage_ = stage_after_preview();
 }
 
-uint32_t LightField::preview_bounces() const {
-  if (preview_films_.empty()) return 0;
-  return options_.max_bounces < 0 ? kPreviewBounces
-                                  : std::min(kPreviewBounces, static_cast<uint32_t>(options_.max_bounces));
-}
+uint32_t LightField::preview_bounces() const { return preview_films_.empty() ? 0 : bounces_of(options_.max_bounces); }
 
 }  // namespace lucarium::vlf

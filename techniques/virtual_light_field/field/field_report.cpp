@@ -24,14 +24,21 @@ LightField::Counts LightField::counts() const {
   return result;
 }
 
+double LightField::drawn_share() const {
+  if (!films_ || stage_ == Stage::keep) return 1;
+  return 1 - static_cast<double>(films_->kept_films()) / films_->films();
+}
+
 double LightField::progress() const {
   if (done()) return 1;
-  if (!begun_) return 0;
-  const double lines = static_cast<double>(next_film_) / films_->films();
+  if (!begun_ || stage_ == Stage::preview) return 0;
   if (options_.max_bounces >= 0) {
-    const double all = options_.max_bounces + (tiled_ ? 2. : 1.);
-    if (stage_ == Stage::preview) return 0;
-    return std::min((sweep_ + lines + (tiled_ && stage_ != Stage::survey ? 1. : 0.)) / all, 0.99);
+    // Stages are run through as often as there are sweeps, and once each to keep fragments and to survey.
+    const double keeping = films_->keeps() ? 1 : 0, survey = tiled_ ? 1 : 0;
+    const double before = stage_ == Stage::keep ? 0 : stage_ == Stage::survey ? keeping : keeping + survey + sweep_;
+    const uint32_t films = films_of_stage();
+    const double part = stage_ == Stage::scatter ? 1 : films > 0 ? static_cast<double>(next_film_) / films : 0;
+    return std::min((before + part) / (options_.max_bounces + 1 + keeping + survey), 0.99);
   }
   // The error falls by a factor per sweep: on a logarithmic scale it comes evenly.
   const double error = options_.tail ? tail_.error : tail_.without;

@@ -17,10 +17,7 @@ constexpr const char* kFewerCells = "lower dir_n, cells or texels";
 /// Per texel side the extinction of the volume that it looks into: of backs of refracting volumes. Empty: there is
 /// none.
 std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buffers, const SurfaceAtlas& atlas) {
-  const bool any = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-    return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
-  });
-  if (!any) return {};
+  if (FilmRuns::can_keep(scene)) return {};
   const std::vector<Material> materials = buffers.scene_materials.download();
   const std::vector<Instance> instances = buffers.scene_instances.download();
   const std::vector<Triangle> triangles = buffers.scene_triangles.download();
@@ -68,8 +65,7 @@ FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host
     record_average(cells, average);
   }
   record_exchange(device, raster, atlas, interior, accessibility, cells, records, false, &exchange_);
-  // Attenuation asks for lengths of gaps, which are not kept.
-  if (options.cache == 0 || extinction_) return;
+  if (options.cache == 0 || !can_keep(host_scene)) return;
   KeptRows::Options keeping;
   keeping.views = films();
   keeping.height = options.film.film << options.film.shift;
@@ -183,6 +179,12 @@ void FilmRuns::record_average(const CellBuffers& cells, const Program& average) 
   else
     pass.arg("scale", average_.scale).arg("received", received_);
   average_.schedule = recorder.compile();
+}
+
+bool FilmRuns::can_keep(const Scene& scene) {
+  return std::none_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
+    return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
+  });
 }
 
 double FilmRuns::pixels() const {

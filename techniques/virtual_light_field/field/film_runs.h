@@ -47,6 +47,8 @@ class FilmRuns {
     if (kept_) kept_->finish();
   }
   bool keeps() const { return kept_ != nullptr; }
+  /// Whether fragments of a scene can be kept: attenuation asks for lengths of gaps, which are not.
+  static bool can_keep(const Scene& scene);
   uint32_t kept_films() const { return kept_ ? kept_->kept_views() : 0; }
   uint64_t drawn() const { return drawn_; }  ///< films, by raster or kept
   void forget_drawn() { drawn_ = 0; }

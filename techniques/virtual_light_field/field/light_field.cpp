@@ -160,7 +160,7 @@ void LightField::begin() {
   scheduler_->finish();
   if (scatter_) scatter_->begin();
   choose_preview_lines();
-  if (!preview_films_.empty()) set_albedo(true);
+  if (!preview_films_.empty() && tiled_) set_albedo(true);
   stage_ = preview_films_.empty() ? stage_after_preview() : Stage::preview;
   next_film_ = sweep_ = shown_sweeps_ = preview_sweep_ = 0;
   begun_ = true;
@@ -305,10 +305,11 @@ void LightField::finish_sweep(const Norms& norms) {
   if (last && unlimited && options_.tail && std::isfinite(tail_.error)) factor = tail_.factor;
   // What is missing is λ / (1 - λ) times the last sweep's irradiance, and as much of what cells send next, which is
   // known.
-  if (last || sweep_ >= preview_bounces()) show(factor, is_last());
+  const bool shows = last || sweep_ >= preview_bounces();
+  if (shows) show(factor, is_last());
   if (stage_ == Stage::scatter) scatter_->add(sweep_, factor);
   ++sweep_;
-  ++shown_sweeps_;
+  if (shows || tiled_) ++shown_sweeps_;
   stage_ = last ? Stage::done : Stage::transport;
   if (last) end_propagation();
 }

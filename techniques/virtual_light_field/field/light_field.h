@@ -49,6 +49,8 @@ class LightField {
   /// many cells; at least a line. False when cancelled: the next call goes on there.
   bool advance(double film_pixels = 4e6);
   bool done() const { return stage_ == Stage::done; }
+  /// Of the films that come next, those that are rasterized; the others' fragments are kept.
+  double drawn_share() const;
   double progress() const;  ///< [1], of finite bounces; of unlimited ones estimated by the error
   std::string phase() const;
   const std::string& why_done() const { return why_done_; }
@@ -87,6 +89,8 @@ class LightField {
   static constexpr int kKeptBounces = 3;  ///< so many at least: drawing twice to keep fragments pays
   /// Expected fragments of all films. `pixel` [m]; `area`: of the scene's surfaces, each once [m²].
   static double estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area);
+  /// That a preview draws, all of its sweeps together.
+  static uint32_t estimate_preview_films(const Options& options);
 
  private:
   enum class Stage { preview, keep, survey, transport, scatter, done };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Memory of the paper's elements.
+// Bytes by which the experiment `propagation` tells of memory.
 #include <doctest/doctest.h>
 
 #include <fstream>
@@ -11,7 +11,7 @@
 using namespace lucarium;
 using namespace lucarium::test;
 
-TEST_CASE("the paper's elements take the bytes of its Table 1") {
+TEST_CASE("the experiment's formula gives the bytes of Table 1 for the paper's elements") {
   // Mortensen et al. 2007, Table 1: diffuse and non-diffuse elements.
   constexpr double elements[4][2] = {{34816, 931136}, {816640, 0}, {905984, 0}, {2434560, 7629824}};
   std::ifstream file(environment("LUCARIUM_TEST_SOURCE") +

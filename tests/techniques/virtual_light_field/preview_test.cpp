@@ -49,6 +49,31 @@ TEST_CASE("before the first sweep a preview shows nearly the light of the end, a
   }
 }
 
+TEST_CASE("with few bounces, and with perturbed directions, a preview changes no bit, and progress never falls") {
+  const Scene scene = LampBox().scene();
+  for (const auto& [bounces, perturb] : {std::pair(1, 1), std::pair(2, 4), std::pair(4, 1)}) {
+    CAPTURE(bounces);
+    vlf::Parameters p = few_directions();
+    p.texels = 512;
+    p.perturb = perturb;
+    FieldRig::Options options = with_preview();
+    options.max_bounces = bounces;
+    FieldRig early(scene, p, options);
+    options.preview = false;
+    FieldRig plain(scene, p, options);
+    plain.propagate();
+    double before = 0;
+    while (!early.field().done()) {
+      early.field().advance(1);
+      CHECK(early.field().progress() >= before);
+      before = early.field().progress();
+    }
+    early.scheduler().finish();
+    CHECK(early.indirect() == plain.indirect());
+    CHECK(early.cells() == plain.cells());
+  }
+}
+
 TEST_CASE("what a short budget lowers takes less time, and so do fragments that are kept") {
   const Scene scene = LampBox().scene();
   RenderSettings settings;
