@@ -32,8 +32,10 @@ ordered_json describe_layers(const Film& film, uint32_t x, uint32_t y) {
       list.push_back(std::isfinite(values[c]) ? ordered_json(values[c]) : ordered_json(fmt::format("{}", values[c])));
     layers[name] = std::move(list);
   };
-  const std::vector<float> image = film.image();
-  add("image", &image[3 * pixel], 3);
+  float image[3] = {};
+  for (const FilmLayer& layer : film.layers())
+    for (size_t c = 0; layer.additive && c < 3; ++c) image[c] += layer.pixels[3 * pixel + c];
+  add("image", image, 3);
   for (const FilmLayer& layer : film.layers())
     add(layer.name, &layer.pixels[layer.channels.size() * pixel], layer.channels.size());
   return layers;

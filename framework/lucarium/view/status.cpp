@@ -96,9 +96,9 @@ ordered_json describe_running(const ViewTechnique& technique, RenderSession& ses
   return running;
 }
 
-ordered_json describe_progress(const RenderSession& session) {
+ordered_json describe_progress(const RenderSession& session, double seconds) {
   const IterationResult last = session.last();
-  return {{"iterations", session.iterations()}, {"samples", last.samples}, {"seconds", session.clocks().iterate},
+  return {{"iterations", session.iterations()}, {"samples", last.samples}, {"seconds", seconds},
           {"progress", last.progress},          {"phase", last.phase},     {"converged", last.converged}};
 }
 

@@ -25,7 +25,7 @@ std::string describe_view(const Scene& scene, const TechniqueRegistry& registry,
 nlohmann::ordered_json describe_running(const ViewTechnique& technique, RenderSession& session);
 
 /// {"iterations", "samples", "seconds", "progress", "phase", "converged"}
-nlohmann::ordered_json describe_progress(const RenderSession& session);
+nlohmann::ordered_json describe_progress(const RenderSession& session, double seconds);
 
 /// Time per pass [s] since the last change, device memory by owner [bytes], the technique's counters.
 nlohmann::ordered_json describe_machine(RenderSession& session);

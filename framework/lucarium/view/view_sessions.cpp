@@ -63,6 +63,7 @@ RenderSession& ViewSessions::at(uint32_t divisor) {
   if (sized.camera_number != camera_number_) {
     sized.session->set_camera(settings_.camera);
     sized.camera_number = camera_number_;
+    sized.before = 0;  // clocks count from there
     if (type_->info().capabilities.view_independent) sized.fresh = false;
   }
   return *sized.session;
@@ -84,6 +85,7 @@ bool ViewSessions::set_time(double seconds) {
   }
   whole_.session->set_camera(settings_.camera);
   whole_.camera_number = camera_number_;
+  whole_.before = 0;
   whole_.fresh = false;
   return true;
 }
@@ -92,11 +94,17 @@ void ViewSessions::restart() {
   for (Sized* sized : {&whole_, &coarse_}) {
     if (!sized->session) continue;
     sized->session->restart(settings_.seed);
+    sized->before = sized->session->clocks().iterate;
     sized->fresh = true;
   }
 }
 
-bool ViewSessions::is_fresh(uint32_t divisor) const { return (divisor == 1 ? whole_ : coarse_).fresh; }
+bool ViewSessions::is_fresh(uint32_t divisor) const { return slot(divisor).fresh; }
+
+double ViewSessions::seconds(uint32_t divisor) const {
+  const Sized& sized = slot(divisor);
+  return sized.session ? sized.session->clocks().iterate - sized.before : 0;
+}
 
 void ViewSessions::clear() {
   whole_ = {};

@@ -40,6 +40,8 @@ class ViewSessions {
   /// Whether nothing but iterations happened to the session since it was made: a rendering from the start gives the
   /// same picture.
   bool is_fresh(uint32_t divisor) const;
+  /// Of iterating, since the first sample of the present picture [s].
+  double seconds(uint32_t divisor) const;
   void clear();
 
  private:
@@ -48,10 +50,12 @@ class ViewSessions {
     uint32_t divisor = 0;
     uint64_t camera_number = 0;
     bool fresh = true;
+    double before = 0;  ///< iterating clock when it was restarted [s]
   };
   Sized make(const TechniqueType& type, const ViewTechnique& technique, const RenderSettings& settings,
              uint32_t divisor) const;
   Sized& slot(uint32_t divisor) { return divisor == 1 ? whole_ : coarse_; }
+  const Sized& slot(uint32_t divisor) const { return divisor == 1 ? whole_ : coarse_; }
 
   std::shared_ptr<Device> device_;
   std::shared_ptr<SceneOnDevice> scene_;

@@ -148,7 +148,7 @@ bool ViewSide::reached_budget(const RenderSession& session) const {
   const RenderBudget& budget = around_.budget;
   return session.last().converged || (budget.iterations > 0 && session.iterations() >= budget.iterations) ||
          (budget.samples > 0 && session.last().samples >= budget.samples) ||
-         (budget.seconds > 0 && session.clocks().iterate >= budget.seconds);
+         (budget.seconds > 0 && sessions_.seconds(divisor_) >= budget.seconds);
 }
 
 void ViewSide::work() {
@@ -206,7 +206,7 @@ void ViewSide::send_picture(RenderSession& session) {
   auto film = std::make_unique<Film>(session.settings().width, session.settings().height);
   session.technique().resolve(*film);
   layers_ = layer_names(*film);
-  ordered_json header = describe_progress(session);
+  ordered_json header = describe_progress(session, seconds());
   header["picture"] = ++around_.picture_number;
   header["side"] = index_;
   header["camera_number"] = around_.request.camera_number;
@@ -236,7 +236,7 @@ ordered_json ViewSide::status(const std::vector<ViewTechnique>& others) {
   }
   if (!session_) return status;
   status["running"] = describe_running(sessions_.technique(), *session_);
-  status["progress"] = describe_progress(*session_);
+  status["progress"] = describe_progress(*session_, seconds());
   status["machine"] = describe_machine(*session_);
   status["divisor"] = divisor_;
   if (around_.commands && divisor_ == 1) {

@@ -77,6 +77,8 @@ class ViewSide {
 
   bool empty() const { return sessions_.empty(); }
   const ViewTechnique& technique() const { return sessions_.technique(); }
+  /// Of iterating, since the first sample of the present picture.
+  double seconds() const { return sessions_.seconds(divisor_); }
   /// The whole picture; null where there is none yet.
   RenderSession* whole();
   /// What was sent last; null: nothing of the present picture.

@@ -62,7 +62,7 @@ bool ViewTruth::watch(ViewSide& side) {
   const auto found = obstacles_.find(text);
   const std::string before = std::exchange(obstacle_, found == obstacles_.end() ? "" : found->second);
   if (!obstacle_.empty()) return before != obstacle_;
-  const double seconds = session->clocks().iterate;
+  const double seconds = side.seconds();
   if (history_.wants(side.technique(), seconds, side.stage() == ViewSide::Stage::done)) {
     Film film(session->settings().width, session->settings().height);
     session->technique().resolve(film);  // unchecked: pages see pixels that are no numbers, too

@@ -24,6 +24,8 @@ class ViewTruth {
   /// Looks at a side that has worked: whose light paths are wanted, and whether its picture must be kept. Returns
   /// whether pages must hear something at once.
   bool watch(ViewSide& side);
+  /// It begins again: its curve does, too.
+  void forget(const ViewTechnique& technique) { history_.forget(technique); }
   bool is_on() const { return on_; }
   bool has_work() const;
   /// An iteration of the reference that has the fewest samples, or a measurement.

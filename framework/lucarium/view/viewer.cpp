@@ -173,7 +173,7 @@ bool Viewer::move_scene(double seconds) {
   truth_.begin();
   if (sides() > 1 || !sides_[0]->set_time(seconds)) return false;
   around_.edits.seconds = around_.request.edits.seconds;
-  take_scene(scene_->scene);
+  take_cameras(scene_->scene);  // pages know the rest, and hear of the time by the status
   return true;
 }
 
@@ -185,10 +185,14 @@ void Viewer::replace_scene(Scene scene) {
 }
 
 void Viewer::take_scene(const Scene& scene) {
+  hub_.set_scene(describe_scene(scene, around_.edits));
+  take_cameras(scene);
+}
+
+void Viewer::take_cameras(const Scene& scene) {
   cameras_ = scene.cameras;
   bounds_ = scene.bounds();
   around_.exposure = scene.exposure;
-  hub_.set_scene(describe_scene(scene, around_.edits));
   follow_camera(around_.request);
 }
 
@@ -223,7 +227,10 @@ void Viewer::follow_side(uint32_t index, const ViewRequest& before) {
     for (uint32_t other = 0; other < sides(); ++other) side.catch_up(other == index ? 0 : sides_[other]->spent());
     report(true);
   }
-  if (now.restart_number != before.restart_number) attempt(side, [&] { side.restart(); });
+  if (now.restart_number != before.restart_number && !side.empty()) {
+    truth_.forget(side.technique());
+    attempt(side, [&] { side.restart(); });
+  }
   if (now.layer_number != before.layer_number) side.show_again();  // the picture is there, it only has to be sent
 }
 

@@ -45,6 +45,7 @@ class Viewer {
   void end_truth();
   void replace_scene(Scene scene);
   void take_scene(const Scene& scene);
+  void take_cameras(const Scene& scene);
   bool move_scene(double seconds);
   uint32_t sides() const { return around_.request.beside ? view_sides : 1; }
   ViewSide* next_side();

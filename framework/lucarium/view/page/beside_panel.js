@@ -29,7 +29,9 @@ class BesidePanel {
     this.labels = [0, 1].map(side => h('div', {class: `side-label side-${side}`, hidden: true}));
     this.followHandle();
     picture.listeners.push(() => this.place());
-    new ResizeObserver(() => this.place()).observe(picture.canvas);
+    const sizes = new ResizeObserver(() => this.place());
+    sizes.observe(picture.canvas);
+    picture.ended.signal.addEventListener('abort', () => sizes.disconnect());
     this.showLegend();
   }
 

@@ -9,13 +9,12 @@ class InspectPanel {
     this.body = h('div', {class: 'inspector', role: 'status'},
       h('p', {class: 'hint'}, 'Click a pixel of the picture, or press P for the middle.'));
     this.node = h('details', {class: 'panel', id: 'inspector'}, h('summary', {}, 'Pixel'), this.body);
-    const {canvas} = picture;
-    canvas.addEventListener('pointerdown', event => this.from = {x: event.clientX, y: event.clientY});
-    canvas.addEventListener('pointerup', event => {
+    picture.on('pointerdown', event => this.from = {x: event.clientX, y: event.clientY});
+    picture.on('pointerup', event => {
       const moved = this.from ? Math.hypot(event.clientX - this.from.x, event.clientY - this.from.y) : 9;
       if (moved < 4 && event.button === 0) this.askAt(event.clientX, event.clientY);
     });
-    canvas.addEventListener('keydown', event => {
+    picture.on('keydown', event => {
       if (event.key.toLowerCase() !== 'p' || event.ctrlKey || event.metaKey || event.altKey) return;
       this.ask(Math.floor(view.size[0] / 2), Math.floor(view.size[1] / 2));
     });

@@ -36,6 +36,18 @@ class Picture {
       'aria-label': 'the picture; arrow keys orbit, W A S D fly'});
   }
 
+  // Panels are made anew with each connection: those before hear nothing any more.
+  begin() {
+    this.listeners = [];
+    this.ended?.abort();
+    this.ended = new AbortController();
+  }
+
+  // For as long as the present panels are there.
+  on(type, listener) {
+    this.canvas.addEventListener(type, listener, {signal: this.ended.signal});
+  }
+
   get image() {
     return this.images[0];
   }

@@ -26,7 +26,7 @@ class PicturePanel {
         h('button', {type: 'button', onclick: () => connection.send({do: 'restart'})}, 'Restart'),
         save('exr'), save('png')));
     picture.listeners.push(() => this.showExposure());
-    picture.canvas.addEventListener('keydown', event => {
+    picture.on('keydown', event => {
       if (event.key === '[' || event.key === ']')
         picture.setExposure(picture.stops + (event.key === ']' ? 0.5 : -0.5), false);
       if (event.key === ' ') {

@@ -43,6 +43,7 @@ class Page {
     this.view = view;
     document.title = `${view.scene} · Lucarium viewer`;
     this.side = 0;
+    this.picture.begin();
     this.beside = new BesidePanel(this.picture, this.connection, side => this.chooseSide(side));
     this.technique = new TechniquePanel(view, message => this.connection.ask(message), this.beside.node);
     this.picturePanel = new PicturePanel(this.picture, this.connection);

@@ -43,6 +43,10 @@ void ErrorHistory::keep(const ViewTechnique& technique, const std::string& paths
   const_cast<Curve*>(find(technique))->points.push_back(std::move(point));
 }
 
+void ErrorHistory::forget(const ViewTechnique& technique) {
+  std::erase_if(curves_, [&](const Curve& curve) { return curve.technique == technique; });
+}
+
 /// Of the oldest curve first: its errors stay as they were measured last.
 void ErrorHistory::make_room(size_t bytes) {
   for (const Curve& curve : curves_)

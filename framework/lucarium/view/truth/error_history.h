@@ -20,6 +20,7 @@ class ErrorHistory {
   bool wants(const ViewTechnique& technique, double seconds, bool last) const;
   void keep(const ViewTechnique& technique, const std::string& paths, double seconds, uint64_t samples,
             const Film& film);
+  void forget(const ViewTechnique& technique);
   /// Measures the newest image of those light paths that has not met the reference's present image. Returns whether
   /// there was one.
   bool measure_one(const std::string& paths, const GrowingReference& reference);
