@@ -15,45 +15,18 @@ import subprocess
 import sys
 import tempfile
 
+from sources import ROOT, committed_last, compile_commands, skip
+
 RECENT = 16  # sources: about two processor minutes
 FOLDERS = ('framework/', 'techniques/', 'apps/')
 
 
-def skip(reason):
-    print('skipped: ' + reason)
-    sys.exit(77)
-
-
-def each_source(entry):
-    """The compile command of a source; of those compiled as one (LucariumUnity.cmake), one of each."""
-    if not os.path.basename(entry['file']).startswith('unity_'):
-        return [entry]
-    with open(entry['file'], encoding='utf8') as file:
-        names = re.findall(r'^#include "(.*)"$', file.read(), re.M)
-    return [dict(entry, file=name, command=entry['command'].replace(entry['file'], name)) for name in names]
-
-
-def commands(build, root):
-    """The compile commands by source's name below `root`, without GCC's precompiled headers, which clang cannot
-    read."""
-    with open(os.path.join(build, 'compile_commands.json'), encoding='utf8') as file:
-        entries = json.load(file)
-    result = {}
-    for entry in [one for unit in entries for one in each_source(unit)]:
+def commands(build):
+    """The compile commands by source's name, without GCC's precompiled headers, which clang cannot read."""
+    known = compile_commands(build, FOLDERS)
+    for entry in known.values():
         entry['command'] = re.sub(r'-include \S*cmake_pch\.hxx|-Winvalid-pch|-fpch-preprocess', '', entry['command'])
-        result.setdefault(os.path.relpath(entry['file'], root), entry)
-    return {name: entry for name, entry in result.items() if name.startswith(FOLDERS)}
-
-
-def committed_last(known):
-    log = subprocess.run(['git', 'log', '-n', '200', '--name-only', '--format='], capture_output=True, text=True)
-    if log.returncode:
-        skip('this is no checkout')
-    changed = subprocess.run(['git', 'diff', '--name-only', 'HEAD'], capture_output=True, text=True)
-    names = dict.fromkeys(name for name in (changed.stdout + log.stdout).split('\n') if name in known)
-    if not names:
-        skip('the history names no source')
-    return list(names)[:RECENT]
+    return known
 
 
 def main():
@@ -64,10 +37,9 @@ def main():
     if not tool:
         skip('clang-tidy is not installed')
     build = os.path.abspath(sys.argv[1])
-    root = os.path.realpath(os.path.join(os.path.dirname(__file__), '../..'))
-    os.chdir(root)
-    known = commands(build, root)
-    names = committed_last(known) if chosen == ['recent'] else sorted(
+    os.chdir(ROOT)
+    known = commands(build)
+    names = committed_last(known, RECENT) if chosen == ['recent'] else sorted(
         name for name in known if chosen == ['all'] or name.startswith(tuple(chosen)))
     if not names:
         sys.exit('no source lies below ' + ', '.join(chosen))
@@ -80,7 +52,7 @@ def main():
             found = re.findall(r'^.*: (?:warning|error): .*$', run.stdout, re.M)
             if run.returncode and not found:
                 found = [f'{name}: {os.path.basename(tool)} failed: {run.stderr.strip()[-300:]}']
-            return [line.replace(root + '/', '') for line in found]
+            return [line.replace(ROOT + '/', '') for line in found]
 
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             warnings = dict.fromkeys(line for lines in pool.map(check, names) for line in lines)

@@ -75,6 +75,19 @@ BlockTest compare_blocks(std::vector<std::vector<float>> a, std::vector<std::vec
   return result;
 }
 
+BlockTest compare_seeds(const ImageOfSeed& a, const ImageOfSeed& b, double bias) {
+  std::vector<std::vector<float>> ours, theirs;
+  BlockTest test;
+  for (uint64_t seed = 1; seed <= seeds; ++seed) {
+    ours.push_back(a(seed));
+    theirs.push_back(b(seed));
+    if (seed < min_seeds) continue;
+    test = compare_blocks(ours, theirs, picture_side, picture_side);
+    if (test.noise < decisive_noise * bias) break;
+  }
+  return test;
+}
+
 bool BlockTest::passes(double bias) const { return bias > 0 ? rms <= bias : blocks.failures + image.failures == 0; }
 
 std::string BlockTest::describe(double bias) const {

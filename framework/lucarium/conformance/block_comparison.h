@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -23,5 +24,10 @@ struct BlockTest {
 /// Images hold 3 floats per pixel; each set at least two of them.
 BlockTest compare_blocks(std::vector<std::vector<float>> a, std::vector<std::vector<float>> b, uint32_t width,
                          uint32_t height);
+
+/// A square picture of check::picture_side pixels a side, 3 floats each, by its seed.
+using ImageOfSeed = std::function<std::vector<float>(uint64_t seed)>;
+/// Compares pictures of the seeds 1, 2, …: as many of both as decide whether the bias is above `bias`.
+BlockTest compare_seeds(const ImageOfSeed& a, const ImageOfSeed& b, double bias);
 
 }  // namespace lucarium::check

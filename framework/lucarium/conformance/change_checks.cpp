@@ -100,19 +100,22 @@ LightKind light_for(const CheckContext& context, ChangeKind kind) {
 
 /// A view-independent technique keeps what it has gathered, so its picture is another sample of the same.
 Outcome compare_samples(CheckContext& context, const Scene& before, const Scene& after, const SceneCamera& camera) {
-  const auto images = [&](bool moved) {
-    std::vector<std::vector<float>> list;
-    RenderSession session = context.session(moved ? before : after);
-    for (uint64_t seed = 1; seed <= seeds; ++seed) {
-      if (moved) session.set_camera(before.cameras.front());
-      session.restart(seed + (moved ? 0 : 100));
-      context.run_long(session);
-      if (moved) session.set_camera(camera), context.run_long(session);
-      list.push_back(session.resolve().image());
-    }
-    return list;
-  };
-  const BlockTest test = compare_blocks(images(true), images(false), 32, 32);
+  RenderSession moved = context.session(before), fresh = context.session(after);
+  const BlockTest test = compare_seeds(
+      [&](uint64_t seed) {
+        moved.set_camera(before.cameras.front());
+        moved.restart(seed);
+        context.run_long(moved);
+        moved.set_camera(camera);
+        context.run_long(moved);
+        return moved.resolve().image();
+      },
+      [&](uint64_t seed) {
+        fresh.restart(seed + 100);
+        context.run_long(fresh);
+        return fresh.resolve().image();
+      },
+      context.bias);
   return verdict_of(test.passes(context.bias), "compared with a new run: " + test.describe(context.bias));
 }
 

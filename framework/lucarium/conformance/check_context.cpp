@@ -57,7 +57,7 @@ LightKind CheckContext::any_light() const {
 
 RenderSettings CheckContext::settings(const Scene& scene) const {
   RenderSettings settings;
-  settings.width = settings.height = 32;
+  settings.width = settings.height = picture_side;
   settings.max_bounces = can().max_bounces < 0 ? 3 : std::min(3, can().max_bounces);
   if (!holds_sampling(0)) settings.pixel_sampling = can().pixel_sampling.empty() ? 0 : can().pixel_sampling.front();
   settings.camera = scene.cameras.front();
@@ -76,9 +76,7 @@ RenderSession CheckContext::session(const Scene& scene) const { return session(s
 
 Scene CheckContext::plain_scene() const { return make_changing_scene(any_light()); }
 
-void CheckContext::run_long(RenderSession& session) const {
-  session.run({.seconds = 10, .iterations = 64, .samples = 64});
-}
+void CheckContext::run_long(RenderSession& session) const { session.run({.iterations = 64, .samples = 64}); }
 
 Picture CheckContext::run_short(RenderSession& session, uint64_t iterations) const {
   // What a technique does before it begins to render (its progress is known, and 0) comes first, or it alone would be

@@ -35,25 +35,38 @@ double middle_mean(const std::vector<float>& image, uint32_t width, uint32_t hei
   return sum / static_cast<double>(count);
 }
 
-/// Radiance in the middle of the image over independent seeds against `expected`: Student's t.
-Outcome compare_middle(CheckContext& context, const Scene& scene, double expected) {
-  RenderSession session = context.session(scene, middle_of(context.settings(scene)));
-  std::vector<double> values;
-  for (uint64_t seed = 1; seed <= seeds; ++seed) {
-    session.restart(seed);
-    context.run_long(session);
-    const Film film = session.resolve();
-    values.push_back(middle_mean(film.image(), film.width(), film.height()));
-  }
+struct Estimate {
+  double mean = 0, error = 0;  ///< standard error of the mean
+  double doubt = 0;            ///< by how much noise may put a right mean off, at the checks' level
+};
+
+Estimate estimate(const std::vector<double>& values) {
   const double n = static_cast<double>(values.size());
   const double mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
   double squares = 0;
   for (const double v : values) squares += (v - mean) * (v - mean);
   const double error = std::sqrt(squares / (n - 1) / n);
-  const double allowed = student_t_quantile(level, n - 1) * error + (rounding + context.bias) * expected;
-  const std::string measured = fmt::format("{:.5g} ± {:.2g}, expected {:.5g}", mean, error, expected);
-  if (error > largest_noise * expected) return {Verdict::skipped, "too noisy to decide: " + measured};
-  return verdict_of(std::abs(mean - expected) <= allowed, measured);
+  return {mean, error, student_t_quantile(level, n - 1) * error};
+}
+
+/// Radiance in the middle of the image over independent seeds against `expected`: Student's t.
+Outcome compare_middle(CheckContext& context, const Scene& scene, double expected) {
+  RenderSession session = context.session(scene, middle_of(context.settings(scene)));
+  std::vector<double> values;
+  Estimate found;
+  for (uint64_t seed = 1; seed <= seeds; ++seed) {
+    session.restart(seed);
+    context.run_long(session);
+    const Film film = session.resolve();
+    values.push_back(middle_mean(film.image(), film.width(), film.height()));
+    if (values.size() < min_seeds) continue;
+    found = estimate(values);
+    if (found.doubt < decisive_noise * context.bias * expected) break;
+  }
+  const double allowed = found.doubt + (rounding + context.bias) * expected;
+  const std::string measured = fmt::format("{:.5g} ± {:.2g}, expected {:.5g}", found.mean, found.error, expected);
+  if (found.error > largest_noise * expected) return {Verdict::skipped, "too noisy to decide: " + measured};
+  return verdict_of(std::abs(found.mean - expected) <= allowed, measured);
 }
 
 }  // namespace

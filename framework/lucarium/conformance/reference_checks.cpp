@@ -10,34 +10,16 @@ namespace lucarium::check {
 namespace {
 
 const char* const reference_name = "path_tracing";
-constexpr uint64_t reference_samples = 64;
-constexpr uint64_t reference_seed = 1000;  // apart from those of the technique
+constexpr uint64_t reference_samples = 128;  // of one seed
+constexpr uint64_t reference_seed = 1000;    // apart from those of the technique
 
-std::vector<std::vector<float>> technique_images(CheckContext& context, const Scene& scene) {
-  std::vector<std::vector<float>> images;
-  RenderSession session = context.session(scene);
-  for (uint64_t seed = 1; seed <= seeds; ++seed) {
-    session.restart(seed);
-    context.run_long(session);
-    images.push_back(session.resolve().image());
-  }
-  return images;
-}
-
-std::vector<std::vector<float>> reference_images(CheckContext& context, const Scene& scene, const PathSet& set,
-                                                 const TechniqueType& type) {
+RenderSession reference_session(CheckContext& context, const Scene& scene, const PathSet& set,
+                                const TechniqueType& type) {
   RenderSettings settings = context.settings(scene);
   settings.max_bounces = set.max_bounces;
   auto parameters = set.technique_parameters();
   parameters.emplace_back("samples_per_iteration", "16");
-  RenderSession session(context.device, scene, type, settings, parameters);
-  std::vector<std::vector<float>> images;
-  for (uint64_t seed = 0; seed < seeds; ++seed) {
-    session.restart(reference_seed + seed);
-    session.run({.samples = reference_samples});
-    images.push_back(session.resolve().image());
-  }
-  return images;
+  return RenderSession(context.device, scene, type, settings, parameters);
 }
 
 /// Those of the kinds that the technique claims.
@@ -55,8 +37,20 @@ Outcome compare_with_reference(CheckContext& context, const Scene& scene) {
   const std::unique_ptr<Technique> technique = context.type.create();
   technique->parameters().set_all(context.options.parameters);
   const PathSet set = technique->path_set(scene, context.settings(scene));
-  const BlockTest test =
-      compare_blocks(technique_images(context, scene), reference_images(context, scene, set, *reference), 32, 32);
+  RenderSession mine = context.session(scene);
+  RenderSession other = reference_session(context, scene, set, *reference);
+  const BlockTest test = compare_seeds(
+      [&](uint64_t seed) {
+        mine.restart(seed);
+        context.run_long(mine);
+        return mine.resolve().image();
+      },
+      [&](uint64_t seed) {
+        other.restart(reference_seed + seed);
+        other.run({.samples = reference_samples});
+        return other.resolve().image();
+      },
+      context.bias);
   if (test.noise > largest_noise) return {Verdict::skipped, "too noisy to decide: " + test.describe(context.bias)};
   return verdict_of(test.passes(context.bias), test.describe(context.bias));
 }

@@ -106,9 +106,8 @@ struct Parameters {
              "cells of a surface on a film: square tiles (tiles, paper), or rows of cells from edge to edge (csr)");
     v.number("cache_visibility", cache_visibility, 0, 1 << 20, "MiB",
              "memory for fragments of films that are kept from sweep to sweep (paper: sorted lists); 0: none");
-    v.flag(
-        "preview", preview,
-        "show diffuse light of few bounces along few lines until better is known; with direct_mode=nee");
+    v.flag("preview", preview,
+           "show diffuse light of few bounces along few lines until better is known; with direct_mode=nee");
     v.number("inspect_line", inspect_line, -1, 8192, "",
              "line whose film is shown as layer subfield, of 0 to 2 n^2: what leaves the scene along it; -1: none");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",

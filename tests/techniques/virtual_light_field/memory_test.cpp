@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes by which the experiment `propagation` tells of memory.
+// Memory that the experiment `propagation` reports, in bytes.
 #include <doctest/doctest.h>
 
 #include <fstream>

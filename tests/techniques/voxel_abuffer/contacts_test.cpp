@@ -200,7 +200,7 @@ TEST_CASE("contacts: bodies whose triangles are smaller than pixels are hit, wit
     CHECK(structure.statistics().exact_triangles == 0);
     CAPTURE(structure.statistics().open_components);
     const WalkedRays rays = walk_rays(rig, {0.9f, 1.6f, 3.4f}, 10000, 3);
-    // What has no inside errs near its rim: 1.0 % of bounces are far off, 3.3 % of connections told wrongly.
+    // What has no inside errs near its rim: 1.0 % of bounces are far off, 3.3 % of connections answered wrongly.
     const bool open = structure.statistics().open_components > 0;
     check_groups(rig, structure, rays, open ? Limits{0.003, 0.013, 0.001, 0.04} : Limits{0.003, 0.002, 0.001, 0.003});
   }

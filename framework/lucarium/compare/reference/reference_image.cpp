@@ -9,6 +9,9 @@
 namespace lucarium {
 namespace {
 
+/// Chance that right halves are reported to differ. Every reference is tested: an alarm must be rarer than in a test
+/// that one asks for.
+constexpr double halves_level = 1e-4;
 constexpr std::array<const char*, ReferenceImage::halves> half_layers = {"HalfA", "HalfB"};
 constexpr std::array<const char*, ReferenceImage::halves> half_keys = {"half_a_samples", "half_b_samples"};
 const char* const variance_layer = "Variance";
@@ -147,7 +150,7 @@ ImageTest ReferenceImage::test_halves() const {
     // Both variances come from all rounds: Welch adds the degrees of freedom of the two.
     estimate.dof = variance_dof() / 2;
   }
-  return test_images(estimates[0], estimates[1]);
+  return test_images(estimates[0], estimates[1], {.level = halves_level, .image_level = halves_level / 10});
 }
 
 const Film& ReferenceImage::film() {

@@ -36,7 +36,7 @@ class Picture {
       'aria-label': 'the picture; arrow keys orbit, W A S D fly'});
   }
 
-  // Panels are made anew with each connection: those before hear nothing any more.
+  // Panels are made again with each connection: those before hear nothing any more.
   begin() {
     this.listeners = [];
     this.ended?.abort();
