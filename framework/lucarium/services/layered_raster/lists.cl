@@ -17,6 +17,7 @@ typedef struct LayeredLists {
 } LayeredLists;
 #define LAYERED_CONSUMER LayeredLists
 #define LAYERED_PAYLOAD uint
+#include "lucarium/services/layered_raster/sort_list.clh"
 #include "lucarium/services/layered_raster/tiles.clh"
 
 uint layered_payload(LayeredLists* lists, uint triangle, const LayeredPlanes* planes) { return triangle; }
@@ -121,49 +122,10 @@ __kernel void layered_list_collect(__global const uint* heads, __global const ui
     fragments[place++] = from[node - 1u];
 }
 
-// The order of LayeredRaster as one number.
-static ulong layered_order(const LayeredView* view, LayeredFragment f) {
-  const float value = (f.depth - view->depth_min) * (view->depth_scale * 4194304.0f);
-  const uint facing = f.triangle & LAYERED_AWAY ? 0u : LAYERED_KEY_FACING;
-  const uint key = ((uint)fmin(fmax(value, 0.0f), 4194302.0f) << LAYERED_KEY_BUCKET) + facing;
-  return (ulong)key << 32 | (f.triangle & ~LAYERED_AWAY);
-}
-
-static void layered_sift(const LayeredView* view, __global LayeredFragment* f, uint root, uint count) {
-  for (;;) {
-    uint child = 2u * root + 1u;
-    if (child >= count) return;
-    if (child + 1u < count && layered_order(view, f[child]) < layered_order(view, f[child + 1u])) ++child;
-    if (layered_order(view, f[root]) >= layered_order(view, f[child])) return;
-    const LayeredFragment other = f[root];
-    f[root] = f[child];
-    f[child] = other;
-    root = child;
-  }
-}
-
-// Insertion up to 32 fragments of a pixel, a heap above.
 __kernel void layered_sort_pixels(__global const LayeredView* layered_views, uint layered_view, uint pixels,
                                   __global const uint* pixel_start, __global LayeredFragment* fragments) {
   const uint i = get_global_id(0);
   if (i >= pixels) return;
   const LayeredView view = layered_views[layered_view];
-  __global LayeredFragment* f = fragments + pixel_start[i];
-  const uint count = pixel_start[i + 1u] - pixel_start[i];
-  if (count <= 32u) {
-    for (uint j = 1u; j < count; ++j) {
-      const LayeredFragment moved = f[j];
-      uint k = j;
-      for (; k > 0u && layered_order(&view, moved) < layered_order(&view, f[k - 1u]); --k) f[k] = f[k - 1u];
-      f[k] = moved;
-    }
-    return;
-  }
-  for (uint root = count / 2u; root > 0u; --root) layered_sift(&view, f, root - 1u, count);
-  for (uint end = count - 1u; end > 0u; --end) {
-    const LayeredFragment largest = f[0];
-    f[0] = f[end];
-    f[end] = largest;
-    layered_sift(&view, f, 0u, end);
-  }
+  layered_sort_list(&view, fragments + pixel_start[i], pixel_start[i + 1u] - pixel_start[i]);
 }

@@ -13,6 +13,7 @@ typedef struct LayeredStore {
   uint written[16];  // fragments of the row's pixels so far
 } LayeredStore;
 #define LAYERED_CONSUMER LayeredStore
+#define LAYERED_STORES  // rows with more layers than fit: crowded_rows.clh
 #define LAYERED_PAYLOAD uint
 #include "lucarium/services/layered_raster/tiles.clh"
 
@@ -21,11 +22,9 @@ LayeredUint layered_payload_row(const uint* triangle, float row, LayeredFloat w)
 void layered_prepare(LayeredStore* store, LayeredRow* row) {}
 
 void layered_consume(LayeredStore* store, const LayeredRow* row) {
-  const bool begins = row->part & LAYERED_PART_FIRST;
-  if (begins)
-    for (uint lane = 0u; lane < LAYERED_LANES; ++lane) store->written[lane] = 0u;
+  for (uint lane = 0u; lane < LAYERED_LANES; ++lane) store->written[lane] = 0u;
   __global const uint* starts = store->pixel_start + row->y * store->width + row->x;
-  for (uint layer = begins ? 0u : 1u; layer < row->count; ++layer)
+  for (uint layer = 0u; layer < row->count; ++layer)
     for (uint rest = layered_present(row, layer); rest; rest &= rest - 1u) {
       const uint lane = layered_first(rest), place = layered_key(row, layer, lane) & LAYERED_KEY_LAYER;
       LayeredFragment fragment;

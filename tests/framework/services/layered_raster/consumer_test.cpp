@@ -47,12 +47,16 @@ double weight_of_second(const Soup& soup, uint32_t triangle, double x, double y)
 }  // namespace
 
 TEST_CASE("gaps and payloads") {
-  // Few and large, then more than fits into the layers of a row.
-  for (const uint32_t count : {40u, 400u}) {
+  // Few and large, then more than fits into the layers of a row, then as many in one place.
+  for (const uint32_t count : {40u, 400u, 150u}) {
     CAPTURE(count);
     Soup soup;
     Random random(count);
     for (uint32_t i = 0; i < count; ++i) {
+      if (count == 150) {
+        soup.add_triangle({3, 2, 1}, {33, 9, 2}, {7, 31, 4});
+        continue;
+      }
       const auto corner = [&] {
         return glm::vec3(random.uniform(-20, 60), random.uniform(-20, 60), random.uniform(-9, 9));
       };
