@@ -25,6 +25,7 @@ std::map<std::string, double> counters_of(const VoxelAbufferStatistics& s) {
           {"exact_triangles", s.exact_triangles},
           {"open_components", s.open_components},
           {"unbalanced_columns", s.unbalanced_columns},
+          {"touching_columns", s.touching_columns},
           {"moved_components", s.moved_components}};
 }
 

@@ -80,6 +80,7 @@ VoxelAbufferStatistics MovingSet::statistics() const {
   all.expected_parity_fragments += rest.expected_parity_fragments;
   all.expected_exact_fragments += rest.expected_exact_fragments;
   all.unbalanced_columns += rest.unbalanced_columns;
+  all.touching_columns += rest.touching_columns;
   all.moved_components += rest.moved_components;
   all.longest_list = std::max(all.longest_list, rest.longest_list);
   all.filled_columns += rest.filled_columns;

@@ -96,18 +96,20 @@ void VoxelAbuffer::State::record_axes(ScheduleRecorder& recorder) {
       .arg("average", options.axis_rule == AxisRule::average_normal ? 1u : 0u)
       .arg("abuffer_voxels", voxels);
   if (options.intersect != Intersect::automatic) return;
-  recorder.fill_zero("clear_unbalanced", unbalanced);
+  recorder.fill_zero("clear_marked", marked);
   recorder.pass("check_columns", voxel_program, "abuffer_check_columns")
       .global(columns, 3)
       .arg("abuffer_grid", grid_buffer)
       .arg("abuffer_start", parity->start())
+      .arg("abuffer_depths", parity->depths())
       .arg("abuffer_fragments", parity->fragments())
+      .arg("abuffer_triangles", triangles)
       .arg("abuffer_component_of", component_of)
       .arg("abuffer_counts", counts)
       .arg("first", ABUFFER_COUNT_EXACT + 1)
       .arg("capacity", static_cast<uint32_t>(parity->capacity()))
       .arg("components", static_cast<uint32_t>(classes.parity.size()))
-      .arg("abuffer_unbalanced", unbalanced);
+      .arg("abuffer_marked", marked);
 }
 
 }  // namespace lucarium::abuffer

@@ -28,8 +28,8 @@ struct VoxelAbuffer::State {
   void record_cells(ScheduleRecorder& recorder, const AbufferLists::Sources& sources);
   void record_axes(ScheduleRecorder& recorder);
   void run_build();
-  /// Moves components whose columns do not balance to exact search; whether there were any.
-  bool move_unbalanced();
+  /// Moves components that the build marked to exact search; whether there were any.
+  bool move_marked();
   void compile();
   void record(ScheduleRecorder& recorder, const std::string& pass_name, const char* kernel, const RayBuffers& rays,
               const char* result_name, const BufferRef& result) const;
@@ -57,7 +57,7 @@ struct VoxelAbuffer::State {
   TypedBuffer<AbufferPlane> planes;
   TypedBuffer<float> triangles, expected_exact, expected_parity, exact_sum, parity_sum;
   TypedBuffer<uint32_t> voxels, counts;
-  TypedBuffer<uint32_t> unbalanced;  ///< per component
+  TypedBuffer<uint32_t> marked;  ///< components that parity does not search rightly, and two numbers of columns
   TypedBuffer<uint64_t> bricks, cells;
   TypedBuffer<int2> facing;    ///< per voxel and axis
   TypedBuffer<uint32_t> work;  ///< with count_work, what rays did: low and high words

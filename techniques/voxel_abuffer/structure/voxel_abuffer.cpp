@@ -66,7 +66,7 @@ void VoxelAbuffer::State::classify_scene(const Scene& scene) {
   exact.reset();
   parity.reset();
   ++generation;
-  unbalanced = TypedBuffer<uint32_t>(*device, technique_name, "unbalanced components", classes.parity.size() + 1);
+  marked = TypedBuffer<uint32_t>(*device, technique_name, "marked components", classes.parity.size() + 2);
   scene_generation = 0;
 }
 
@@ -163,12 +163,14 @@ void VoxelAbuffer::State::run_build() {
   }
 }
 
-bool VoxelAbuffer::State::move_unbalanced() {
+bool VoxelAbuffer::State::move_marked() {
   if (!parity || options.intersect != Intersect::automatic) return false;
-  const std::vector<uint32_t> found = unbalanced.download();
-  statistics.unbalanced_columns += found.back();
+  const std::vector<uint32_t> found = marked.download();
+  const size_t components = classes.parity.size();
+  statistics.unbalanced_columns += found[components];
+  statistics.touching_columns += found[components + 1];
   bool any = false;
-  for (size_t component = 0; component + 1 < found.size(); ++component)
+  for (size_t component = 0; component < components; ++component)
     if (found[component] && classes.parity[component]) {
       classes.parity[component] = 0;
       ++statistics.moved_components;
@@ -188,7 +190,7 @@ bool VoxelAbuffer::State::move_unbalanced() {
 
 void VoxelAbuffer::State::build() {
   const Stopwatch watch;
-  statistics.unbalanced_columns = 0;
+  statistics.unbalanced_columns = statistics.touching_columns = 0;
   if (statistics.moved_components > 0) {  // as a new structure would begin
     classes = loaded_classes;
     component_class.upload(classes.parity);
@@ -201,7 +203,7 @@ void VoxelAbuffer::State::build() {
     if (exact) exact->update();
     if (parity) parity->update();
     run_build();
-  } while (move_unbalanced());
+  } while (move_marked());
   statistics.parity_triangles = classes.parity_triangles;
   statistics.exact_triangles = classes.exact_triangles;
   statistics.bytes = triangles.bytes() + planes.bytes() + voxels.bytes() + bricks.bytes() + cells.bytes() +

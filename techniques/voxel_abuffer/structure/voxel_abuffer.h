@@ -63,8 +63,9 @@ struct VoxelAbufferStatistics {
   double expected_parity_fragments = 0, expected_exact_fragments = 0;  ///< in the mean over positions of the grid
   uint32_t longest_list = 0;        ///< fragments of a column; with count_work, as the next
   uint32_t filled_columns = 0;      ///< over all axes and both kinds of lists
-  uint32_t unbalanced_columns = 0;  ///< at the first try of the last build
-  uint32_t moved_components = 0;    ///< closed ones that became exact since, as their seams have opened
+  uint32_t unbalanced_columns = 0;  ///< over all tries of the last build, with intersect=auto, as the next
+  uint32_t touching_columns = 0;    ///< with walls that two components share, or two parts of one
+  uint32_t moved_components = 0;    ///< closed ones that became exact: their seams have opened, or they share a wall
   uint64_t builds = 0;
   double build_seconds = 0;  ///< of the last one, elapsed
   size_t bytes = 0;          ///< on the device

@@ -205,3 +205,69 @@ TEST_CASE("contacts: bodies whose triangles are smaller than pixels are hit, wit
     check_groups(rig, structure, rays, open ? Limits{0.003, 0.013, 0.001, 0.04} : Limits{0.003, 0.002, 0.001, 0.003});
   }
 }
+
+namespace {
+
+Soup turned(Soup soup) {
+  const glm::vec3 axis = glm::normalize(glm::vec3(2, -1, 3));
+  const float c = std::cos(0.6f), s = std::sin(0.6f);
+  for (Vertex& v : soup.vertices) {
+    const glm::vec3 p = v.position.xyz();
+    v.position = float4(c * p + s * glm::cross(axis, p) + (1 - c) * glm::dot(axis, p) * axis, 0.f);
+  }
+  return soup;
+}
+
+Soup both(Soup soup, const Soup& more) {
+  append(soup, more);
+  return soup;
+}
+
+/// Two points.
+Soup line(const glm::vec3& from, const glm::vec3& to) {
+  Soup soup;
+  soup.add_vertex(from);
+  soup.add_vertex(to);
+  return soup;
+}
+
+}  // namespace
+
+TEST_CASE("contacts: bodies with common walls are searched exactly, and those beside them by parity") {
+  const Soup cube = box({0, 0, 0}, {1, 1, 1}), apart = box({3, 0, 0}, {3.5f, 1, 1});
+  struct Case {
+    const char* name;
+    Soup soup;
+    uint32_t moved;
+  };
+  // Bodies with the same corners are one component.
+  for (const Case& c : {Case{"of one component", both(cube, box({1, 0, 0}, {2, 1, 1})), 1},
+                        {"of two", both(cube, box({1, 0.2f, 0.1f}, {2, 0.8f, 1.7f})), 2},
+                        {"on a side of one", both(cube, box({0.2f, 0.3f, 0.1f}, {0.9f, 1, 0.8f})), 0},
+                        {"of rooms", both(inverted(cube), inverted(box({1, -0.2f, -0.1f}, {2, 1.3f, 1.7f}))), 2},
+                        {"half a pixel apart", both(cube, box({1.006f, 0, 0}, {2, 1, 1})), 0},
+                        {"through each other", both(cube, box({0.5f, 0.2f, 0.1f}, {2, 0.8f, 1.7f})), 0}})
+    for (const bool off_axes : {false, true}) {
+      CAPTURE(std::string(c.name));
+      CAPTURE(off_axes);
+      const Soup soup = both(c.soup, apart);
+      AbufferRig rig(scene_of(off_axes ? turned(soup) : soup));
+      const VoxelAbuffer structure = rig.make({.abuffer_size = 320});
+      CHECK(structure.statistics().moved_components == c.moved);
+      CHECK((structure.statistics().touching_columns > 0) == (c.moved > 0));
+      CHECK(structure.statistics().unbalanced_columns == 0);
+      CHECK(structure.statistics().parity_triangles == (c.moved > 0 ? 12 : 36));
+      if (c.moved == 0) continue;
+      // From inside the first one into the second.
+      Random random(5);
+      std::vector<Ray> rays;
+      for (int i = 0; i < 1000; ++i) {
+        const Soup way = line({random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f)},
+                              glm::vec3(1.5f, 0.5f, 0.5f) + random.in_cube(0.4f));
+        const Soup placed = off_axes ? turned(way) : way;
+        rays.push_back(make_ray(placed.corner(0), glm::normalize(placed.corner(1) - placed.corner(0))));
+      }
+      const Bvh bvh(rig.scheduler.device(), rig.scene, rig.buffers);
+      CHECK(differences(rig.trace(bvh, rays), rig.trace(structure, rays)) == 0);
+    }
+}

@@ -131,7 +131,7 @@ TEST_CASE("extremes: ten thousand layers in a column") {
   CHECK(exact.statistics().longest_list >= 10000);
   const Bvh bvh(open.scheduler.device(), open.scene, open.buffers);
   CHECK(differences(open.trace(bvh, rays), open.trace(exact, rays)) == 0);
-  const VoxelAbuffer parity = closed.make({.abuffer_size = 128, .count_work = true});
+  const VoxelAbuffer parity = closed.make({.abuffer_size = 128, .intersect = Intersect::parity, .count_work = true});
   CHECK(parity.statistics().longest_list >= 10000);
   CHECK(parity.statistics().exact_triangles == 0);
   const AbufferRig::Results found = closed.trace(parity, rays);

@@ -201,7 +201,7 @@ TEST_CASE("profile: every pass of a build is in it") {
                            "clear_cells",
                            "turn_cells",
                            "choose_axes",
-                           "clear_unbalanced",
+                           "clear_marked",
                            "check_columns",
                            "exact.measure",
                            "parity.measure"}) {
