@@ -52,7 +52,9 @@ fs::path find_on_path(const std::string& name) {
   for (size_t begin = 0; begin < text.size();) {
     const size_t end = std::min(text.find(':', begin), text.size());
     const fs::path file = fs::path(text.substr(begin, end - begin)) / name;
-    if (::access(file.c_str(), X_OK) == 0) return file;
+    std::error_code unreadable;
+    // A folder of that name may be entered, which X_OK means as well.
+    if (fs::is_regular_file(file, unreadable) && ::access(file.c_str(), X_OK) == 0) return file;
     begin = end + 1;
   }
   return {};

@@ -185,6 +185,14 @@ TEST_CASE("Oclgrind finds a kernel that writes outside its buffer") {
   std::string measured;
   CHECK(verdict("faulty", {{"fault", "outside"}}, "oclgrind", &measured) == Verdict::failed);
   CHECK(measured.find("Invalid write") != std::string::npos);
+
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder.path() / "oclgrind");
+  const std::string before = std::getenv("PATH");
+  setenv("PATH", (folder.path().string() + ":" + before).c_str(), 1);
+  CHECK(verdict("faulty", {}, "oclgrind", &measured) == Verdict::passed);
+  CHECK(measured.find("no data race") != std::string::npos);
+  setenv("PATH", before.c_str(), 1);
 }
 
 TEST_CASE("a technique that computes no light claims nothing about light, and unknown checks are refused") {
