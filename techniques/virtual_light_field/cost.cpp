@@ -6,8 +6,10 @@
 
 #include "lucarium/services/texel_sides/side_light.h"
 #include "lucarium/shared/texel_sides.h"
+#include "virtual_light_field/field/field_surfaces.h"
 #include "virtual_light_field/field/light_field.h"
 #include "virtual_light_field/pixels/field_view.h"
+#include "virtual_light_field/tiles/cell_estimate.h"
 
 namespace lucarium::vlf {
 namespace {
@@ -23,26 +25,26 @@ constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a line
 constexpr double kKeepingFilms = 1.5;           // what keeping a film takes, of drawing it
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kSweeps = 6;                   // of unlimited bounces
-constexpr size_t kTileBytes = 24;               // a tile's share of norms, and its place in the list
-constexpr double kTileOverhead = 1.6;           // cells of tiles over those that surfaces meet
+constexpr double kTileBytes = 24;               // a tile's share of norms, and its place in the list
 
-/// A material that is likely to have tiles (patches.h).
-bool is_tiled(const SceneMaterial& m, const Parameters& parameters) {
-  const double least = static_cast<double>(parameters.tile_albedo);
-  const double f0 = std::pow((static_cast<double>(m.ior) - 1) / (static_cast<double>(m.ior) + 1), 2);
-  return static_cast<double>(m.metallic) * 0.9 + f0 + 0.05 >= least || static_cast<double>(m.transmission) >= least;
+/// Per instance, 1 where its material is likely to have tiles (patches.h).
+std::vector<uint8_t> tiled_instances(const Parameters& parameters, const Scene& scene) {
+  std::vector<uint8_t> tiled;
+  for (const SceneMaterial& m : scene.materials)
+    tiled.push_back(is_tiled(m, static_cast<double>(parameters.tile_albedo)) ? 1 : 0);
+  std::vector<uint8_t> result;
+  for (const SceneInstance& instance : scene.instances) result.push_back(tiled[static_cast<size_t>(instance.material)]);
+  return result;
 }
 
-double tiled_share(const Parameters& parameters, const Scene& scene) {
-  if (scene.materials.empty()) return 0;
-  uint64_t tiled = 0, all = 0;
-  for (const SceneInstance& instance : scene.instances) {
-    const auto count = static_cast<uint64_t>(scene.meshes[static_cast<size_t>(instance.mesh)].triangles.size());
-    all += count;
-    if (instance.material >= 0 && is_tiled(scene.materials[static_cast<size_t>(instance.material)], parameters))
-      tiled += count;
-  }
-  return all > 0 ? static_cast<double>(tiled) / static_cast<double>(all) : 0;
+/// Of cells with their index [bytes].
+size_t cell_bytes(const Parameters& parameters, const CellCounts& counts) {
+  const double cell = LightField::kCellBytes + (parameters.split_layers ? LightField::kSplitBytes : 0);
+  // Sums of the line that has most cells, about twice the mean.
+  const double lines = 2. * parameters.dir_n * parameters.dir_n + 1;
+  const double sums = 2 * (parameters.perturb > 1 ? FIELD_FIXED_WORDS * sizeof(uint32_t) : sizeof(float4)) / lines;
+  return static_cast<size_t>(counts.cells * (cell + sums) + counts.tiles * kTileBytes +
+                             counts.entries * sizeof(uint32_t) + counts.maps * sizeof(FieldMap));
 }
 
 double area_of(const Plan& plan, const Scene& scene) {
@@ -81,7 +83,7 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
     const double sweeps = plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps;
     const double drawn = edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds,
                  kept = edge * edge * kKeptPixelSeconds;
-    const bool keeps = keeps_any(plan, scene) && fragment_bytes(parameters, film, area_of(plan, scene)) <=
+    const bool keeps = keeps_any(plan, scene) && fragment_bytes(parameters, film, SurfaceAtlas::surface_area(scene)) <=
                                                      static_cast<size_t>(parameters.cache_visibility) << 20;
     const double film_seconds = keeps ? kKeepingFilms * drawn + sweeps * kept : (sweeps + 1) * drawn;
     const double previews =
@@ -107,28 +109,33 @@ std::vector<ParameterSaving> savings() {
 
 size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scene& scene,
                       const RenderSettings& settings) {
-  size_t bytes = FieldView::estimate_bytes(settings.width, settings.height, plan.traced && plan.field,
-                                           plan.field && parameters.inspect_line >= 0);
-  if (!plan.field) return bytes;
-  const size_t sides = SurfaceAtlas::estimate_sides(scene, plan.atlas);
+  const size_t view = FieldView::estimate_bytes(settings.width, settings.height, plan.traced && plan.field,
+                                                plan.field && parameters.inspect_line >= 0);
+  if (!plan.field) return view;
+  const size_t sides = SurfaceAtlas::expected_sides(scene, plan.atlas);
+  const size_t always = SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + SideLight::estimate_bytes(sides);
   const FilmPlan film = expected_film(plan, parameters, scene);
-  const double directions = 4. * parameters.dir_n * parameters.dir_n + 2;
-  const double edge = SurfaceAtlas::estimate_edge(scene, plan.atlas);
-  const double area = edge * edge * static_cast<double>(sides);
-  const double cells = directions * kTileOverhead * area * tiled_share(parameters, scene) / (4 * film.cell * film.cell);
-  const size_t kept = !keeps_any(plan, scene) ? 0
-                                              : std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
-                                                         fragment_bytes(parameters, film, area));
-  const auto tile = static_cast<size_t>(parameters.tile > 0 ? parameters.tile : 8);
-  LayeredRasterOptions raster;
-  raster.max_width = raster.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);
-  return bytes + kept + SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + LightField::estimate_bytes(sides) +
-         static_cast<size_t>(cells) *
-             (LightField::kCellBytes + (parameters.split_layers ? LightField::kSplitBytes : 0) +
-              kTileBytes / (tile * tile)) +
-         TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides) +
-         SideLight::estimate_bytes(sides) +
-         LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), raster, std::nullopt);
+  const auto raster = [&](size_t schedules) {
+    LayeredRasterOptions options;
+    options.max_width = options.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);
+    return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), options, std::nullopt, schedules);
+  };
+  const size_t measuring = TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides);
+  const std::vector<uint8_t> tiled = tiled_instances(parameters, scene);
+  const bool has_cells = std::find(tiled.begin(), tiled.end(), 1) != tiled.end(),
+             keeps = keeps_any(plan, scene) && parameters.cache_visibility > 0;
+  size_t field = view + TexelInterior::held_bytes(sides) + SideAccessibility::held_bytes(sides) +
+                 LightField::estimate_bytes(sides) + raster(1 + (has_cells ? 1 : 0) + (keeps ? 1 : 0));
+  if (keeps)
+    field += std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
+                      fragment_bytes(parameters, film, SurfaceAtlas::surface_area(scene)));
+  if (has_cells) {
+    field += cell_bytes(parameters, expect_cells(scene, tiled, patch_options(parameters, film),
+                                                 SurfaceAtlas::estimate_edge(scene, plan.atlas), film.film,
+                                                 static_cast<uint32_t>(parameters.dir_n)));
+    field += CellScatter::estimate_bytes(sides, !scene.lights.empty());
+  }
+  return always + std::max(measuring + raster(1), field);
 }
 
 }  // namespace lucarium::vlf

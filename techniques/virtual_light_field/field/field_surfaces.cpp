@@ -26,6 +26,15 @@ double min_pixel(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const P
   return largest_texel_extent(atlas, buffers, smallest * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS;
 }
 
+/// For films, and for the bundles that measure accessibility.
+LayeredRasterOptions raster_options(const Scene& scene, const FilmPlan& film, double safe_pixel) {
+  LayeredRasterOptions options;
+  options.max_width = options.max_height = std::max(film.film << film.shift, bundle_side(scene.bounds(), safe_pixel));
+  return options;
+}
+
+}  // namespace
+
 PatchOptions patch_options(const Parameters& parameters, const FilmPlan& film) {
   PatchOptions options;
   options.tile_albedo = static_cast<double>(parameters.tile_albedo);
@@ -35,15 +44,6 @@ PatchOptions patch_options(const Parameters& parameters, const FilmPlan& film) {
   options.cell = film.cell;
   return options;
 }
-
-/// For films, and for the bundles that measure accessibility.
-LayeredRasterOptions raster_options(const Scene& scene, const FilmPlan& film, double safe_pixel) {
-  LayeredRasterOptions options;
-  options.max_width = options.max_height = std::max(film.film << film.shift, bundle_side(scene.bounds(), safe_pixel));
-  return options;
-}
-
-}  // namespace
 
 FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const Scene& scene,
                              const SceneBuffers& buffers, const Intersector& intersector, const Parameters& parameters,
@@ -67,9 +67,14 @@ void FieldSurfaces::measure(const Report& report) {
       throw Error(ErrorClass::interrupted,
                   "virtual_light_field: interrupted while preparing the texels; nothing was kept");
   };
-  for (; !interior.complete(); report(interior.progress(), "hidden places")) check(interior.advance());
-  for (; !accessibility.complete(); report(accessibility.progress(), accessibility.measured()))
+  while (!interior.complete()) {
+    report(interior.progress(), "hidden places");
+    check(interior.advance());
+  }
+  while (!accessibility.complete()) {
+    report(accessibility.progress(), accessibility.measured());
     check(accessibility.advance());
+  }
 }
 
 }  // namespace lucarium::vlf

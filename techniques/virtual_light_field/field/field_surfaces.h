@@ -13,6 +13,9 @@
 
 namespace lucarium::vlf {
 
+/// What parameters decide of patches.
+PatchOptions patch_options(const Parameters& parameters, const FilmPlan& film);
+
 /// What a field needs of a scene and does not depend on the seed, in the order of dependence.
 struct FieldSurfaces {
   using Report = std::function<void(double fraction, const std::string& stage)>;

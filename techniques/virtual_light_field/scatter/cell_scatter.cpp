@@ -183,6 +183,10 @@ void CellScatter::add(uint32_t sweep, const float4& tail) {
   scheduler_->run_to_end(add_);
 }
 
+size_t CellScatter::estimate_bytes(size_t sides, bool lights) {
+  return sides * (sizeof(uint32_t) + (lights ? sizeof(Ray) + sizeof(uint32_t) : 0));
+}
+
 void CellScatter::warm_up() {
   if (see_) scheduler_->warm_up(see_);
   scheduler_->warm_up(scatter_);

@@ -44,6 +44,8 @@ class CellScatter {
   size_t norm_bytes() const { return tile_norms_.bytes(); }
   uint64_t cells_scattered() const { return cells_scattered_; }
   void warm_up();
+  /// Device memory without cells and tiles [bytes].
+  static size_t estimate_bytes(size_t sides, bool lights);
 
  private:
   void record_scatter(const SceneBuffers& scene, const SurfaceAtlas& atlas, const Program& program,

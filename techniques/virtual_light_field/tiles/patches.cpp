@@ -10,13 +10,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "lucarium/base/luminance.h"
 #include "lucarium/base/numbers.h"
-#include "lucarium/scene/device/degenerate_triangle.h"
 #include "lucarium/scene/device/specular_albedo.h"
 #include "lucarium/scene/mesh_topology.h"
+#include "virtual_light_field/tiles/patch_growth.h"
 
 namespace lucarium::vlf {
 namespace {
@@ -24,102 +23,30 @@ namespace {
 constexpr int kAlbedoAverages = 129;  // specular_albedo.clh
 constexpr double kCellBytes = 16, kTileBytes = 24,
                  kEntryBytes = 4;  // of a tile: its share of norms, and its place in the list
-constexpr double kFlat = 1e-4;     // of 1 - cos: within it normals are equal
 
 double bright(const glm::vec3& c) {
   return luminance(static_cast<double>(c.x), static_cast<double>(c.y), static_cast<double>(c.z));
 }
 
 /// Cosine-averaged albedo of the reflection lobe (bsdf.clh: bsdf_average_albedo()).
-glm::vec3 average_albedo(const std::vector<float>& table, const AtlasMaterial& material) {
-  const float x = std::sqrt(material.diffuse.w) * (kAlbedoAverages - 1);
+glm::vec3 average_albedo(const std::vector<float>& table, const glm::vec3& f0, float f90, float alpha) {
+  const float x = std::sqrt(alpha) * (kAlbedoAverages - 1);
   const int i = std::clamp(static_cast<int>(x), 0, kAlbedoAverages - 2);
   const float f = x - static_cast<float>(i);
   const float e = table[2 * i] * (1 - f) + table[2 * i + 2] * f, b = table[2 * i + 1] * (1 - f) + table[2 * i + 3] * f;
-  return material.f0.xyz() * (e - b) + material.f0.w * b;
+  return f0 * (e - b) + f90 * b;
 }
 
-struct Mesh {
-  std::vector<Triangle> triangles;
-  std::vector<glm::vec3> positions, normals;  ///< per vertex; per triangle, 0 without area
-  std::vector<double> areas;
-
-  explicit Mesh(const SceneBuffers& buffers) : triangles(buffers.scene_triangles.download()) {
-    for (const Vertex& v : buffers.scene_vertices.download()) positions.push_back(v.position.xyz());
-    for (const Triangle& t : triangles) {
-      const glm::vec3 &a = positions[t.v0], &b = positions[t.v1], &c = positions[t.v2];
-      const glm::vec3 cross = glm::cross(b - a, c - a);
-      const float length = glm::length(cross);
-      const bool flat = is_degenerate(a, b, c) || !(length > 0);
-      normals.push_back(flat ? glm::vec3(0) : cross / length);
-      areas.push_back(flat ? 0. : 0.5 * static_cast<double>(length));
-    }
-  }
-};
-
-/// Triangles across each triangle's edges, in one list.
-struct Neighbors {
-  std::vector<uint32_t> first, other;
-
-  Neighbors(const Mesh& mesh, const std::vector<uint8_t>& taken) {
-    const std::vector<uint32_t> welded = weld_positions(mesh.positions);
-    std::vector<glm::uvec3> corners;
-    std::vector<uint32_t> names;
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
-      if (taken[t] && mesh.areas[t] > 0) {
-        corners.emplace_back(welded[mesh.triangles[t].v0], welded[mesh.triangles[t].v1], welded[mesh.triangles[t].v2]);
-        names.push_back(t);
-      }
-    std::vector<std::pair<uint32_t, uint32_t>> pairs;
-    const std::vector<HalfEdge> edges = sorted_half_edges(corners);
-    visit_edges(edges, [&](const HalfEdge* begin, const HalfEdge* end) {
-      for (const HalfEdge* a = begin; a != end; ++a)
-        for (const HalfEdge* b = begin; b != end; ++b)
-          if (a->triangle != b->triangle && run_opposite(corners, *a, *b))
-            pairs.emplace_back(names[a->triangle], names[b->triangle]);
-    });
-    std::sort(pairs.begin(), pairs.end());
-    first.assign(mesh.triangles.size() + 1, 0);
-    for (const auto& [a, b] : pairs) {
-      ++first[a + 1];
-      other.push_back(b);
-    }
-    std::partial_sum(first.begin(), first.end(), first.begin());
-  }
-};
-
-/// Patch of each triangle that is taken: connected sets of one instance around the largest triangle that is left.
-std::vector<uint32_t> grow_patches(const Mesh& mesh, const std::vector<uint8_t>& taken, double cone, uint32_t* count) {
-  const Neighbors neighbors(mesh, taken);
-  const double least = std::cos(cone * pi / 180) - kFlat;
-  std::vector<uint32_t> order, result(mesh.triangles.size(), LUCARIUM_NONE), open;
-  for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
-    if (taken[t]) order.push_back(t);
-  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return mesh.areas[a] > mesh.areas[b]; });
-  *count = 0;
-  for (const uint32_t seed : order) {
-    if (result[seed] != LUCARIUM_NONE) continue;
-    const uint32_t patch = (*count)++;
-    result[seed] = patch;
-    open.assign(1, seed);
-    for (size_t i = 0; i < open.size(); ++i)
-      for (uint32_t k = neighbors.first[open[i]]; k < neighbors.first[open[i] + 1]; ++k) {
-        const uint32_t t = neighbors.other[k];
-        if (result[t] != LUCARIUM_NONE || mesh.triangles[t].instance != mesh.triangles[seed].instance ||
-            static_cast<double>(glm::dot(mesh.normals[t], mesh.normals[seed])) < least)
-          continue;
-        result[t] = patch;
-        open.push_back(t);
-      }
-  }
-  return result;
+bool keeps_radiance(const glm::vec3& albedo, const glm::vec3& transmission, double least) {
+  const double known = bright(albedo) + bright(transmission);
+  return known > 0 && known >= least;
 }
 
 struct Outline {
   double area = 0, perimeter = 0;
 };
 /// Of sets of triangles; edges between two triangles of a set do not count.
-Outline outline(const Mesh& mesh, const uint32_t* begin, const uint32_t* end) {
+Outline outline(const PatchMesh& mesh, const uint32_t* begin, const uint32_t* end) {
   Outline result;
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> corners;
@@ -164,10 +91,10 @@ std::vector<uint8_t> choose_sides(const AtlasSides& sides, double least, std::ve
   const std::vector<float> table = specular_albedo_table();
   std::vector<uint8_t> chosen(sides.count, 0);
   for (uint32_t side = 0; side < sides.count; ++side) {
-    const glm::vec3 albedo = average_albedo(table, sides.materials[side]);
+    const AtlasMaterial& m = sides.materials[side];
+    const glm::vec3 albedo = average_albedo(table, m.f0.xyz(), m.f0.w, m.diffuse.w);
     albedos->emplace_back(albedo, 0.f);
-    const double known = bright(albedo) + bright(sides.materials[side].transmission.xyz());
-    if (!(known > 0 && known >= least)) continue;
+    if (!keeps_radiance(albedo, m.transmission.xyz(), least)) continue;
     chosen[side] = 1;
     if (side < sides.backs) chosen[side + sides.backs] = 1;
     if (sides.is_back(side)) chosen[side - sides.backs] = 1;
@@ -176,7 +103,7 @@ std::vector<uint8_t> choose_sides(const AtlasSides& sides, double least, std::ve
 }
 
 /// Triangles of facets, ascending: fronts of patches at even places, each before its back; empty where there is none.
-std::vector<std::vector<uint32_t>> collect_members(const AtlasSides& sides, const Mesh& mesh,
+std::vector<std::vector<uint32_t>> collect_members(const AtlasSides& sides, const PatchMesh& mesh,
                                                    const std::vector<uint8_t>& chosen, double cone,
                                                    std::vector<uint32_t>* side_facet) {
   const auto visit = [&](const auto& take) {
@@ -201,22 +128,27 @@ std::vector<std::vector<uint32_t>> collect_members(const AtlasSides& sides, cons
   return members;
 }
 
-void add_facet(const Mesh& mesh, const std::vector<uint32_t>& triangles, bool front, const PatchOptions& options,
+void add_facet(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, bool front, const PatchOptions& options,
                Patches* result) {
   FieldFacet made{};
   made.first = static_cast<uint32_t>(result->triangles.size());
   made.count = static_cast<uint32_t>(triangles.size());
   made.front = front ? 1 : 0;
-  made.tile = options.rows ? 0 : options.tile;
-  if (options.tile == 0 && !options.rows) {
-    const Outline shape = outline(mesh, triangles.data(), triangles.data() + triangles.size());
-    made.tile = best_tile(shape.area, shape.perimeter, options.cell);
-  }
+  made.tile = tile_of(mesh, triangles, options);
   result->facets.push_back(made);
   result->triangles.insert(result->triangles.end(), triangles.begin(), triangles.end());
 }
 
 }  // namespace
+
+bool is_tiled(const SceneMaterial& m, double tile_albedo) {
+  const glm::vec3 base(m.base_color);
+  const float dielectric = glm::pow((m.ior - 1) / (m.ior + 1), 2.f);
+  const glm::vec3 f0 = glm::mix(glm::vec3(dielectric), base, m.metallic);
+  const float f90 = glm::mix(dielectric > 0 ? 1.f : 0.f, 1.f, m.metallic);
+  return keeps_radiance(average_albedo(specular_albedo_table(), f0, f90, m.roughness * m.roughness),
+                        (1 - m.metallic) * m.transmission * base, tile_albedo);
+}
 
 double expected_cells(double area, double perimeter, double cell, uint32_t tile) {
   const double s = area / (2 * cell * cell), p = pi / 4 * perimeter / cell, m = tile;
@@ -238,13 +170,20 @@ uint32_t best_tile(double area, double perimeter, double cell) {
   return best;
 }
 
+uint32_t tile_of(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, const PatchOptions& options) {
+  if (options.rows) return 0;
+  if (options.tile > 0) return options.tile;
+  const Outline shape = outline(mesh, triangles.data(), triangles.data() + triangles.size());
+  return best_tile(shape.area, shape.perimeter, options.cell);
+}
+
 Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options) {
   Patches result;
   const AtlasSides sides(atlas);
   const std::vector<uint8_t> tiled = choose_sides(sides, options.tile_albedo, &result.side_albedo);
   result.side_facet.assign(sides.count, LUCARIUM_NONE);
   if (std::none_of(tiled.begin(), tiled.end(), [](uint8_t t) { return t != 0; })) return result;
-  const Mesh mesh(buffers);
+  const PatchMesh mesh(buffers);
   const std::vector<std::vector<uint32_t>> members =
       collect_members(sides, mesh, tiled, options.cone, &result.side_facet);
   std::vector<uint32_t> number(members.size(), LUCARIUM_NONE);

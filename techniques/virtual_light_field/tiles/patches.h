@@ -6,6 +6,7 @@
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 #include "virtual_light_field/shared/field.h"
+#include "virtual_light_field/tiles/patch_growth.h"
 
 namespace lucarium::vlf {
 
@@ -28,6 +29,12 @@ struct PatchOptions {
   double cell = 0;           ///< c [m]
 };
 Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options);
+
+/// Whether surfaces of a material are likely to have tiles; textures are taken for white.
+bool is_tiled(const SceneMaterial& material, double tile_albedo);
+
+/// FieldFacet::tile of a patch of these triangles.
+uint32_t tile_of(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, const PatchOptions& options);
 
 /// Expected cells of a patch of area A and perimeter P₃ on the film of a random direction, in tiles of m × m, both
 /// sides together (derivation: patches.cpp).

@@ -43,9 +43,11 @@ TexelInterior::TexelInterior(Device& device, KernelScheduler& scheduler, const S
   record(atlas, owner);
 }
 
+size_t TexelInterior::held_bytes(size_t sides) { return sides * (sizeof(float2) + sizeof(uint32_t)); }
+
 size_t TexelInterior::estimate_bytes(size_t sides, size_t samples) {
   const size_t points = samples * std::min<size_t>(sides, kChunk);
-  return sides * (sizeof(float2) + sizeof(uint32_t)) + points * (3 * sizeof(uint32_t) + sizeof(Ray) + sizeof(uint8_t)) +
+  return held_bytes(sides) + points * (3 * sizeof(uint32_t) + sizeof(Ray) + sizeof(uint8_t)) +
          InteriorWalks::estimate_bytes(points);
 }
 

@@ -36,7 +36,9 @@ class TexelInterior {
   const TypedBuffer<float2>& shares() const { return shares_; }
   /// Per texel side, a bit for each of its points that no light can reach.
   const TypedBuffer<uint32_t>& hidden() const { return hidden_; }
+  /// Device memory while it measures, and what stays of it [bytes].
   static size_t estimate_bytes(size_t sides, size_t samples);
+  static size_t held_bytes(size_t sides);
 
  private:
   void record(const SurfaceAtlas& atlas, const std::string& owner);

@@ -245,12 +245,13 @@ LayeredRaster::LayeredRaster(KernelScheduler& scheduler, const SceneBuffers& sce
 LayeredRaster::~LayeredRaster() = default;
 
 size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOptions& options,
-                                     const std::optional<LayeredStoreOptions>& stored) {
+                                     const std::optional<LayeredStoreOptions>& stored, size_t schedules) {
   constexpr size_t layers = 4;
   const size_t blocks = (std::max<size_t>(1, triangles) + 15) / 16,
                pixels = size_t{options.max_width} * options.max_height;
   const size_t tiles = size_t{divide_up(options.max_width, lanes)} * divide_up(options.max_height, LAYERED_TILE_ROWS);
-  const size_t per_block = (LAYERED_BLOCK_WORDS + 16 + 2) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord);
+  const size_t geometry = blocks * (LAYERED_BLOCK_WORDS + 1) * sizeof(uint32_t),
+               records = blocks * ((16 + 1) * sizeof(uint32_t) + 16 * sizeof(LayeredRecord));
   const size_t pairs = 2 * triangles + layers * tiles;  // a triangle lies in a tile, or in all that it covers
   const size_t bins = (size_t{chunks} + 1) * (tiles + 16) + pairs;
   size_t per_pixel = 0;
@@ -258,7 +259,7 @@ size_t LayeredRaster::estimate_bytes(size_t triangles, const LayeredRasterOption
   if (stored && stored->variant == LayeredVariant::exact) per_pixel += sizeof(uint32_t);  // places
   if (stored && stored->variant == LayeredVariant::linked_list)                           // heads twice, and nodes
     per_pixel += 2 * sizeof(uint32_t) + stored->list_capacity * (sizeof(uint32_t) + sizeof(LayeredFragment));
-  return blocks * per_block + bins * sizeof(uint32_t) + pixels * per_pixel;
+  return geometry + schedules * (records + bins * sizeof(uint32_t) + pixels * per_pixel);
 }
 
 void LayeredRaster::update() { state_->follow(); }

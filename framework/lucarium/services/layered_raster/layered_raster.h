@@ -100,9 +100,10 @@ class LayeredRaster {
                       const BufferRef& triangle) const;
 
   /// Expected device memory of a raster of `triangles`, the transients of a schedule included [bytes]; with an A-buffer
-  /// where `stored` says how it is made. Taken for granted: four surfaces behind each other.
+  /// where `stored` says how it is made. Taken for granted: four surfaces behind each other. `schedules`: that
+  /// rasterize, each with transients of its own.
   static size_t estimate_bytes(size_t triangles, const LayeredRasterOptions& options,
-                               const std::optional<LayeredStoreOptions>& stored);
+                               const std::optional<LayeredStoreOptions>& stored, size_t schedules = 1);
 
  private:
   class ListStore;

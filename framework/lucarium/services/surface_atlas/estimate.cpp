@@ -81,21 +81,23 @@ double sides_of_small(const std::vector<Surface>& surfaces, double area, double 
   return sum;
 }
 
-double sides_of(const std::vector<Surface>& surfaces, double area, const AtlasLayoutOptions& options) {
+/// `largest`: the largest number, otherwise the likely one.
+double sides_of(const std::vector<Surface>& surfaces, double area, const AtlasLayoutOptions& options, bool largest) {
+  const double over = largest ? slack : 1, free = largest ? 1. / 8 : 0;
   const double wanted = wanted_sides(area, options);
   if (options.texel_edge > 0) {
-    double sum = slack * wanted;
+    double sum = over * wanted;
     for (const Surface& surface : surfaces) sum += surface.sides * (1 + surface.border / (2 * options.texel_edge));
     return sum;
   }
   const double more = sides_of_small(surfaces, area, std::sqrt(area / wanted));
   // As layout.cpp charges for slivers: an eighth is free, and those beyond leave the others half of the wanted number.
-  return std::max((slack + 1. / 8) * wanted, slack / 2 * wanted + more);
+  return std::max((over + free) * wanted, over / 2 * wanted + more);
 }
 
 }  // namespace
 
-double reflecting_area(const Scene& scene) {
+double reflecting_area(const Scene& scene, bool both_sides) {
   double sum = 0;
   const std::vector<uint8_t> two_sided = two_sided_instances(scene);
   for (size_t i = 0; i < scene.instances.size(); ++i) {
@@ -108,7 +110,7 @@ double reflecting_area(const Scene& scene) {
       const glm::vec3 e1 = linear * (mesh.positions[t.y] - a), e2 = linear * (mesh.positions[t.z] - a);
       area += 0.5 * static_cast<double>(glm::length(glm::cross(e1, e2)));
     }
-    sum += area * (two_sided[i] ? 2 : 1);
+    sum += area * (both_sides && two_sided[i] ? 2 : 1);
   }
   return sum;
 }
@@ -118,14 +120,14 @@ double wanted_sides(double area, const AtlasLayoutOptions& options) {
   return static_cast<double>(std::max<uint64_t>(1, options.texel_count));
 }
 
-double max_sides(const AtlasGeometry& geometry, const AtlasLayoutOptions& options) {
+double count_sides(const AtlasGeometry& geometry, const AtlasLayoutOptions& options, bool largest) {
   const std::vector<Surface> surfaces = find_surfaces(geometry);
   double area = 0;
   for (const Surface& surface : surfaces) area += surface.sides * surface.area;
-  return sides_of(surfaces, area, options);
+  return sides_of(surfaces, area, options, largest);
 }
 
-double max_sides(const Scene& scene, const AtlasLayoutOptions& options) {
+double count_sides(const Scene& scene, const AtlasLayoutOptions& options, bool largest) {
   AtlasGeometry geometry;
   for (uint32_t i = 0; i < scene.instances.size(); ++i) {
     const Mesh& mesh = scene.instances[i].shape(scene);
@@ -137,7 +139,7 @@ double max_sides(const Scene& scene, const AtlasLayoutOptions& options) {
   }
   geometry.normals.resize(geometry.positions.size());  // of which no texel depends
   geometry.two_sided = two_sided_instances(scene);
-  return max_sides(geometry, options);
+  return count_sides(geometry, options, largest);
 }
 
 }  // namespace lucarium

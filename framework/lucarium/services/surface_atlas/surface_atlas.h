@@ -84,6 +84,10 @@ class SurfaceAtlas {
   /// Most texel sides that an atlas of the scene has: surfaces that touch nothing have a texel each, whatever was
   /// wanted.
   static size_t estimate_sides(const Scene& scene, const AtlasLayoutOptions& options);
+  /// How many it is likely to have.
+  static size_t expected_sides(const Scene& scene, const AtlasLayoutOptions& options);
+  /// Of the surfaces that it covers, each once [m²].
+  static double surface_area(const Scene& scene);
   /// Device memory for as many texel sides [bytes], by default the most; the constructor states the exact one.
   static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options, size_t sides);
   static size_t estimate_bytes(const Scene& scene, const AtlasLayoutOptions& options) {

@@ -139,7 +139,11 @@ double SideAccessibility::progress() const {
 }
 
 size_t SideAccessibility::estimate_bytes(size_t sides) {
-  return sides * (sizeof(float) + (1 + SIDE_PART_WORDS) * sizeof(uint32_t) + SIDE_PARTS * sizeof(uint32_t));
+  return held_bytes(sides) + sides * SIDE_PARTS * sizeof(uint32_t);
+}
+
+size_t SideAccessibility::held_bytes(size_t sides) {
+  return sides * (sizeof(float) + (1 + SIDE_PART_WORDS) * sizeof(uint32_t));
 }
 
 }  // namespace lucarium

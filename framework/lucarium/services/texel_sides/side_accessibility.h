@@ -64,7 +64,9 @@ class SideAccessibility {
   /// Least edge of bundle pixels, from `pixel_size` on, with which no two work-items reach the same texel at a time
   /// [m].
   double safe_pixel() const { return safe_pixel_; }
+  /// Device memory while it measures, and what stays of it [bytes].
   static size_t estimate_bytes(size_t sides);
+  static size_t held_bytes(size_t sides);
 
  private:
   struct Probes;

@@ -39,7 +39,7 @@ TEST_CASE("no atlas of slivers that touch nothing has more sides than was estima
             AtlasLayoutOptions options;
             options.texel_count = texels;
             const AtlasLayout layout = make_atlas_layout(geometry, options);
-            const double share = layout.info.texel_count / max_sides(geometry, options);
+            const double share = layout.info.texel_count / count_sides(geometry, options);
             CAPTURE(floor);
             CAPTURE(count);
             CAPTURE(length);
@@ -48,7 +48,7 @@ TEST_CASE("no atlas of slivers that touch nothing has more sides than was estima
             CHECK(share <= 1);
             AtlasLayoutOptions by_edge;
             by_edge.texel_edge = double(layout.info.texel_edge);
-            const double again = layout.info.texel_count / max_sides(geometry, by_edge);
+            const double again = layout.info.texel_count / count_sides(geometry, by_edge);
             CHECK(again <= 1);
             fullest = std::max({fullest, share, again});
           }
