@@ -21,7 +21,8 @@ constexpr double kSideLightSeconds = 1.8e-5;    // a texel's first light samples
 constexpr double kFirstLightSamples = 64;       // so many
 constexpr double kFilmPixelSeconds = 1.5e-7;    // a pixel of a film, in a sweep
 constexpr double kKeptPixelSeconds = 3e-8;      // the same where fragments are kept
-constexpr double kTriangleSeconds = 2e-8;       // a triangle, in a line
+constexpr double kKeptFragmentSeconds = 4e-8;   // a kept fragment, in a sweep
+constexpr double kTriangleSeconds = 1e-7;       // a triangle, in a line: its setup, and its pixels
 constexpr double kKeepingFilms = 1.5;           // what keeping a film takes, of drawing it
 constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
 constexpr double kSweeps = 6;                   // of unlimited bounces
@@ -62,6 +63,9 @@ size_t fragment_bytes(const Parameters& parameters, const FilmPlan& film, double
       static_cast<uint32_t>(parameters.dir_n), static_cast<uint32_t>(parameters.perturb), film.pixel(), area));
 }
 
+/// What rays through so many triangles cost over those through a few dozen: they go down the hierarchy's levels.
+double ray_depth(double triangles) { return std::max(1., (std::log2(std::max(triangles, 1.)) - 4) / 2); }
+
 /// Whether films are drawn once, and fragments kept for later sweeps where there is room.
 bool keeps_any(const Plan& plan, const Scene& scene) {
   return (plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces) && FilmRuns::can_keep(scene);
@@ -82,13 +86,17 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
                  edge = std::ldexp(film.film, static_cast<int>(film.shift));
     const double sweeps = plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps;
     const double drawn = edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds,
-                 kept = edge * edge * kKeptPixelSeconds;
+                 kept = kKeptFragmentSeconds *
+                        LightField::estimate_fragments(static_cast<uint32_t>(parameters.dir_n), 1, film.pixel(),
+                                                       SurfaceAtlas::surface_area(scene)) /
+                        lines;
     const bool keeps = keeps_any(plan, scene) && fragment_bytes(parameters, film, SurfaceAtlas::surface_area(scene)) <=
                                                      static_cast<size_t>(parameters.cache_visibility) << 20;
     const double film_seconds = keeps ? kKeepingFilms * drawn + sweeps * kept : (sweeps + 1) * drawn;
     const double previews =
         parameters.preview ? LightField::estimate_preview_films(field_options(plan, parameters)) : 0;
-    device += texels * (parameters.open_rays * kAccessibilitySeconds + (plan.sampled ? kSideLightSeconds : 0)) +
+    device += texels * (parameters.open_rays * kAccessibilitySeconds +
+                        (plan.sampled ? kSideLightSeconds * ray_depth(triangles) : 0)) +
               parameters.perturb * lines * film_seconds + previews * drawn;
   }
   return host / power.host + device / power.device;

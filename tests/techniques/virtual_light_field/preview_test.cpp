@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "lamp_box.h"
+#include "lucarium/scene/load/load_scene.h"
 #include "virtual_light_field/cost.h"
 
 using namespace lucarium;
@@ -104,4 +105,24 @@ TEST_CASE("what a short budget lowers takes less time, and so do fragments that 
   CHECK(seconds() < kept);
   p.cache_visibility = 0;  // every sweep draws its films
   CHECK(seconds() > 1.5 * kept);
+}
+
+TEST_CASE("scenes of many triangles are expected to take longer, by films and by rays") {
+  RenderSettings settings;
+  settings.width = 256;
+  settings.height = 144;
+  const auto seconds = [&](const std::string& name, int perturb, bool rays) {
+    const Scene scene = load_scene(name);
+    vlf::Parameters p;
+    p.cells = 64;
+    p.supersample = vlf::Supersample::one;  // films of few pixels: what remains is triangles
+    p.perturb = perturb;
+    p.direct_mode = rays ? vlf::DirectMode::nee : vlf::DirectMode::exchange;
+    return vlf::estimate_seconds(vlf::make_plan(p, scene, settings), p, scene, settings, ComputePower());
+  };
+  const std::string few = "builtin:blocks:triangles=100", many = "builtin:blocks:triangles=100000";
+  const auto of_films = [&](const std::string& name) { return seconds(name, 2, true) - seconds(name, 1, true); };
+  const auto of_rays = [&](const std::string& name) { return seconds(name, 1, true) - seconds(name, 1, false); };
+  CHECK(of_films(many) > 5 * of_films(few));
+  CHECK(of_rays(many) > 2 * of_rays(few));
 }
