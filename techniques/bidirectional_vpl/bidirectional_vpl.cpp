@@ -53,10 +53,12 @@
 //   section 4.3, clamp of two bounces        eye/two_bounce.clh: connected_share(), rest_share() (two_bounce)
 //   section 4.3, equation 8, density p_1,2   the product of both sides, carried along: lucarium/path_mis.clh:
 //                                            path_mis_leave(), path_mis_arrive()
-//   section 5.1, equations 9, 10 and 12      base/clamped_roughness.clh; base/gloss.clh: widened_bsdf() (gloss)
+//   section 5.1, equation 9, equation 10,
+//   equation 12                              base/clamped_roughness.clh; base/gloss.clh: widened_bsdf() (gloss)
 //   section 5.2, equation 13                 base/clamped_roughness.clh: joint_density()
 //   section 5.2, equation 14                 eye/shade_eye_vertices.cl: sample_direction()
-//   section 5.2, equations 15, 16 and 17     eye/gloss_paths.clh: suppress_connection(), suppressed_light_sample()
+//   section 5.2, equation 15, equation 16,
+//   equation 17                              eye/gloss_paths.clh: suppress_connection(), suppressed_light_sample()
 //   section 6, split, gather, filter         base/interleave.clh; eye/filter_pixels.cl
 //   section 6, 2 x 2 supersampling, caches   eye/caches.cl
 //   section 7, multi-bounce, reuse           bundles/bundle_set.clh: bundle_number(), bundle_set() (reuse)

@@ -95,7 +95,7 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
     const double film_seconds = keeps ? kKeepingFilms * drawn + sweeps * kept : (sweeps + 1) * drawn;
     const double previews =
         parameters.preview ? LightField::estimate_preview_films(field_options(plan, parameters)) : 0;
-    device += texels * (parameters.open_rays * kAccessibilitySeconds +
+    device += texels * (parameters.access_rays * kAccessibilitySeconds +
                         (plan.sampled ? kSideLightSeconds * ray_depth(triangles) : 0)) +
               parameters.perturb * lines * film_seconds + previews * drawn;
   }
@@ -109,7 +109,7 @@ double film_seconds(double film_pixels, double drawn) {
 double eye_seconds(uint32_t pixels) { return pixels * kPixelSeconds; }
 
 std::vector<ParameterSaving> savings() {
-  return {{"open_rays", {"128"}},
+  return {{"access_rays", {"128"}},
           {"dir_n", {"12", "8"}},
           {"texels", {"131072", "65536", "32768", "16384", "8192"}},
           {"dir_n", {"6"}, true}};

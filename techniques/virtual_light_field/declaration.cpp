@@ -28,7 +28,7 @@ TechniqueInfo technique_info() {
   info.layers = {"emission", "direct", "indirect", "subfield"};
   info.check_parameters = {{"dir_n", "8"}, {"cells", "32"}, {"texels", "8192"}};  // coarser, refraction is off by 4 %
   info.oclgrind_parameters = {
-      {"dir_n", "2"}, {"cells", "16"}, {"texels", "256"}, {"supersample", "1"}, {"open_rays", "128"}};
+      {"dir_n", "2"}, {"cells", "16"}, {"texels", "256"}, {"supersample", "1"}, {"access_rays", "128"}};
   return info;
 }
 

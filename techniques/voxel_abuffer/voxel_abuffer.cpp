@@ -55,6 +55,7 @@
 //   section 4, ambient occlusion             modes/occlusion.cl: begin_occlusion_rays() (mode=ao)
 //   section 4, path tracing                  modes/path_mode.h (mode=path): the framework's integrator
 //   algorithm 1, passes of λ samples         modes/pass_sums.cpp: begin(), commit(); modes/add_pass.cl: add_pass()
+//   algorithm 1, PRender(), GRender(), InitCompBuffer()
 //   algorithm 1, progressive, general        voxel_abuffer.cpp: step(), begin_frame() (progressive, passes, rebuild)
 //   section 5, grid of (√(3n))³ voxels       structure/grid_layout.cpp: choose_grid_size()
 //   section 5.2, regular voxels              compared/trace_voxel.cl (structure=voxel)

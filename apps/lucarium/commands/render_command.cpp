@@ -259,7 +259,7 @@ void add_render_command(Command program, Action& action) {
   command.option("--output", arguments->files)
       .repeatable()
       .value_name("FILE.exr|.png")
-      .default_text("none, with --json");
+      .default_text("none; needed without --json");
   command.flag("--overwrite", arguments->overwrite);
   command.flag("--half", arguments->half);
   command.flag("--profile", arguments->profile);

@@ -121,7 +121,7 @@ void announce(const ViewArguments& arguments, const Messages& messages, const st
     log_warning("--listen {}: whoever learns the address below reaches this viewer from other machines, unencrypted",
                 arguments.server.address);
   if (messages.json) {
-    print_result("{}\n", ordered_json{{"address", url}}.dump());
+    print_result("{}\n", ordered_json{{"schema", "lucarium-view-1"}, {"address", url}}.dump());
   } else {
     print_result("{}\n", url);
     if (!messages.quiet) print_note("Open this address in a browser; Ctrl-C ends.\n");

@@ -29,17 +29,17 @@ const OptionText entries[] = {
     {"--profile", "Output", "[=FILE]", "time per pass: a table, or FILE.json, FILE.trace.json (Perfetto)"},
     {"--watch", "Output", "", "render again when the scene, the plug-in or a kernel in use changes"},
     {"--save-state", "Output", "FILE", "save light that does not depend on the camera"},
-    {"--compress-state", "Output", "", "zlib for the chunks of the state"},
+    {"--compress-state", "Output", "", "compress the state with zlib"},
     {"--export", "Output", "FILE.glb", "write the scene as it is understood"},
     {"--link-images", "Output", "", "report with images beside it, in full precision"},
     {"--resume", "Output", "", "continue what was interrupted in the same folder"},
     {"--extend", "Output", "", "add samples to the file if it is there"},
-    {"--gate", "Output", "[LABEL:]METRIC<VALUE", "exit code 1 when missed; also METRIC>VALUE"},
+    {"--gate", "Checks", "[LABEL:]METRIC<VALUE", "exit code 1 when missed; also METRIC>VALUE"},
     {"--baseline", "Output", "FOLDER", "earlier results: print what changed"},
     {"--map-of", "Output", "ERROR", "what the map shows: signed (relative luminance error), ldr_flip or hdr_flip",
      "signed|ldr_flip|hdr_flip"},
-    {"--max-relmse", "Output", "E", "exit code 1 when relMSE is above this"},
-    {"--statistical", "Output", "", "test whether two renderings differ by noise alone; exit code 1 when not"},
+    {"--max-relmse", "Checks", "E", "exit code 1 when relMSE is above this"},
+    {"--statistical", "Checks", "", "test whether two renderings differ by noise alone; exit code 1 when not"},
     {"--formulas", "Output", "", "print what every metric means"},
     {"--markdown", "Output", "", "print the page of the documentation"},
     {"--list", "Output", "", "print papers and their experiments"},
@@ -62,13 +62,14 @@ const OptionText entries[] = {
 
     {"--size", "Image", "WxH", "image size [pixels]"},
     {"--max-bounces", "Image", "N", "indirect bounces; 0: direct light only, -1: unlimited"},
-    {"--pixel-sampling", "Image", "MODE", "jitter, center, or N for a grid of N×N", "jitter|center"},
-    {"--seed", "Image", "N", "same seed, same image"},
-    {"--exposure", "Image", "STOPS", "exposure of .png, exports, PSNR, SSIM, LDR_FLIP; not of .exr"},
+    {"--pixel-sampling", "Image", "MODE", "positions in a pixel: jitter, center, or N for a grid of N×N",
+     "jitter|center"},
+    {"--seed", "Image", "N", "seed of random numbers; same seed, same image"},
+    {"--exposure", "Image", "STOPS", "exposure of pictures and of metrics on them; not of .exr files"},
 
     {"--camera", "Scene", "CAMERA", "name, index, or EYE:TARGET[:VFOV] as x,y,z:x,y,z:degrees"},
     {"--camera-path", "Scene", "PATH", "name, FILE.json, linear:… or spline:… (docs/scenes.md)"},
-    {"--environment", "Scene", "SKY", "equirectangular image, R,G,B or none; *FACTOR@DEGREES"},
+    {"--environment", "Scene", "SKY", "sky: image, R,G,B or none; *FACTOR, @DEGREES"},
     {"--light", "Scene", "LIGHT", "point:X,Y,Z:R,G,B, spot:…, directional:…, none"},
     {"--material", "Scene", "NAME:KEY=VALUE,…", "change materials; NAME may hold *"},
     {"--no-sidecar", "Scene", "", "ignore FILE.lucarium.json beside the scene"},
@@ -78,7 +79,7 @@ const OptionText entries[] = {
     {"--atlas", "Atlas", "FILE", "write the charts of the surface atlas (.exr or .png)"},
     {"--atlas-view", "Atlas", "FILE", "write what the camera sees, every texel in its color (.exr or .png)"},
     {"--atlas-texels", "Atlas", "N", "wanted texel sides of the atlas"},
-    {"--atlas-edge", "Atlas", "METRES", "wanted texel edge, instead of a number"},
+    {"--atlas-edge", "Atlas", "METRES", "wanted texel edge, instead of --atlas-texels"},
     {"--atlas-texcoord1", "Atlas", "", "lay the atlas out by TEXCOORD_1 where there is one"},
 
     {"-t,--technique", "Technique", "NAME[:KEY=VALUE,…]", "technique with parameters; see lucarium techniques"},
@@ -124,7 +125,7 @@ const OptionText& option_text(std::string_view name) {
 std::vector<std::string> option_words(std::string_view name) { return split(option_text(name).words, '|'); }
 
 const std::vector<const char*>& option_groups() {
-  static const std::vector<const char*> groups = {"Output",    "Budget", "Image",     "Scene",  "Atlas",
+  static const std::vector<const char*> groups = {"Output",    "Checks", "Budget",    "Image",  "Scene",   "Atlas",
                                                   "Technique", "Page",   "Animation", "Device", "Messages"};
   return groups;
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lucarium/technique/technique.h"
+#include "lucarium/technique/technique_state.h"
 
 namespace lucarium {
 

@@ -72,7 +72,7 @@ struct BidirectionalParameters {
         "(maps, biased by texels)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
     v.number("camera_edges", camera_edges, 1, 64, "scatterings",
-             "scatterings of a camera path before roulette ends half of the paths at each further one");
+             "scatterings of a camera path before roulette, which then ends half of the paths at each one");
     v.choice("directions", directions,
              {{"bsdf", Directions::bsdf}, {"bundle", Directions::bundle}, {"both", Directions::both}},
              "directions of camera paths: by BSDF samples, from a set that all pixels share (bundle), or in turn at "
@@ -104,13 +104,13 @@ struct BidirectionalParameters {
              {{"none", Gloss::none}, {"clamp", Gloss::clamp}, {"vsl", Gloss::vsl}, {"roughness", Gloss::roughness}},
              "spikes of glossy surfaces by few samples: kept (none), cut (clamp), spread over spheres about virtual "
              "lights (vsl) or by wider lobes (roughness); the bias dies out with samples");
-    v.number("m_prime", m_prime, 1.f, 64.f, "samples", "samples that a glossy lobe covers at least (gloss)");
+    v.number("m_prime", m_prime, 1.f, 64.f, "samples", "minimum number of samples that a glossy lobe covers (gloss)");
     v.number("interleave", interleave, 1, 8, "pixels",
              "side of the tiles whose pixels take different bundles and virtual lights of an iteration");
-    v.flag("filter", filter, "mean over a tile of interleave until its pixels have as many samples as it has pixels");
+    v.flag("filter", filter,
+           "average over a tile (interleave) until each pixel has as many samples as the tile has pixels");
     v.flag("caches", caches,
-           "of moving pictures: indirect light of one in four samples is computed, the rest comes from the frame "
-           "before");
+           "animations: compute indirect light for one sample in four, and reproject the others from the frame before");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,
              {{"all", Strategy::all},

@@ -51,7 +51,7 @@ bool survives(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk,
   return true;
 }
 
-// The next direction of the path (equation 1). False when the path ends here.
+// The next direction of the path (equation 1; behind a widened lobe, equation 14). False when the path ends here.
 bool sample_direction(const Scene* scene, BidirectionalSettings settings, EyeWalk* walk, const Surface* surface,
                       const Bsdf* bsdf, const EyeMis* mis, const Sampler* sampler, uint seed, float u_lobe,
                       GLOSS_FIRST_PARAMETER(first_vertices) Ray* ray, RayEnds* ends) {

@@ -125,7 +125,7 @@ struct Parameters {
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged");
     v.number("eye_share", eye_share, 0.f, 0.9f, "",
-             "share of the work for samples of pixels, by iterations without directions; 0: none of these "
+             "share of the work that goes to samples of pixels; 0: only while directions are exchanged "
              "(pixel_rays=bundle: always)");
     v.presets({{"paper",
                 {{"batch", "1"},

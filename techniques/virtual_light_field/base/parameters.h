@@ -22,8 +22,8 @@ struct Parameters {
   int tile = 8;
   int texels = 0;
   float pixel_size = 0.5f;
-  float open_gap = 2;
-  int open_rays = 256;
+  float access_gap = 2;
+  int access_rays = 256;
   Supersample supersample = Supersample::automatic;
   int perturb = 1;
   SendInterpolation send_interp = SendInterpolation::bary;
@@ -49,19 +49,19 @@ struct Parameters {
   void describe(V& v) {
     v.number("dir_n", dir_n, 2, 64, "",
              "subdivision n of the direction grid: light travels along 2 n^2 + 1 lines, both ways (paper: 512, 2k)");
-    v.number(
-        "cells", cells, 0, 2048, "cells",
-        "cells per edge of a line's film, at least 16; 0: a cell is 0.37 times what directions spread over the mean "
-        "chord of the scene, 64 to 256 cells");
+    v.number("cells", cells, 0, 2048, "cells",
+             "cells per edge of a line's film, at least 16; 0: from the spacing of directions and the size of the "
+             "scene, 64 to "
+             "256");
     v.number("tile", tile, 0, 32, "cells", "edge length of tiles; 0: chosen for each patch (paper: 8, 16)");
     v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",
              "maximum edge length of a pixel of a film, with supersample=auto");
-    v.number("open_gap", open_gap, 0.f, 16.f, "texel edges",
+    v.number("access_gap", access_gap, 0.f, 16.f, "texel edges",
              "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility; 0: "
              "no weighting");
-    v.number("open_rays", open_rays, 128, 4096, "rays", "rays per texel that measure its accessibility");
+    v.number("access_rays", access_rays, 128, 4096, "rays", "rays per texel that measure its accessibility");
     v.choice("supersample", supersample,
              {{"auto", Supersample::automatic},
               {"1", Supersample::one},
@@ -70,13 +70,14 @@ struct Parameters {
               {"8", Supersample::eight}},
              "pixels per edge of a cell; auto: as pixel_size says");
     v.number("perturb", perturb, 1, 256, "",
-             "directions that stand for each direction of the grid, drawn about it; time grows with it, memory does "
-             "not (paper: 1, 36)");
+             "jittered copies of each direction, propagated in turn; time grows with them, memory does not (paper: 1, "
+             "36)");
     v.choice(
         "send_interp", send_interp, {{"bary", SendInterpolation::bary}, {"cell", SendInterpolation::cell}},
-        "what specular surfaces send with perturb above 1: the three directions around (bary), or the cell (paper)");
+        "what specular surfaces send with perturb above 1: interpolated between three directions (bary), or the value "
+        "of the cell (cell, paper)");
     v.number("residual", residual, 0.f, 1.f, "",
-             "bound of the relative error of unlimited bounces at which propagation ends; 0: never");
+             "relative error at which propagation of unlimited bounces stops; 0: never");
     v.flag("tail", tail, "add the bounces that are missing when propagation ends as a geometric series (paper: off)");
     v.choice(
         "scatter", scatter,
@@ -86,7 +87,8 @@ struct Parameters {
     v.choice("direct_mode", direct_mode, {{"nee", DirectMode::nee}, {"exchange", DirectMode::exchange}},
              "direct light of emissive surfaces and the environment: light samples (nee) or propagation (exchange, "
              "paper)");
-    v.flag("split_layers", split_layers, "keep direct light of tiles apart, which eye_direct needs; 4 bytes per cell");
+    v.flag("split_layers", split_layers,
+           "store direct light of tiles separately, 4 bytes per cell; eye_direct needs it");
     v.number("tile_albedo", tile_albedo, 0.f, 1.f, "",
              "minimum specular albedo and transmission of surfaces that keep radiance by direction");
     v.choice("weak_lobes", weak_lobes, {{"fold", WeakLobes::fold}, {"drop", WeakLobes::drop}},
@@ -109,7 +111,7 @@ struct Parameters {
     v.flag("preview", preview,
            "show diffuse light of few bounces along few lines until better is known; with direct_mode=nee");
     v.number("inspect_line", inspect_line, -1, 8192, "",
-             "line whose film is shown as layer subfield, of 0 to 2 n^2: what leaves the scene along it; -1: none");
+             "line that the layer subfield shows, 0 to 2 n^2: what leaves the scene along it; -1: none");
     v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
              "minimum samples per pixel before the image counts as converged");
     v.presets({{"paper",
@@ -117,7 +119,7 @@ struct Parameters {
                  {"tail", "off"},
                  {"scatter", "splat_raw"},
                  {"direct_mode", "exchange"},
-                 {"open_gap", "0"},
+                 {"access_gap", "0"},
                  {"eye_direct", "atlas"},
                  {"eye_specular", "vlf"},
                  {"eye_glossy", "vlf"},

@@ -8,8 +8,8 @@ namespace lucarium::vlf {
 /// What each cell has, a uint: radiance is RGB9E5 times the field's scale, FIELD_NO_CELL where there is none.
 struct CellBuffers {
   TypedBuffer<uint32_t> side;      ///< the texel side that it shows; LUCARIUM_NONE: none
-  TypedBuffer<uint32_t> incoming;  ///< of the sweep that has ended
-  TypedBuffer<uint32_t> sent;      ///< in this sweep
+  TypedBuffer<uint32_t> incoming;  ///< of the sweep that has ended: current
+  TypedBuffer<uint32_t> sent;      ///< in this sweep: next
   TypedBuffer<uint32_t> total;     ///< sent in all of them
   TypedBuffer<uint32_t> direct;    ///< with split_layers: of it, what the first scattering sent
 

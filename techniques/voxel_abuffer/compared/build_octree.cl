@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Levels of a sparse octree from its bricks upwards: their Morton codes are sorted, so that the children of a node
-// stand together.
+// stand together. What Hu et al. 2014, section 5.2, compare with.
 #include "lucarium/shared/dialect.h"
 
 // Whether a new parent begins. codes: of `count[0]` nodes.

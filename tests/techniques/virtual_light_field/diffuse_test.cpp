@@ -66,7 +66,7 @@ TEST_CASE("in a closed box of radiance 1 every texel side holds exactly that, wh
   for (const float gap : {0.f, 2.f}) {
     CAPTURE(gap);
     vlf::Parameters parameters = exchanged(4, 32, 1536);
-    parameters.open_gap = gap;
+    parameters.access_gap = gap;
     const SceneMaterial lamp = test::emitter(1);
     test::FieldRig rig(test::unit_box({{0, lamp}, {1, lamp}, {2, lamp}, {3, lamp}, {4, lamp}, {5, lamp}}), parameters,
                        {.max_bounces = 0});

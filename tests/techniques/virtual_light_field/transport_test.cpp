@@ -36,7 +36,7 @@ vlf::Parameters plain(int dir_n, int cells, int texels) {
   parameters.cells = cells;
   parameters.texels = texels;
   parameters.direct_mode = vlf::DirectMode::exchange;
-  parameters.open_gap = 0;  // a = 1
+  parameters.access_gap = 0;  // a = 1
   return parameters;
 }
 

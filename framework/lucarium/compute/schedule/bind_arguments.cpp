@@ -88,6 +88,17 @@ std::vector<bool> find_discards(const std::string& where, const RecordedStep& st
   return discarded;
 }
 
+/// Names the argument that was meant: a driver's other name for it, or the nearest.
+[[noreturn]] void fail_to_find(const std::string& where, const KernelSignature& signature, const std::string& name) {
+  const std::string renamed = "_cl_" + name;  // as PoCL calls arguments that hide a function
+  if (position_of(signature, renamed) < signature.arguments.size())
+    throw_error(ErrorClass::device,
+                "{}: the driver calls the argument '{}' '{}', since an OpenCL function has that name; rename it", where,
+                name, renamed);
+  throw_error(ErrorClass::device, "{}: the kernel has no argument '{}'{}", where, name,
+              suggest_name(name, argument_names(signature)));
+}
+
 }  // namespace
 
 BoundArguments bind_arguments(const std::string& where, const RecordedStep& step,
@@ -98,10 +109,7 @@ BoundArguments bind_arguments(const std::string& where, const RecordedStep& step
   result.by_position.resize(signature.arguments.size(), nullptr);
   for (const RecordedArgument& bound : step.arguments) {
     const size_t position = position_of(signature, bound.name);
-    if (position == signature.arguments.size()) {
-      throw_error(ErrorClass::device, "{}: the kernel has no argument '{}'{}", where, bound.name,
-                  suggest_name(bound.name, argument_names(signature)));
-    }
+    if (position == signature.arguments.size()) fail_to_find(where, signature, bound.name);
     if (result.by_position[position]) {
       throw_error(ErrorClass::device, "{}: argument '{}' is bound twice", where, bound.name);
     }

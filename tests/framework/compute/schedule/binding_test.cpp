@@ -73,6 +73,13 @@ TEST_CASE("every wrong binding is named") {
     pass.buffer("hitz", 1);
     CHECK(pass.error() == "pass 'p': the kernel has no argument 'hitz'; did you mean 'hits'?");
   }
+  SUBCASE("named as a function of OpenCL") {
+    pass.signature.arguments.push_back({"_cl_distance", "float", ArgumentAccess::value});
+    pass.value("distance", "float");
+    CHECK(pass.error() ==
+          "pass 'p': the driver calls the argument 'distance' '_cl_distance', since an OpenCL function has that name; "
+          "rename it");
+  }
   SUBCASE("missing") {
     pass.bind_values();
     CHECK(pass.error() == "pass 'p': argument 'hits' is not bound; it is a buffer (uint*)");
