@@ -14,19 +14,19 @@
 namespace lucarium::vlf {
 namespace {
 
-constexpr double kAtlasSeconds = 6e-6;          // a texel of the atlas, with what is hidden of it
-constexpr double kChartSeconds = 3e-6;          // a triangle
-constexpr double kAccessibilitySeconds = 4e-8;  // a ray of a texel that measures accessibility
-constexpr double kSideLightSeconds = 1.8e-5;    // a texel's first light samples
-constexpr double kFirstLightSamples = 64;       // so many
-constexpr double kFilmPixelSeconds = 1.5e-7;    // a pixel of a film, in a sweep
-constexpr double kKeptPixelSeconds = 3e-8;      // the same where fragments are kept
-constexpr double kKeptFragmentSeconds = 4e-8;   // a kept fragment, in a sweep
-constexpr double kTriangleSeconds = 1e-7;       // a triangle, in a line: its setup, and its pixels
-constexpr double kKeepingFilms = 1.5;           // what keeping a film takes, of drawing it
-constexpr double kPixelSeconds = 2e-6;          // a sample of a pixel
-constexpr double kSweeps = 6;                   // of unlimited bounces
-constexpr double kTileBytes = 24;               // a tile's share of norms, and its place in the list
+constexpr double kAtlasSeconds = 6e-6;            // a texel of the atlas, with what is hidden of it
+constexpr double kChartSeconds = 3e-6;            // a triangle
+constexpr double kAccessibilitySeconds = 4e-8;    // a ray of a texel that measures accessibility
+constexpr double kSideLightSeconds = 1.8e-5;      // a texel's first light samples
+constexpr double kFirstLightSamples = 64;         // so many
+constexpr double kSubfieldPixelSeconds = 1.5e-7;  // a pixel of a subfield, in a sweep
+constexpr double kKeptPixelSeconds = 3e-8;        // the same where fragments are kept
+constexpr double kKeptFragmentSeconds = 4e-8;     // a kept fragment, in a sweep
+constexpr double kTriangleSeconds = 1e-7;         // a triangle, in a line: its setup, and its pixels
+constexpr double kKeepingSubfields = 1.5;         // what keeping a subfield takes, of drawing it
+constexpr double kPixelSeconds = 2e-6;            // a sample of a pixel
+constexpr double kSweeps = 6;                     // of unlimited bounces
+constexpr double kTileBytes = 24;                 // a tile's share of norms, and its place in the list
 
 /// Per instance, 1 where its material is likely to have tiles (patches.h).
 std::vector<uint8_t> tiled_instances(const Parameters& parameters, const Scene& scene) {
@@ -53,22 +53,23 @@ double area_of(const Plan& plan, const Scene& scene) {
   return edge * edge * static_cast<double>(plan.atlas.texel_count);
 }
 
-FilmPlan expected_film(const Plan& plan, const Parameters& parameters, const Scene& scene) {
-  return plan_film(parameters, scene.bounds(), area_of(plan, scene), SurfaceAtlas::estimate_edge(scene, plan.atlas), 0);
+SubfieldPlan expected_subfield(const Plan& plan, const Parameters& parameters, const Scene& scene) {
+  return plan_subfield(parameters, scene.bounds(), area_of(plan, scene), SurfaceAtlas::estimate_edge(scene, plan.atlas),
+                       0);
 }
 
 /// For all fragments, whether or not that many may be kept [bytes].
-size_t fragment_bytes(const Parameters& parameters, const FilmPlan& film, double area) {
+size_t fragment_bytes(const Parameters& parameters, const SubfieldPlan& subfield, double area) {
   return KeptRows::estimate_bytes(LightField::estimate_fragments(
-      static_cast<uint32_t>(parameters.dir_n), static_cast<uint32_t>(parameters.perturb), film.pixel(), area));
+      static_cast<uint32_t>(parameters.dir_n), static_cast<uint32_t>(parameters.perturb), subfield.pixel(), area));
 }
 
 /// What rays through so many triangles cost over those through a few dozen: they go down the hierarchy's levels.
 double ray_depth(double triangles) { return std::max(1., (std::log2(std::max(triangles, 1.)) - 4) / 2); }
 
-/// Whether films are drawn once, and fragments kept for later sweeps where there is room.
+/// Whether subfields are drawn once, and fragments kept for later sweeps where there is room.
 bool keeps_any(const Plan& plan, const Scene& scene) {
-  return (plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces) && FilmRuns::can_keep(scene);
+  return (plan.max_bounces < 0 || plan.max_bounces >= LightField::kKeptBounces) && SubfieldRuns::can_keep(scene);
 }
 
 }  // namespace
@@ -81,30 +82,31 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
   double host = 0;
   if (plan.field) {
     host = texels * kAtlasSeconds + triangles * kChartSeconds;
-    const FilmPlan film = expected_film(plan, parameters, scene);
+    const SubfieldPlan subfield = expected_subfield(plan, parameters, scene);
     const double lines = 2. * parameters.dir_n * parameters.dir_n + 1,
-                 edge = std::ldexp(film.film, static_cast<int>(film.shift));
+                 edge = std::ldexp(subfield.subfield, static_cast<int>(subfield.shift));
     const double sweeps = plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps;
-    const double drawn = edge * edge * kFilmPixelSeconds + triangles * kTriangleSeconds,
+    const double drawn = edge * edge * kSubfieldPixelSeconds + triangles * kTriangleSeconds,
                  kept = kKeptFragmentSeconds *
-                        LightField::estimate_fragments(static_cast<uint32_t>(parameters.dir_n), 1, film.pixel(),
+                        LightField::estimate_fragments(static_cast<uint32_t>(parameters.dir_n), 1, subfield.pixel(),
                                                        SurfaceAtlas::surface_area(scene)) /
                         lines;
-    const bool keeps = keeps_any(plan, scene) && fragment_bytes(parameters, film, SurfaceAtlas::surface_area(scene)) <=
-                                                     static_cast<size_t>(parameters.cache_visibility) << 20;
-    const double film_seconds = keeps ? kKeepingFilms * drawn + sweeps * kept : (sweeps + 1) * drawn;
+    const bool keeps =
+        keeps_any(plan, scene) && fragment_bytes(parameters, subfield, SurfaceAtlas::surface_area(scene)) <=
+                                      static_cast<size_t>(parameters.cache_visibility) << 20;
+    const double subfield_seconds = keeps ? kKeepingSubfields * drawn + sweeps * kept : (sweeps + 1) * drawn;
     const double previews =
-        parameters.preview ? LightField::estimate_preview_films(field_options(plan, parameters)) : 0;
+        parameters.preview ? LightField::estimate_preview_subfields(field_options(plan, parameters)) : 0;
     device += texels * (parameters.access_rays * kAccessibilitySeconds +
                         (plan.sampled ? kSideLightSeconds * ray_depth(triangles) : 0)) +
-              parameters.perturb * lines * film_seconds + previews * drawn;
+              parameters.perturb * lines * subfield_seconds + previews * drawn;
   }
   return host / power.host + device / power.device;
 }
 
 double light_seconds(uint32_t samples) { return samples * kSideLightSeconds / kFirstLightSamples; }
-double film_seconds(double film_pixels, double drawn) {
-  return film_pixels * (drawn * kFilmPixelSeconds + (1 - drawn) * kKeptPixelSeconds);
+double subfield_seconds(double subfield_pixels, double drawn) {
+  return subfield_pixels * (drawn * kSubfieldPixelSeconds + (1 - drawn) * kKeptPixelSeconds);
 }
 double eye_seconds(uint32_t pixels) { return pixels * kPixelSeconds; }
 
@@ -122,10 +124,10 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
   if (!plan.field) return view;
   const size_t sides = SurfaceAtlas::expected_sides(scene, plan.atlas);
   const size_t always = SurfaceAtlas::estimate_bytes(scene, plan.atlas, sides) + SideLight::estimate_bytes(sides);
-  const FilmPlan film = expected_film(plan, parameters, scene);
+  const SubfieldPlan subfield = expected_subfield(plan, parameters, scene);
   const auto raster = [&](size_t schedules) {
     LayeredRasterOptions options;
-    options.max_width = options.max_height = std::min(film.film << film.shift, LAYERED_MAX_EDGE);
+    options.max_width = options.max_height = std::min(subfield.subfield << subfield.shift, LAYERED_MAX_EDGE);
     return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), options, std::nullopt, schedules);
   };
   const size_t measuring = TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides);
@@ -136,10 +138,10 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
                  LightField::estimate_bytes(sides) + raster(1 + (has_cells ? 1 : 0) + (keeps ? 1 : 0));
   if (keeps)
     field += std::min(static_cast<size_t>(parameters.cache_visibility) << 20,
-                      fragment_bytes(parameters, film, SurfaceAtlas::surface_area(scene)));
+                      fragment_bytes(parameters, subfield, SurfaceAtlas::surface_area(scene)));
   if (has_cells) {
-    field += cell_bytes(parameters, expect_cells(scene, tiled, patch_options(parameters, film),
-                                                 SurfaceAtlas::estimate_edge(scene, plan.atlas), film.film,
+    field += cell_bytes(parameters, expect_cells(scene, tiled, patch_options(parameters, subfield),
+                                                 SurfaceAtlas::estimate_edge(scene, plan.atlas), subfield.subfield,
                                                  static_cast<uint32_t>(parameters.dir_n)));
     field += CellScatter::estimate_bytes(sides, !scene.lights.empty());
   }

@@ -12,10 +12,10 @@ namespace lucarium::vlf {
 double estimate_seconds(const Plan& plan, const Parameters& parameters, const Scene& scene,
                         const RenderSettings& settings, const ComputePower& power);
 
-/// Parts of an iteration [s of a core]: light samples of texel sides, pixels of films of which a share is drawn and the
-/// rest kept, a sample of pixels.
+/// Parts of an iteration [s of a core]: light samples of texel sides, pixels of subfields of which a share is drawn and
+/// the rest kept, a sample of pixels.
 double light_seconds(uint32_t samples);
-double film_seconds(double film_pixels, double drawn);
+double subfield_seconds(double subfield_pixels, double drawn);
 double eye_seconds(uint32_t pixels);
 
 /// Technique::savings().

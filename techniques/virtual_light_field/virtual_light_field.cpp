@@ -3,11 +3,11 @@
 // virtual_light_field: light propagated along fixed directions, then walked through in constant time
 // ---------------------------------------------------------------------------------------------------
 //
-// Idea. A fixed set of directions covers the sphere; along each of them lies a film of parallel rays through the whole
-// scene, a parallel subfield. Light travels along all rays of a line at once, surface to surface, in both directions.
-// Diffuse surfaces keep one irradiance per texel; mirrors and glossy surfaces keep a radiance map for every direction,
-// in tiles that cover only the surface. When the light has settled, any view is a look-up (Mortensen, Khanna and
-// Slater, Light Field Propagation and Rendering on the GPU, AFRIGRAPH 2007).
+// Idea. A fixed set of directions covers the sphere; along each of them lies a subfield of parallel rays through the
+// whole scene, a parallel subfield. Light travels along all rays of a line at once, surface to surface, in both
+// directions. Diffuse surfaces keep one irradiance per texel; mirrors and glossy surfaces keep a radiance map for every
+// direction, in tiles that cover only the surface. When the light has settled, any view is a look-up (Mortensen, Khanna
+// and Slater, Light Field Propagation and Rendering on the GPU, AFRIGRAPH 2007).
 //
 //   e_t = Σ_d ΔΩ_d Σ_r a_r L_r / Σ_d ΔΩ_d Σ_r a_r       irradiance over π of texel t, over all rays r that meet it
 //   out_j(x) = k_s Σ_q b_q in_q(x) / Σ_q b_q            a mirror: q the three directions around the mirrored one
@@ -22,11 +22,11 @@
 // are in framework/lucarium/services and kernels/lucarium):
 //
 //   section 2.1, directions, parallel subfields (PSF)   directions/direction_grid.cpp: DirectionGrid(), make_lines()
-//   section 2.1, world to canonical PSF (M_WC)          tiles/film_cells.clh: film_point()
-//   section 2.1, tiles of cells, L_s (figure 3)         shared/field.h; tiles/film_cells.clh: film_radiance()
+//   section 2.1, world to canonical PSF (M_WC)          tiles/subfield_cells.clh: subfield_point()
+//   section 2.1, tiles of cells, L_s (figure 3)         shared/field.h; tiles/subfield_cells.clh: subfield_radiance()
 //   section 2.1, intersections of a ray in order        layered_raster/layered_raster.h: rows of sorted fragments
 //   section 3.1, sparse tiles (figure 4)                tiles/build_maps.cl: mark_tiles()
-//   section 3.1, locating a tile (figure 4)             tiles/film_cells.clh: find_cell()
+//   section 3.1, locating a tile (figure 4)             tiles/subfield_cells.clh: find_cell()
 //   section 2.1, a parallel subfield as an image        pixels/show_subfield.cl: show_subfield()
 //   section 3.1, maps: current, next, total             tiles/cell_buffers.h: sent, incoming, total
 //   section 3.2, senders and receivers (figure 5)       exchange/exchange_line.cl: layered_ray_crosses(): both ways at
@@ -101,9 +101,9 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     if (view_) result["lobe_rays"] = static_cast<double>(view_->rays());
     if (!field_) return result;
     const LightField::Counts counts = field_->counts();
-    result["lines"] = static_cast<double>(counts.films);
-    result["kept_lines"] = static_cast<double>(counts.kept_films);
-    result["film_pixels"] = counts.film_pixels;
+    result["lines"] = static_cast<double>(counts.subfields);
+    result["kept_lines"] = static_cast<double>(counts.kept_subfields);
+    result["subfield_pixels"] = counts.subfield_pixels;
     result["cells"] = field_->maps().cells();
     result["cells_scattered"] = static_cast<double>(counts.cells_scattered);
     result["propagating_bytes"] = static_cast<double>(counts.propagating_bytes);
@@ -215,7 +215,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
 
   void make_field() {
     LightField::Options options = field_options(plan_, parameters_);
-    options.film = surfaces_->film;
+    options.subfield = surfaces_->subfield;
     options.seed = full_seed();
     options.line_seed = seed();
     options.loaded = context().state != nullptr;
@@ -239,8 +239,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
       runs_left_ = 0;
     } else {
       const double drawn = field_->drawn_share();
-      if (!field_->advance(kFilmPixels)) return false;
-      eye_credit_ += film_seconds(kFilmPixels, drawn);
+      if (!field_->advance(kSubfieldPixels)) return false;
+      eye_credit_ += subfield_seconds(kSubfieldPixels, drawn);
     }
     stepped_ = true;
     return true;
@@ -255,7 +255,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   }
 
   static constexpr double kEyeShare = 0.25;
-  static constexpr double kFilmPixels = 4e6;  ///< that light runs through in an iteration
+  static constexpr double kSubfieldPixels = 4e6;  ///< that light runs through in an iteration
 
   Plan plan_;
   std::unique_ptr<FieldSurfaces> surfaces_;  ///< null where no light is propagated

@@ -50,14 +50,14 @@ struct Parameters {
     v.number("dir_n", dir_n, 2, 64, "",
              "subdivision n of the direction grid: light travels along 2 n^2 + 1 lines, both ways (paper: 512, 2k)");
     v.number("cells", cells, 0, 2048, "cells",
-             "cells per edge of a line's film, at least 16; 0: from the spacing of directions and the size of the "
+             "cells per edge of a line's subfield, at least 16; 0: from the spacing of directions and the size of the "
              "scene, 64 to "
              "256");
     v.number("tile", tile, 0, 32, "cells", "edge length of tiles; 0: chosen for each patch (paper: 8, 16)");
     v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",
-             "maximum edge length of a pixel of a film, with supersample=auto");
+             "maximum edge length of a pixel of a subfield, with supersample=auto");
     v.number("access_gap", access_gap, 0.f, 16.f, "texel edges",
              "distance beyond which a ray counts as unoccluded when parts of a texel are weighted by accessibility; 0: "
              "no weighting");
@@ -105,9 +105,9 @@ struct Parameters {
     v.number("patch_cone", patch_cone, 0.f, 60.f, "degrees",
              "maximum angle between normals of a patch and that of its largest triangle; 0: planar patches (paper)");
     v.choice("store", store, {{"tiles", Store::tiles}, {"csr", Store::csr}},
-             "cells of a surface on a film: square tiles (tiles, paper), or rows of cells from edge to edge (csr)");
+             "cells of a surface on a subfield: square tiles (tiles, paper), or rows of cells from edge to edge (csr)");
     v.number("cache_visibility", cache_visibility, 0, 1 << 20, "MiB",
-             "memory for fragments of films that are kept from sweep to sweep (paper: sorted lists); 0: none");
+             "memory for fragments of subfields that are kept from sweep to sweep (paper: sorted lists); 0: none");
     v.flag("preview", preview,
            "show diffuse light of few bounces along few lines until better is known; with direct_mode=nee");
     v.number("inspect_line", inspect_line, -1, 8192, "",

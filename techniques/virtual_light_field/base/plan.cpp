@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kCellShare =
     0.37;  // of δ times the mean chord (Mortensen et al. 2007, section 6: a ratio that could be computed)
-constexpr uint32_t kMinFilm = 16, kMinAutomatic = 64, kMaxAutomatic = 256;
+constexpr uint32_t kMinSubfield = 16, kMinAutomatic = 64, kMaxAutomatic = 256;
 constexpr double kBorder = 2;  // cells around the bounding sphere: shift and interpolation
 
 bool has_specular_lobes(const Scene& scene) {
@@ -48,37 +48,38 @@ Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSet
   return plan;
 }
 
-FilmPlan plan_film(const Parameters& parameters, const Bounds& bounds, double area, double texel_edge,
-                   double min_pixel) {
+SubfieldPlan plan_subfield(const Parameters& parameters, const Bounds& bounds, double area, double texel_edge,
+                           double min_pixel) {
   const double diameter = std::max(2.0 * static_cast<double>(bounds.radius()), 1e-6);
-  FilmPlan plan;
-  plan.film = kMinAutomatic;
+  SubfieldPlan plan;
+  plan.subfield = kMinAutomatic;
   if (parameters.cells > 0) {
-    plan.film = std::max(static_cast<uint32_t>(parameters.cells), kMinFilm);
+    plan.subfield = std::max(static_cast<uint32_t>(parameters.cells), kMinSubfield);
   } else if (!bounds.empty() && area > 0) {
     const glm::dvec3 size = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
     const double chord = 4 * size.x * size.y * size.z / area;
     const double cell = kCellShare * DirectionGrid::spacing(static_cast<uint32_t>(parameters.dir_n)) * chord;
     if (cell > 0)
-      plan.film = static_cast<uint32_t>(
+      plan.subfield = static_cast<uint32_t>(
           std::clamp(std::ceil(diameter / cell) + kBorder, double{kMinAutomatic}, double{kMaxAutomatic}));
   }
   const uint32_t max_shift =
       parameters.supersample == Supersample::automatic
           ? 3
           : static_cast<uint32_t>(parameters.supersample) - static_cast<uint32_t>(Supersample::one);
-  if (parameters.supersample != Supersample::automatic && (plan.film << max_shift) > LAYERED_MAX_EDGE)
-    throw_error(ErrorClass::usage,
-                "virtual_light_field: cells={} with supersample={} makes films of {} pixels, more than {}; lower one",
-                plan.film, 1u << max_shift, plan.film << max_shift, LAYERED_MAX_EDGE);
+  if (parameters.supersample != Supersample::automatic && (plan.subfield << max_shift) > LAYERED_MAX_EDGE)
+    throw_error(
+        ErrorClass::usage,
+        "virtual_light_field: cells={} with supersample={} makes subfields of {} pixels, more than {}; lower one",
+        plan.subfield, 1u << max_shift, plan.subfield << max_shift, LAYERED_MAX_EDGE);
   // Cells must not be smaller than the pixels that keep work-items apart at texels.
-  const auto cell_of = [&](uint32_t film) { return diameter / (film - kBorder); };
-  while (plan.film > kMinFilm && cell_of(plan.film) < min_pixel) --plan.film;
-  plan.cell = std::max(cell_of(plan.film), min_pixel);
+  const auto cell_of = [&](uint32_t subfield) { return diameter / (subfield - kBorder); };
+  while (plan.subfield > kMinSubfield && cell_of(plan.subfield) < min_pixel) --plan.subfield;
+  plan.cell = std::max(cell_of(plan.subfield), min_pixel);
   const double wanted =
       parameters.supersample == Supersample::automatic ? static_cast<double>(parameters.pixel_size) * texel_edge : 0;
   while (plan.shift < max_shift && plan.pixel() > wanted && plan.pixel() / 2 >= min_pixel &&
-         (plan.film << (plan.shift + 1)) <= LAYERED_MAX_EDGE)
+         (plan.subfield << (plan.shift + 1)) <= LAYERED_MAX_EDGE)
     ++plan.shift;
   return plan;
 }

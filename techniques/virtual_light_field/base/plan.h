@@ -25,15 +25,15 @@ struct Plan {
 };
 Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
-/// Films: N cells of edge c, ss² pixels to a cell.
-struct FilmPlan {
-  uint32_t film = 0;
+/// Subfields: N cells of edge c, ss² pixels to a cell.
+struct SubfieldPlan {
+  uint32_t subfield = 0;
   double cell = 0;     ///< [m]
   uint32_t shift = 0;  ///< log2 of ss
   double pixel() const { return cell / (1u << shift); }
 };
 /// `area`: of all reflecting sides [m²]; `texel_edge` [m]; `min_pixel`: below it work-items meet at a texel [m].
-FilmPlan plan_film(const Parameters& parameters, const Bounds& bounds, double area, double texel_edge,
-                   double min_pixel);
+SubfieldPlan plan_subfield(const Parameters& parameters, const Bounds& bounds, double area, double texel_edge,
+                           double min_pixel);
 
 }  // namespace lucarium::vlf

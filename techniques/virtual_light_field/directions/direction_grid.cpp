@@ -13,7 +13,7 @@ namespace lucarium::vlf {
 namespace {
 
 constexpr uint64_t kRotationStream = 0x726f7461;
-constexpr uint64_t kFilmStream = 0x66696c6d, kPerturbedStream = 0x70657274;
+constexpr uint64_t kSubfieldStream = 0x66696c6d, kPerturbedStream = 0x70657274;
 
 /// Of [0, 1), the same on every machine.
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
@@ -76,8 +76,8 @@ glm::dvec3 ball_point(const uint4& bits) {
 /// integral lies: s with 3 s² - 2 s³ = mass.
 double hat_distance(double mass) { return 0.5 - std::sin(std::asin(std::clamp(1 - 2 * mass, -1., 1.)) / 3); }
 
-/// A film across `z`.
-FieldLine make_line(const glm::dvec3& z, double solid_angle, const Bounds& bounds, uint32_t film, double cell,
+/// A subfield across `z`.
+FieldLine make_line(const glm::dvec3& z, double solid_angle, const Bounds& bounds, uint32_t subfield, double cell,
                     std::mt19937_64& random) {
   const glm::dvec3 center = 0.5 * (glm::dvec3(bounds.min) + glm::dvec3(bounds.max));
   const glm::dvec3 helper = std::abs(z.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
@@ -89,8 +89,8 @@ FieldLine make_line(const glm::dvec3& z, double solid_angle, const Bounds& bound
   };
   FieldLine result;
   result.omega = float4(glm::vec3(z), static_cast<float>(solid_angle));
-  result.row_x = row(x, cell, 0.5 * film + uniform(random) - 0.5);
-  result.row_y = row(y, cell, 0.5 * film + uniform(random) - 0.5);
+  result.row_x = row(x, cell, 0.5 * subfield + uniform(random) - 0.5);
+  result.row_y = row(y, cell, 0.5 * subfield + uniform(random) - 0.5);
   result.row_w = row(z, 1, 0);
   return result;
 }
@@ -179,22 +179,22 @@ std::vector<glm::dvec3> DirectionGrid::directions_about(uint32_t line, uint32_t 
   return result;
 }
 
-std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t film, double cell,
+std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t subfield, double cell,
                                   uint64_t seed) {
-  std::mt19937_64 random(seed ^ kFilmStream);
+  std::mt19937_64 random(seed ^ kSubfieldStream);
   std::vector<FieldLine> lines;
   for (uint32_t line = 0; line < grid.lines(); ++line)
-    lines.push_back(make_line(grid.direction(2 * line), grid.solid_angle(2 * line), bounds, film, cell, random));
+    lines.push_back(make_line(grid.direction(2 * line), grid.solid_angle(2 * line), bounds, subfield, cell, random));
   return lines;
 }
 
 std::vector<FieldLine> make_perturbed_lines(const DirectionGrid& grid, uint32_t count, const Bounds& bounds,
-                                            uint32_t film, double cell, uint64_t seed) {
+                                            uint32_t subfield, double cell, uint64_t seed) {
   std::mt19937_64 random(seed ^ kPerturbedStream);
   std::vector<FieldLine> lines;
   for (uint32_t line = 0; line < grid.lines(); ++line)
     for (const glm::dvec3& direction : grid.directions_about(line, count, seed ^ kPerturbedStream))
-      lines.push_back(make_line(direction, grid.solid_angle(2 * line) / count, bounds, film, cell, random));
+      lines.push_back(make_line(direction, grid.solid_angle(2 * line) / count, bounds, subfield, cell, random));
   return lines;
 }
 

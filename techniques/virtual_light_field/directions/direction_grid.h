@@ -58,14 +58,14 @@ class DirectionGrid {
   std::vector<uint32_t> nodes_;
 };
 
-/// Films of lines: N × N cells of edge `cell` that hold the bounding sphere of the scene, turned and shifted at random.
-/// `seed`: as of the grid.
-std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t film, double cell,
+/// Subfields of lines: N × N cells of edge `cell` that hold the bounding sphere of the scene, turned and shifted at
+/// random. `seed`: as of the grid.
+std::vector<FieldLine> make_lines(const DirectionGrid& grid, const Bounds& bounds, uint32_t subfield, double cell,
                                   uint64_t seed);
 
 /// The same of `count` directions about each line, those of a line behind each other. omega.w is its share of the
 /// line's solid angle.
 std::vector<FieldLine> make_perturbed_lines(const DirectionGrid& grid, uint32_t count, const Bounds& bounds,
-                                            uint32_t film, double cell, uint64_t seed);
+                                            uint32_t subfield, double cell, uint64_t seed);
 
 }  // namespace lucarium::vlf

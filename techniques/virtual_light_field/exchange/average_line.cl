@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the cells of a line have received: means over their pixels.
-#include "virtual_light_field/tiles/film_cells.clh"
+#include "virtual_light_field/tiles/subfield_cells.clh"
 
 // Work-item i: cell first_cell + i. incoming: RGB9E5 times scale; FIELD_NO_CELL where no ray came.
 __kernel void average_line(uint count, uint first_cell, float scale, __global float4* restrict received,

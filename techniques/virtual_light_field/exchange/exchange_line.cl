@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transport along a line (Mortensen et al. 2007, section 3.3): a pixel of the film is a ray, whose radiance is the
+// Transport along a line (Mortensen et al. 2007, section 3.3): a pixel of the subfield is a ray, whose radiance is the
 // paper's radiance interface; the radiance that runs along it is what the last surface has sent, or the sky.
 // Consecutive fragments see each other, as senders and receivers in both directions at once (section 3.2, figure 5).
 // What arrives is added to the irradiance of texel sides and to the cells of facets.
@@ -135,7 +135,7 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
 #define EXCHANGE_SET_SUMS(exchange)                                                      \
   const LightField field = {info, lines, nodes, 0, maps, tile_cells, inverse_scale, 0u}; \
   const PerturbedLine perturbed = {field,                                                \
-                                   film_of_view(layered_views[0]),                       \
+                                   subfield_of_view(layered_views[0]),                   \
                                    info.cell / (float)(1u << shift),                     \
                                    line,                                                 \
                                    cellwise,                                             \

@@ -24,14 +24,14 @@ bool has_preview(const LightField::Options& options) {
 
 }  // namespace
 
-uint32_t LightField::estimate_preview_films(const Options& options) {
+uint32_t LightField::estimate_preview_subfields(const Options& options) {
   const uint32_t n = coarse_n(options.dir_n);
   return has_preview(options) ? (2 * n * n + 1) * bounces_of(options.max_bounces) : 0;
 }
 
 /// The lines nearest to those of a coarser grid, which cover the sphere as evenly.
 void LightField::choose_preview_lines() {
-  preview_films_.clear();
+  preview_subfields_.clear();
   if (!has_preview(options_)) return;
   const DirectionGrid coarse(coarse_n(options_.dir_n), options_.seed);
   std::set<uint32_t> nearest;
@@ -41,9 +41,9 @@ void LightField::choose_preview_lines() {
     uint32_t best = 0;
     for (uint32_t l = 1; l < grid_.lines(); ++l)
       if (cosine(l) > cosine(best)) best = l;
-    nearest.insert((best + 1) * options_.perturb - 1);  // the last film of the line ends it
+    nearest.insert((best + 1) * options_.perturb - 1);  // the last subfield of the line ends it
   }
-  preview_films_.assign(nearest.begin(), nearest.end());
+  preview_subfields_.assign(nearest.begin(), nearest.end());
 }
 
 /// Light of few bounces along few lines, with facets that scatter as much as they reflect, diffusely. Displayed until
@@ -57,12 +57,14 @@ void LightField::end_preview_sweep() {
   const bool all = !unlimited && preview_bounces() == static_cast<uint32_t>(options_.max_bounces);
   show(unlimited && std::isfinite(tail.error) ? tail.factor : float4{}, all);
   ++shown_sweeps_;
-  films_->forget_drawn();
+  subfields_->forget_drawn();
   if (tiled_) set_albedo(false);
   scheduler_->run_to_end(emit_);
   stage_ = stage_after_preview();
 }
 
-uint32_t LightField::preview_bounces() const { return preview_films_.empty() ? 0 : bounces_of(options_.max_bounces); }
+uint32_t LightField::preview_bounces() const {
+  return preview_subfields_.empty() ? 0 : bounces_of(options_.max_bounces);
+}
 
 }  // namespace lucarium::vlf

@@ -14,10 +14,10 @@ LightField::Counts LightField::counts() const {
   const auto cells = size_t{maps_.cells()};
   const size_t split = options_.split ? kSplitBytes : 0;
   result.rendering_bytes = maps_.index_bytes() + cells * (sizeof(uint32_t) + split);
-  if (!films_) return result;
-  result.films = films_->drawn();
-  result.film_pixels = films_->drawn_pixels();
-  result.kept_films = films_->kept_films();
+  if (!subfields_) return result;
+  result.subfields = subfields_->drawn();
+  result.subfield_pixels = subfields_->drawn_pixels();
+  result.kept_subfields = subfields_->kept_subfields();
   if (scatter_) result.cells_scattered = scatter_->cells_scattered();
   result.propagating_bytes =
       maps_.index_bytes() + cells * (kCellBytes + split) + (scatter_ ? scatter_->norm_bytes() + maps_.list_bytes() : 0);
@@ -25,8 +25,8 @@ LightField::Counts LightField::counts() const {
 }
 
 double LightField::drawn_share() const {
-  if (!films_ || stage_ == Stage::keep) return 1;
-  return 1 - static_cast<double>(films_->kept_films()) / films_->films();
+  if (!subfields_ || stage_ == Stage::keep) return 1;
+  return 1 - static_cast<double>(subfields_->kept_subfields()) / subfields_->subfields();
 }
 
 double LightField::progress() const {
@@ -34,10 +34,12 @@ double LightField::progress() const {
   if (!begun_ || stage_ == Stage::preview) return 0;
   if (options_.max_bounces >= 0) {
     // Stages are run through as often as there are sweeps, and once each to keep fragments and to survey.
-    const double keeping = films_->keeps() ? 1 : 0, survey = tiled_ ? 1 : 0;
+    const double keeping = subfields_->keeps() ? 1 : 0, survey = tiled_ ? 1 : 0;
     const double before = stage_ == Stage::keep ? 0 : stage_ == Stage::survey ? keeping : keeping + survey + sweep_;
-    const uint32_t films = films_of_stage();
-    const double part = stage_ == Stage::scatter ? 1 : films > 0 ? static_cast<double>(next_film_) / films : 0;
+    const uint32_t subfields = subfields_of_stage();
+    const double part = stage_ == Stage::scatter ? 1
+                        : subfields > 0          ? static_cast<double>(next_subfield_) / subfields
+                                                 : 0;
     return std::min((before + part) / (options_.max_bounces + 1 + keeping + survey), 0.99);
   }
   // The error falls by a factor per sweep: on a logarithmic scale it comes evenly.

@@ -20,28 +20,29 @@ SurfaceAtlasOptions atlas_options(const Plan& plan, const FieldSurfaces::Report&
   return options;
 }
 
-/// Of films [m]: smaller ones would let two work-items, 16 pixels apart, add to the same texel.
+/// Of subfields [m]: smaller ones would let two work-items, 16 pixels apart, add to the same texel.
 double min_pixel(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const Parameters& parameters) {
   const double smallest = 0.5 * static_cast<double>(parameters.pixel_size * atlas.info().texel_edge);
   return largest_texel_extent(atlas, buffers, smallest * LAYERED_TILE_ROWS) / LAYERED_TILE_ROWS;
 }
 
-/// For films, and for the bundles that measure accessibility.
-LayeredRasterOptions raster_options(const Scene& scene, const FilmPlan& film, double safe_pixel) {
+/// For subfields, and for the bundles that measure accessibility.
+LayeredRasterOptions raster_options(const Scene& scene, const SubfieldPlan& subfield, double safe_pixel) {
   LayeredRasterOptions options;
-  options.max_width = options.max_height = std::max(film.film << film.shift, bundle_side(scene.bounds(), safe_pixel));
+  options.max_width = options.max_height =
+      std::max(subfield.subfield << subfield.shift, bundle_side(scene.bounds(), safe_pixel));
   return options;
 }
 
 }  // namespace
 
-PatchOptions patch_options(const Parameters& parameters, const FilmPlan& film) {
+PatchOptions patch_options(const Parameters& parameters, const SubfieldPlan& subfield) {
   PatchOptions options;
   options.tile_albedo = static_cast<double>(parameters.tile_albedo);
   options.cone = static_cast<double>(parameters.patch_cone);
   options.tile = static_cast<uint32_t>(parameters.tile);
   options.rows = parameters.store == Store::csr;
-  options.cell = film.cell;
+  options.cell = subfield.cell;
   return options;
 }
 
@@ -52,10 +53,10 @@ FieldSurfaces::FieldSurfaces(Device& device, KernelScheduler& scheduler, const S
       interior(device, scheduler, buffers, intersector, atlas, technique_name, remedies::lower_texels),
       accessibility(device, buffers, atlas, {parameters.pixel_size, parameters.access_gap, parameters.access_rays},
                     technique_name, remedies::lower_texels),
-      film(plan_film(parameters, scene.bounds(), atlas.report().area, static_cast<double>(atlas.info().texel_edge),
-                     min_pixel(atlas, buffers, parameters))),
-      patches(make_patches(atlas, buffers, patch_options(parameters, film))),
-      raster(scheduler, buffers, raster_options(scene, film, accessibility.safe_pixel()), technique_name),
+      subfield(plan_subfield(parameters, scene.bounds(), atlas.report().area,
+                             static_cast<double>(atlas.info().texel_edge), min_pixel(atlas, buffers, parameters))),
+      patches(make_patches(atlas, buffers, patch_options(parameters, subfield))),
+      raster(scheduler, buffers, raster_options(scene, subfield, accessibility.safe_pixel()), technique_name),
       light(device, scheduler, buffers, intersector, atlas, accessibility, plan.light_kinds, technique_name,
             remedies::lower_texels) {
   accessibility.begin(device, scheduler, scene, buffers, atlas, interior, raster);

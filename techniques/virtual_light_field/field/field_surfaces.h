@@ -14,7 +14,7 @@
 namespace lucarium::vlf {
 
 /// What parameters decide of patches.
-PatchOptions patch_options(const Parameters& parameters, const FilmPlan& film);
+PatchOptions patch_options(const Parameters& parameters, const SubfieldPlan& subfield);
 
 /// What a field needs of a scene and does not depend on the seed, in the order of dependence.
 struct FieldSurfaces {
@@ -28,7 +28,7 @@ struct FieldSurfaces {
   SurfaceAtlas atlas;
   TexelInterior interior;
   SideAccessibility accessibility;
-  FilmPlan film;
+  SubfieldPlan subfield;
   Patches patches;
   LayeredRaster raster;
   SideLight light;

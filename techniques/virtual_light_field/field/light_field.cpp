@@ -58,7 +58,7 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       options_(options),
       grid_(options.dir_n, options.seed),
       maps_(device, scheduler, host_scene, scene, grid_, patches,
-            {options.film.film, options.film.cell, atlas.info().texel_edge, options.seed, options.rows}),
+            {options.subfield.subfield, options.subfield.cell, atlas.info().texel_edge, options.seed, options.rows}),
       tiled_(maps_.cells() > 0),
       sides_(atlas.info().texel_count),
       light_samples_(light_samples),
@@ -82,22 +82,22 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
     return;
   }
   record_sides();
-  FilmRuns::Options films;
-  films.film = options.film;
-  films.perturb = options.perturb;
-  films.cellwise = options.cellwise;
-  films.seed = options.seed;
-  films.blend_seed = options.line_seed;
+  SubfieldRuns::Options subfields;
+  subfields.subfield = options.subfield;
+  subfields.perturb = options.perturb;
+  subfields.cellwise = options.cellwise;
+  subfields.seed = options.seed;
+  subfields.blend_seed = options.line_seed;
   if (options.max_bounces < 0 || options.max_bounces >= kKeptBounces)
-    films.cache =
-        std::min(options.cache, KeptRows::estimate_bytes(estimate_fragments(options.dir_n, options.perturb,
-                                                                            options.film.pixel(), drawn_area(atlas))));
-  films_ = std::make_unique<FilmRuns>(device, scheduler, host_scene, scene, grid_, maps_, atlas, raster, interior,
-                                      accessibility, cells_, records_, films);
+    subfields.cache =
+        std::min(options.cache, KeptRows::estimate_bytes(estimate_fragments(
+                                    options.dir_n, options.perturb, options.subfield.pixel(), drawn_area(atlas))));
+  subfields_ = std::make_unique<SubfieldRuns>(device, scheduler, host_scene, scene, grid_, maps_, atlas, raster,
+                                              interior, accessibility, cells_, records_, subfields);
   if (!tiled_) return;
   scatter_ = std::make_unique<CellScatter>(
-      device, scheduler, host_scene, scene, intersector, atlas, maps_, cells_, films_->host_films(), side_program_,
-      norms_, CellScatter::Options{options.split, options.scatter, options.perturb, options.line_seed});
+      device, scheduler, host_scene, scene, intersector, atlas, maps_, cells_, subfields_->host_subfields(),
+      side_program_, norms_, CellScatter::Options{options.split, options.scatter, options.perturb, options.line_seed});
 }
 
 // ---- schedules
@@ -160,9 +160,9 @@ void LightField::begin() {
   scheduler_->finish();
   if (scatter_) scatter_->begin();
   choose_preview_lines();
-  if (!preview_films_.empty() && tiled_) set_albedo(true);
-  stage_ = preview_films_.empty() ? stage_after_preview() : Stage::preview;
-  next_film_ = sweep_ = shown_sweeps_ = preview_sweep_ = 0;
+  if (!preview_subfields_.empty() && tiled_) set_albedo(true);
+  stage_ = preview_subfields_.empty() ? stage_after_preview() : Stage::preview;
+  next_subfield_ = sweep_ = shown_sweeps_ = preview_sweep_ = 0;
   begun_ = true;
 }
 
@@ -172,7 +172,7 @@ void LightField::set_albedo(bool facets) {
 }
 
 LightField::Stage LightField::stage_after_preview() const {
-  return films_->keeps() ? Stage::keep : tiled_ ? Stage::survey : Stage::transport;
+  return subfields_->keeps() ? Stage::keep : tiled_ ? Stage::survey : Stage::transport;
 }
 
 /// A power of two that takes the brightest sender to the middle of what cells can hold.
@@ -201,53 +201,53 @@ void LightField::find_scale() {
   scale_ = std::clamp(scale_, 0x1p-100f, 0x1p100f);
 }
 
-bool LightField::advance(double film_pixels) {
+bool LightField::advance(double subfield_pixels) {
   if (!begun_) begin();
   while (scatter_ && !scatter_->sees_all())
     if (!scatter_->see_light()) return false;
-  if (!(work_left_ > 0)) work_left_ = film_pixels;
+  if (!(work_left_ > 0)) work_left_ = subfield_pixels;
   while (work_left_ > 0 && !done()) {
     if (stage_ == Stage::scatter) {
       work_left_ -= kCellWork * scatter_tiles();
       continue;
     }
-    if (next_film_ < films_of_stage()) {
-      if (!run_film()) return false;
-      ++next_film_;
-      work_left_ -= films_->pixels();
+    if (next_subfield_ < subfields_of_stage()) {
+      if (!run_subfield()) return false;
+      ++next_subfield_;
+      work_left_ -= subfields_->pixels();
       continue;
     }
     work_left_ -= kSideWork * sides_;
-    end_films();
+    end_subfields();
   }
   work_left_ = 0;
   return true;
 }
 
-uint32_t LightField::films_of_stage() const {
+uint32_t LightField::subfields_of_stage() const {
   // Sampled direct light needs no first sweep, unless facets reflect emitters and sky.
   if (stage_ == Stage::transport && sweep_ == 0 && options_.sampled && !tiled_) return 0;
-  if (stage_ == Stage::preview) return preview_sweep_ == 0 ? 0 : static_cast<uint32_t>(preview_films_.size());
-  return stage_ == Stage::survey ? films_->lines() : films_->films();
+  if (stage_ == Stage::preview) return preview_sweep_ == 0 ? 0 : static_cast<uint32_t>(preview_subfields_.size());
+  return stage_ == Stage::survey ? subfields_->lines() : subfields_->subfields();
 }
 
-bool LightField::run_film() {
+bool LightField::run_subfield() {
   switch (stage_) {
-    case Stage::preview: return films_->exchange(preview_films_[next_film_], false, scale_);
-    case Stage::survey: return films_->survey(next_film_);
-    case Stage::keep: return films_->keep(next_film_);
-    default: return films_->exchange(next_film_, sweep_ == 0, scale_);
+    case Stage::preview: return subfields_->exchange(preview_subfields_[next_subfield_], false, scale_);
+    case Stage::survey: return subfields_->survey(next_subfield_);
+    case Stage::keep: return subfields_->keep(next_subfield_);
+    default: return subfields_->exchange(next_subfield_, sweep_ == 0, scale_);
   }
 }
 
-/// All films have been run through.
-void LightField::end_films() {
-  next_film_ = 0;
+/// All subfields have been run through.
+void LightField::end_subfields() {
+  next_subfield_ = 0;
   switch (stage_) {
     case Stage::preview: return end_preview_sweep();
     case Stage::transport: return end_sweep();
     case Stage::keep:
-      films_->end_keeping();
+      subfields_->end_keeping();
       stage_ = tiled_ ? Stage::survey : Stage::transport;
       return;
     default: stage_ = Stage::transport;
@@ -325,7 +325,7 @@ void LightField::show(const float4& tail, bool hold) {
 void LightField::end_propagation() {
   scheduler_->finish();
   counts_ = counts();
-  films_.reset();
+  subfields_.reset();
   scatter_.reset();
   cells_.end_propagation();
   maps_.end_propagation();
@@ -336,9 +336,9 @@ void LightField::end_propagation() {
 }
 
 void LightField::warm_up() {
-  if (!films_) return;
+  if (!subfields_) return;
   scheduler_->warm_up(emit_);
-  films_->warm_up();
+  subfields_->warm_up();
   scheduler_->warm_up(fold_);
   scheduler_->warm_up(show_);
   if (scatter_) scatter_->warm_up();
@@ -366,8 +366,8 @@ LightField::Options field_options(const Plan& plan, const Parameters& parameters
 size_t LightField::estimate_bytes(size_t sides) { return sides * (10 * sizeof(float4) + 2 * sizeof(uint32_t)); }
 
 double LightField::estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area) {
-  const double films = (2. * dir_n * dir_n + 1) * perturb;
-  return films * area / (2 * pixel * pixel);  // the mean projection of a surface is half of it
+  const double subfields = (2. * dir_n * dir_n + 1) * perturb;
+  return subfields * area / (2 * pixel * pixel);  // the mean projection of a surface is half of it
 }
 
 }  // namespace lucarium::vlf

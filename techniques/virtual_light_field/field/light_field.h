@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lucarium/technique/technique_state.h"
-#include "virtual_light_field/field/film_runs.h"
+#include "virtual_light_field/field/subfield_runs.h"
 #include "virtual_light_field/scatter/cell_scatter.h"
 
 namespace lucarium::vlf {
@@ -21,14 +21,14 @@ class LightField {
  public:
   struct Options {
     uint32_t dir_n = 16;
-    FilmPlan film;
-    uint32_t perturb = 1;   ///< Q: films of a line
-    bool cellwise = false;  ///< FilmRuns::Options::cellwise
+    SubfieldPlan subfield;
+    uint32_t perturb = 1;   ///< Q: subfields of a line
+    bool cellwise = false;  ///< SubfieldRuns::Options::cellwise
     size_t cache = 0;       ///< for kept fragments [bytes]
     bool rows = false;      ///< store=csr
     ScatterMode scatter = ScatterMode::gather;
     uint64_t seed = 1;
-    uint32_t line_seed = 1;  ///< decides BLEND, with the film
+    uint32_t line_seed = 1;  ///< decides BLEND, with the subfield
     int max_bounces = -1;
     bool sampled = true;       ///< Plan::sampled
     bool scatter_last = true;  ///< facets send what the last sweep of finite bounces brought, for look-ups by pixels
@@ -45,11 +45,11 @@ class LightField {
              const LayeredRaster& raster, const TexelInterior& interior, const SideAccessibility& accessibility,
              const TypedBuffer<float4>& light_samples, const Options& options);
 
-  /// When the light samples are known: the next part of the propagation, about so many pixels of films, or a quarter as
-  /// many cells; at least a line. False when cancelled: the next call goes on there.
-  bool advance(double film_pixels = 4e6);
+  /// When the light samples are known: the next part of the propagation, about so many pixels of subfields, or a
+  /// quarter as many cells; at least a line. False when cancelled: the next call goes on there.
+  bool advance(double subfield_pixels = 4e6);
   bool done() const { return stage_ == Stage::done; }
-  /// Of the films that come next, those that are rasterized; the others' fragments are kept.
+  /// Of the subfields that come next, those that are rasterized; the others' fragments are kept.
   double drawn_share() const;
   double progress() const;  ///< [1], of finite bounces; of unlimited ones estimated by the error
   std::string phase() const;
@@ -73,8 +73,8 @@ class LightField {
   const FieldTail& tail() const { return tail_; }
   uint32_t sweeps() const { return sweep_; }  ///< transported
   struct Counts {
-    uint64_t films = 0, kept_films = 0, cells_scattered = 0;
-    double film_pixels = 0;
+    uint64_t subfields = 0, kept_subfields = 0, cells_scattered = 0;
+    double subfield_pixels = 0;
     size_t propagating_bytes = 0, rendering_bytes = 0;  ///< of cells with their index
   };
   Counts counts() const;
@@ -87,20 +87,20 @@ class LightField {
   static size_t estimate_bytes(size_t sides);
   static constexpr size_t kCellBytes = 16, kSplitBytes = 4;
   static constexpr int kKeptBounces = 3;  ///< so many at least: drawing twice to keep fragments pays
-  /// Expected fragments of all films. `pixel` [m]; `area`: of the scene's surfaces, each once [m²].
+  /// Expected fragments of all subfields. `pixel` [m]; `area`: of the scene's surfaces, each once [m²].
   static double estimate_fragments(uint32_t dir_n, uint32_t perturb, double pixel, double area);
   /// That a preview draws, all of its sweeps together.
-  static uint32_t estimate_preview_films(const Options& options);
+  static uint32_t estimate_preview_subfields(const Options& options);
 
  private:
   enum class Stage { preview, keep, survey, transport, scatter, done };
   void record_sides();
   void begin();
   void find_scale();
-  bool run_film();
-  uint32_t films_of_stage() const;
+  bool run_subfield();
+  uint32_t subfields_of_stage() const;
   uint32_t preview_bounces() const;  ///< 0: no preview
-  void end_films();
+  void end_subfields();
   Stage stage_after_preview() const;
   void set_albedo(bool facets);  ///< facets reflect diffusely, too
   void choose_preview_lines();
@@ -128,15 +128,15 @@ class LightField {
   CellBuffers cells_;
   Program side_program_;
   Schedule emit_, fold_, show_;
-  std::unique_ptr<FilmRuns> films_;       ///< null where nothing is propagated any more
-  std::unique_ptr<CellScatter> scatter_;  ///< likewise, and where there are no cells
+  std::unique_ptr<SubfieldRuns> subfields_;  ///< null where nothing is propagated any more
+  std::unique_ptr<CellScatter> scatter_;     ///< likewise, and where there are no cells
   Variable<uint32_t> fold_sweep_, show_hold_;
   Variable<float4> show_tail_;
   Stage stage_ = Stage::survey;
   bool begun_ = false;
-  double work_left_ = 0;  ///< of an iteration that was cancelled [film pixels]
-  uint32_t next_film_ = 0, sweep_ = 0, shown_sweeps_ = 0;
-  std::vector<uint32_t> preview_films_;
+  double work_left_ = 0;  ///< of an iteration that was cancelled [subfield pixels]
+  uint32_t next_subfield_ = 0, sweep_ = 0, shown_sweeps_ = 0;
+  std::vector<uint32_t> preview_subfields_;
   uint32_t preview_sweep_ = 0;  ///< sweeps of the preview that have ended
   float scale_ = 1;
   FieldTail tail_;
@@ -145,7 +145,7 @@ class LightField {
   Counts counts_;
 };
 
-/// What parameters decide of it; film and seeds are left to the caller.
+/// What parameters decide of it; subfield and seeds are left to the caller.
 LightField::Options field_options(const Plan& plan, const Parameters& parameters);
 
 }  // namespace lucarium::vlf

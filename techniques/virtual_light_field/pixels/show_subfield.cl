@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // A parallel subfield as a picture (Mortensen et al. 2007, figure 2): what leaves the scene along a line of the field,
-// cell by cell. The film fills the largest square in the middle of the image.
+// cell by cell. The subfield fills the largest square in the middle of the image.
 #include "lucarium/atlas_light.clh"
 #include "lucarium/ray_ends.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/shared/ray.h"
 #include "lucarium/surface_point.clh"
-#include "virtual_light_field/tiles/film_cells.clh"
+#include "virtual_light_field/tiles/subfield_cells.clh"
 
-// Film coordinates [cells] of an image's pixel; outside of [0, film) beside the film.
-float2 film_of_pixel(uint i, uint width, uint height, uint film) {
+// Subfield coordinates [cells] of an image's pixel; outside of [0, subfield) beside the subfield.
+float2 subfield_of_pixel(uint i, uint width, uint height, uint subfield) {
   const float side = (float)min(width, height);
   const float2 pixel = (float2)((float)(i % width), (float)(i / width)) + 0.5f;
   const float2 corner = 0.5f * ((float2)((float)width, (float)height) - side);
-  return (pixel - corner) * ((float)film / side);
+  return (pixel - corner) * ((float)subfield / side);
 }
 
-bool on_film(float2 at, uint film) { return at.x >= 0.0f && at.y >= 0.0f && at.x < (float)film && at.y < (float)film; }
+bool on_subfield(float2 at, uint subfield) {
+  return at.x >= 0.0f && at.y >= 0.0f && at.x < (float)subfield && at.y < (float)subfield;
+}
 
 // Work-item: a pixel. The ray begins outside of the scene, at depth `reach` along omega [m], and runs against omega.
 __kernel void aim_along_line(uint count, uint width, uint height, FieldInfo info,
@@ -25,17 +27,17 @@ __kernel void aim_along_line(uint count, uint width, uint height, FieldInfo info
   const uint i = get_global_id(0);
   if (i >= count) return;
   const FieldLine own = lines[line];
-  const float2 at = film_of_pixel(i, width, height, info.film);
+  const float2 at = subfield_of_pixel(i, width, height, info.subfield);
   Ray ray;
   const float2 off = (at - (float2)(own.row_x.w, own.row_y.w)) * info.cell * info.cell;
   const float3 origin = off.x * own.row_x.xyz + off.y * own.row_y.xyz + reach * own.omega.xyz;
   ray.origin = (float4)(origin, as_float(seed | 1u));
-  ray.direction = (float4)(-own.omega.xyz, on_film(at, info.film) ? INFINITY : -1.0f);
+  ray.direction = (float4)(-own.omega.xyz, on_subfield(at, info.subfield) ? INFINITY : -1.0f);
   rays[i] = ray;
   LUCARIUM_STORE_RAY_ENDS(ends, i, no_ray_ends());
 }
 
-// What the nearest surface sends: emission, diffuse light, and its own cell of the line's film, not interpolated.
+// What the nearest surface sends: emission, diffuse light, and its own cell of the line's subfield, not interpolated.
 __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const AtlasTriangle* restrict atlas_triangles,
                             __global const uint* restrict atlas_table,
@@ -61,7 +63,7 @@ __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   float3 albedo = atlas_materials[side].diffuse.xyz;
   const uint facet = side_facet[side];
   if (facet != LUCARIUM_NONE) {
-    const float2 at = floor(film_of_pixel(i, width, height, info.film));
+    const float2 at = floor(subfield_of_pixel(i, width, height, info.subfield));
     const uint cell = find_cell(maps[(size_t)(2u * line) * info.facets + facet], tile_cells, (int)at.x, (int)at.y);
     if (cell != LUCARIUM_NONE && total[cell] != FIELD_NO_CELL) {
       light += inverse_scale[0] * unpack_rgb9e5(total[cell]);

@@ -34,7 +34,7 @@ std::vector<uint32_t> brightest_lights(const Scene& scene) {
 
 CellScatter::CellScatter(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
                          const Intersector& intersector, const SurfaceAtlas& atlas, const TileMaps& maps,
-                         const CellBuffers& cells, const std::vector<FieldLine>& films, const Program& sums,
+                         const CellBuffers& cells, const std::vector<FieldLine>& subfields, const Program& sums,
                          const TypedBuffer<float4>& norms, const Options& options)
     : scheduler_(&scheduler),
       maps_(&maps),
@@ -46,7 +46,7 @@ CellScatter::CellScatter(Device& device, KernelScheduler& scheduler, const Scene
       visible_(device, technique_name, "lights that texel sides see", atlas.info().texel_count, remedies::lower_texels),
       tile_norms_(device, technique_name, "norms of tiles", size_t{FIELD_NORMS} * chunks(maps.tiles()), kFewerCells) {
   const Program program = make_field_program(device, "scatter/scatter_cells");
-  record_scatter(scene, atlas, program, films);
+  record_scatter(scene, atlas, program, subfields);
   ScheduleRecorder summing = scheduler.record("norms of cells", technique_name);
   summing.pass("sum norms", sums, "sum_norms")
       .global(FIELD_NORMS)
@@ -72,13 +72,14 @@ CellScatter::CellScatter(Device& device, KernelScheduler& scheduler, const Scene
 }
 
 void CellScatter::record_scatter(const SceneBuffers& scene, const SurfaceAtlas& atlas, const Program& program,
-                                 const std::vector<FieldLine>& films) {
+                                 const std::vector<FieldLine>& subfields) {
   std::vector<float4> directions(1);
   if (options_.mode != ScatterMode::gather) {
     directions.clear();
-    for (const FieldLine& film : films) directions.push_back(film.omega);
+    for (const FieldLine& subfield : subfields) directions.push_back(subfield.omega);
   }
-  films_ = TypedBuffer<float4>(lights_.device(), technique_name, "directions of films", directions, "lower perturb");
+  subfields_ =
+      TypedBuffer<float4>(lights_.device(), technique_name, "directions of subfields", directions, "lower perturb");
   ScheduleRecorder recorder = scheduler_->record("scatter", technique_name);
   first_tile_ = recorder.variable("first_tile", 0u);
   end_tile_ = recorder.variable("tiles", 0u);
@@ -97,7 +98,7 @@ void CellScatter::record_scatter(const SceneBuffers& scene, const SurfaceAtlas& 
       .arg("sweep", sweep_)
       .arg("split", options_.split ? 1u : 0u)
       .arg("splat", static_cast<uint32_t>(options_.mode))
-      .arg("films", films_)
+      .arg("subfields", subfields_)
       .arg("perturb", options_.perturb)
       .arg("inverse_scale", inverse_scale_)
       .arg("lights", lights_)

@@ -18,15 +18,15 @@ class CellScatter {
   struct Options {
     bool split = true;  ///< the first scattering is kept apart
     ScatterMode mode = ScatterMode::gather;
-    uint32_t perturb = 1;  ///< films of a line
+    uint32_t perturb = 1;  ///< subfields of a line
     uint32_t seed = 1;     ///< of shadow rays
   };
   static constexpr uint32_t kMaxLights = 32;  ///< punctual ones that make highlights on facets
 
-  /// All must outlive this. `films`: FilmRuns::host_films(). `norms`: receives sums of norms.clh.
+  /// All must outlive this. `subfields`: SubfieldRuns::host_subfields(). `norms`: receives sums of norms.clh.
   CellScatter(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
               const Intersector& intersector, const SurfaceAtlas& atlas, const TileMaps& maps, const CellBuffers& cells,
-              const std::vector<FieldLine>& films, const Program& sums, const TypedBuffer<float4>& norms,
+              const std::vector<FieldLine>& subfields, const Program& sums, const TypedBuffer<float4>& norms,
               const Options& options);
 
   /// Cells without light, before the first sweep.
@@ -49,7 +49,7 @@ class CellScatter {
 
  private:
   void record_scatter(const SceneBuffers& scene, const SurfaceAtlas& atlas, const Program& program,
-                      const std::vector<FieldLine>& films);
+                      const std::vector<FieldLine>& subfields);
   void record_visibility(Device& device, const SceneBuffers& scene, const SurfaceAtlas& atlas,
                          const Intersector& intersector);
 
@@ -59,7 +59,7 @@ class CellScatter {
   Options options_;
   std::vector<uint32_t> host_lights_;  ///< entries of the light mixture
   TypedBuffer<uint32_t> lights_, visible_, count_;
-  TypedBuffer<float4> tile_norms_, films_;
+  TypedBuffer<float4> tile_norms_, subfields_;
   Schedule see_, scatter_, sum_, add_;
   Variable<uint32_t> first_tile_, end_tile_, sweep_, added_sweep_, light_, bit_;
   Variable<float> scale_, inverse_scale_;

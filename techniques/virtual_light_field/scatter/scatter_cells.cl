@@ -12,7 +12,7 @@
 #include "virtual_light_field/scatter/punctual_light.clh"
 #include "virtual_light_field/scatter/side_lobes.clh"
 #include "virtual_light_field/scatter/splat_lobes.clh"
-#include "virtual_light_field/tiles/film_cells.clh"
+#include "virtual_light_field/tiles/subfield_cells.clh"
 
 #define LOBE_CUT 1e-3f   // of the largest value of a lobe: what is below does not count
 #define NARROW 0.5f      // lobes of GGX widths below this share of the spacing of directions count as ideal
@@ -32,7 +32,7 @@ typedef struct Incoming {
 float4 incoming_radiance(const Incoming* in, uint facet, uint direction, float3 position) {
   const FieldMap map = in->maps[(size_t)direction * in->info.facets + facet];
   if (FIELD_MAP_WIDTH(map) == 0u) return (float4)(0.0f);
-  return film_radiance(map, in->tile_cells, in->cells, film_point(in->lines[direction >> 1], position));
+  return subfield_radiance(map, in->tile_cells, in->cells, subfield_point(in->lines[direction >> 1], position));
 }
 
 // The same from any direction, by the nodes around it: sum b L / sum b over those that are known.
@@ -186,7 +186,7 @@ uint map_of_entry(const __global FieldMap* maps, uint count, uint entry) {
 typedef struct TileCells {
   uint map;           // direction facets + facet
   uint first, count;  // cells
-  uint x, y, width;   // film coordinates of the first cell; cells of a row
+  uint x, y, width;   // subfield coordinates of the first cell; cells of a row
 } TileCells;
 
 TileCells cells_of_entry(FieldInfo info, const __global FieldMap* maps, const __global uint* tile_cells, uint entry) {
@@ -212,7 +212,7 @@ TileCells cells_of_entry(FieldInfo info, const __global FieldMap* maps, const __
 // Work-item i: FIELD_TILE_CHUNK tiles of the list, from first_tile + FIELD_TILE_CHUNK i on. incoming: of the sweep that
 // ended. sent: what was sent in it, and must be in the next. Stored radiance is RGB9E5 over inverse_scale. direct,
 // total: as before (add_cells()). lights, visible: see punctual_highlights(); visible of each texel side. splat: 0,
-// SPLAT_MEANS or SPLAT_SUMS. films, perturb: see Splats. norms: of each chunk of tiles.
+// SPLAT_MEANS or SPLAT_SUMS. subfields, perturb: see Splats. norms: of each chunk of tiles.
 __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const SurfacePoint* restrict atlas_points,
                             __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
@@ -220,7 +220,7 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
                             __global const uint* restrict tile_cells, __global const uint* restrict tile_list,
                             uint first_tile, uint tiles, uint sweep, uint split, uint splat,
-                            __global const float4* restrict films, uint perturb, float inverse_scale, float scale,
+                            __global const float4* restrict subfields, uint perturb, float inverse_scale, float scale,
                             __global const uint* restrict lights, __global const uint* restrict visible,
                             __global const uint* restrict cell_side, __global const uint* restrict incoming,
                             __global uint* restrict sent, __global uint* restrict total, __global uint* restrict direct,
@@ -236,7 +236,7 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const uint direction = tile.map / info.facets, facet = tile.map - direction * info.facets;
     const FieldLine line = lines[direction >> 1];
     const float3 view = field_direction(lines, direction);
-    const Splats splats = {films, perturb, direction, splat == SPLAT_MEANS};
+    const Splats splats = {subfields, perturb, direction, splat == SPLAT_MEANS};
     const float measure = info.cell * info.cell * line.omega.w;
     for (uint k = 0u; k < tile.count; ++k) {
       const uint cell = tile.first + k, side = cell_side[cell];
@@ -247,7 +247,7 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
       const SurfacePoint point = atlas_points[side];
       const float2 at = (float2)((float)(tile.x + k % tile.width) + 0.5f, (float)(tile.y + k / tile.width) + 0.5f);
       const float3 position =
-          film_hit(line, at, info.cell, point.position.xyz, point.normal.xyz, CELL_REACH * info.texel_edge);
+          subfield_hit(line, at, info.cell, point.position.xyz, point.normal.xyz, CELL_REACH * info.texel_edge);
       const Bsdf bsdf = side_lobes(atlas_materials + side, point.normal.xyz, view);
       const uint k_sides = atlas_info.double_sided_count;
       const uint other = side < k_sides ? side + k_sides : side < 2u * k_sides ? side - k_sides : LUCARIUM_NONE;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light field as host and kernels see it: lines, their films, and where the tiles of facets lie on them.
+// The light field as host and kernels see it: lines, their subfields, and where the tiles of facets lie on them.
 //
-// Direction 2 l is omega of line l, direction 2 l + 1 is -omega; both share one film of N x N cells. A facet is one
-// side of a patch; a map holds the cells of one facet on the film of one direction, in tiles of m x m cells. Its
+// Direction 2 l is omega of line l, direction 2 l + 1 is -omega; both share one subfield of N x N cells. A facet is one
+// side of a patch; a map holds the cells of one facet on the subfield of one direction, in tiles of m x m cells. Its
 // radiance `in` comes from the direction, `out` and its totals leave towards it.
 #ifndef VIRTUAL_LIGHT_FIELD_SHARED_FIELD_H
 #define VIRTUAL_LIGHT_FIELD_SHARED_FIELD_H
@@ -10,7 +10,7 @@
 
 LUCARIUM_STRUCT_BEGIN(FieldLine)
 float4 omega;  // xyz unit; w: solid angle of each of its two directions [sr]
-float4 row_x;  // film coordinates [cells]: row · (p, 1)
+float4 row_x;  // subfield coordinates [cells]: row · (p, 1)
 float4 row_y;
 float4 row_w;  // depth along omega [m]
 LUCARIUM_STRUCT_END(FieldLine, 64)
@@ -33,7 +33,7 @@ float4 rotation0, rotation1, rotation2;  // rows: world to the axes of the octah
 uint grid;                               // n: cells of the grid per edge of the octahedron
 uint lines;                              // 2 n^2 + 1
 uint facets;
-uint film;         // N: cells per edge of a film
+uint subfield;     // N: cells per edge of a subfield
 float cell;        // c: edge of a cell [m]
 float texel_edge;  // of the surface atlas [m]
 float angle;       // spacing of directions delta [rad]

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which tiles of films each facet needs: rectangles about its projections, then the tiles in them that it meets, with a
-// margin of one cell for interpolation (Mortensen et al. 2007, section 3.1: tiles cover only the face).
+// Which tiles of subfields each facet needs: rectangles about its projections, then the tiles in them that it meets,
+// with a margin of one cell for interpolation (Mortensen et al. 2007, section 3.1: tiles cover only the face).
 #include "lucarium/shared/scene_types.h"
 #include "virtual_light_field/shared/field.h"
-#include "virtual_light_field/tiles/film_cells.clh"
+#include "virtual_light_field/tiles/subfield_cells.clh"
 
 #define FACET_PARAMETERS                                                                                             \
   const __global Vertex *restrict scene_vertices, const __global Triangle *restrict scene_triangles, FieldInfo info, \
       const __global FieldLine *restrict lines, const __global FieldFacet *restrict facets,                          \
       const __global uint *restrict facet_triangles
 
-// A triangle of a facet on a film [cells].
+// A triangle of a facet on a subfield [cells].
 typedef struct Projected {
   float2 p[3];
   float2 low, high;
@@ -24,17 +24,17 @@ Projected project_triangle(const __global Vertex* vertices, Triangle triangle, F
                c = vertices[triangle.v2].position.xyz;
   const float along = dot(cross(b - a, c - a), line.omega.xyz);
   result.faces = (along > 0.0f) == (front != backwards) && along != 0.0f;
-  result.p[0] = film_point(line, a);
-  result.p[1] = film_point(line, b);
-  result.p[2] = film_point(line, c);
+  result.p[0] = subfield_point(line, a);
+  result.p[1] = subfield_point(line, b);
+  result.p[2] = subfield_point(line, c);
   result.low = fmin(result.p[0], fmin(result.p[1], result.p[2])) - 1.0f;
   result.high = fmax(result.p[0], fmax(result.p[1], result.p[2])) + 1.0f;
   return result;
 }
 
-// First and last tile of a facet's triangle, clamped to the film.
-int4 tile_range(Projected t, uint film, uint m) {
-  const float last = (float)(film - 1u);
+// First and last tile of a facet's triangle, clamped to the subfield.
+int4 tile_range(Projected t, uint subfield, uint m) {
+  const float last = (float)(subfield - 1u);
   const float2 low = clamp(t.low, 0.0f, last), high = clamp(t.high, 0.0f, last);
   return (int4)((int)low.x, (int)low.y, (int)high.x, (int)high.y) / (int)max(m, 1u);
 }
@@ -50,7 +50,7 @@ __kernel void bound_maps(FACET_PARAMETERS, __global FieldMap* restrict maps, __g
     const Projected t =
         project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
     if (!t.faces) continue;
-    const int4 tiles = tile_range(t, info.film, own.tile);
+    const int4 tiles = tile_range(t, info.subfield, own.tile);
     range = (int4)(min(range.xy, tiles.xy), max(range.zw, tiles.zw));
   }
   const bool seen = range.z >= 0, rows = own.tile == 0u;
@@ -97,7 +97,7 @@ __kernel void mark_tiles(FACET_PARAMETERS, const __global uint* restrict starts,
     const Projected t =
         project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
     if (!t.faces) continue;
-    const int4 tiles = tile_range(t, info.film, m);
+    const int4 tiles = tile_range(t, info.subfield, m);
     for (int y = tiles.y; y <= tiles.w; ++y)
       for (int x = tiles.x; x <= tiles.z; ++x)
         if (touches(t, (float2)((float)x, (float)y) * (float)m, (float2)((float)(x + 1), (float)(y + 1)) * (float)m))
@@ -105,8 +105,8 @@ __kernel void mark_tiles(FACET_PARAMETERS, const __global uint* restrict starts,
   }
 }
 
-// First and last cell of a triangle within a cell of the row y, clamped to the film; empty: last before first.
-int2 row_range(Projected t, int y, uint film) {
+// First and last cell of a triangle within a cell of the row y, clamped to the subfield; empty: last before first.
+int2 row_range(Projected t, int y, uint subfield) {
   const float low = (float)(y - 1), high = (float)(y + 2);
   float first = INFINITY, last = -INFINITY;
   for (int k = 0; k < 3; ++k) {
@@ -120,7 +120,8 @@ int2 row_range(Projected t, int y, uint film) {
     last = fmax(last, fmax(from, to));
   }
   if (first > last) return (int2)(0, -1);
-  return (int2)((int)clamp(first - 1.0f, 0.0f, (float)(film - 1u)), (int)clamp(last + 1.0f, 0.0f, (float)(film - 1u)));
+  return (int2)((int)clamp(first - 1.0f, 0.0f, (float)(subfield - 1u)),
+                (int)clamp(last + 1.0f, 0.0f, (float)(subfield - 1u)));
 }
 
 // The same with store=csr. cells: of each row, at its even entry; spans: where it begins, x | cells << 16, at its odd
@@ -142,9 +143,9 @@ __kernel void mark_rows(FACET_PARAMETERS, const __global uint* restrict starts, 
     const Projected t =
         project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
     if (!t.faces) continue;
-    const int4 range = tile_range(t, info.film, 1u);
+    const int4 range = tile_range(t, info.subfield, 1u);
     for (int y = range.y; y <= range.w; ++y) {
-      int2 row = row_range(t, y, info.film);
+      int2 row = row_range(t, y, info.subfield);
       if (row.y < row.x) continue;
       const uint entry = map.first + 2u * (uint)(y - y0), count = cells[entry], begin = spans[entry + 1u] & 0xffffu;
       if (count) row = (int2)(min(row.x, (int)begin), max(row.y, (int)(begin + count) - 1));

@@ -74,7 +74,7 @@ std::vector<Patch> patches_of(const Scene& scene, const PatchMesh& mesh, const P
   return patches;
 }
 
-/// A triangle on a film [cells], with the margin of a cell.
+/// A triangle on a subfield [cells], with the margin of a cell.
 struct Projected {
   std::array<glm::vec2, 3> p;
   glm::vec2 low, high;
@@ -122,7 +122,7 @@ glm::vec2 row_range(const Projected& t, int y) {
 /// What one map has: of the side of a patch that a direction sees.
 class MapCounter {
  public:
-  MapCounter(uint32_t film, uint32_t tile) : film_(film), tile_(static_cast<int>(tile)) {}
+  MapCounter(uint32_t subfield, uint32_t tile) : subfield_(subfield), tile_(static_cast<int>(tile)) {}
 
   void count(const std::vector<Projected>& triangles, CellCounts* sums) {
     glm::ivec4 all(INT_MAX, INT_MAX, -1, -1);
@@ -139,7 +139,7 @@ class MapCounter {
 
  private:
   glm::ivec4 range(const Projected& t) const {
-    const float last = static_cast<float>(film_ - 1);
+    const float last = static_cast<float>(subfield_ - 1);
     const glm::vec2 low = glm::clamp(t.low, 0.f, last), high = glm::clamp(t.high, 0.f, last);
     return glm::ivec4(low.x, low.y, high.x, high.y) / std::max(tile_, 1);
   }
@@ -172,7 +172,7 @@ class MapCounter {
         end = {std::min(end.x, row.x), std::max(end.y, row.y)};
       }
     }
-    const float last = static_cast<float>(film_ - 1);
+    const float last = static_cast<float>(subfield_ - 1);
     for (const glm::vec2& end : ends) {
       if (end.x > end.y) continue;
       sums->cells += std::floor(static_cast<double>(std::clamp(end.y + 1, 0.f, last))) -
@@ -182,7 +182,7 @@ class MapCounter {
     sums->entries += 2 * static_cast<double>(h);
   }
 
-  uint32_t film_;
+  uint32_t subfield_;
   int tile_;  ///< 0: rows
   std::vector<uint8_t> marks_;
 };
@@ -190,19 +190,19 @@ class MapCounter {
 }  // namespace
 
 CellCounts expect_cells(const Scene& scene, const std::vector<uint8_t>& tiled, const PatchOptions& options,
-                        double texel_edge, uint32_t film, uint32_t dir_n) {
+                        double texel_edge, uint32_t subfield, uint32_t dir_n) {
   const PatchMesh mesh(scene, tiled);
   const std::vector<Patch> patches = patches_of(scene, mesh, options, texel_edge);
   const DirectionGrid few(std::min(dir_n, mesh.triangles.size() < kManyTriangles ? kMore : kFew), kSeed);
   const double directions = 4. * dir_n * dir_n + 2;
   CellCounts sums;
   std::vector<Projected> sides[2];
-  for (const FieldLine& line : make_lines(few, scene.bounds(), film, options.cell, kSeed))
+  for (const FieldLine& line : make_lines(few, scene.bounds(), subfield, options.cell, kSeed))
     for (const Patch& patch : patches) {
       for (auto& side : sides) side.clear();
       for (const uint32_t t : patch.triangles)
         sides[glm::dot(mesh.normals[t], line.omega.xyz()) > 0].push_back(project(mesh, mesh.triangles[t], line));
-      MapCounter counter(film, patch.tile);
+      MapCounter counter(subfield, patch.tile);
       // The front is seen from a direction and the back from its opposite, and the other way round.
       for (const auto& side : sides)
         for (int facet = 0; facet < (patch.back ? 2 : 1); ++facet) counter.count(side, &sums);

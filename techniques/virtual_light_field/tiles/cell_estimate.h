@@ -14,9 +14,9 @@ struct CellCounts {
   double maps = 0;
 };
 
-/// Counts them on the films of few directions, as build_maps.cl does. `tiled`: per instance, 1 where it keeps radiance
-/// by direction; `texel_edge`: of the atlas to come [m]; `film`: N.
+/// Counts them on the subfields of few directions, as build_maps.cl does. `tiled`: per instance, 1 where it keeps
+/// radiance by direction; `texel_edge`: of the atlas to come [m]; `subfield`: N.
 CellCounts expect_cells(const Scene& scene, const std::vector<uint8_t>& tiled, const PatchOptions& options,
-                        double texel_edge, uint32_t film, uint32_t dir_n);
+                        double texel_edge, uint32_t subfield, uint32_t dir_n);
 
 }  // namespace lucarium::vlf

@@ -36,7 +36,7 @@ bool is_tiled(const SceneMaterial& material, double tile_albedo);
 /// FieldFacet::tile of a patch of these triangles.
 uint32_t tile_of(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, const PatchOptions& options);
 
-/// Expected cells of a patch of area A and perimeter P₃ on the film of a random direction, in tiles of m × m, both
+/// Expected cells of a patch of area A and perimeter P₃ on the subfield of a random direction, in tiles of m × m, both
 /// sides together (derivation: patches.cpp).
 double expected_cells(double area, double perimeter, double cell, uint32_t tile);
 

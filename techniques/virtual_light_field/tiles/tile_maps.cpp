@@ -42,7 +42,7 @@ float4 row(const glm::dmat3& m, int r) {
 
 TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
                    const DirectionGrid& grid, const Patches& patches, const Options& options)
-    : host_lines_(make_lines(grid, host_scene.bounds(), options.film, options.cell, options.seed)),
+    : host_lines_(make_lines(grid, host_scene.bounds(), options.subfield, options.cell, options.seed)),
       first_cells_(grid.directions() + 1, 0),
       lines_(device, technique_name, "lines", host_lines_, kRemedy),
       nodes_(device, technique_name, "nodes of the direction grid", grid.nodes(), kRemedy),
@@ -53,7 +53,7 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
   info_.grid = grid.n();
   info_.lines = grid.lines();
   info_.facets = static_cast<uint32_t>(patches.facets.size());
-  info_.film = options.film;
+  info_.subfield = options.subfield;
   info_.cell = static_cast<float>(options.cell);
   info_.texel_edge = options.texel_edge;
   info_.angle = static_cast<float>(grid.spacing());

@@ -9,13 +9,13 @@
 
 namespace lucarium::vlf {
 
-/// The films of all lines, and where the cells of every facet are on them.
+/// The subfields of all lines, and where the cells of every facet are on them.
 class TileMaps {
  public:
   struct Options {
-    uint32_t film = 0;     ///< N
-    double cell = 0;       ///< c [m]
-    float texel_edge = 0;  ///< [m]
+    uint32_t subfield = 0;  ///< N
+    double cell = 0;        ///< c [m]
+    float texel_edge = 0;   ///< [m]
     uint64_t seed = 1;
     bool rows = false;  ///< store=csr: cells in rows, without tiles
   };

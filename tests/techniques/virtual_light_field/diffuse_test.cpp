@@ -147,19 +147,19 @@ TEST_CASE("light samples and propagation bring the same direct light") {
 
 TEST_CASE("an iteration that was cancelled does the rest of its work when it is repeated, and no more") {
   const SceneMaterial wall = test::emitter(1, 0.5f);
-  const auto films = [&](bool cancelled) {
+  const auto subfields = [&](bool cancelled) {
     vlf::Parameters parameters = exchanged(3, 32, 512);
     test::FieldRig rig(test::unit_box({{0, wall}, {2, wall}, {3, wall}}), parameters, {.max_bounces = 2});
     vlf::LightField& field = rig.field();
     CHECK(field.advance(1));
     int requests = 0;
     if (cancelled) rig.scheduler().set_cancel([&] { return ++requests == 4; });
-    const double pixels = field.counts().film_pixels;
+    const double pixels = field.counts().subfield_pixels;
     const bool completed = field.advance(12 * pixels);
     CHECK(completed != cancelled);
-    if (cancelled) CHECK(field.counts().film_pixels < 12 * pixels);
+    if (cancelled) CHECK(field.counts().subfield_pixels < 12 * pixels);
     if (!completed) CHECK(field.advance(12 * pixels));
-    return field.counts().films;
+    return field.counts().subfields;
   };
-  CHECK(films(true) == films(false));
+  CHECK(subfields(true) == subfields(false));
 }

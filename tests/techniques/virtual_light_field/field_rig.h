@@ -77,7 +77,7 @@ class FieldRig {
         surfaces_.light.commit();
       }
     vlf::LightField::Options field = vlf::field_options(plan_, parameters_);
-    field.film = surfaces_.film;
+    field.subfield = surfaces_.subfield;
     field.seed = options.seed;
     field.line_seed = static_cast<uint32_t>(options.seed);
     field.scatter_last = true;

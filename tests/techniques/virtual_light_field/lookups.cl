@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "virtual_light_field/directions/direction_grid.clh"
-#include "virtual_light_field/tiles/film_cells.clh"
+#include "virtual_light_field/tiles/subfield_cells.clh"
 
 // directions: unit vectors; found: node directions and weights of each, three pairs.
 __kernel void look_up_directions(uint count, FieldInfo info, __global const uint* restrict nodes,
@@ -15,7 +15,7 @@ __kernel void look_up_directions(uint count, FieldInfo info, __global const uint
   }
 }
 
-// Fills a map of tiles with the film coordinates of its cells, in order.
+// Fills a map of tiles with the subfield coordinates of its cells, in order.
 __kernel void fill_cells(uint count, __global const uint* restrict coordinates, __global uint* restrict cells) {
   const uint i = get_global_id(0);
   if (i < count) cells[i] = pack_cell((float3)((float)coordinates[2u * i], (float)coordinates[2u * i + 1u], 1.0f));
@@ -25,5 +25,5 @@ __kernel void look_up_cells(uint count, __global const FieldMap* restrict maps,
                             __global const uint* restrict tile_cells, __global const uint* restrict cells,
                             __global const float2* restrict points, __global float4* restrict found) {
   const uint i = get_global_id(0);
-  if (i < count) found[i] = film_radiance(maps[0], tile_cells, cells, points[i]);
+  if (i < count) found[i] = subfield_radiance(maps[0], tile_cells, cells, points[i]);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Look-ups on the device: the three directions around one, and radiance between the cells of a film.
+// Look-ups on the device: the three directions around one, and radiance between the cells of a subfield.
 #include <doctest/doctest.h>
 
 #include <cmath>

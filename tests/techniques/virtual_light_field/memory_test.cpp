@@ -70,7 +70,7 @@ Memory memory_of(const std::string& name, const Options& parameters) {
 }  // namespace
 
 TEST_CASE("stated memory is what is taken, up to a tenth") {
-  const Options few = {{"dir_n", "8"}, {"texels", "16384"}, {"open_rays", "128"}};
+  const Options few = {{"dir_n", "8"}, {"texels", "16384"}, {"access_rays", "128"}};
   const std::pair<const char*, Options> cases[] = {
       {"builtin:cornell", {{"cells", "64"}}},
       {"builtin:cornell", {{"cells", "64"}, {"cache_visibility", "0"}}},

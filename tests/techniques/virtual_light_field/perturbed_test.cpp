@@ -142,24 +142,24 @@ TEST_CASE("perturbed rays by a mirror bring the light of the image lamp, and lea
 TEST_CASE("kept fragments give the bits of drawn ones, all or some of them kept") {
   for (const int perturb : {1, 2}) {
     CAPTURE(perturb);
-    const auto bits = [&](int megabytes, size_t bytes, uint32_t* kept, uint64_t* films) {
+    const auto bits = [&](int megabytes, size_t bytes, uint32_t* kept, uint64_t* subfields) {
       vlf::Parameters parameters = field(4, 32, 1024, perturb);
       parameters.cache_visibility = megabytes;
       test::FieldRig rig(mirror_furnace(), parameters, {.max_bounces = 3, .cache_bytes = bytes});
       rig.propagate();
-      *kept = static_cast<uint32_t>(rig.field().counts().kept_films);
-      *films = rig.field().counts().films;
+      *kept = static_cast<uint32_t>(rig.field().counts().kept_subfields);
+      *subfields = rig.field().counts().subfields;
       return bits_of(rig);
     };
     uint32_t kept = 0;
-    uint64_t films = 0;
-    const std::vector<uint32_t> drawn = bits(0, 0, &kept, &films);
+    uint64_t subfields = 0;
+    const std::vector<uint32_t> drawn = bits(0, 0, &kept, &subfields);
     CHECK(kept == 0);
-    CHECK(drawn == bits(512, 0, &kept, &films));
-    CHECK(4 * kept == films);
-    CHECK(drawn == bits(512, 1u << 17, &kept, &films));
+    CHECK(drawn == bits(512, 0, &kept, &subfields));
+    CHECK(4 * kept == subfields);
+    CHECK(drawn == bits(512, 1u << 17, &kept, &subfields));
     CHECK(kept > 0);
-    CHECK(4 * kept < films);
+    CHECK(4 * kept < subfields);
   }
 }
 

@@ -37,7 +37,7 @@ TEST_CASE("before the first sweep a preview shows nearly the light of the end, a
   const std::vector<double> shown = early.indirect();
   early.propagate();
   CHECK(early.field().sweeps() == plain.field().sweeps());
-  CHECK(early.field().counts().films == plain.field().counts().films);
+  CHECK(early.field().counts().subfields == plain.field().counts().subfields);
   CHECK(early.indirect() == plain.indirect());
   CHECK(early.direct() == plain.direct());
   CHECK(early.cells() == plain.cells());
@@ -103,11 +103,11 @@ TEST_CASE("what a short budget lowers takes less time, and so do fragments that 
   CHECK(kept < 0.2 * whole);
   p.preview = false;
   CHECK(seconds() < kept);
-  p.cache_visibility = 0;  // every sweep draws its films
+  p.cache_visibility = 0;  // every sweep draws its subfields
   CHECK(seconds() > 1.5 * kept);
 }
 
-TEST_CASE("scenes of many triangles are expected to take longer, by films and by rays") {
+TEST_CASE("scenes of many triangles are expected to take longer, by subfields and by rays") {
   RenderSettings settings;
   settings.width = 256;
   settings.height = 144;
@@ -115,14 +115,14 @@ TEST_CASE("scenes of many triangles are expected to take longer, by films and by
     const Scene scene = load_scene(name);
     vlf::Parameters p;
     p.cells = 64;
-    p.supersample = vlf::Supersample::one;  // films of few pixels: what remains is triangles
+    p.supersample = vlf::Supersample::one;  // subfields of few pixels: what remains is triangles
     p.perturb = perturb;
     p.direct_mode = rays ? vlf::DirectMode::nee : vlf::DirectMode::exchange;
     return vlf::estimate_seconds(vlf::make_plan(p, scene, settings), p, scene, settings, ComputePower());
   };
   const std::string few = "builtin:blocks:triangles=100", many = "builtin:blocks:triangles=100000";
-  const auto of_films = [&](const std::string& name) { return seconds(name, 2, true) - seconds(name, 1, true); };
+  const auto of_subfields = [&](const std::string& name) { return seconds(name, 2, true) - seconds(name, 1, true); };
   const auto of_rays = [&](const std::string& name) { return seconds(name, 1, true) - seconds(name, 1, false); };
-  CHECK(of_films(many) > 5 * of_films(few));
+  CHECK(of_subfields(many) > 5 * of_subfields(few));
   CHECK(of_rays(many) > 2 * of_rays(few));
 }

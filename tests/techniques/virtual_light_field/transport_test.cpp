@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transport along lines, as sums over rays without normalisation: what one sends the other receives, nothing is lost,
-// light adds up, and rays of films meet what rays meet.
+// light adds up, and rays of subfields meet what rays meet.
 //
-// A ray of a film stands for A_p ΔΩ of the measure of lines, A_p the area of its pixel. It meets two places a and b and
-// carries L_a A_p ΔΩ from a to b and L_b A_p ΔΩ back. With W_t = Σ ΔΩ over the rays of side t, and S_t = Σ ΔΩ L what
-// they bring, both without factors A_p, and K the linear map from what sides send to what they receive, S = K L:
+// A ray of a subfield stands for A_p ΔΩ of the measure of lines, A_p the area of its pixel. It meets two places a and b
+// and carries L_a A_p ΔΩ from a to b and L_b A_p ΔΩ back. With W_t = Σ ΔΩ over the rays of side t, and S_t = Σ ΔΩ L
+// what they bring, both without factors A_p, and K the linear map from what sides send to what they receive, S = K L:
 //
 //   Σ_t y_t (K x)_t = Σ_t x_t (K y)_t           each ray that counts for (a, b) counts for (b, a)
 //   Σ_t L_t W_t = Σ_t S_t + Σ_t L_t (W_t - (K 1)_t)      sent = received + what meets neither side: sky and backs
@@ -150,7 +150,7 @@ TEST_CASE("two unit squares have their form factors without normalisation, too")
     test::FieldRig rig(test::unit_box({{2, black}, {parallel ? 3 : 0, lamp}}),
                        plain(test::full_run() ? 32 : 16, 64, 4096), {.max_bounces = 1});
     rig.propagate(1);
-    const double pixel = rig.surfaces().film.pixel();
+    const double pixel = rig.surfaces().subfield.pixel();
     const std::vector<float4> last = rig.field().last().download();
     const std::vector<uint32_t> instances = rig.instances();
     double light = 0, weight = 0;
@@ -204,20 +204,20 @@ TEST_CASE("fields of two lamps add up to that of both, in texels and in cells") 
 
 namespace {
 
-/// What the pixels of a line's film meet, rasterized: per pixel the number of fragments and their hash.
+/// What the pixels of a line's subfield meet, rasterized: per pixel the number of fragments and their hash.
 std::vector<uint32_t> rasterized(test::FieldRig& rig, const LayeredView& view) {
   SourceLibrary library;
   library.add(test_virtual_light_field_kernels());
   const Program program(rig.device(), library,
-                        {"test_virtual_light_field/film_rays",
-                         {"test_virtual_light_field/film_rays.cl"},
+                        {"test_virtual_light_field/subfield_rays",
+                         {"test_virtual_light_field/subfield_rays.cl"},
                          rig.surfaces().raster.defines()});
   const TypedBuffer<LayeredView> views(rig.device(), "test", "views", std::vector<LayeredView>{view});
   const TypedBuffer<uint32_t> sums(rig.device(), "test", "sums",
                                    std::vector<uint32_t>(size_t{2} * view.width * view.height, 0));
-  ScheduleRecorder recorder = rig.scheduler().record("film rays", "test");
-  rig.surfaces().raster.record_tiles(recorder, "film rays", {views, recorder.variable("view", 0u)}, program, "sum_rays",
-                                     [&](PassBuilder& pass) { pass.arg("sums", sums); });
+  ScheduleRecorder recorder = rig.scheduler().record("subfield rays", "test");
+  rig.surfaces().raster.record_tiles(recorder, "subfield rays", {views, recorder.variable("view", 0u)}, program,
+                                     "sum_rays", [&](PassBuilder& pass) { pass.arg("sums", sums); });
   Schedule schedule = recorder.compile();
   rig.scheduler().run(schedule);
   rig.scheduler().finish();
@@ -264,7 +264,7 @@ std::vector<uint32_t> traced(test::FieldRig& rig, std::vector<Ray> rays) {
   return sums;
 }
 
-/// Distance of a point from the nearest edge of any triangle on the film [pixels].
+/// Distance of a point from the nearest edge of any triangle on the subfield [pixels].
 double edge_distance(const std::vector<glm::dvec2>& corners, const glm::dvec2& p) {
   double nearest = 1e30;
   for (size_t i = 0; i < corners.size(); i += 3)
@@ -279,7 +279,7 @@ double edge_distance(const std::vector<glm::dvec2>& corners, const glm::dvec2& p
 
 }  // namespace
 
-TEST_CASE("rays of films meet what rays of the hierarchy meet, but beside edges") {
+TEST_CASE("rays of subfields meet what rays of the hierarchy meet, but beside edges") {
   uint64_t rays_cast = 0, different = 0;
   // Nothing in it coincides with anything else: which of two surfaces in one place comes first is no question of rays.
   const SceneMaterial grey = test::lambert(0.5f);
@@ -300,15 +300,16 @@ TEST_CASE("rays of films meet what rays of the hierarchy meet, but beside edges"
     const auto times = [&](const float4& row) {
       return float4(row.x * pixels, row.y * pixels, row.z * pixels, row.w * pixels);
     };
-    const double cell = rig.surfaces().film.cell, radius = 1.01 * static_cast<double>(rig.scene().bounds().radius());
+    const double cell = rig.surfaces().subfield.cell,
+                 radius = 1.01 * static_cast<double>(rig.scene().bounds().radius());
     LayeredView view{};
     view.row_x = times(line.row_x);
     view.row_y = times(line.row_y);
     view.row_w = line.row_w;
     view.depth_min = static_cast<float>(-radius);
     view.depth_scale = static_cast<float>(0.5 / radius);
-    view.width = view.height = rig.surfaces().film.film * pixels;
-    // p = x s + y t + ω d with (s, t) the film's metres and d the depth.
+    view.width = view.height = rig.surfaces().subfield.subfield * pixels;
+    // p = x s + y t + ω d with (s, t) the subfield's metres and d the depth.
     const glm::dvec3 x = glm::dvec3(glm::vec3(line.row_x.xyz())) * cell,
                      y = glm::dvec3(glm::vec3(line.row_y.xyz())) * cell, omega(glm::vec3(line.omega.xyz()));
     std::vector<Ray> rays;

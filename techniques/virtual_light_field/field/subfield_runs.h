@@ -15,53 +15,53 @@
 
 namespace lucarium::vlf {
 
-/// What happens along films: which texel side each cell shows, fragments that are kept, and the exchange of light. A
-/// line has one film, or `perturb` of directions about its own.
-class FilmRuns {
+/// What happens along subfields: which texel side each cell shows, fragments that are kept, and the exchange of light.
+/// A line has one subfield, or `perturb` of directions about its own.
+class SubfieldRuns {
  public:
   struct Options {
-    FilmPlan film;
+    SubfieldPlan subfield;
     uint32_t perturb = 1;   ///< Q
     bool cellwise = false;  ///< facets send by cells, not by directions around a perturbed one
     uint64_t seed = 1;
-    uint32_t blend_seed = 1;  ///< with the film
+    uint32_t blend_seed = 1;  ///< with the subfield
     size_t cache = 0;         ///< for fragments that are kept [bytes]; 0: none are
   };
   /// All must outlive this. `records`: of texel sides (fold_sides.cl).
-  FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
-           const DirectionGrid& grid, const TileMaps& maps, const SurfaceAtlas& atlas, const LayeredRaster& raster,
-           const TexelInterior& interior, const SideAccessibility& accessibility, const CellBuffers& cells,
-           const TypedBuffer<float4>& records, const Options& options);
+  SubfieldRuns(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
+               const DirectionGrid& grid, const TileMaps& maps, const SurfaceAtlas& atlas, const LayeredRaster& raster,
+               const TexelInterior& interior, const SideAccessibility& accessibility, const CellBuffers& cells,
+               const TypedBuffer<float4>& records, const Options& options);
 
   uint32_t lines() const { return maps_->info().lines; }
-  uint32_t films() const { return lines() * options_.perturb; }
-  double pixels() const;  ///< of a film
-  /// Each of these runs to its end: half a film would be counted twice. False when cancelled before.
+  uint32_t subfields() const { return lines() * options_.perturb; }
+  double pixels() const;  ///< of a subfield
+  /// Each of these runs to its end: half a subfield would be counted twice. False when cancelled before.
   bool survey(uint32_t line);
-  bool keep(uint32_t film);
+  bool keep(uint32_t subfield);
   /// emission: of the sky.
-  bool exchange(uint32_t film, bool emission, float scale);
+  bool exchange(uint32_t subfield, bool emission, float scale);
 
-  /// Films that were kept are known from here on.
+  /// Subfields that were kept are known from here on.
   void end_keeping() {
     if (kept_) kept_->finish();
   }
   bool keeps() const { return kept_ != nullptr; }
   /// Whether fragments of a scene can be kept: attenuation asks for lengths of gaps, which are not.
   static bool can_keep(const Scene& scene);
-  uint32_t kept_films() const { return kept_ ? kept_->kept_views() : 0; }
-  uint64_t drawn() const { return drawn_; }  ///< films, by raster or kept
+  uint32_t kept_subfields() const { return kept_ ? kept_->kept_views() : 0; }
+  uint64_t drawn() const { return drawn_; }  ///< subfields, by raster or kept
   void forget_drawn() { drawn_ = 0; }
   double drawn_pixels() const { return static_cast<double>(drawn_) * pixels(); }
-  /// Directions of films, xyz; perturbed ones where there are any.
-  const std::vector<FieldLine>& host_films() const { return perturbed_.empty() ? maps_->host_lines() : perturbed_; }
+  /// Directions of subfields, xyz; perturbed ones where there are any.
+  const std::vector<FieldLine>& host_subfields() const { return perturbed_.empty() ? maps_->host_lines() : perturbed_; }
   void warm_up();
 
  private:
-  /// What the schedule of a film takes.
+  /// What the schedule of a subfield takes.
   struct Run {
     Schedule schedule;
-    Variable<uint32_t> line, first_cell, cells, film;
+    Variable<uint32_t> line, first_cell, cells, subfield;
     Variable<float> weight, scale, inverse_scale;
   };
   void record_begin(Device& device, const SceneBuffers& scene);
@@ -71,7 +71,7 @@ class FilmRuns {
                        const TexelInterior& interior, const SideAccessibility& accessibility, const CellBuffers& cells,
                        const TypedBuffer<float4>& records, bool kept, Run* run);
   void record_average(const CellBuffers& cells, const Program& average);
-  bool begin(const FieldLine& film, uint32_t number, bool emission);
+  bool begin(const FieldLine& subfield, uint32_t number, bool emission);
 
   KernelScheduler* scheduler_;
   const Scene* host_scene_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the rays of a film meet: per pixel the number of fragments and a sum of hashes of their triangles and sides.
+// What the rays of a subfield meet: per pixel the number of fragments and a sum of hashes of their triangles and sides.
 #include "lucarium/shared/hash.h"
 
 typedef struct Met {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "virtual_light_field/field/film_runs.h"
+#include "virtual_light_field/field/subfield_runs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr const char* kFewerCells = "lower dir_n, cells or texels";
 /// Per texel side the extinction of the volume that it looks into: of backs of refracting volumes. Empty: there is
 /// none.
 std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buffers, const SurfaceAtlas& atlas) {
-  if (FilmRuns::can_keep(scene)) return {};
+  if (SubfieldRuns::can_keep(scene)) return {};
   const std::vector<Material> materials = buffers.scene_materials.download();
   const std::vector<Instance> instances = buffers.scene_instances.download();
   const std::vector<Triangle> triangles = buffers.scene_triangles.download();
@@ -34,20 +34,21 @@ std::vector<float4> side_extinctions(const Scene& scene, const SceneBuffers& buf
 
 }  // namespace
 
-FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host_scene, const SceneBuffers& scene,
-                   const DirectionGrid& grid, const TileMaps& maps, const SurfaceAtlas& atlas,
-                   const LayeredRaster& raster, const TexelInterior& interior, const SideAccessibility& accessibility,
-                   const CellBuffers& cells, const TypedBuffer<float4>& records, const Options& options)
+SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Scene& host_scene,
+                           const SceneBuffers& scene, const DirectionGrid& grid, const TileMaps& maps,
+                           const SurfaceAtlas& atlas, const LayeredRaster& raster, const TexelInterior& interior,
+                           const SideAccessibility& accessibility, const CellBuffers& cells,
+                           const TypedBuffer<float4>& records, const Options& options)
     : scheduler_(&scheduler),
       host_scene_(&host_scene),
       maps_(&maps),
       options_(options),
-      views_(device, technique_name, "view of a film", 1),
+      views_(device, technique_name, "view of a subfield", 1),
       ends_(device, technique_name, "ends of rays", 2),
       distance_(device, technique_name, "distances of a line's cells", maps.largest_line(), kFewerCells) {
   if (options.perturb > 1)
-    perturbed_ = make_perturbed_lines(grid, options.perturb, host_scene.bounds(), options.film.film, options.film.cell,
-                                      options.seed);
+    perturbed_ = make_perturbed_lines(grid, options.perturb, host_scene.bounds(), options.subfield.subfield,
+                                      options.subfield.cell, options.seed);
   const size_t sums = maps.largest_line();
   if (options.perturb > 1)
     fixed_ =
@@ -67,8 +68,8 @@ FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host
   record_exchange(device, raster, atlas, interior, accessibility, cells, records, false, &exchange_);
   if (options.cache == 0 || !can_keep(host_scene)) return;
   KeptRows::Options keeping;
-  keeping.views = films();
-  keeping.height = options.film.film << options.film.shift;
+  keeping.views = subfields();
+  keeping.height = options.subfield.subfield << options.subfield.shift;
   keeping.bytes = options.cache;
   keeping.owner = technique_name;
   keeping.remedy = "lower cache_visibility";
@@ -77,23 +78,23 @@ FilmRuns::FilmRuns(Device& device, KernelScheduler& scheduler, const Scene& host
   if (maps.cells() > 0 && options.perturb == 1) record_survey(raster, atlas, cells, average, true, &survey_kept_);
 }
 
-void FilmRuns::record_begin(Device& device, const SceneBuffers& scene) {
+void SubfieldRuns::record_begin(Device& device, const SceneBuffers& scene) {
   const Program program(
       device, SourceLibrary(),
       {"services/texel_sides/begin_direction", {"lucarium/services/texel_sides/begin_direction.cl"}, {}});
-  ScheduleRecorder recorder = scheduler_->record("begin film", technique_name);
+  ScheduleRecorder recorder = scheduler_->record("begin subfield", technique_name);
   view_ = recorder.variable("view", LayeredView{});
   omega_ = recorder.variable("omega", float4(0, 0, 1, 0));
   emission_ = recorder.variable("emission", 0u);
-  PassBuilder pass = recorder.pass("begin film", program, "begin_direction");
+  PassBuilder pass = recorder.pass("begin subfield", program, "begin_direction");
   scene.bind(pass);
   pass.global(1).local(1).arg("view", view_).arg("omega", omega_).arg("emission", emission_);
   pass.arg("views", views_).arg("ends", ends_);
   begin_ = recorder.compile();
 }
 
-void FilmRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas& atlas, const CellBuffers& cells,
-                             const Program& average, bool kept, Run* target) {
+void SubfieldRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas& atlas, const CellBuffers& cells,
+                                 const Program& average, bool kept, Run* target) {
   ScheduleRecorder recorder = scheduler_->record(kept ? "survey of a kept line" : "survey of a line", technique_name);
   Run run;
   run.line = recorder.variable("line", 0u);
@@ -109,7 +110,7 @@ void FilmRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas& at
     maps_->bind(pass);
     pass.arg("line", run.line)
         .arg("first_cell", run.first_cell)
-        .arg("shift", options_.film.shift)
+        .arg("shift", options_.subfield.shift)
         .arg("distances", distance_)
         .arg("cell_side", cells.side);
   };
@@ -122,18 +123,18 @@ void FilmRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas& at
   *target = std::move(run);
 }
 
-void FilmRuns::record_exchange(Device& device, const LayeredRaster& raster, const SurfaceAtlas& atlas,
-                               const TexelInterior& interior, const SideAccessibility& accessibility,
-                               const CellBuffers& cells, const TypedBuffer<float4>& records, bool kept, Run* run) {
+void SubfieldRuns::record_exchange(Device& device, const LayeredRaster& raster, const SurfaceAtlas& atlas,
+                                   const TexelInterior& interior, const SideAccessibility& accessibility,
+                                   const CellBuffers& cells, const TypedBuffer<float4>& records, bool kept, Run* run) {
   std::map<std::string, std::string> defines = raster.defines();
   if (extinction_) defines["FIELD_MEDIA"] = "";
   if (options_.perturb > 1) defines["FIELD_PERTURBED"] = "";
   const Program program = make_field_program(device, "exchange/exchange_line", defines);
   ScheduleRecorder recorder =
-      scheduler_->record(kept ? "exchange along a kept film" : "exchange along a film", technique_name);
+      scheduler_->record(kept ? "exchange along a kept subfield" : "exchange along a subfield", technique_name);
   run->line = recorder.variable("line", 0u);
   run->first_cell = recorder.variable("first_cell", 0u);
-  run->film = recorder.variable("film", 0u);
+  run->subfield = recorder.variable("subfield", 0u);
   run->weight = recorder.variable("weight", 1.f);
   run->inverse_scale = recorder.variable("inverse_scale", 1.f);
   const auto bind = [&](PassBuilder& pass) {
@@ -141,7 +142,7 @@ void FilmRuns::record_exchange(Device& device, const LayeredRaster& raster, cons
     maps_->bind(pass);
     pass.arg("line", run->line)
         .arg("first_cell", run->first_cell)
-        .arg("shift", options_.film.shift)
+        .arg("shift", options_.subfield.shift)
         .arg("accessibility", accessibility.parts())
         .arg("interior", interior.shares())
         .arg("weight", run->weight)
@@ -157,14 +158,14 @@ void FilmRuns::record_exchange(Device& device, const LayeredRaster& raster, cons
     if (kept) pass.arg("layered_views", views_);
   };
   if (kept)
-    kept_->record_walk(recorder, "exchange", run->film, program, "exchange_kept_line", bind);
+    kept_->record_walk(recorder, "exchange", run->subfield, program, "exchange_kept_line", bind);
   else
     raster.record_tiles(recorder, "exchange", {views_, recorder.variable("view index", 0u)}, program, "exchange_line",
                         bind);
   run->schedule = recorder.compile();
 }
 
-void FilmRuns::record_average(const CellBuffers& cells, const Program& average) {
+void SubfieldRuns::record_average(const CellBuffers& cells, const Program& average) {
   ScheduleRecorder recorder = scheduler_->record("average cells", technique_name);
   average_.first_cell = recorder.variable("first_cell", 0u);
   average_.cells = recorder.variable("count", 0u);
@@ -181,37 +182,38 @@ void FilmRuns::record_average(const CellBuffers& cells, const Program& average) 
   average_.schedule = recorder.compile();
 }
 
-bool FilmRuns::can_keep(const Scene& scene) {
+bool SubfieldRuns::can_keep(const Scene& scene) {
   return std::none_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
     return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
   });
 }
 
-double FilmRuns::pixels() const {
-  return std::ldexp(1., static_cast<int>(2 * options_.film.shift)) * options_.film.film * options_.film.film;
+double SubfieldRuns::pixels() const {
+  return std::ldexp(1., static_cast<int>(2 * options_.subfield.shift)) * options_.subfield.subfield *
+         options_.subfield.subfield;
 }
 
-bool FilmRuns::begin(const FieldLine& film, uint32_t number, bool emission) {
-  const auto pixels = static_cast<float>(1u << options_.film.shift);
+bool SubfieldRuns::begin(const FieldLine& subfield, uint32_t number, bool emission) {
+  const auto pixels = static_cast<float>(1u << options_.subfield.shift);
   const auto times = [&](const float4& row) {
     return float4(row.x * pixels, row.y * pixels, row.z * pixels, row.w * pixels);
   };
   const double range = 2.002 * static_cast<double>(host_scene_->bounds().radius()) + 1e-6;
   LayeredView view{};
-  view.row_x = times(film.row_x);
-  view.row_y = times(film.row_y);
-  view.row_w = film.row_w;
+  view.row_x = times(subfield.row_x);
+  view.row_y = times(subfield.row_y);
+  view.row_w = subfield.row_w;
   view.depth_min = static_cast<float>(-0.5 * range);
   view.depth_scale = static_cast<float>(1 / range);
-  view.width = view.height = options_.film.film << options_.film.shift;
+  view.width = view.height = options_.subfield.subfield << options_.subfield.shift;
   view.seed = indexed_seed(options_.blend_seed, number);
   begin_.set(view_, view);
-  begin_.set(omega_, float4(film.omega.xyz(), 0.f));
+  begin_.set(omega_, float4(subfield.omega.xyz(), 0.f));
   begin_.set(emission_, emission ? 1u : 0u);
   return scheduler_->run(begin_) == RunResult::done;
 }
 
-bool FilmRuns::survey(uint32_t line) {
+bool SubfieldRuns::survey(uint32_t line) {
   if (!begin(maps_->host_lines()[line], line, false)) return false;
   const std::vector<uint32_t>& first = maps_->first_cells();
   Run& run = survey_kept_.schedule && kept_->has(line) ? survey_kept_ : survey_;
@@ -222,26 +224,26 @@ bool FilmRuns::survey(uint32_t line) {
   return true;
 }
 
-bool FilmRuns::keep(uint32_t film) {
-  if (!begin(host_films()[film], film, false)) return false;
-  kept_->keep(film);
+bool SubfieldRuns::keep(uint32_t subfield) {
+  if (!begin(host_subfields()[subfield], subfield, false)) return false;
+  kept_->keep(subfield);
   return true;
 }
 
-bool FilmRuns::exchange(uint32_t film, bool emission, float scale) {
-  const FieldLine& frame = host_films()[film];
-  if (!begin(frame, film, emission)) return false;
-  const uint32_t line = film / options_.perturb;
+bool SubfieldRuns::exchange(uint32_t subfield, bool emission, float scale) {
+  const FieldLine& frame = host_subfields()[subfield];
+  if (!begin(frame, subfield, emission)) return false;
+  const uint32_t line = subfield / options_.perturb;
   const std::vector<uint32_t>& first = maps_->first_cells();
-  Run& run = kept_ && kept_->has(film) ? exchange_kept_ : exchange_;
+  Run& run = kept_ && kept_->has(subfield) ? exchange_kept_ : exchange_;
   run.schedule.set(run.line, line);
   run.schedule.set(run.first_cell, first[2 * line]);
-  run.schedule.set(run.film, film);
+  run.schedule.set(run.subfield, subfield);
   run.schedule.set(run.weight, frame.omega.w);
   run.schedule.set(run.inverse_scale, 1 / scale);
   scheduler_->run_to_end(run.schedule);
   ++drawn_;
-  if (!average_.schedule || film % options_.perturb + 1 < options_.perturb) return true;
+  if (!average_.schedule || subfield % options_.perturb + 1 < options_.perturb) return true;
   average_.schedule.set(average_.first_cell, first[2 * line]);
   average_.schedule.set(average_.cells, first[2 * line + 2] - first[2 * line]);
   average_.schedule.set(average_.scale, scale);
@@ -249,7 +251,7 @@ bool FilmRuns::exchange(uint32_t film, bool emission, float scale) {
   return true;
 }
 
-void FilmRuns::warm_up() {
+void SubfieldRuns::warm_up() {
   scheduler_->warm_up(begin_);
   if (survey_.schedule) scheduler_->warm_up(survey_.schedule);
   if (kept_) {
