@@ -47,11 +47,11 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
   const EyeMis mis = arrive_eye_mis(&walk, &surface, hit.distance);
 
   // The connection. Fluxes are shares of all light paths', so that there is nothing to multiply by.
-  const uint slot = vertex_list[number];
-  const PathVertex vertex = vertices[slot];
+  const uint vertex_index = vertex_list[number];
+  const PathVertex vertex = vertices[vertex_index];
   float3 towards;
   float3 light = connected_light(&scene, settings, &walk, &surface, &bsdf, &mis, &vertex,
-                                 GLOSS_LOAD(vertex_densities, slot), &towards);
+                                 GLOSS_LOAD(vertex_densities, vertex_index), &towards);
   light *= walk.state.throughput.xyz;
 #ifdef EYE_INTERLEAVED
   light *= (float)parts;
@@ -70,5 +70,5 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
   connection_rays[i] = ray;
   LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
   connections[i] = (float4)(light, connection_path(&walk, &vertex));
-  connection_paths[i] = slot / LIGHT_VERTICES;
+  connection_paths[i] = vertex_index / LIGHT_VERTICES;
 }

@@ -236,12 +236,12 @@ __kernel void shade_eye_vertices(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidi
 #endif
       const uint chosen =
           choose_candidate(rules, candidate_table, table_capacity, vertex_count[0], &target, place, v.y, &scale);
-      const uint slot = vertex_list[chosen];
-      vertex = vertices[slot];
-      light_path = slot / LIGHT_VERTICES;
+      const uint vertex_index = vertex_list[chosen];
+      vertex = vertices[vertex_index];
+      light_path = vertex_index / LIGHT_VERTICES;
       if (scale > 0.0f)
         light = scale * connected_light(&scene, rules, &walk, &surface, &bsdf, &mis, &vertex,
-                                        GLOSS_LOAD(vertex_densities, slot), &towards);
+                                        GLOSS_LOAD(vertex_densities, vertex_index), &towards);
     }
     // Aim a shadow ray at it.
     light *= walk.state.throughput.xyz;

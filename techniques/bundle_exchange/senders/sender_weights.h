@@ -11,7 +11,7 @@ namespace lucarium::bundle {
 /// scatterings then counts 1/(k+1)! (limit (e^ρ - 1)/ρ instead of 1/(1-ρ), ρ the albedo). Here a mean is Σ v w L / Σ v
 /// w n with growing weights v, so that texel sides which no ray hits need no step of their own.
 ///
-/// S, which senders use, is to forget: batch k counts γ_k = k^-step_exponent of it, hence v_k = γ_k e^l_k with
+/// S, which senders use, discounts old batches: batch k has weight γ_k = k^-step_exponent, hence v_k = γ_k e^l_k with
 /// l_k = l_{k-1} - ln(1 - γ_k), l_1 = 0 (relative deficit after N batches exp(-(1-ρ) Σγ) instead of N^-(1-ρ)). D, which
 /// is displayed, is nearly a plain mean: v_i = i^average_exponent.
 class SenderWeights {

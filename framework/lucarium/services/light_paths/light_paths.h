@@ -33,7 +33,7 @@ struct LightPathOptions {
 ///   TypedBuffer<VirtualLight> lights(device, "my technique", "virtual lights", paths.virtual_lights(0));
 ///   paths.record_virtual_lights(recorder, run, seed, lights, 0, true);
 ///
-/// What else is to become of vertices says a .cl file of the technique's own, which includes light_paths.clh.
+/// A .cl file of the technique, which includes light_paths.clh, says what else happens at vertices.
 class LightPaths {
  public:
   using Bind = std::function<void(PassBuilder&)>;

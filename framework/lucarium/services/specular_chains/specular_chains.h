@@ -14,7 +14,7 @@ namespace lucarium {
 /// Follows specular chains by rays until none is left: paths that leave a target (a pixel, a texel side) by reflection
 /// or transmission and go on by specular lobes only, mirrors, glass, metals, coats. The lobes are sampled, with Russian
 /// roulette from the fourth vertex on; media absorb; emitters and the environment are found by chance, punctual lights
-/// by light samples at vertices with smooth lobes. What surfaces send by other lobes the consumer knows and adds
+/// by light samples at vertices with smooth lobes. The consumer adds what surfaces send by other lobes
 /// (advance.clh): from an atlas, a light field, or nothing.
 ///
 /// The caller's own kernel begins the chains with begin_chain() and extend_chain() of chain.clh, at most one per
@@ -42,14 +42,14 @@ class SpecularChains {
   SpecularChains(const SpecularChains&) = delete;  // schedules read back into it
   SpecularChains& operator=(const SpecularChains&) = delete;
 
-  // What begins chains fills: by target; rays, and their targets, `active` of them.
+  // Buffers that the kernel which begins chains fills: chains by target; rays, and their targets, `active` of them.
   const TypedBuffer<SpecularChain>& chains() const { return chains_; }
   const TypedBuffer<Ray>& first_rays() const { return rays_; }
   const TypedBuffer<RayEnds>& first_ends() const { return ends_; }  ///< empty where the intersector wants none
   const TypedBuffer<uint32_t>& queue() const { return queue_; }
   const TypedBuffer<uint32_t>& active() const { return active_; }
-  /// Records the passes that let the consumer add light samples behind shadow rays which are free; for those of the
-  /// first vertices, which the caller has sampled (sample_chain_light()). No passes without punctual lights.
+  /// Records the passes that add light samples whose shadow rays are free, of first vertices, which the caller has
+  /// sampled (sample_chain_light()). No passes without punctual lights.
   /// shadow_light: xyz light, w bits of its number of scatterings; shadow_ends: where the intersector wants them.
   void record_light(ScheduleRecorder& recorder, const BufferRef& shadow_rays, const BufferRef& shadow_light,
                     const BufferRef& shadow_ends = {}) const;
