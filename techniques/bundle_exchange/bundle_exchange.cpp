@@ -19,8 +19,7 @@
 // All bounces at once. Direction i sends what the directions before have brought, c (E_direct + E) / π. Two means are
 // kept (senders/sender_weights.h): S forgets quickly, so that light that was missing at the beginning fades as
 // exp(-2 (1 - ρ) √N) for albedo ρ after N batches, and is what is sent; D is nearly a plain mean, and is what is
-// displayed. A balance of the power sent and held scales S meanwhile. With max_bounces there is a mean per bounce, each
-// fed by the one before.
+// displayed. A balance of the power sent and held scales S meanwhile. With max_bounces, each bounce has its mean.
 //
 // Who carries what. Direct light: light samples at pixels and at texels (direct_mode=nee), or the bundles themselves:
 // emission of texels, and the environment at the ends of rays (exchange; point, spot and directional lights are always

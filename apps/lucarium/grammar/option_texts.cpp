@@ -34,7 +34,7 @@ const OptionText entries[] = {
     {"--link-images", "Output", "", "report with images beside it, in full precision"},
     {"--resume", "Output", "", "continue what was interrupted in the same folder"},
     {"--extend", "Output", "", "add samples to the file if it is there"},
-    {"--gate", "Checks", "[LABEL:]METRIC<VALUE", "exit code 1 when missed; also METRIC>VALUE"},
+    {"--gate", "Output", "[LABEL:]METRIC<VALUE", "exit code 1 when missed; also METRIC>VALUE"},
     {"--baseline", "Output", "FOLDER", "earlier results: print what changed"},
     {"--map-of", "Output", "ERROR", "what the map shows: signed (relative luminance error), ldr_flip or hdr_flip",
      "signed|ldr_flip|hdr_flip"},
