@@ -52,6 +52,7 @@ __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const uint i = get_global_id(0);
   if (i >= count) return;
   layer[i] = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
+  // Find the texel side that the pixel shows.
   const Hit hit = hits[i];
   if (hit.triangle == LUCARIUM_NO_HIT) return;
   LUCARIUM_SCENE_BIND(scene);
@@ -59,6 +60,7 @@ __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   const uint texel = atlas_texel(atlas_triangles, atlas_table, hit.triangle, hit.u, hit.v);
   const uint side = atlas_side(atlas_info, texel, surface.flags & LUCARIUM_SURFACE_FRONT);
   if (side == LUCARIUM_NONE) return;
+  // Add what its cell sends; lobes that are folded have no cells.
   float3 light = atlas_materials[side].emission.xyz;
   float3 albedo = atlas_materials[side].diffuse.xyz;
   const uint facet = side_facet[side];
@@ -72,6 +74,7 @@ __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   } else if (fold) {
     albedo += side_albedo[side].xyz;
   }
+  // Add its diffuse light.
   const float4 once = shown_direct[side], more = shown[side];
   if (once.w > 0.0f) light += albedo * once.xyz / once.w;
   if (more.w > 0.0f) light += albedo * more.xyz / more.w;

@@ -112,6 +112,7 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
   // D(h) >= LOBE_CUT D(n), as a bound on the squared cosine of h (ggx.clh).
   const float a2 = bsdf->alpha * bsdf->alpha;
   const float cut = fmax(1.0f - a2 * rsqrt(LOBE_CUT), 0.0f) / fmax(1.0f - a2, 1e-6f);
+  // Add directions of which the lobe reflects or transmits a noticeable part.
   for (uint direction = 0u; direction < 2u * in->info.lines; ++direction) {
     const float3 l = field_direction(in->lines, direction);
     const bool above = dot(bsdf->n_s, l) > 0.0f;
@@ -133,6 +134,7 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
       passed += g;
     }
   }
+  // Scale the means by the albedo of each lobe.
   float3 sum = (float3)(0.0f);
   if (reflects) sum += reflection_albedo(scene, bsdf) * select((float3)(0.0f), light / share, share > 0.0f);
   if (transmits) sum += transmission_albedo(scene, bsdf) * select((float3)(0.0f), through / passed, passed > 0.0f);
@@ -239,11 +241,13 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const Splats splats = {subfields, perturb, direction, splat == SPLAT_MEANS};
     const float measure = info.cell * info.cell * line.omega.w;
     for (uint k = 0u; k < tile.count; ++k) {
+      // Pass over cells of the tile that show nothing.
       const uint cell = tile.first + k, side = cell_side[cell];
       if (side == LUCARIUM_NONE) {
         sent[cell] = FIELD_NO_CELL;
         continue;
       }
+      // Find the cell's point, its lobes towards the direction, and the facet behind it.
       const SurfacePoint point = atlas_points[side];
       const float2 at = (float2)((float)(tile.x + k % tile.width) + 0.5f, (float)(tile.y + k / tile.width) + 0.5f);
       const float3 position =
@@ -252,8 +256,10 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
       const uint k_sides = atlas_info.double_sided_count;
       const uint other = side < k_sides ? side + k_sides : side < 2u * k_sides ? side - k_sides : LUCARIUM_NONE;
       const uint behind = other == LUCARIUM_NONE ? LUCARIUM_NONE : side_facet[other];
+      // Gather what comes by the lobes; in the first sweep also highlights of punctual lights.
       float3 now = scattered_light(&in, &scene, splat ? &splats : 0, &bsdf, facet, behind, position);
       if (sweep == 0u) now += scale * punctual_highlights(&scene, &bsdf, lights, visible[side], position);
+      // Store it for the next sweep; measure how much it changes.
       float3 before = (float3)(0.0f), sum = now;
       if (sweep > 0u) {
         before = unpack_rgb9e5(sent[cell]);
