@@ -319,6 +319,8 @@ def check_citations():
                 line = first + text.count('\n', 0, match.start())
                 if file != paper['table'] and not match.group(1).isalpha():
                     yield f'{file}:{line}: {match.group(0)}: write section, equation or figure in full'
+                if re.fullmatch(r'(section|equation|figure|table)s', match.group(1), re.I):
+                    yield f'{file}:{line}: {match.group(0)}: write each in full, "equation 3, equation 4"'
                 for item in paper_items(*match.groups()):
                     if item not in paper['items']:
                         yield f'{file}:{line}: {item} is not in {CITATIONS} for "{paper["paper"]}"'
