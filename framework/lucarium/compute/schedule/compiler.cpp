@@ -309,6 +309,7 @@ void ScheduleCompiler::check_local_memory(const RecordedStep& recorded, const St
 
 void ScheduleCompiler::finish_kernel(const Draft& from, Step& step) {
   const RecordedStep& recorded = *from.recorded;
+  step.program = recorded.program;
   step.kernel_name = recorded.signature->name;
   step.counter = from.global_counter;
   step.items_per_count = recorded.items_per_count;

@@ -34,6 +34,7 @@ struct CompiledStep {
 
   // Kernels. Each step owns its kernel object, since argument values live in it.
   ClKernel kernel;
+  Program program;  ///< lives as long: of launch code that is made later, the cache hears from programs that live
   std::string kernel_name;
   std::string launch;  ///< program, kernel and work-group size, for CompileProgress
   std::array<size_t, 3> global = {0, 1, 1}, local = {1, 1, 1};

@@ -13,6 +13,7 @@
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/program/source_library.h"
+#include "lucarium/compute/schedule/scheduler.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -214,6 +215,25 @@ TEST_CASE("a later process takes program and launch code from the cache and comp
   std::vector<std::string> later;
   for (const fs::path& entry : entries(folder.path())) later.push_back(read_file(entry));
   CHECK(later == kept);  // nothing new was compiled
+}
+
+TEST_CASE("launch code of a program that was a local variable was made again in every process") {
+  const TemporaryFolder folder;
+  const auto device = device_with(folder.path());
+  if (!driver_folder()) return test::skip("PoCL, whose launch code is kept");
+  KernelScheduler scheduler(device);
+  const TypedBuffer<uint32_t> values(*device, "test", "values", 4);
+  const auto record = [&] {
+    const Program program = build(device);
+    ScheduleRecorder recorder = scheduler.record("ids", "test");
+    recorder.pass("ids", program, "ids").global(4).arg("v", values);
+    return recorder.compile();
+  };
+  Schedule schedule = record();
+  REQUIRE(entries(folder.path()).size() == 1);
+  const auto before = fs::file_size(entries(folder.path()).front());
+  scheduler.warm_up(schedule);
+  CHECK(fs::file_size(entries(folder.path()).front()) > before);
 }
 
 TEST_CASE("many processes may fill and use one cache at once") {
