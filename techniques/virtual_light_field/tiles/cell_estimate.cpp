@@ -162,7 +162,7 @@ class MapCounter {
   }
 
   void rows(const std::vector<Projected>& triangles, const glm::ivec4& all, CellCounts* sums) {
-    const size_t h = static_cast<size_t>(all.w - all.y + 1);
+    const size_t h = static_cast<size_t>(all.w) - static_cast<size_t>(all.y) + 1;
     std::vector<glm::vec2> ends(h, glm::vec2(INFINITY, -INFINITY));
     for (const Projected& t : triangles) {
       const glm::ivec4 r = range(t);
