@@ -84,7 +84,7 @@ double estimate_seconds(const Plan& plan, const Parameters& parameters, const Sc
     host = texels * kAtlasSeconds + triangles * kChartSeconds;
     const SubfieldPlan subfield = expected_subfield(plan, parameters, scene);
     const double lines = 2. * parameters.dir_n * parameters.dir_n + 1,
-                 edge = std::ldexp(subfield.subfield, static_cast<int>(subfield.shift));
+                 edge = std::ldexp(subfield.cells, static_cast<int>(subfield.shift));
     const double sweeps = plan.max_bounces >= 0 ? plan.max_bounces + 1. : kSweeps;
     const double drawn = edge * edge * kSubfieldPixelSeconds + triangles * kTriangleSeconds,
                  kept = kKeptFragmentSeconds *
@@ -127,7 +127,7 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
   const SubfieldPlan subfield = expected_subfield(plan, parameters, scene);
   const auto raster = [&](size_t schedules) {
     LayeredRasterOptions options;
-    options.max_width = options.max_height = std::min(subfield.subfield << subfield.shift, LAYERED_MAX_EDGE);
+    options.max_width = options.max_height = std::min(subfield.cells << subfield.shift, LAYERED_MAX_EDGE);
     return LayeredRaster::estimate_bytes(static_cast<size_t>(scene.triangle_count()), options, std::nullopt, schedules);
   };
   const size_t measuring = TexelInterior::estimate_bytes(sides, SIDE_POINTS) + SideAccessibility::estimate_bytes(sides);
@@ -141,7 +141,7 @@ size_t estimate_bytes(const Plan& plan, const Parameters& parameters, const Scen
                       fragment_bytes(parameters, subfield, SurfaceAtlas::surface_area(scene)));
   if (has_cells) {
     field += cell_bytes(parameters, expect_cells(scene, tiled, patch_options(parameters, subfield),
-                                                 SurfaceAtlas::estimate_edge(scene, plan.atlas), subfield.subfield,
+                                                 SurfaceAtlas::estimate_edge(scene, plan.atlas), subfield.cells,
                                                  static_cast<uint32_t>(parameters.dir_n)));
     field += CellScatter::estimate_bytes(sides, !scene.lights.empty());
   }

@@ -51,8 +51,7 @@ struct Parameters {
              "subdivision n of the direction grid: light travels along 2 n^2 + 1 lines, both ways (paper: 512, 2k)");
     v.number("cells", cells, 0, 2048, "cells",
              "cells per edge of a line's subfield, at least 16; 0: from the spacing of directions and the size of the "
-             "scene, 64 to "
-             "256");
+             "scene, 64 to 256");
     v.number("tile", tile, 0, 32, "cells", "edge length of tiles; 0: chosen for each patch (paper: 8, 16)");
     v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");

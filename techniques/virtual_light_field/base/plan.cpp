@@ -52,34 +52,34 @@ SubfieldPlan plan_subfield(const Parameters& parameters, const Bounds& bounds, d
                            double min_pixel) {
   const double diameter = std::max(2.0 * static_cast<double>(bounds.radius()), 1e-6);
   SubfieldPlan plan;
-  plan.subfield = kMinAutomatic;
+  plan.cells = kMinAutomatic;
   if (parameters.cells > 0) {
-    plan.subfield = std::max(static_cast<uint32_t>(parameters.cells), kMinSubfield);
+    plan.cells = std::max(static_cast<uint32_t>(parameters.cells), kMinSubfield);
   } else if (!bounds.empty() && area > 0) {
     const glm::dvec3 size = glm::dvec3(bounds.max) - glm::dvec3(bounds.min);
     const double chord = 4 * size.x * size.y * size.z / area;
     const double cell = kCellShare * DirectionGrid::spacing(static_cast<uint32_t>(parameters.dir_n)) * chord;
     if (cell > 0)
-      plan.subfield = static_cast<uint32_t>(
+      plan.cells = static_cast<uint32_t>(
           std::clamp(std::ceil(diameter / cell) + kBorder, double{kMinAutomatic}, double{kMaxAutomatic}));
   }
   const uint32_t max_shift =
       parameters.supersample == Supersample::automatic
           ? 3
           : static_cast<uint32_t>(parameters.supersample) - static_cast<uint32_t>(Supersample::one);
-  if (parameters.supersample != Supersample::automatic && (plan.subfield << max_shift) > LAYERED_MAX_EDGE)
+  if (parameters.supersample != Supersample::automatic && (plan.cells << max_shift) > LAYERED_MAX_EDGE)
     throw_error(
         ErrorClass::usage,
         "virtual_light_field: cells={} with supersample={} makes subfields of {} pixels, more than {}; lower one",
-        plan.subfield, 1u << max_shift, plan.subfield << max_shift, LAYERED_MAX_EDGE);
+        plan.cells, 1u << max_shift, plan.cells << max_shift, LAYERED_MAX_EDGE);
   // Cells must not be smaller than the pixels that keep work-items apart at texels.
   const auto cell_of = [&](uint32_t subfield) { return diameter / (subfield - kBorder); };
-  while (plan.subfield > kMinSubfield && cell_of(plan.subfield) < min_pixel) --plan.subfield;
-  plan.cell = std::max(cell_of(plan.subfield), min_pixel);
+  while (plan.cells > kMinSubfield && cell_of(plan.cells) < min_pixel) --plan.cells;
+  plan.cell = std::max(cell_of(plan.cells), min_pixel);
   const double wanted =
       parameters.supersample == Supersample::automatic ? static_cast<double>(parameters.pixel_size) * texel_edge : 0;
   while (plan.shift < max_shift && plan.pixel() > wanted && plan.pixel() / 2 >= min_pixel &&
-         (plan.subfield << (plan.shift + 1)) <= LAYERED_MAX_EDGE)
+         (plan.cells << (plan.shift + 1)) <= LAYERED_MAX_EDGE)
     ++plan.shift;
   return plan;
 }

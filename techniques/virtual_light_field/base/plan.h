@@ -25,9 +25,9 @@ struct Plan {
 };
 Plan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings);
 
-/// Subfields: N cells of edge c, ss² pixels to a cell.
+/// Subfields: N cells of edge c along an edge, ss² pixels to a cell.
 struct SubfieldPlan {
-  uint32_t subfield = 0;
+  uint32_t cells = 0;
   double cell = 0;     ///< [m]
   uint32_t shift = 0;  ///< log2 of ss
   double pixel() const { return cell / (1u << shift); }

@@ -30,7 +30,7 @@ double min_pixel(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const P
 LayeredRasterOptions raster_options(const Scene& scene, const SubfieldPlan& subfield, double safe_pixel) {
   LayeredRasterOptions options;
   options.max_width = options.max_height =
-      std::max(subfield.subfield << subfield.shift, bundle_side(scene.bounds(), safe_pixel));
+      std::max(subfield.cells << subfield.shift, bundle_side(scene.bounds(), safe_pixel));
   return options;
 }
 

@@ -58,7 +58,7 @@ LightField::LightField(Device& device, KernelScheduler& scheduler, const Scene& 
       options_(options),
       grid_(options.dir_n, options.seed),
       maps_(device, scheduler, host_scene, scene, grid_, patches,
-            {options.subfield.subfield, options.subfield.cell, atlas.info().texel_edge, options.seed, options.rows}),
+            {options.subfield.cells, options.subfield.cell, atlas.info().texel_edge, options.seed, options.rows}),
       tiled_(maps_.cells() > 0),
       sides_(atlas.info().texel_count),
       light_samples_(light_samples),

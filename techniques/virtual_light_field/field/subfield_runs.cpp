@@ -47,7 +47,7 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
       ends_(device, technique_name, "ends of rays", 2),
       distance_(device, technique_name, "distances of a line's cells", maps.largest_line(), kFewerCells) {
   if (options.perturb > 1)
-    perturbed_ = make_perturbed_lines(grid, options.perturb, host_scene.bounds(), options.subfield.subfield,
+    perturbed_ = make_perturbed_lines(grid, options.perturb, host_scene.bounds(), options.subfield.cells,
                                       options.subfield.cell, options.seed);
   const size_t sums = maps.largest_line();
   if (options.perturb > 1)
@@ -69,7 +69,7 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
   if (options.cache == 0 || !can_keep(host_scene)) return;
   KeptRows::Options keeping;
   keeping.views = subfields();
-  keeping.height = options.subfield.subfield << options.subfield.shift;
+  keeping.height = options.subfield.cells << options.subfield.shift;
   keeping.bytes = options.cache;
   keeping.owner = technique_name;
   keeping.remedy = "lower cache_visibility";
@@ -189,8 +189,8 @@ bool SubfieldRuns::can_keep(const Scene& scene) {
 }
 
 double SubfieldRuns::pixels() const {
-  return std::ldexp(1., static_cast<int>(2 * options_.subfield.shift)) * options_.subfield.subfield *
-         options_.subfield.subfield;
+  return std::ldexp(1., static_cast<int>(2 * options_.subfield.shift)) * options_.subfield.cells *
+         options_.subfield.cells;
 }
 
 bool SubfieldRuns::begin(const FieldLine& subfield, uint32_t number, bool emission) {
@@ -205,7 +205,7 @@ bool SubfieldRuns::begin(const FieldLine& subfield, uint32_t number, bool emissi
   view.row_w = subfield.row_w;
   view.depth_min = static_cast<float>(-0.5 * range);
   view.depth_scale = static_cast<float>(1 / range);
-  view.width = view.height = options_.subfield.subfield << options_.subfield.shift;
+  view.width = view.height = options_.subfield.cells << options_.subfield.shift;
   view.seed = indexed_seed(options_.blend_seed, number);
   begin_.set(view_, view);
   begin_.set(omega_, float4(subfield.omega.xyz(), 0.f));

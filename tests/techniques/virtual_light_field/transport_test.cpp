@@ -308,7 +308,7 @@ TEST_CASE("rays of subfields meet what rays of the hierarchy meet, but beside ed
     view.row_w = line.row_w;
     view.depth_min = static_cast<float>(-radius);
     view.depth_scale = static_cast<float>(0.5 / radius);
-    view.width = view.height = rig.surfaces().subfield.subfield * pixels;
+    view.width = view.height = rig.surfaces().subfield.cells * pixels;
     // p = x s + y t + ω d with (s, t) the subfield's metres and d the depth.
     const glm::dvec3 x = glm::dvec3(glm::vec3(line.row_x.xyz())) * cell,
                      y = glm::dvec3(glm::vec3(line.row_y.xyz())) * cell, omega(glm::vec3(line.omega.xyz()));
