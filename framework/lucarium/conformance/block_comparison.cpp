@@ -83,7 +83,7 @@ BlockTest compare_seeds(const ImageOfSeed& a, const ImageOfSeed& b, double bias)
     theirs.push_back(b(seed));
     if (seed < min_seeds) continue;
     test = compare_blocks(ours, theirs, picture_side, picture_side);
-    if (test.noise < decisive_noise * bias) break;
+    if (test.rms + 2 * test.noise <= bias) break;  // within it beyond doubt
   }
   return test;
 }

@@ -27,7 +27,7 @@ BlockTest compare_blocks(std::vector<std::vector<float>> a, std::vector<std::vec
 
 /// A square picture of check::picture_side pixels a side, 3 floats each, by its seed.
 using ImageOfSeed = std::function<std::vector<float>(uint64_t seed)>;
-/// Compares pictures of the seeds 1, 2, …: as many of both as decide whether the bias is above `bias`.
+/// Compares pictures of the seeds 1, 2, …: of all check::seeds, or of fewer that are within `bias` beyond doubt.
 BlockTest compare_seeds(const ImageOfSeed& a, const ImageOfSeed& b, double bias);
 
 }  // namespace lucarium::check

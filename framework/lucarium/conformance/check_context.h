@@ -15,10 +15,9 @@ namespace lucarium::check {
 inline constexpr double level = 1e-3;
 /// Float arithmetic, relative, that no test counts as an error.
 inline constexpr double rounding = 2e-4;
-/// Independent seeds of statistical checks; fewer, at least `min_seeds`, where a technique that admits a bias has noise
-/// below `decisive_noise` of it: more of them would change no verdict.
+/// Independent seeds of statistical checks; fewer, at least `min_seeds`, where a technique that admits a bias is within
+/// it whatever the noise has done. Whoever is near the bound takes all of them.
 inline constexpr size_t seeds = 8, min_seeds = 3;
-inline constexpr double decisive_noise = 0.25;
 /// Pixels of a side of the pictures that are compared.
 inline constexpr uint32_t picture_side = 32;
 /// Noise above this part of the expected value shows too little to call a check passed.

@@ -61,7 +61,7 @@ Outcome compare_middle(CheckContext& context, const Scene& scene, double expecte
     values.push_back(middle_mean(film.image(), film.width(), film.height()));
     if (values.size() < min_seeds) continue;
     found = estimate(values);
-    if (found.doubt < decisive_noise * context.bias * expected) break;
+    if (std::abs(found.mean - expected) + found.doubt <= context.bias * expected) break;  // within it beyond doubt
   }
   const double allowed = found.doubt + (rounding + context.bias) * expected;
   const std::string measured = fmt::format("{:.5g} ± {:.2g}, expected {:.5g}", found.mean, found.error, expected);
