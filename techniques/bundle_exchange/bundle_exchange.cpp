@@ -69,6 +69,7 @@
 #include "bundle_exchange/cost.h"
 #include "bundle_exchange/declaration.h"
 #include "bundle_exchange/direction_plan.h"
+#include "lucarium/services/surface_atlas/inspect.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
 #include "lucarium/technique/technique_state.h"
@@ -109,6 +110,15 @@ class BundleExchange : public TechniqueBase<Parameters> {
   }
 
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return bundle::savings(); }
+
+  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const override {
+    if (!parts_) return {};
+    const SurfaceAtlas& atlas = *parts_->atlas;
+    auto rows = describe_side(atlas, side_at(atlas, point.triangle, point.b1, point.b2, point.front),
+                              parts_->means.shown(), "exchanged irradiance");
+    rows.emplace_back("directions so far", std::to_string(directions_));
+    return rows;
+  }
 
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};

@@ -29,6 +29,7 @@ TechniqueInfo technique_info() {
   info.layers = {"emission", "direct", "indirect", "cut_level", "list_length", "node_visits"};
   info.optional_layers = {{"gather_step above 1", {"upsampling_failed"}},
                           {"inspect_x and inspect_y", {"micro_buffer"}}};
+  info.pixel_layer = {"inspect_x", "inspect_y", "micro_buffer"};
   info.check_parameters = {{"points_log2", "12"}, {"micro_size", "8"}, {"jacobi_level", "6"}, {"light_samples", "2"}};
   // Without the walks that find hidden points, which are a service of the framework with tests of its own.
   info.oclgrind_parameters = {{"points_log2", "10"}, {"light_samples", "1"}, {"skip_hidden", "off"}};

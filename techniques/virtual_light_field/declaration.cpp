@@ -41,8 +41,7 @@ PathSet path_set(const Parameters& parameters, const Scene&, const RenderSetting
 
 void check_parameters(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
   const bool ideal = std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-    const bool specular = std::abs(m.ior - 1) >= 1e-3f || m.metallic > 0 || m.transmission > 0;
-    return specular && m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
+    return m.has_specular_lobes() && m.roughness < LUCARIUM_MIRROR_ROUGHNESS;
   });
   if (parameters.eye_specular == EyeLobes::vlf && settings.max_bounces >= 0 && ideal)
     throw Error(ErrorClass::usage,

@@ -56,6 +56,7 @@
 #include <fmt/format.h>
 
 #include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/surface_atlas/inspect.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
 #include "lucarium/technique/technique_state.h"
@@ -63,6 +64,7 @@
 #include "virtual_light_field/declaration.h"
 #include "virtual_light_field/field/field_surfaces.h"
 #include "virtual_light_field/pixels/field_view.h"
+#include "virtual_light_field/tiles/describe_tiles.h"
 
 namespace lucarium {
 namespace {
@@ -94,6 +96,16 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   std::string state_refusal() const override { return {}; }
   std::vector<std::string> parameters_of_view() const override {
     return {"camera_samples", "eye_interp", "inspect_line", "preview"};
+  }
+
+  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const override {
+    if (!field_) return {};
+    const SurfaceAtlas& atlas = surfaces_->atlas;
+    const uint32_t side = side_at(atlas, point.triangle, point.b1, point.b2, point.front);
+    auto rows = describe_side(atlas, side, field_->shown(), "irradiance of later bounces");
+    for (auto& row : describe_tiles(field_->maps(), side)) rows.push_back(std::move(row));
+    rows.emplace_back("sweeps so far", std::to_string(field_->sweeps()));
+    return rows;
   }
 
   std::map<std::string, double> counters() const override {

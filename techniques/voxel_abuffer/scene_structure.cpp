@@ -8,6 +8,7 @@
 #include "voxel_abuffer/compared/triangle_grid.h"
 #include "voxel_abuffer/compared/voxel_bits.h"
 #include "voxel_abuffer/moving/moving_set.h"
+#include "voxel_abuffer/structure/inspect.h"
 #include "voxel_abuffer/structure_bytes.h"
 
 namespace lucarium::abuffer {
@@ -101,6 +102,8 @@ SceneStructure::SceneStructure(KernelScheduler& scheduler, const Scene& scene, c
         keep(std::make_unique<MovingSet>(scheduler, scene, buffers, abuffer_options(parameters)));
       else
         keep(std::make_unique<VoxelAbuffer>(scheduler, scene, buffers, abuffer_options(parameters)));
+      if (const auto* const whole = dynamic_cast<const VoxelAbuffer*>(intersector_.get()))
+        inspect_ = [whole](const SeenPoint& p) { return describe_voxel(*whole, p.triangle, p.position); };
       break;
     }
     case Structure::voxel: compare(std::make_unique<VoxelBits>(scheduler, buffers, pixels)); break;

@@ -30,6 +30,11 @@ class SceneStructure {
   /// programs and the first start of kernels disturb least.
   std::map<std::string, double> counters() const;
 
+  /// For Technique::inspect(); nothing of structures that are only compared with.
+  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const {
+    return inspect_ ? inspect_(point) : std::vector<std::pair<std::string, std::string>>();
+  }
+
   /// Device bytes, from the expected numbers of what the scene's triangles touch.
   static size_t estimate_bytes(const Scene& scene, const AbufferParameters& parameters);
   static bool wants_ends(const AbufferParameters& parameters);
@@ -42,7 +47,8 @@ class SceneStructure {
   std::function<void()> rebuild_;
   std::function<uint64_t()> generation_;
   std::function<std::map<std::string, double>()> counters_;
-  double fastest_build_ = 0;  ///< [s]
+  std::function<std::vector<std::pair<std::string, std::string>>(const SeenPoint&)> inspect_;  ///< may be empty
+  double fastest_build_ = 0;                                                                   ///< [s]
 };
 
 VoxelAbufferOptions abuffer_options(const AbufferParameters& parameters);

@@ -103,6 +103,10 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
     return abuffer::estimate_bytes(parameters_, scene, settings);
   }
 
+  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const override {
+    return structure_ ? structure_->inspect(point) : std::vector<std::pair<std::string, std::string>>();
+  }
+
   std::map<std::string, double> counters() const override {
     std::map<std::string, double> all = mode_ ? mode_->counters() : std::map<std::string, double>();
     if (structure_) all.merge(structure_->counters());

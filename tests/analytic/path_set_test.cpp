@@ -199,3 +199,56 @@ TEST_CASE("path set: BLEND surfaces can be taken as opaque") {
   set.blend = false;
   CHECK(mean_with(scene, set) == 0);
 }
+
+TEST_CASE("path set: what changes nothing on a scene is left out, and the picture keeps its bits") {
+  PathSet declared;
+  declared.max_bounces = 2;
+  declared.light_delta = declared.blend = declared.point_lights = declared.environment = false;
+  declared.secondary_lambert_only = true;
+  declared.eye_deltas = 0;
+  PathSet all;
+  all.max_bounces = 2;
+
+  const Scene lambert = make_builtin_scene("cornell");
+  CHECK(declared.simplified(lambert).to_string() == all.to_string());
+  const auto picture = [](const Scene& scene, const PathSet& set) {
+    PathIntegratorOptions options;
+    options.path_set = set;
+    TestRender render(scene, scene.cameras.at(0), options, 32);
+    REQUIRE(render.integrator->iterate());
+    Film film(32, 32);
+    render.integrator->resolve(film);
+    std::vector<float> pixels;
+    for (const FilmLayer& layer : film.layers()) pixels.insert(pixels.end(), layer.pixels.begin(), layer.pixels.end());
+    return pixels;
+  };
+  CHECK(picture(lambert, declared) == picture(lambert, all));
+
+  // Each key stays where the scene has what it is about.
+  const Scene mirror = make_builtin_scene("cornell-mirror");
+  PathSet left = declared.simplified(mirror);
+  CHECK(!left.light_delta);
+  CHECK(left.eye_deltas == 0);
+  CHECK(left.secondary_lambert_only);
+  CHECK(left.blend);
+  CHECK(picture(mirror, declared) == picture(mirror, left));
+  CHECK(picture(mirror, declared) != picture(mirror, all));
+
+  Scene odd = lambert;
+  odd.materials[0].alpha_mode = AlphaMode::blend;
+  odd.environment.emplace();
+  odd.lights.emplace_back();
+  left = declared.simplified(odd);
+  CHECK(!left.blend);
+  CHECK(!left.environment);
+  CHECK(!left.point_lights);
+  // A rough surface whose texture may make it a mirror.
+  odd.materials[0].ior = 1.5f;
+  odd.materials[0].metallic_roughness_texture.texture = 0;
+  CHECK(!declared.simplified(odd).light_delta);
+
+  declared.max_bounces = 0;
+  declared.indirect = false;
+  CHECK(declared.simplified(lambert).indirect);
+  CHECK(!PathSet::no_light_transport().simplified(lambert).light_transport());
+}

@@ -142,7 +142,7 @@ int render_reference(ReferenceArguments arguments, const Messages& messages) {
   RenderSettings settings = arguments.settings;
   settings.camera = scene.cameras.front();
   const TechniqueRegistry registry(arguments.technique.folders);
-  const PathSet path_set = wanted_path_set(arguments, registry, scene, settings);
+  const PathSet path_set = wanted_path_set(arguments, registry, scene, settings).simplified(scene);
   settings.max_bounces = path_set.max_bounces;
   const ReferenceIdentity identity(scene, settings, path_set, registry);
   ReferenceImage image = open_reference(arguments, identity, settings.width, settings.height);

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/scene/scene.h"
 
+#include <algorithm>
+#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
+
+#include "lucarium/shared/scene_types.h"
 
 namespace lucarium {
 
@@ -64,6 +68,17 @@ bool SceneMaterial::emits() const {
   if (unlit) return base_color.r > 0 || base_color.g > 0 || base_color.b > 0;
   const glm::vec3 emission = emissive_factor * emissive_strength;
   return emission.r > 0 || emission.g > 0 || emission.b > 0;
+}
+
+bool SceneMaterial::has_specular_lobes() const {
+  return !unlit && (std::abs(ior - 1) >= 1e-3f || metallic > 0 || transmission > 0);
+}
+
+bool SceneMaterial::may_be_ideal() const {
+  // A rough volume of ior 1 has nothing to bend light at.
+  const bool unbent = transmission > 0 && std::abs(ior - 1) < 1e-3f;
+  return has_specular_lobes() &&
+         (roughness < LUCARIUM_MIRROR_ROUGHNESS || metallic_roughness_texture.texture != none || unbent);
 }
 
 Bounds Scene::instance_bounds(int index) const {

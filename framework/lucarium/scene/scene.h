@@ -94,7 +94,9 @@ struct SceneMaterial {
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
   bool unlit = false;
-  bool emits() const;  ///< the factors allow light to leave it (its texture may still be black)
+  bool emits() const;               ///< the factors allow light to leave it (its texture may still be black)
+  bool has_specular_lobes() const;  ///< reflects or transmits other than by Lambert's law (bsdf.clh)
+  bool may_be_ideal() const;        ///< has an ideal reflection or transmission, or may by its textures
   TextureUse base_color_texture, metallic_roughness_texture, normal_texture, emissive_texture, transmission_texture;
 };
 

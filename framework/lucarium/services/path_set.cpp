@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/services/path_set.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/text/nearest_name.h"
+#include "lucarium/scene/scene.h"
 
 namespace lucarium {
 namespace {
@@ -104,6 +106,29 @@ std::vector<std::pair<std::string, std::string>> PathSet::technique_parameters()
   auto list = fields(*this);
   list.erase(list.begin());  // max_bounces
   return list;
+}
+
+PathSet PathSet::simplified(const Scene& scene) const {
+  PathSet set = *this;
+  if (set.max_bounces == 0 && set.light_transport()) set.indirect = true;
+  const auto any_material = [&](auto&& has) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), has);
+  };
+  if (!any_material([](const SceneMaterial& m) { return m.has_specular_lobes(); })) set.secondary_lambert_only = false;
+  if (!any_material([](const SceneMaterial& m) { return m.may_be_ideal(); })) {
+    set.light_delta = true;
+    set.eye_deltas = -1;
+  }
+  if (!any_material([](const SceneMaterial& m) { return m.alpha_mode == AlphaMode::blend; })) set.blend = true;
+  if (!any_material([](const SceneMaterial& m) { return m.emits(); })) set.emissive_triangles = true;
+  const auto no_light = [&](LightType type) {
+    return std::none_of(scene.lights.begin(), scene.lights.end(), [&](const SceneLight& l) { return l.type == type; });
+  };
+  if (no_light(LightType::point)) set.point_lights = true;
+  if (no_light(LightType::spot)) set.spot_lights = true;
+  if (no_light(LightType::directional)) set.directional_lights = true;
+  if (!scene.environment) set.environment = true;
+  return set;
 }
 
 std::vector<std::string> PathSet::differences(const PathSet& other) const {

@@ -6,6 +6,8 @@
 
 namespace lucarium {
 
+struct Scene;
+
 /// Which light paths a technique with given parameters computes on a given scene; the reference can be rendered with
 /// exactly this set (docs/architecture.md, conventions: counting scatterings).
 struct PathSet {
@@ -36,6 +38,9 @@ struct PathSet {
   static PathSet parse(const std::string& text);
   /// The same as (parameter, value) pairs of `path_tracing`, all keys but max_bounces, which is the framework's.
   std::vector<std::pair<std::string, std::string>> technique_parameters() const;
+  /// The simplest set with the same light on this scene: what changes nothing there has its default, so that techniques
+  /// that compute the same light share a reference.
+  PathSet simplified(const Scene& scene) const;
   /// Human-readable differences, one per entry ("max_bounces: 2 against unlimited").
   std::vector<std::string> differences(const PathSet& other) const;
 };

@@ -8,7 +8,7 @@
 
 #include "lucarium/technique/technique.h"
 
-#define LUCARIUM_ABI_VERSION 12u
+#define LUCARIUM_ABI_VERSION 13u
 
 namespace lucarium {
 

@@ -58,12 +58,18 @@ struct OptionalLayers {
   std::vector<std::string> names;
 };
 
+/// What shows the insides of one pixel: the names of two parameters, and of the layer that they bring.
+struct PixelLayer {
+  std::string x_parameter, y_parameter, layer;
+};
+
 struct TechniqueInfo {
   std::string name, version, summary;
   std::string citation;  ///< of the paper, or empty
   Capabilities capabilities;
   std::vector<std::string> layers;  ///< additive ones and further ones that it writes by default
   std::vector<OptionalLayers> optional_layers = {};
+  PixelLayer pixel_layer = {};  ///< empty names: there is none
   /// Parameters (name, value) with which `lucarium check` takes at most 4 processor minutes; empty: the defaults do.
   std::vector<std::pair<std::string, std::string>> check_parameters;
   /// Set besides where Oclgrind interprets every kernel, a thousand times slower: the smallest sizes.
@@ -82,6 +88,16 @@ struct IterationResult {
   /// on an iteration is a sample for the camera alone, and the image after n of them since the camera moved is always
   /// the same.
   bool light_done = false;
+};
+
+/// The first surface that is seen through the middle of a pixel.
+struct SeenPoint {
+  uint32_t x = 0, y = 0;      ///< the pixel, from the left and the top
+  uint32_t triangle = 0;      ///< of the whole scene (SceneBuffers)
+  float b1 = 0, b2 = 0;       ///< barycentric coordinates there
+  bool front = true;          ///< of the triangle is seen
+  glm::vec3 position{0};      ///< world space [m]
+  glm::vec3 normal{0, 1, 0};  ///< geometric, towards the eye
 };
 
 /// A technique instance. Life cycle: construct → (set parameters) → prepare → { update | iterate | resolve | reset }*.
@@ -140,6 +156,9 @@ class Technique {
   /// throws, the technique is not used any more.
   virtual void load_state(const StateReader& chunks);
 
+  /// What it holds of the light at a point, for people: names, and values with their units ("texel", "17 of 4096").
+  /// Legal after any iterate(); changes nothing.
+  virtual std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint&) const { return {}; }
   /// Counters for the report ("rays", "paths", "nonfinite"), cumulative.
   virtual std::map<std::string, double> counters() const { return {}; }
 };

@@ -13,7 +13,8 @@ using Kind = ViewMessage::Kind;
 namespace {
 
 constexpr double messages_per_second = 200, messages_at_once = 400;
-constexpr size_t longest_queue = 64;    // answers that a page does not take
+// What waits for a page that takes nothing: messages, and bytes of files.
+constexpr size_t longest_queue = 64, largest_queue = size_t{256} << 20;
 constexpr int pictures_on_the_way = 2;  // one is drawn while the next one travels
 constexpr size_t max_saves = 4;
 
@@ -44,8 +45,8 @@ std::optional<uint64_t> ViewHub::join() {
   Page& page = pages_[id];
   page.allowance = messages_at_once;
   page.counted = Clock::now();
-  for (const Outgoing& first : {welcome_, scene_})
-    if (first.data) page.queue.push_back(first);
+  if (welcome_.data) replace(page, page.welcome, welcome_);
+  if (scene_.data) replace(page, page.scene, scene_);
   if (controls_ == 0) controls_ = id;
   tell_control();
   has_asked_ = true;
@@ -64,8 +65,14 @@ void ViewHub::leave(uint64_t page) {
 
 void ViewHub::tell_control() {
   for (auto& [id, page] : pages_)
-    page.queue.push_back(text(dump({{"control", id == controls_}, {"pages", pages_.size()}})));
+    replace(page, page.control, text(dump({{"control", id == controls_}, {"pages", pages_.size()}})));
   news();
+}
+
+void ViewHub::replace(Page& page, Outgoing& last, Outgoing now) {
+  std::erase_if(page.queue, [&](const Outgoing& waiting) { return last.data && waiting.data == last.data; });
+  page.queue.push_back(now);
+  last = std::move(now);
 }
 
 bool ViewHub::may_send(Page& page) const {
@@ -225,20 +232,21 @@ std::optional<ViewHub::Outgoing> ViewHub::next(uint64_t id) {
 void ViewHub::set_welcome(std::string data) {
   const std::lock_guard lock(mutex_);
   welcome_ = text(std::move(data));
-  for (auto& [id, page] : pages_) page.queue.push_back(welcome_);
+  for (auto& [id, page] : pages_) replace(page, page.welcome, welcome_);
   news();
 }
 
 void ViewHub::set_scene(std::string data) {
   const std::lock_guard lock(mutex_);
   scene_ = text(std::move(data));
-  for (auto& [id, page] : pages_) page.queue.push_back(scene_);
+  for (auto& [id, page] : pages_) replace(page, page.scene, scene_);
   news();
 }
 
 void ViewHub::set_notice(const std::string& why) {
   const std::lock_guard lock(mutex_);
-  for (auto& [id, page] : pages_) page.queue.push_back(text(dump({{"error", why}})));
+  for (auto& [id, page] : pages_)
+    if (page.queue.size() < longest_queue) page.queue.push_back(text(dump({{"error", why}})));
   news();
 }
 
@@ -259,7 +267,12 @@ void ViewHub::send_file(uint64_t id, std::string data) {
   const std::lock_guard lock(mutex_);
   const auto found = pages_.find(id);
   if (found == pages_.end()) return;
-  found->second.queue.push_back({true, std::make_shared<const std::string>(std::move(data))});
+  Page& page = found->second;
+  size_t waiting = data.size();
+  for (const Outgoing& other : page.queue) waiting += other.data->size();
+  if (waiting > largest_queue && !page.queue.empty())
+    return answer(page, std::nullopt, "earlier files wait to be taken; ask again later");
+  page.queue.push_back({true, std::make_shared<const std::string>(std::move(data))});
   news();
 }
 

@@ -119,7 +119,8 @@ class ViewHub {
     uint64_t number = 0;
   };
   struct Page {
-    std::deque<Outgoing> queue;             ///< answers and files
+    std::deque<Outgoing> queue;             ///< answers and files, and the three below
+    Outgoing welcome, scene, control;       ///< the last ones that were put there
     uint64_t status = 0;                    ///< number of the last one sent
     std::array<uint64_t, slots> sent_of{};  ///< the last picture of each slot
     uint64_t sent = 0, shown = 0;           ///< pictures
@@ -128,6 +129,8 @@ class ViewHub {
     Clock::time_point counted{};
   };
   static Outgoing text(std::string data);
+  /// Queues what makes the `last` of its kind void, which is dropped where it still waits.
+  static void replace(Page& page, Outgoing& last, Outgoing now);
   void answer(Page& page, const std::optional<int64_t>& id, const std::string& error);
   bool may_send(Page& page) const;
   void apply(uint64_t id, Page& page, const ViewMessage& message);

@@ -47,7 +47,7 @@ void PixelInspector::look(const ViewSurroundings& around, SceneOnDevice& scene) 
   x_ = std::min(around.request.inspect_x, around.settings.width - 1);
   y_ = std::min(around.request.inspect_y, around.settings.height - 1);
   obstacle_.clear();
-  known_ = false;
+  known_ = looked_inside_ = false;
   try {
     surface_ = find_pixel_surface(around.device, scene, around.settings, x_, y_);
     known_ = true;
@@ -56,8 +56,20 @@ void PixelInspector::look(const ViewSurroundings& around, SceneOnDevice& scene) 
   }
 }
 
-ordered_json PixelInspector::describe(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides,
-                                      uint32_t count) const {
+/// Reads from the device what a pixel needs, so not at every report.
+void PixelInspector::look_inside(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count) {
+  if (looked_inside_ && since_inside_.seconds() < 1) return;
+  since_inside_.restart();
+  looked_inside_ = true;
+  for (uint32_t index = 0; index < view_sides; ++index) {
+    insides_.at(index).clear();
+    RenderSession* const session = index < count && known_ && surface_.hit ? sides.at(index)->whole() : nullptr;
+    if (session) insides_.at(index) = session->technique().inspect(surface_.seen);
+  }
+}
+
+ordered_json PixelInspector::describe(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count) {
+  look_inside(sides, count);
   ordered_json json = {{"x", x_}, {"y", y_}, {"obstacle", obstacle_}};
   json["known"] = known_;
   json["surface"] = known_ ? describe_surface(surface_) : ordered_json(nullptr);
@@ -66,8 +78,11 @@ ordered_json PixelInspector::describe(const std::array<std::unique_ptr<ViewSide>
     const ViewSide& side = *sides.at(index);
     const Film* const film = side.film();
     if (!film) continue;
+    ordered_json insides = ordered_json::array();
+    for (const auto& [name, text] : insides_.at(index)) insides.push_back({name, text});
     json["sides"].push_back({{"technique", side.technique().name},
-                             {"layers", describe_layers(*film, x_ / side.film_divisor(), y_ / side.film_divisor())}});
+                             {"layers", describe_layers(*film, x_ / side.film_divisor(), y_ / side.film_divisor())},
+                             {"insides", std::move(insides)}});
   }
   return json;
 }

@@ -33,7 +33,10 @@ ordered_json to_json(const TechniqueType& type) {
                        {"summary", info.summary},
                        {"citation", info.citation},
                        {"view_independent", info.capabilities.view_independent},
+                       {"pixel_layer", nullptr},
                        {"parameters", ordered_json::array()}};
+  if (const PixelLayer& shown = info.pixel_layer; !shown.layer.empty())
+    json["pixel_layer"] = {{"x", shown.x_parameter}, {"y", shown.y_parameter}, {"layer", shown.layer}};
   const std::unique_ptr<Technique> technique = type.create();
   for (const ParameterTable::Entry& entry : technique->parameters().entries())
     json["parameters"].push_back(to_json(entry));

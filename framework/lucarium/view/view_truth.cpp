@@ -53,7 +53,8 @@ std::string ViewTruth::start(const PathSet& paths, const std::string& text) {
 bool ViewTruth::watch(ViewSide& side) {
   RenderSession* const session = side.whole();
   if (!on_ || !session || session->last().samples == 0 || session->iterations() == 0) return false;
-  const PathSet paths = session->technique().path_set(session->scene(), session->settings());
+  const PathSet paths =
+      session->technique().path_set(session->scene(), session->settings()).simplified(session->scene());
   const std::string text = paths.to_string();
   if (!references_.contains(text) && !obstacles_.contains(text)) {
     const std::string obstacle = start(paths, text);

@@ -20,9 +20,8 @@ constexpr uint32_t kMinSubfield = 16, kMinAutomatic = 64, kMaxAutomatic = 256;
 constexpr double kBorder = 2;  // cells around the bounding sphere: shift and interpolation
 
 bool has_specular_lobes(const Scene& scene) {
-  return std::any_of(scene.materials.begin(), scene.materials.end(), [](const SceneMaterial& m) {
-    return std::abs(m.ior - 1) >= 1e-3f || m.metallic > 0 || m.transmission > 0;
-  });
+  return std::any_of(scene.materials.begin(), scene.materials.end(),
+                     [](const SceneMaterial& m) { return m.has_specular_lobes(); });
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <string>
 #include <thread>
 
 #include "lucarium/base/json.h"
@@ -164,6 +166,36 @@ TEST_CASE("too many messages at once are refused, and too many pages") {
   CHECK(take_all(hub, page).size() <= 64);
   for (size_t i = 1; i < ViewHub::max_pages; ++i) CHECK(hub.join());
   CHECK_FALSE(hub.join());
+}
+
+TEST_CASE("a page that takes nothing holds no more than a little") {
+  ViewHub hub;
+  const uint64_t asleep = *hub.join();
+  // What the last of its kind makes void waits once.
+  for (int i = 0; i < 1000; ++i) {
+    hub.set_scene(R"({"scene": )" + std::to_string(i) + "}");
+    hub.set_welcome(R"({"view": )" + std::to_string(i) + "}");
+    hub.set_notice("something");
+    hub.leave(*hub.join());
+  }
+  // Files wait up to a quarter of a gigabyte, or one that is larger.
+  const std::string file(size_t{100} << 20, 'x');
+  for (int i = 0; i < 8; ++i) hub.send_file(asleep, file);
+  const std::vector<json> waiting = take_all(hub, asleep);
+  const auto count = [&](const char* key) {
+    return std::count_if(waiting.begin(), waiting.end(), [&](const json& m) { return m.contains(key); });
+  };
+  CHECK(count("scene") == 1);
+  CHECK(count("view") == 1);
+  CHECK(count("control") == 1);
+  CHECK(count("picture") == 2);
+  CHECK(waiting.size() <= 70);
+  for (const json& message : waiting) {
+    if (message.contains("scene")) CHECK(message["scene"] == 999);
+    if (message.contains("control")) CHECK(message["pages"] == 1);
+  }
+  hub.send_file(asleep, file);  // all were taken: there is room again
+  CHECK(take_all(hub, asleep).size() == 1);
 }
 
 TEST_CASE("two threads use the hub at once") {

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "device_fixture.h"
+#include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/scene/look_at.h"
 #include "lucarium/session/scene_on_device.h"
@@ -38,6 +39,17 @@ TEST_CASE("pixels of the room show the wall that their rays meet") {
       const SceneInstance& instance = scene->scene.instances[surface.instance];
       CHECK(static_cast<uint32_t>(instance.material) == surface.material);
       CHECK(surface.triangle < instance.shape(scene->scene).triangles.size());
+      // The same for techniques: the triangle of the whole scene holds the point.
+      CHECK(surface.seen.x == x);
+      CHECK(surface.seen.y == y);
+      CHECK(surface.seen.front);
+      const SceneLayout layout(scene->scene);
+      CHECK(surface.seen.triangle == layout.instances[surface.instance].world_triangle + surface.triangle);
+      const Mesh& mesh = instance.shape(scene->scene);
+      const glm::uvec3 corners = mesh.triangles[surface.triangle];
+      const glm::vec3 at = (1 - surface.seen.b1 - surface.seen.b2) * mesh.positions[corners.x] +
+                           surface.seen.b1 * mesh.positions[corners.y] + surface.seen.b2 * mesh.positions[corners.z];
+      CHECK(glm::length(glm::vec3(instance.world_from_object * glm::vec4(at, 1)) - surface.position) < 1e-4f);
       ++seen;
     }
   }

@@ -8,6 +8,7 @@
 #include "lucarium/scene/builtin/builder.h"
 #include "test_support.h"
 #include "tolerance.h"
+#include "virtual_light_field/tiles/describe_tiles.h"
 
 using namespace lucarium;
 using test::relative;
@@ -38,6 +39,18 @@ TEST_CASE("a furnace with a mirror for a wall is a furnace") {
   CHECK(rig.mean(rig.all(), 1) > 1.999);
   CHECK(rig.mean(rig.all(), 1) < 2.001);
   CHECK(test::min_of(rig.of_instance(rig.all(), 1)) > 1.99);
+
+  // What people are told: half of all directions leave the mirror, Lambert's walls have no facet.
+  const std::vector<uint32_t> instances = rig.instances();
+  const auto side_of = [&](uint32_t instance) {
+    return static_cast<uint32_t>(std::find(instances.begin(), instances.end(), instance) - instances.begin());
+  };
+  const auto rows = vlf::describe_tiles(rig.field().maps(), side_of(5));
+  REQUIRE(rows.size() == 3);
+  CHECK(rows[0].second == "0 of 1");
+  CHECK(rows[1].second == "129 of 258");
+  CHECK(rows[2].second != "0");
+  CHECK(vlf::describe_tiles(rig.field().maps(), side_of(0)).size() == 1);
 }
 
 TEST_CASE("light by a mirror is that of the image lamp") {

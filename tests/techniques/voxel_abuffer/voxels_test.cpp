@@ -5,11 +5,13 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstdio>
 
 #include "../../framework/services/layered_raster/scene.h"
 #include "abuffer_rig.h"
 #include "closed_bodies.h"
 #include "test_support.h"
+#include "voxel_abuffer/structure/inspect.h"
 #include "voxel_abuffer/structure/state.h"
 
 using namespace lucarium;
@@ -118,4 +120,28 @@ TEST_CASE("voxels: a thin plate is searched along its normal, though the normals
   CHECK(average[0] > 20);
   CHECK(average[2] > 100);
   CHECK(average[1] + average[3] == 0);
+}
+
+TEST_CASE("voxels: a point of a surface is told its voxel, and how its triangle is searched") {
+  const Soup soup = closed_bodies();
+  AbufferRig rig(scene_of(soup));
+  const VoxelAbuffer abuffer = rig.make({.abuffer_size = 256, .intersect = Intersect::automatic});
+  const AbufferGrid& grid = abuffer.state().grid;
+  for (uint32_t triangle = 0; triangle < soup.triangles.size(); triangle += 101) {
+    const Triangle& t = soup.triangles[triangle];
+    const glm::vec3 middle = (soup.corner(t.v0) + soup.corner(t.v1) + soup.corner(t.v2)) / 3.f;
+    const auto rows = abuffer::describe_voxel(abuffer, triangle, middle);
+    REQUIRE(rows.size() == 4);
+    glm::uvec3 voxel, count;
+    CAPTURE(rows[1].second);
+    REQUIRE(std::sscanf(rows[1].second.c_str(), "%u, %u, %u of %u × %u × %u", &voxel.x, &voxel.y, &voxel.z, &count.x,
+                        &count.y, &count.z) == 6);
+    CHECK(count == glm::uvec3(grid.voxels.x, grid.voxels.y, grid.voxels.z));
+    const glm::vec3 center(grid.center.x, grid.center.y, grid.center.z),
+        corner(grid.corner.x, grid.corner.y, grid.corner.z);
+    const glm::vec3 place = (middle - center - corner) * grid.corner.w / static_cast<float>(grid.voxels.w);
+    CHECK(glm::distance(place, glm::vec3(voxel) + 0.5f) < 0.87f);
+    CHECK(rows[2].second.find("parity along") != std::string::npos);
+    CHECK(rows[3].second == "parity, a solid");
+  }
 }

@@ -49,7 +49,8 @@ struct PieceResult {
 
 /// The truth for one scene and one set of light paths.
 struct ReferenceResult {
-  std::string path_set;
+  std::string path_set;                ///< in its simplest form on this scene
+  std::vector<std::string> also_said;  ///< by techniques that compute the same light
   std::string image;   ///< below the result folder
   std::string source;  ///< "path_tracing", or the given file
   std::string failure;

@@ -42,16 +42,20 @@ Scene load(const ComparisonSpec& spec, const ComparisonScene& request, ScenePlan
 }
 
 /// Index of the reference with these light paths; a new one is made when none has them.
-size_t find_reference(ScenePlan& plan, const PathSet& set, const Scene& scene, RenderSettings settings,
+size_t find_reference(ScenePlan& plan, const PathSet& declared, const Scene& scene, RenderSettings settings,
                       const TechniqueRegistry& registry) {
+  const PathSet set = declared.simplified(scene);
   std::vector<ReferenceResult>& references = plan.result.references;
   for (size_t i = 0; i < references.size(); ++i) {
-    if (references[i].path_set == set.to_string()) return i;
+    if (references[i].path_set != set.to_string()) continue;
+    references[i].also_said.push_back(declared.to_string());
+    return i;
   }
   settings.max_bounces = set.max_bounces;
   settings.seed = reference_seed;
   ReferenceResult reference;
   reference.path_set = set.to_string();
+  reference.also_said = {declared.to_string()};
   references.push_back(reference);
   plan.reference_files.push_back(ReferenceIdentity(scene, settings, set, registry).hash() + ".exr");
   plan.walk_files.emplace_back();

@@ -61,6 +61,14 @@ PixelSurface find_pixel_surface(const std::shared_ptr<Device>& device, SceneOnDe
   surface.position = vector_of(point.position);
   surface.normal = vector_of(point.normal);
   surface.shading = vector_of(point.shading);
+  surface.seen = {.x = x,
+                  .y = y,
+                  .triangle = point.triangle,
+                  .b1 = point.u,
+                  .b2 = point.v,
+                  .front = point.normal.w == 0,
+                  .position = surface.position,
+                  .normal = surface.normal};
   name_triangle(surface, scene.scene, point.triangle);
   return surface;
 }

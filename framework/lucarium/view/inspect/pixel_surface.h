@@ -16,6 +16,7 @@ struct PixelSurface {
   glm::vec3 position{0}, normal{0}, shading{0};       ///< world space; towards the eye
   uint32_t instance = 0, triangle = 0, material = 0;  ///< indices; the triangle within its mesh
   std::string mesh, material_name;
+  SeenPoint seen;  ///< the same for techniques
 };
 
 /// By a G-buffer of one pixel. `settings`: of the whole picture; (x, y) from the left and the top. Builds the scene's

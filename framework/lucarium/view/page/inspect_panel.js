@@ -44,8 +44,23 @@ class InspectPanel {
       h('p', {class: 'note'}, `Pixel ${seen.x}, ${seen.y}`),
       seen.obstacle ? h('p', {class: 'alert'}, seen.obstacle) : '',
       ...this.surfaceRows(seen, row, table),
-      ...seen.sides.flatMap(side => [h('h3', {}, side.technique), table(Object.entries(side.layers).map(
-        ([name, values]) => row(name, values.map(v => (typeof v === 'string' ? v : number(v, 4))).join('  '))))]));
+      ...seen.sides.flatMap((side, index) => [h('h3', {}, side.technique), table(Object.entries(side.layers).map(
+        ([name, values]) => row(name, values.map(v => (typeof v === 'string' ? v : number(v, 4))).join('  ')))),
+        ...this.insides(seen, side, index, status, row, table)]));
+  }
+
+  // What the technique itself holds there: its words, and a layer that shows the insides of one pixel.
+  insides(seen, side, index, status, row, table) {
+    const nodes = side.insides.length ? [table(side.insides.map(([name, text]) => row(name, text)))] : [];
+    const shown = this.view.techniques.find(t => t.name === side.technique)?.pixel_layer;
+    if (!shown) return nodes;
+    const given = new Map(status.sides[index].wanted.parameters);
+    given.set(shown.x, String(seen.x)).set(shown.y, String(seen.y));
+    const show = () => {
+      this.connection.send({do: 'technique', name: side.technique, parameters: [...given], side: index});
+      this.connection.send({do: 'layer', name: shown.layer});
+    };
+    return [...nodes, h('button', {type: 'button', class: 'pixel-layer', onclick: show}, `Show its ${shown.layer}`)];
   }
 
   surfaceRows(seen, row, table) {

@@ -3,9 +3,24 @@
 import shlex
 import subprocess
 
-from viewer_page import (CLICK, DATA, PIXELS, SET, SIZE, TEXT, largest_difference, shows)
+from viewer_page import (CLICK, DATA, PIXELS, SET, SIZE, TEXT, VALUE, is_whole, largest_difference, shows)
 
 from browser import check, wait
+
+
+def insides(browser):
+    """A technique that shows the insides of one pixel, asked for at the pixel that is inspected."""
+    browser.run(SET, '#technique', 'micro_rendering')
+    check('a technique with insides has a button for them', wait(
+        lambda: browser.run(TEXT, '.pixel-layer') == 'Show its micro_buffer'))
+    pixel = browser.run("return document.querySelector('#inspector .inspector').dataset.pixel").split()
+    browser.run(CLICK, '.pixel-layer')
+    check('its layer is shown, of that pixel', wait(lambda: browser.run(VALUE, 'layer') == 'micro_buffer' and [
+        browser.run(VALUE, f'parameter-inspect_{axis}') for axis in 'xy'] == pixel))
+    check('and has light', wait(lambda: is_whole(browser) and any(browser.run(PIXELS)[2:][0:3 * 48])))
+    browser.run(SET, '#layer', '')
+    browser.run(CLICK, '[aria-label="named at the start"] button')
+    check('back to what was', wait(lambda: browser.run(VALUE, 'technique') == 'path_tracing'))
 
 
 def inspector(browser, viewer):
@@ -32,6 +47,8 @@ c.dispatchEvent(new PointerEvent('pointerdown', at)); c.dispatchEvent(new Pointe
     browser.press('p')
     check('P asks for the middle', wait(lambda: browser.run(
         "return document.querySelector('#inspector .inspector').dataset.pixel") == f'{width // 2} {height // 2}'))
+    insides(browser)
+    check('with its picture', shows(browser, lambda: browser.run(PIXELS)[2:] == values))
 
 
 ERRORS = """return [...document.querySelectorAll('#errors tbody tr')].map(row =>

@@ -170,6 +170,9 @@ def inspector(page):
     length = sum(v * v for v in surface['normal']) ** 0.5
     check(f'a pixel shows values and surface {seen}', abs(seen['sides'][0]['layers']['image'][2] - 0.25) < 1e-6 and
           surface['material_name'] and surface['distance'] > 0 and abs(length - 1) < 1e-4)
+    rows = dict(seen['sides'][0]['insides'])
+    check(f'and what the technique says of it {rows}', rows['colour'] == '0.25 0.5 0.25' and
+          rows['seen at'].startswith(f'{seen["x"]} {seen["y"]} of triangle '))
 
 
 def edits(page):
