@@ -69,7 +69,6 @@
 #include "bundle_exchange/cost.h"
 #include "bundle_exchange/declaration.h"
 #include "bundle_exchange/direction_plan.h"
-#include "lucarium/services/surface_atlas/inspect.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
 #include "lucarium/technique/technique_state.h"
@@ -98,12 +97,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return bundle::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
   }
 
-  std::string state_refusal() const override {
-    if (parameters_.pixel_rays == PixelRays::bundle)
-      return "gathers along new bundles for every picture with pixel_rays=bundle; give pixel_rays=traced";
-    if (parameters_.debug_layers) return "shows the exchange itself with debug_layers=on; leave that out";
-    return "";
-  }
+  std::string state_refusal() const override { return bundle::state_refusal(parameters_); }
 
   std::vector<std::string> parameters_of_view() const override {
     return {"camera_samples", "eye_share", "preview", "warm_start"};
@@ -111,19 +105,12 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return bundle::savings(); }
 
-  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const override {
-    if (!parts_) return {};
-    const SurfaceAtlas& atlas = *parts_->atlas;
-    auto rows = describe_side(atlas, side_at(atlas, point.triangle, point.b1, point.b2, point.front),
-                              parts_->means.shown(), "exchanged irradiance");
-    rows.emplace_back("directions so far", std::to_string(directions_));
-    return rows;
+  InspectedValues inspect(const SeenPoint& point) const override {
+    return parts_ ? parts_->inspect(point) : InspectedValues();
   }
 
   std::map<std::string, double> counters() const override {
-    std::map<std::string, double> result{{"directions", static_cast<double>(directions_)}};
-    if (parts_) result.merge(parts_->counters(directions_));
-    return result;
+    return parts_ ? parts_->counters(directions_) : std::map<std::string, double>{{"directions", 0}};
   }
 
  protected:

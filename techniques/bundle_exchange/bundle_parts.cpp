@@ -8,6 +8,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/compute/device/remedies.h"
 #include "lucarium/services/bvh/bvh.h"
+#include "lucarium/services/surface_atlas/inspect.h"
 
 namespace lucarium::bundle {
 namespace {
@@ -87,8 +88,15 @@ BundleParts::Kept BundleParts::release_surfaces() {
   return {std::move(atlas), std::move(interior), std::move(accessibility)};
 }
 
+InspectedValues BundleParts::inspect(const SeenPoint& point) const {
+  const uint32_t side = side_at(*atlas, point.triangle, point.b1, point.b2, point.front);
+  InspectedValues rows = describe_side(*atlas, side, means.shown(), "exchanged irradiance");
+  rows.emplace_back("directions so far", std::to_string(means.directions()));
+  return rows;
+}
+
 std::map<std::string, double> BundleParts::counters(uint64_t directions) const {
-  std::map<std::string, double> result;
+  std::map<std::string, double> result{{"directions", static_cast<double>(directions)}};
   result["indirect_directions"] = static_cast<double>(means.reflecting(directions));
   result["sides"] = atlas->info().texel_count;
   result["bundle_pixels"] = transfer.mean_image();

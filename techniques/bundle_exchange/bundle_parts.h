@@ -36,6 +36,8 @@ struct BundleParts {
   bool gather_along(const DirectionSequence& sequence, uint64_t index, uint32_t seed, bool first);
   /// Gives away what holds surfaces and their emission only; these parts are of no use then.
   Kept release_surfaces();
+  /// What is held at a point, for Technique::inspect().
+  InspectedValues inspect(const SeenPoint& point) const;
   /// After `directions` directions.
   std::map<std::string, double> counters(uint64_t directions) const;
   void write(Film& film, bool smoothed) const;

@@ -42,4 +42,11 @@ PathSet path_set(const Parameters& parameters, const RenderSettings& settings) {
   return set;
 }
 
+std::string state_refusal(const Parameters& parameters) {
+  if (parameters.pixel_rays == PixelRays::bundle)
+    return "gathers along new bundles for every picture with pixel_rays=bundle; give pixel_rays=traced";
+  if (parameters.debug_layers) return "shows the exchange itself with debug_layers=on; leave that out";
+  return "";
+}
+
 }  // namespace lucarium::bundle

@@ -10,4 +10,7 @@ TechniqueInfo technique_info();
 /// The light paths that these parameters compute.
 PathSet path_set(const Parameters& parameters, const RenderSettings& settings);
 
+/// Technique::state_refusal().
+std::string state_refusal(const Parameters& parameters);
+
 }  // namespace lucarium::bundle

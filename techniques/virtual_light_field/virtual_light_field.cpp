@@ -98,7 +98,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     return {"camera_samples", "eye_interp", "inspect_line", "preview"};
   }
 
-  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const override {
+  InspectedValues inspect(const SeenPoint& point) const override {
     if (!field_) return {};
     const SurfaceAtlas& atlas = surfaces_->atlas;
     const uint32_t side = side_at(atlas, point.triangle, point.b1, point.b2, point.front);

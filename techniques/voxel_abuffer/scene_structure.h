@@ -31,9 +31,7 @@ class SceneStructure {
   std::map<std::string, double> counters() const;
 
   /// For Technique::inspect(); nothing of structures that are only compared with.
-  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const {
-    return inspect_ ? inspect_(point) : std::vector<std::pair<std::string, std::string>>();
-  }
+  InspectedValues inspect(const SeenPoint& point) const { return inspect_ ? inspect_(point) : InspectedValues(); }
 
   /// Device bytes, from the expected numbers of what the scene's triangles touch.
   static size_t estimate_bytes(const Scene& scene, const AbufferParameters& parameters);
@@ -47,8 +45,8 @@ class SceneStructure {
   std::function<void()> rebuild_;
   std::function<uint64_t()> generation_;
   std::function<std::map<std::string, double>()> counters_;
-  std::function<std::vector<std::pair<std::string, std::string>>(const SeenPoint&)> inspect_;  ///< may be empty
-  double fastest_build_ = 0;                                                                   ///< [s]
+  std::function<InspectedValues(const SeenPoint&)> inspect_;  ///< may be empty
+  double fastest_build_ = 0;                                  ///< [s]
 };
 
 VoxelAbufferOptions abuffer_options(const AbufferParameters& parameters);

@@ -103,8 +103,8 @@ class VoxelAbufferTechnique : public TechniqueBase<AbufferParameters> {
     return abuffer::estimate_bytes(parameters_, scene, settings);
   }
 
-  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const override {
-    return structure_ ? structure_->inspect(point) : std::vector<std::pair<std::string, std::string>>();
+  InspectedValues inspect(const SeenPoint& point) const override {
+    return structure_ ? structure_->inspect(point) : InspectedValues();
   }
 
   std::map<std::string, double> counters() const override {

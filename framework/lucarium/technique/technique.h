@@ -100,6 +100,9 @@ struct SeenPoint {
   glm::vec3 normal{0, 1, 0};  ///< geometric, towards the eye
 };
 
+/// (name, value with its unit), for people: ("texel side", "17 of 4096").
+using InspectedValues = std::vector<std::pair<std::string, std::string>>;
+
 /// A technique instance. Life cycle: construct → (set parameters) → prepare → { update | iterate | resolve | reset }*.
 /// Same seed, device and parameters: the same image, bit for bit, whatever the clock says.
 class Technique {
@@ -156,9 +159,8 @@ class Technique {
   /// throws, the technique is not used any more.
   virtual void load_state(const StateReader& chunks);
 
-  /// What it holds of the light at a point, for people: names, and values with their units ("texel", "17 of 4096").
-  /// Legal after any iterate(); changes nothing.
-  virtual std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint&) const { return {}; }
+  /// What it holds of the light at a point. Legal after any iterate(); changes nothing.
+  virtual InspectedValues inspect(const SeenPoint&) const { return {}; }
   /// Counters for the report ("rays", "paths", "nonfinite"), cumulative.
   virtual std::map<std::string, double> counters() const { return {}; }
 };

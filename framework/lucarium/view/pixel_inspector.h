@@ -28,7 +28,7 @@ class PixelInspector {
  private:
   void look_inside(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count);
 
-  std::array<std::vector<std::pair<std::string, std::string>>, view_sides> insides_;
+  std::array<InspectedValues, view_sides> insides_;
   Stopwatch since_inside_;
   bool looked_inside_ = false;  ///< since the pixel was asked for
   uint32_t x_ = 0, y_ = 0;

@@ -29,12 +29,9 @@ ordered_json to_json(const ParameterTable::Entry& entry) {
 
 ordered_json to_json(const TechniqueType& type) {
   const TechniqueInfo& info = type.info();
-  ordered_json json = {{"name", info.name},
-                       {"summary", info.summary},
-                       {"citation", info.citation},
-                       {"view_independent", info.capabilities.view_independent},
-                       {"pixel_layer", nullptr},
-                       {"parameters", ordered_json::array()}};
+  ordered_json json = {{"name", info.name},         {"summary", info.summary},
+                       {"citation", info.citation}, {"view_independent", info.capabilities.view_independent},
+                       {"pixel_layer", nullptr},    {"parameters", ordered_json::array()}};
   if (const PixelLayer& shown = info.pixel_layer; !shown.layer.empty())
     json["pixel_layer"] = {{"x", shown.x_parameter}, {"y", shown.y_parameter}, {"layer", shown.layer}};
   const std::unique_ptr<Technique> technique = type.create();

@@ -40,7 +40,7 @@ TEST_CASE("a furnace with a mirror for a wall is a furnace") {
   CHECK(rig.mean(rig.all(), 1) < 2.001);
   CHECK(test::min_of(rig.of_instance(rig.all(), 1)) > 1.99);
 
-  // What people are told: half of all directions leave the mirror, Lambert's walls have no facet.
+  // What inspect() reports: half of all directions leave the mirror, Lambert's walls have no facet.
   const std::vector<uint32_t> instances = rig.instances();
   const auto side_of = [&](uint32_t instance) {
     return static_cast<uint32_t>(std::find(instances.begin(), instances.end(), instance) - instances.begin());

@@ -122,7 +122,7 @@ TEST_CASE("voxels: a thin plate is searched along its normal, though the normals
   CHECK(average[1] + average[3] == 0);
 }
 
-TEST_CASE("voxels: a point of a surface is told its voxel, and how its triangle is searched") {
+TEST_CASE("voxels: inspect() reports the voxel of a point, and how its triangle is searched") {
   const Soup soup = closed_bodies();
   AbufferRig rig(scene_of(soup));
   const VoxelAbuffer abuffer = rig.make({.abuffer_size = 256, .intersect = Intersect::automatic});

@@ -51,8 +51,8 @@ struct PieceResult {
 struct ReferenceResult {
   std::string path_set;                ///< in its simplest form on this scene
   std::vector<std::string> also_said;  ///< by techniques that compute the same light
-  std::string image;   ///< below the result folder
-  std::string source;  ///< "path_tracing", or the given file
+  std::string image;                   ///< below the result folder
+  std::string source;                  ///< "path_tracing", or the given file
   std::string failure;
   uint64_t samples = 0;
   bool from_cache = false;

@@ -25,7 +25,7 @@ TEST_CASE("points find the side of the texel that they lie on") {
   }
 }
 
-TEST_CASE("light at a side is told as irradiance of its open part") {
+TEST_CASE("light at a side is shown as irradiance of its open part") {
   AtlasContext context(make_builtin_scene("cornell"), 500);
   const SurfaceAtlas& atlas = *context.atlas;
   const uint32_t sides = atlas.info().texel_count;

@@ -125,7 +125,7 @@ class Constant : public Technique {
     if (bad_ != 0) direct.pixels[3 * (film.width() + 1)] = bad_;
   }
 
-  std::vector<std::pair<std::string, std::string>> inspect(const SeenPoint& point) const override {
+  InspectedValues inspect(const SeenPoint& point) const override {
     return {{"colour", fmt::format("{} {} {}", parameters_.red, parameters_.green, parameters_.blue)},
             {"seen at", fmt::format("{} {} of triangle {}", point.x, point.y, point.triangle)}};
   }
