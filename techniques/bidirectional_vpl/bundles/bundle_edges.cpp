@@ -21,6 +21,7 @@ LayeredRasterOptions raster_options(const Plan& plan) {
   LayeredRasterOptions options;
   options.max_width = options.max_height = plan.bundle_res;
   options.conservative = options.keep_alpha = plan.bundle_mode == BundleMode::exact;
+  options.remedy = "lower bundle_res, or set bundle_mode=rays";
   return options;
 }
 

@@ -5,10 +5,11 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-LayeredRasterOptions raster_options(uint32_t side) {
+LayeredRasterOptions raster_options(uint32_t side, const std::string& remedy = "") {
   LayeredRasterOptions options;
   options.max_width = options.max_height = side;
   options.perspective = true;
+  options.remedy = remedy;
   return options;
 }
 
@@ -16,13 +17,15 @@ LayeredRasterOptions raster_options(uint32_t side) {
 
 FaceRaster::FaceRaster(KernelScheduler& scheduler, const SceneBuffers& scene, const std::string& name, uint32_t side,
                        const Program& program, const std::string& keep, const TypedBuffer<LayeredView>& views,
-                       const TypedBuffer<uint32_t>& triangles, const std::string& owner)
-    : scheduler_(scheduler), raster_(scheduler, scene, raster_options(side), owner), generation_(raster_.generation()) {
+                       const TypedBuffer<uint32_t>& triangles, const std::string& remedy, const std::string& owner)
+    : scheduler_(scheduler),
+      raster_(scheduler, scene, raster_options(side, remedy), owner),
+      generation_(raster_.generation()) {
   ScheduleRecorder recorder = scheduler.record("face of " + name, owner);
   number_ = recorder.variable("view", 0u);
   const size_t texels = size_t{side} * side;
-  const BufferRef depth = recorder.transient<float>(name + ".depth", texels);
-  const BufferRef seen = recorder.transient<uint32_t>(name + ".seen", texels);
+  const BufferRef depth = recorder.transient<float>(name + ".depth", texels, remedy);
+  const BufferRef seen = recorder.transient<uint32_t>(name + ".seen", texels, remedy);
   raster_.record_nearest(recorder, name, {views, number_}, depth, seen);
   recorder.pass(name + ".keep", program, keep)
       .global(texels)

@@ -11,10 +11,10 @@ namespace lucarium::bidirectional {
 class FaceRaster {
  public:
   /// `keep`: kernel of `program` that copies a face (number, side, seen) into `triangles`. `name`: of the passes.
-  /// `scene` must outlive this.
+  /// `remedy`: when memory does not suffice. `scene` must outlive this.
   FaceRaster(KernelScheduler& scheduler, const SceneBuffers& scene, const std::string& name, uint32_t side,
              const Program& program, const std::string& keep, const TypedBuffer<LayeredView>& views,
-             const TypedBuffer<uint32_t>& triangles, const std::string& owner);
+             const TypedBuffer<uint32_t>& triangles, const std::string& remedy, const std::string& owner);
 
   /// The first `views` views. False when cancelled.
   bool fill(uint32_t views);

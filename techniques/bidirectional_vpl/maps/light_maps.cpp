@@ -44,7 +44,7 @@ LightMaps::LightMaps(Device& device, KernelScheduler& scheduler, const SceneBuff
       place_list_(device, owner, "places of lights in " + name, places_),
       views_(device, owner, "views of " + name, kLightFaces * std::max<size_t>(lights_.size(), 1), remedy),
       triangles_(device, owner, name, std::max<size_t>(lights_.size(), 1) * kLightFaces * side * side, remedy),
-      faces_(scheduler, scene, name, side, program_, "keep_cube_face", views_, triangles_, owner) {
+      faces_(scheduler, scene, name, side, program_, "keep_cube_face", views_, triangles_, remedy, owner) {
   views_.fill_zero();
   triangles_.fill_zero();
   ScheduleRecorder recorder = scheduler.record("views of " + name, owner);

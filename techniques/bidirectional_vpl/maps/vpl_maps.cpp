@@ -35,7 +35,7 @@ VplMaps::VplMaps(Device& device, KernelScheduler& scheduler, const SceneBuffers&
       views_(device, owner, "views of VPL maps", kVplFaces * plan.vertex_slots(), kSmallerMaps),
       places_(device, owner, "places of VPL maps", plan.vertex_slots(), kSmallerMaps),
       triangles_(device, owner, "VPL maps", plan.vertex_slots() * texels(side_), kSmallerMaps),
-      faces_(scheduler, scene, "VPL maps", side_, program_, "keep_vpl_face", views_, triangles_, owner) {
+      faces_(scheduler, scene, "VPL maps", side_, program_, "keep_vpl_face", views_, triangles_, kSmallerMaps, owner) {
   ScheduleRecorder recorder = scheduler.record("views of VPL maps", owner);
   seed_ = recorder.variable("seed", 0u);
   sample_ = recorder.variable("sample", 0u);

@@ -13,6 +13,7 @@ namespace {
 LayeredRasterOptions raster_options(uint32_t edge) {
   LayeredRasterOptions options;
   options.max_width = options.max_height = edge;
+  options.remedy = "raise pixel_size";
   return options;
 }
 

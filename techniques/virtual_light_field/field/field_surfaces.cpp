@@ -31,6 +31,7 @@ LayeredRasterOptions raster_options(const Scene& scene, const SubfieldPlan& subf
   LayeredRasterOptions options;
   options.max_width = options.max_height =
       std::max(subfield.cells << subfield.shift, bundle_side(scene.bounds(), safe_pixel));
+  options.remedy = "lower cells";
   return options;
 }
 

@@ -14,7 +14,7 @@ namespace {
 const char* const kRemedy = "set primary=trace, or lower --size";
 
 LayeredRasterOptions raster_options(uint32_t width, uint32_t height) {
-  return {.max_width = width, .max_height = height, .perspective = true, .keep_alpha = true};
+  return {.max_width = width, .max_height = height, .perspective = true, .keep_alpha = true, .remedy = kRemedy};
 }
 
 }  // namespace

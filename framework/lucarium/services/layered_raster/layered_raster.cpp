@@ -150,11 +150,11 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       .discards("layered_clip_counts");
   primitives.record_exclusive_scan(recorder, name + ".clip_scan", clip_counts, clip_counts, bins.clipped, blocks);
   bins.extra = recorder.transient_sized_by<LayeredRecord>(name + ".clip_records", bins.clipped, 0, LAYERED_CLIP_PARTS,
-                                                          smaller_image);
+                                                          options.remedy);
   bins.clips =
-      recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_image);
+      recorder.transient_sized_by<LayeredClip>(name + ".clips", bins.clipped, 0, LAYERED_CLIP_PARTS, options.remedy);
   bins.extra_bounds =
-      recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, smaller_image);
+      recorder.transient_sized_by<uint32_t>(name + ".clip_bounds", bins.clipped, 0, LAYERED_CLIP_PARTS, options.remedy);
   class_pass(".clip", "layered_clip_triangles")
       .global(blocks)
       .local(1)
@@ -170,7 +170,8 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       .discards("layered_extra")
       .discards("layered_clips")
       .discards("layered_extra_bounds");
-  const BufferRef histogram = recorder.transient<uint32_t>(name + ".histogram", size_t{chunks} * stride, smaller_image);
+  const BufferRef histogram =
+      recorder.transient<uint32_t>(name + ".histogram", size_t{chunks} * stride, options.remedy);
   bins.starts = recorder.transient<uint32_t>(name + ".starts", stride);
   const BufferRef pair_count = recorder.transient<uint32_t>(name + ".pair_count", 1);
   recorder.pass(name + ".count_bins", program, "layered_count_bins")
@@ -193,7 +194,7 @@ LayeredBins LayeredRaster::State::record_bins(ScheduleRecorder& recorder, const 
       .arg("layered_starts", bins.starts)
       .discards("layered_starts");
   primitives.record_exclusive_scan(recorder, name + ".scan_bins", bins.starts, bins.starts, pair_count, stride);
-  bins.pairs = recorder.transient_sized_by<uint32_t>(name + ".pairs", pair_count, 0, 1, smaller_image);
+  bins.pairs = recorder.transient_sized_by<uint32_t>(name + ".pairs", pair_count, 0, 1, options.remedy);
   recorder.pass(name + ".fill_bins", program, "layered_fill_bins")
       .global(chunks)
       .local(1)

@@ -21,6 +21,7 @@ struct LayeredRasterOptions {
   bool portable = false;      ///< without compiler built-ins; the same results
   bool classes = false;       ///< a view draws only triangles of some classes: ViewRef::classes, LayeredView::classes
   bool keep_alpha = false;    ///< MASK and BLEND keep all fragments, as if they were opaque: the consumer decides
+  std::string remedy = "lower the resolution of the raster";  ///< what to do when memory does not suffice
 };
 
 /// Ways to a stored A-buffer. All but k_buffer give the same fragments; all but tiles are there for comparison.

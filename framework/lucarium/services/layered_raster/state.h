@@ -7,9 +7,6 @@
 
 namespace lucarium {
 
-/// What to do when memory does not suffice.
-inline constexpr const char* smaller_image = "lower the resolution of the raster";
-
 /// Triangles of one view, set up and sorted into tiles.
 struct LayeredBins {
   BufferRef records;               ///< LayeredRecord per world triangle

@@ -35,7 +35,7 @@ LayeredRaster::Stored LayeredRaster::State::record_tile_store(ScheduleRecorder& 
   const uint32_t pixels = options.max_width * options.max_height;
   const uint32_t rows = (options.max_height + LAYERED_TILE_ROWS - 1) / LAYERED_TILE_ROWS;
   Stored stored;
-  stored.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels + 1, smaller_image);
+  stored.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels + 1, options.remedy);
   const BufferRef row_dropped = recorder.transient<uint32_t>(name + ".row_dropped", rows);
   recorder.fill_zero(name + ".clear", stored.pixel_start);  // views may be smaller than the largest image
   recorder.fill_zero(name + ".clear_dropped", row_dropped);
@@ -46,7 +46,7 @@ LayeredRaster::Stored LayeredRaster::State::record_tile_store(ScheduleRecorder& 
                            stored.dropped, rows);
   const BufferRef total = recorder.transient<uint32_t>(name + ".fragment_count", 1);
   primitives.record_exclusive_scan(recorder, name + ".scan", stored.pixel_start, stored.pixel_start, total, pixels + 1);
-  stored.fragments = recorder.transient_sized_by<LayeredFragment>(name + ".fragments", total, 0, 1, smaller_image);
+  stored.fragments = recorder.transient_sized_by<LayeredFragment>(name + ".fragments", total, 0, 1, options.remedy);
   record_tiles(recorder, name + ".store", view, bins, store, "layered_store_fragments", [&](PassBuilder& pass) {
     pass.arg("pixel_start", stored.pixel_start).arg("fragments", stored.fragments);
   });
@@ -65,7 +65,7 @@ class LayeredRaster::ListStore {
         lists_(state.consumer("lists")),
         pixels_(state.options.max_width * state.options.max_height),
         dummy_(zeroed<uint32_t>("dummy", 1)) {
-    stored_.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels_ + 1, smaller_image);
+    stored_.pixel_start = recorder.transient<uint32_t>(name + ".pixel_start", pixels_ + 1, state_.options.remedy);
     stored_.dropped = zeroed<uint32_t>("dropped", 1);
   }
 
@@ -77,7 +77,7 @@ class LayeredRaster::ListStore {
     recorder_.fill_zero(name_ + ".clear", stored_.pixel_start);
     emit("count", LAYERED_MODE_COUNT, one, stored_.pixel_start, no_nodes, no_fragments, dummy_);
     scan();
-    const BufferRef places = recorder_.transient<uint32_t>(name_ + ".places", pixels_, smaller_image);
+    const BufferRef places = recorder_.transient<uint32_t>(name_ + ".places", pixels_, state_.options.remedy);
     recorder_.pass(name_ + ".copy_starts", lists_, "layered_copy_starts")
         .global(pixels_)
         .arg("pixel_start", stored_.pixel_start)
@@ -92,8 +92,8 @@ class LayeredRaster::ListStore {
     const auto capacity =
         static_cast<uint32_t>(std::min<uint64_t>(uint64_t{pixels_} * std::max(1u, nodes_per_pixel), LAYERED_AWAY));
     const BufferRef heads = zeroed<uint32_t>("heads", pixels_), node_count = zeroed<uint32_t>("node_count", 1);
-    const BufferRef next = recorder_.transient<uint32_t>(name_ + ".next", capacity, smaller_image);
-    const BufferRef nodes = recorder_.transient<LayeredFragment>(name_ + ".nodes", capacity, smaller_image);
+    const BufferRef next = recorder_.transient<uint32_t>(name_ + ".next", capacity, state_.options.remedy);
+    const BufferRef nodes = recorder_.transient<LayeredFragment>(name_ + ".nodes", capacity, state_.options.remedy);
     emit("link", LAYERED_MODE_LINK, constant("capacity", capacity), heads, node_count, nodes, next);
     const BufferRef needed = recorder_.transient<uint32_t>(name_ + ".needed", 1);
     recorder_.pass(name_ + ".shortage", lists_, "layered_list_shortage")
@@ -105,9 +105,9 @@ class LayeredRaster::ListStore {
     const BufferRef more_heads = zeroed<uint32_t>("more_heads", pixels_);
     const BufferRef more_count = zeroed<uint32_t>("more_node_count", 1);
     const BufferRef more_next =
-        recorder_.transient_sized_by<uint32_t>(name_ + ".more_next", needed, 0, 1, smaller_image);
+        recorder_.transient_sized_by<uint32_t>(name_ + ".more_next", needed, 0, 1, state_.options.remedy);
     const BufferRef more_nodes =
-        recorder_.transient_sized_by<LayeredFragment>(name_ + ".more_nodes", needed, 0, 1, smaller_image);
+        recorder_.transient_sized_by<LayeredFragment>(name_ + ".more_nodes", needed, 0, 1, state_.options.remedy);
     emit("link_again", LAYERED_MODE_LINK, needed, more_heads, more_count, more_nodes, more_next);
     recorder_.pass(name_ + ".lengths", lists_, "layered_list_lengths")
         .global(pixels_ + 1)
@@ -138,7 +138,7 @@ class LayeredRaster::ListStore {
  private:
   template <class T>
   BufferRef zeroed(const std::string& what, size_t count) {
-    const BufferRef buffer = recorder_.transient<T>(name_ + "." + what, count, smaller_image);
+    const BufferRef buffer = recorder_.transient<T>(name_ + "." + what, count, state_.options.remedy);
     recorder_.fill_zero(name_ + ".clear_" + what, buffer);
     return buffer;
   }
@@ -167,7 +167,8 @@ class LayeredRaster::ListStore {
     const BufferRef total = recorder_.transient<uint32_t>(name_ + ".fragment_count", 1);
     state_.primitives.record_exclusive_scan(recorder_, name_ + ".scan", stored_.pixel_start, stored_.pixel_start, total,
                                             pixels_ + 1);
-    stored_.fragments = recorder_.transient_sized_by<LayeredFragment>(name_ + ".fragments", total, 0, 1, smaller_image);
+    stored_.fragments =
+        recorder_.transient_sized_by<LayeredFragment>(name_ + ".fragments", total, 0, 1, state_.options.remedy);
   }
 
   Stored sorted() {

@@ -91,6 +91,23 @@ TEST_CASE("no pass reads what none has written or writes outside its memory") {
   }
 }
 
+TEST_CASE("where memory does not suffice, the refusal says what the owner of the raster would lower") {
+  const LayeredView view = pixel_view(width, height);
+  const Scene triangles = scene_of(image_triangles(3000, width, height, 2));
+  const auto refusal = [&](const LayeredStoreOptions& store) -> std::string {
+    try {
+      LayeredScene scene(triangles, {.max_width = width, .max_height = height, .remedy = "lower the test's size"},
+                         {.memory_limit_bytes = 2 << 20});
+      scene.store(view, store);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const LayeredVariant variant : {LayeredVariant::tiles, LayeredVariant::exact, LayeredVariant::linked_list})
+    CHECK(refusal({.variant = variant}).find("lower the test's size") != std::string::npos);
+}
+
 TEST_CASE("moved triangles, and others") {
   const LayeredView view = pixel_view(width, height);
   const auto moved_by = [](float x, uint32_t count) {
