@@ -8,16 +8,16 @@
 #include <algorithm>
 #include <bit>
 #include <chrono>
-#include <cstring>
 #include <random>
 
 #include "lucarium/compute/program/source_library.h"
-#include "lucarium/scene/builtin/builder.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/surface_atlas/surface_atlas.h"
 #include "pictures.h"
+#include "room.h"
+#include "through_rays.h"
 
 const lucarium::EmbeddedSources& lucarium_layer_bench_kernels();
 
@@ -32,52 +32,6 @@ struct Settings {
   bool rays = true, profile = false, variants = false;
   std::string picture;
 };
-
-/// A closed room of about 70 000 triangles: subdivided walls, spheres and boxes.
-Scene make_full_room() {
-  Scene scene;
-  const int white = add_lambert(scene, "white", glm::vec3(0.7f));
-  std::mt19937 engine(1);
-  const auto uniform = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(engine); };
-  const glm::vec3 size(10, 4, 8);
-  MeshBuilder walls("walls");
-  constexpr int steps = 20;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int side = 0; side < 2; ++side)
-      for (int i = 0; i < steps * steps; ++i) {
-        const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const auto corner = [&](int du, int dv) {
-          glm::vec3 p;
-          p[axis] = side ? size[axis] : 0.f;
-          p[u] = size[u] * static_cast<float>(i % steps + du) / steps;
-          p[v] = size[v] * static_cast<float>(i / steps + dv) / steps;
-          return p;
-        };
-        if (side)
-          walls.quad(corner(0, 0), corner(0, 1), corner(1, 1), corner(1, 0));
-        else
-          walls.quad(corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1));
-      }
-  add_instance(scene, add_mesh(scene, walls.take()), white);
-  const auto inside = [&](float radius) {
-    return glm::vec3(uniform(radius, size.x - radius), uniform(radius, size.y - radius),
-                     uniform(radius, size.z - radius));
-  };
-  MeshBuilder spheres("spheres"), boxes("boxes");
-  for (int i = 0; i < 48; ++i) {
-    const float radius = uniform(0.15f, 0.6f);
-    const glm::vec3 center = inside(radius);
-    for (const auto& face : icosphere(3))
-      spheres.triangle(center + radius * face[0], center + radius * face[1], center + radius * face[2]);
-  }
-  for (int i = 0; i < 330; ++i) {
-    const glm::vec3 half(uniform(0.05f, 0.4f), uniform(0.05f, 0.4f), uniform(0.05f, 0.4f)), center = inside(0.4f);
-    boxes.box(center - half, center + half);
-  }
-  add_instance(scene, add_mesh(scene, spheres.take()), white);
-  add_instance(scene, add_mesh(scene, boxes.take()), white);
-  return scene;
-}
 
 /// Uniform directions; images are the square around the bounding sphere.
 std::vector<LayeredView> make_views(const Scene& scene, uint32_t count, uint32_t size) {
@@ -114,13 +68,14 @@ class Bench {
  public:
   explicit Bench(const Settings& settings)
       : settings_(settings),
-        scene_(settings.scene == "room" ? make_full_room() : load_scene(settings.scene)),
+        scene_(settings.scene == "room" ? bench::make_full_room() : load_scene(settings.scene)),
         scheduler_(Device::open()),
         buffers_(scheduler_.device(), scene_),
         atlas_(scheduler_.device(), scheduler_, scene_, buffers_, atlas_options(settings), "bench"),
         raster_(scheduler_, buffers_, {.max_width = settings.size, .max_height = settings.size}),
         bvh_(scheduler_.device(), scene_, buffers_),
-        views_(scheduler_.device(), "bench", "views", make_views(scene_, settings.directions, settings.size)) {
+        views_(scheduler_.device(), "bench", "views", make_views(scene_, settings.directions, settings.size)),
+        rays_(scheduler_, bvh_, views_, settings.size * settings.size) {
     fmt::print("{}: {} triangles, {} texel sides, image {} x {}\n", settings.scene, scene_.triangle_count(),
                atlas_.info().texel_count, settings.size, settings.size);
     SourceLibrary library;
@@ -128,9 +83,7 @@ class Bench {
     exchange_ =
         Program(scheduler_.device(), library,
                 {.name = "bench/exchange", .files = {"bench/layers/exchange.cl"}, .defines = raster_.defines()});
-    rays_ = Program(scheduler_.device(), library, {.name = "bench/rays", .files = {"bench/layers/rays.cl"}});
     record_exchange();
-    record_rays();
   }
 
   void run() {
@@ -227,46 +180,6 @@ class Bench {
     schedule_ = recorder.compile();
   }
 
-  void record_rays() {
-    Device& device = scheduler_.device();
-    const uint32_t capacity = settings_.size * settings_.size;
-    for (int i = 0; i < 2; ++i) {
-      ray_buffer_[i] = TypedBuffer<Ray>(device, "bench", "rays", capacity);
-      counter_[i] = TypedBuffer<uint32_t>(device, "bench", "counter", 1);
-    }
-    hits_ = TypedBuffer<Hit>(device, "bench", "hits", capacity);
-    found_ = TypedBuffer<uint32_t>(device, "bench", "found", 1);
-    ScheduleRecorder start = scheduler_.record("first rays", "bench");
-    first_view_ = start.variable("view", 0u);
-    start.pass("first rays", rays_, "first_rays")
-        .global(capacity)
-        .local(64)
-        .arg("views", views_)
-        .arg("view_index", first_view_)
-        .arg("far_depth", 1e30f)
-        .arg("rays", ray_buffer_[0])
-        .arg("counter", counter_[0]);
-    start.fill_zero("found", found_);
-    first_ = start.compile();
-    for (int from = 0; from < 2; ++from) {
-      ScheduleRecorder recorder = scheduler_.record("next rays", "bench");
-      bvh_.record_closest(recorder, "closest", {ray_buffer_[from], counter_[from], 0, capacity}, hits_);
-      recorder.fill_zero("next counter", counter_[1 - from]);
-      recorder.pass("next rays", rays_, "next_rays")
-          .global(capacity / 1024 + 1)
-          .local(1)
-          .arg("rays", ray_buffer_[from])
-          .arg("hits", hits_)
-          .arg("counter", counter_[from])
-          .arg("next", ray_buffer_[1 - from])
-          .arg("next_counter", counter_[1 - from])
-          .arg("found", found_);
-      recorder.read_back("remaining", counter_[1 - from],
-                         [this](std::span<const std::byte> bytes) { std::memcpy(&remaining_, bytes.data(), 4); });
-      next_[from] = recorder.compile();
-    }
-  }
-
   /// Cost per direction of some directions from `first` on, several times in turns.
   Cost exchange(uint32_t first, uint32_t count, uint32_t times) {
     const double start = now(), processor = processor_seconds();
@@ -291,15 +204,8 @@ class Bench {
   /// Cost and hits.
   std::pair<Cost, uint32_t> trace(uint32_t view) {
     const double start = now(), processor = processor_seconds();
-    first_.set(first_view_, view);
-    scheduler_.run(first_);
-    int from = 0;
-    do {
-      scheduler_.run(next_[from]);
-      from = 1 - from;
-    } while (remaining_ > 0);
-    scheduler_.finish();
-    return {{now() - start, processor_seconds() - processor}, found_.download()[0]};
+    const uint32_t found = rays_.trace(view);
+    return {{now() - start, processor_seconds() - processor}, found};
   }
 
   Settings settings_;
@@ -312,13 +218,10 @@ class Bench {
   TypedBuffer<LayeredView> views_;
   std::vector<float4> sides_;
   TypedBuffer<float4> side_buffer_;
-  TypedBuffer<Ray> ray_buffer_[2];
-  TypedBuffer<Hit> hits_;
-  TypedBuffer<uint32_t> counter_[2], found_;
-  Program exchange_, rays_;
-  Schedule schedule_, first_, next_[2];
-  Variable<uint32_t> view_, first_view_;
-  uint32_t remaining_ = 0;
+  bench::ThroughRays rays_;
+  Program exchange_;
+  Schedule schedule_;
+  Variable<uint32_t> view_;
 };
 
 }  // namespace

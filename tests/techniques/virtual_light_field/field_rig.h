@@ -62,6 +62,7 @@ class FieldRig {
   FieldRig(Scene scene, const vlf::Parameters& parameters, const Options& options)
       : scene_(std::move(scene)),
         parameters_(parameters),
+        options_(options),
         device_(test_device()),
         scheduler_(device_),
         buffers_(*device_, scene_),
@@ -76,13 +77,19 @@ class FieldRig {
         surfaces_.light.sample();
         surfaces_.light.commit();
       }
+    restart();
+  }
+
+  /// Another field on the same surfaces, of which nothing is propagated yet.
+  void restart() {
+    field_.reset();
     vlf::LightField::Options field = vlf::field_options(plan_, parameters_);
     field.subfield = surfaces_.subfield;
-    field.seed = options.seed;
-    field.line_seed = static_cast<uint32_t>(options.seed);
+    field.seed = options_.seed;
+    field.line_seed = static_cast<uint32_t>(options_.seed);
     field.scatter_last = true;
-    field.preview = options.preview;
-    if (options.cache_bytes > 0) field.cache = options.cache_bytes;
+    field.preview = options_.preview;
+    if (options_.cache_bytes > 0) field.cache = options_.cache_bytes;
     field_ = std::make_unique<vlf::LightField>(*device_, scheduler_, scene_, buffers_, bvh_, surfaces_.atlas,
                                                surfaces_.patches, surfaces_.raster, surfaces_.interior,
                                                surfaces_.accessibility, surfaces_.light.light_samples(), field);
@@ -175,6 +182,7 @@ class FieldRig {
   }
   Scene scene_;
   vlf::Parameters parameters_;
+  Options options_;
   std::shared_ptr<Device> device_;
   KernelScheduler scheduler_;
   SceneBuffers buffers_;
