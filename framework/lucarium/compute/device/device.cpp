@@ -15,6 +15,7 @@
 #include "lucarium/compute/device/host_memory.h"
 #include "lucarium/compute/device/pocl_folder.h"
 #include "lucarium/compute/device/program_cache.h"
+#include "lucarium/compute/device/registered_drivers.h"
 
 namespace lucarium {
 namespace {
@@ -76,16 +77,27 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   return info;
 }
 
+[[noreturn]] void throw_no_platform() {
+  const char* chosen = std::getenv("OCL_ICD_VENDORS");
+  const std::string vendors = chosen ? chosen : "/etc/OpenCL/vendors";
+  std::string refused;
+  for (const UnloadableDriver& driver : unloadable_drivers(vendors))
+    refused += fmt::format("{}{} ({})", refused.empty() ? "" : ", ", driver.file, driver.reason);
+  if (!refused.empty())
+    throw_error(ErrorClass::device,
+                "no OpenCL driver loads; registered in {}: {}; install the libraries that the driver needs, or for the "
+                "CPU the Debian package pocl-opencl-icd",
+                vendors, refused);
+  throw_error(ErrorClass::device,
+              "no OpenCL driver is installed (none is registered in {}); install the driver of your GPU, or for the "
+              "CPU the Debian package pocl-opencl-icd: apt install pocl-opencl-icd",
+              vendors);
+}
+
 std::vector<cl_platform_id> platforms() {
   cl_uint count = 0;
   const cl_int code = clGetPlatformIDs(0, nullptr, &count);
-  if (code == CL_PLATFORM_NOT_FOUND_KHR || (code == CL_SUCCESS && count == 0)) {
-    const char* vendors = std::getenv("OCL_ICD_VENDORS");
-    throw_error(ErrorClass::device,
-                "no OpenCL driver is installed (none is registered in {}); install the driver of your GPU, or for the "
-                "CPU the Debian package pocl-opencl-icd: apt install pocl-opencl-icd",
-                vendors ? vendors : "/etc/OpenCL/vendors");
-  }
+  if (code == CL_PLATFORM_NOT_FOUND_KHR || (code == CL_SUCCESS && count == 0)) throw_no_platform();
   if (code != CL_SUCCESS) {
     throw_error(ErrorClass::device, "clGetPlatformIDs failed with {} ({})", opencl_error_name(code), code);
   }

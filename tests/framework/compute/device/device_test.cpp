@@ -103,6 +103,21 @@ TEST_CASE("without any OpenCL driver the message says what to install") {
   CHECK(has(result.out, "apt install pocl-opencl-icd"));
 }
 
+TEST_CASE("a driver that does not load is named with the reason, and only where none loads") {
+  const TemporaryFolder vendors;
+  const std::string lost = (vendors.path() / "lost.so").string();
+  std::ofstream(vendors.path() / "lost.icd") << lost << "\n";
+  std::ofstream(vendors.path() / "empty.icd");
+  const ProgramResult result = run_case(open_case, "OCL_ICD_VENDORS=" + vendors.path().string());
+  CHECK(result.exit_code != 0);
+  CHECK(has(result.out, "no OpenCL driver loads; registered in " + vendors.path().string() +
+                            ": empty.icd (it names no library), lost.icd (" + lost));
+  const fs::path working = "/etc/OpenCL/vendors/pocl.icd";
+  if (!fs::exists(working)) return;
+  fs::copy(working, vendors.path());
+  CHECK(run_case(open_case, "OCL_ICD_VENDORS=" + vendors.path().string()).exit_code == 0);
+}
+
 TEST_CASE("child: open a device with one thread" * doctest::skip()) {
   DeviceOptions options;
   options.threads = 1;
