@@ -11,7 +11,7 @@ namespace lucarium::bench {
 namespace {
 
 constexpr double kError = 1e-3;        // relMSE
-constexpr uint32_t kMostSamples = 64;  // of the field's pixels
+constexpr uint32_t kMaxSamples = 64;  // of the field's pixels
 constexpr uint32_t kWalk = 48;         // frames
 
 using Picture = std::vector<float>;
@@ -57,7 +57,7 @@ Reached propagate(const Scene& scene, const Sizes& sizes, const Traced& traced) 
   session->finish_light();
   Reached result;
   result.light = session->clocks().light;
-  for (uint32_t samples = 1; samples <= kMostSamples; samples *= 2) {
+  for (uint32_t samples = 1; samples <= kMaxSamples; samples *= 2) {
     session->run({.samples = samples});
     const Picture x = session->resolve().image();
     result.relmse = relative(x, x, traced.a, traced.b);
