@@ -108,8 +108,12 @@ void Buffer::require_range(const char* verb, size_t bytes, size_t offset) const 
 void Buffer::write(const void* source, size_t bytes, size_t offset) {
   require_range("writing", bytes, offset);
   if (bytes == 0) return;
-  check_opencl(clEnqueueWriteBuffer(device().queue(), handle(), CL_TRUE, offset, bytes, source, 0, nullptr, nullptr),
+  // Waits by an event: Intel's runtime returns from a blocking write before other queues see what was written.
+  cl_event written = nullptr;
+  check_opencl(clEnqueueWriteBuffer(device().queue(), handle(), CL_FALSE, offset, bytes, source, 0, nullptr, &written),
                "clEnqueueWriteBuffer", storage_->about(), device());
+  const ClEvent event(written);
+  check_opencl(clWaitForEvents(1, &written), "clWaitForEvents", storage_->about(), device());
 }
 
 void Buffer::read(void* target, size_t bytes, size_t offset) const {
