@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "build_app.h"
 
-#include "lucarium/version.h"
+#include "program_version.h"
 
 namespace lucarium::app {
 
 CommandLine build_app(Action& action) {
   CommandLine line("lucarium", "Compares global-illumination techniques on glTF scenes, on any OpenCL device.",
-                   LUCARIUM_VERSION);
+                   program_version());
   Command program = line.program();
   add_render_command(program, action);
   add_reference_command(program, action);

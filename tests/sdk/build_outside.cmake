@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DBUILD=… [-DPROJECT=…] [-DTECHNIQUE=…] -DGENERATOR=… -DCOMPILER=… -DBUILD_TYPE=… -P build_outside.cmake
-# Installs BUILD, copies PROJECT (or has the installed program write a new technique), builds and tests the copy, and
-# renders with TECHNIQUE; all in a fresh temporary folder. Of a new technique it runs the very commands that
-# new-technique prints.
+# Installs BUILD, moves what was installed to another folder, copies PROJECT (or has the installed program write a new
+# technique), builds and tests the copy, and renders with TECHNIQUE; all in a fresh temporary folder. Of a new technique
+# it runs the very commands that new-technique prints.
 cmake_minimum_required(VERSION 3.25)
 
 execute_process(COMMAND mktemp -d -t lucarium-sdk-XXXXXX OUTPUT_VARIABLE folder OUTPUT_STRIP_TRAILING_WHITESPACE
@@ -28,7 +28,8 @@ endfunction()
 set(program ${folder}/prefix/bin/lucarium)
 unset(ENV{LUCARIUM_TECHNIQUE_PATH})
 unset(ENV{LUCARIUM_KERNEL_PATH})
-run("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/prefix)
+run("install" ${CMAKE_COMMAND} --install ${BUILD} --prefix ${folder}/first_place)
+file(RENAME ${folder}/first_place ${folder}/prefix)
 foreach(file man/man1/lucarium.1 man/man1/lucarium-render.1 bash-completion/completions/lucarium
     zsh/site-functions/_lucarium fish/vendor_completions.d/lucarium.fish)
   if(NOT EXISTS ${folder}/prefix/share/${file})

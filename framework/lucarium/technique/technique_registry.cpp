@@ -32,12 +32,24 @@ std::vector<fs::path> own_folders() {
   return folders;
 }
 
+std::string abi_mismatch(std::string_view theirs) {
+  return fmt::format("is built for ABI {}, this program has {}; rebuild it", theirs, LUCARIUM_ABI_VERSION);
+}
+
+/// Why dlopen() refused a plug-in. The framework library is called after its ABI: one that asks for another finds none.
+std::string open_failure(const std::string& message) {
+  constexpr std::string_view library = "liblucarium.so.";
+  const size_t at = message.find(library);
+  if (at == std::string::npos) return "cannot be loaded: " + message;
+  const size_t begin = at + library.size();
+  return abi_mismatch(std::string_view(message).substr(begin, message.find_first_not_of("0123456789", begin) - begin));
+}
+
 /// Empty when the plug-in was made by the same toolchain for the same interface; else why not.
 std::string header_mismatch(const PluginHeader& theirs) {
   const PluginHeader ours = detail::plugin_header();
   if (std::memcmp(theirs.magic, ours.magic, sizeof ours.magic) != 0) return "is not a Lucarium technique (wrong magic)";
-  if (theirs.abi != ours.abi)
-    return fmt::format("is built for ABI {}, this program has {}; rebuild it", theirs.abi, ours.abi);
+  if (theirs.abi != ours.abi) return abi_mismatch(std::to_string(theirs.abi));
   if (theirs.header_bytes != ours.header_bytes) return "has a descriptor of another size; rebuild it";
   const auto differs = [](const char* what, const char* a, const char* b) {
     return std::strncmp(a, b, sizeof PluginHeader::compiler) == 0
@@ -77,7 +89,7 @@ struct OpenLibrary {
     if (const std::string damage = library_damage(file); !damage.empty())
       throw_error(ErrorClass::technique, "cannot be loaded: {}", damage);
     handle = ::dlopen(fs::absolute(file).c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!handle) throw_error(ErrorClass::technique, "cannot be loaded: {}", ::dlerror());
+    if (!handle) throw_error(ErrorClass::technique, "{}", open_failure(::dlerror()));
   }
   ~OpenLibrary() {
     if (handle) ::dlclose(handle);

@@ -44,6 +44,8 @@ TEST_CASE("a plug-in of another interface or toolchain is refused before anythin
   CHECK(reason_of("wrong_magic") == "is not a Lucarium technique (wrong magic)");
   CHECK(reason_of("wrong_abi") == fmt::format("is built for ABI {}, this program has {}; rebuild it",
                                               LUCARIUM_ABI_VERSION + 1, LUCARIUM_ABI_VERSION));
+  CHECK(reason_of("other_library") ==
+        fmt::format("is built for ABI 1, this program has {}; rebuild it", LUCARIUM_ABI_VERSION));
   CHECK(contains(reason_of("wrong_compiler"), "is built with compiler '?"));
   CHECK(contains(reason_of("wrong_sanitizer"), "is built with sanitizers 'm"));
 }

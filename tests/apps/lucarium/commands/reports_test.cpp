@@ -32,7 +32,7 @@ TEST_CASE("help and version are on standard output and end with 0") {
   for (const char* command : {"render", "reference", "compare", "report", "diff", "scene", "techniques", "devices"})
     CHECK(contains(help.out, command));
   CHECK(run_lucarium("render --help").exit_code == 0);
-  CHECK(run_lucarium("--version").out == std::string("lucarium ") + LUCARIUM_VERSION + "\n");
+  CHECK(contains(run_lucarium("--version").out, "lucarium " LUCARIUM_VERSION));
 }
 
 TEST_CASE("scene --export writes what render then takes for the same scene") {
