@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Checks that light which does not depend on the camera stays what it is, in memory and in a file. Declared in
 // checks.h.
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "lucarium/conformance/checks.h"
@@ -24,6 +25,12 @@ Picture seen_from(CheckContext& context, RenderSession& session, const SceneCame
   return context.picture(session);
 }
 
+bool is_black(const Picture& picture) {
+  return std::all_of(picture.begin(), picture.end(), [](const auto& layer) {
+    return std::all_of(layer.second.begin(), layer.second.end(), [](float value) { return value == 0; });
+  });
+}
+
 }  // namespace
 
 Outcome check_view(CheckContext& context) {
@@ -31,7 +38,12 @@ Outcome check_view(CheckContext& context) {
   const Scene scene = context.plain_scene();
   const SceneCamera camera = scene.cameras.front();
   RenderSession session = context.session(scene);
-  context.run_short(session);
+  Picture before = context.run_short(session);
+  // While no light has come yet nothing is seen that could move.
+  for (uint64_t lead = 0; lead < CheckContext::longest_lead && is_black(before) && !session.last().light_done; ++lead) {
+    session.run({.iterations = 1});
+    before = context.picture(session);
+  }
   session.hold_light();
   const Picture first = seen_from(context, session, camera);
   if (!session.last().light_done) return verdict_of(false, "light_done is false behind hold_light()");

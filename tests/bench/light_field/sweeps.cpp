@@ -22,7 +22,7 @@ vlf::Parameters endless(int dir_n, int cells) {
   vlf::Parameters parameters;
   parameters.dir_n = dir_n;
   parameters.cells = cells;
-  parameters.texels = 32768;
+  parameters.texels = 262144;
   parameters.access_rays = 128;
   parameters.residual = 0;
   parameters.cache_visibility = 0;
@@ -76,6 +76,13 @@ std::vector<LayeredView> views_of(const test::FieldRig& rig) {
   return views;
 }
 
+void measure_threads(Bars& bars, const Sizes& sizes, test::FieldRig& rig) {
+  std::vector<Contestant> all{sweeping(rig, 1), sweeping(rig, 2)};
+  run_rounds(all, sizes.rounds);
+  const auto fastest = [](const Contestant& c) { return *std::min_element(c.wall.begin(), c.wall.end()); };
+  bars.add("sweep, two threads over one (elapsed, fastest)", 1.6, 1.9, fastest(all[0]) / fastest(all[1]));
+}
+
 /// Sweeps by raster, by kept fragments, and all rays of their pixels by the hierarchy.
 void measure_rays(Bars& bars, const Sizes& sizes) {
   vlf::Parameters parameters = endless(3, static_cast<int>(sizes.subfield / 8));
@@ -108,6 +115,7 @@ void measure_rays(Bars& bars, const Sizes& sizes) {
   bars.add("the same rays through the hierarchy over a sweep by raster", 6, 15, median_ratio(all[2].cpu, all[0].cpu));
   bars.add("the same rays through the hierarchy over a sweep by kept fragments", 12, 30,
            median_ratio(all[2].cpu, all[1].cpu));
+  measure_threads(bars, sizes, *drawn);
 }
 
 /// Propagations to so many sweeps, each from its beginning, in turns with what prepares them.
@@ -123,11 +131,11 @@ std::vector<Contestant> beginnings(std::vector<std::unique_ptr<test::FieldRig>>&
 void measure_lights(Bars& bars, const Sizes& sizes) {
   std::vector<std::unique_ptr<test::FieldRig>> lamps, skies;
   for (const char* name : {"builtin:lamps-1", "builtin:lamps-100"})
-    lamps.push_back(make_rig(load_scene(name), endless(sizes.dir_n, 64)));
+    lamps.push_back(make_rig(load_scene(name), endless(sizes.dir_n, 0)));
   SceneOverrides sky;
   sky.environment = "1,1.2,1.5";
   for (const SceneOverrides& overrides : {SceneOverrides{}, sky})
-    skies.push_back(make_rig(load_scene("builtin:cornell", overrides), endless(sizes.dir_n, 64)));
+    skies.push_back(make_rig(load_scene("builtin:cornell", overrides), endless(sizes.dir_n, 0)));
   const auto ratio = [&](std::vector<std::unique_ptr<test::FieldRig>>& rigs) {
     std::vector<Contestant> all = beginnings(rigs, 3);
     run_rounds(all, 1);
@@ -139,21 +147,11 @@ void measure_lights(Bars& bars, const Sizes& sizes) {
   bars.add("three sweeps, with sky over without", 1.2, 1.05, ratio(skies), true);
 }
 
-void measure_threads(Bars& bars, const Sizes& sizes) {
-  const auto rig = make_rig(load_scene("builtin:cornell-mirror"), endless(sizes.dir_n, 64));
-  sweep(*rig);
-  std::vector<Contestant> all{sweeping(*rig, 1), sweeping(*rig, 2)};
-  run_rounds(all, sizes.rounds);
-  const auto fastest = [](const Contestant& c) { return *std::min_element(c.wall.begin(), c.wall.end()); };
-  bars.add("sweep, two threads over one (elapsed, fastest)", 1.6, 1.9, fastest(all[0]) / fastest(all[1]));
-}
-
 }  // namespace
 
 void measure_sweeps(Bars& bars, const Sizes& sizes) {
   measure_rays(bars, sizes);
   measure_lights(bars, sizes);
-  measure_threads(bars, sizes);
 }
 
 }  // namespace lucarium::bench
