@@ -74,6 +74,8 @@ const OptionText entries[] = {
     {"--material", "Scene", "NAME:KEY=VALUE,…", "change materials; NAME may hold *"},
     {"--no-sidecar", "Scene", "", "ignore FILE.lucarium.json beside the scene"},
     {"--texture-size", "Scene", "N", "maximum texture size [pixels]; larger textures are downscaled"},
+    {"--at", "Scene", "SECONDS", "time of the animation"},
+    {"--animation", "Scene", "NAME", "animation by name or index"},
     {"--fallback-environment", "Scene", "R,G,B", "sky of scenes without any light"},
 
     {"--atlas", "Atlas", "FILE", "write the charts of the surface atlas (.exr or .png)"},
@@ -92,12 +94,12 @@ const OptionText entries[] = {
     {"--listen", "Page", "ADDRESS", "where to listen; other machines reach what is not 127.0.0.1"},
     {"--open", "Page", "", "open the page in this system's browser"},
 
-    {"--at", "Animation", "SECONDS", "time of the animation"},
-    {"--animation", "Animation", "NAME", "animation by name or index"},
     {"--frames", "Animation", "FIRST:LAST", "render frames; out.exr becomes out.0000.exr and so on"},
     {"--fps", "Animation", "N", "frames per second of --frames"},
 
     {"--device", "Device", "DEVICE", "index, part of a name, cpu, gpu or accelerator", "cpu|gpu|accelerator"},
+    {"--devices,--device", "Device", "DEVICE,…", "as --device; several, or all, share the work",
+     "all|cpu|gpu|accelerator"},
     {"--threads", "Device", "N", "worker threads of a CPU device; 0: all"},
     {"--cache-dir", "Device", "FOLDER", "folder of compiled kernels and references"},
     {"--no-cache", "Device", "", "compile every kernel again"},

@@ -9,6 +9,7 @@
 #include "lucarium/base/request_limits.h"
 #include "lucarium/base/text/byte_size.h"
 #include "lucarium/base/text/spelling.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/base/utf8.h"
 #include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/compute/device/cache_folder.h"
@@ -39,6 +40,9 @@ std::pair<std::string, std::string> parse_assignment(const std::string& text) {
   return {key, without_blanks(text.substr(equals + 1))};
 }
 
+/// Devices that share the work, which is not the comparison's to say.
+bool names_several(const std::string& selector) { return selector == "all" || selector.find(',') != std::string::npos; }
+
 }  // namespace
 
 void add_technique_path(Command command, std::vector<std::filesystem::path>& folders) {
@@ -48,12 +52,12 @@ void add_technique_path(Command command, std::vector<std::filesystem::path>& fol
       .default_text("LUCARIUM_TECHNIQUE_PATH");
 }
 
-void DeviceArguments::add_to(Command command, bool caches_references) {
-  command.option("--device", options.selector).default_text("first GPU, else first");
+void DeviceArguments::add_to(Command command, bool comparison) {
+  command.option(comparison ? "--devices" : "--device", options.selector).default_text("first GPU, else first");
   command.option("--threads", options.threads).check(in_range(0, max_threads)).capture_default_str();
   command.option("--cache-dir", options.cache_dir).default_text("~/.cache/lucarium");
   command.flag("--no-cache", no_cache);
-  if (!caches_references) command.excludes({"--no-cache"}, {"--cache-dir"});
+  if (!comparison) command.excludes({"--no-cache"}, {"--cache-dir"});
   command.option("--memory-limit", memory_limit).default_text("the device's");
   command.option("--allocation-limit", allocation_limit).default_text("the device's");
 }
@@ -77,14 +81,33 @@ DeviceOptions DeviceArguments::resolved() const {
   return result;
 }
 
+std::vector<std::string> DeviceArguments::shared() const {
+  if (!names_several(options.selector)) return {};
+  std::vector<std::string> known, chosen;
+  for (const DeviceInfo& device : list_devices(resolved())) known.push_back(std::to_string(device.index));
+  if (options.selector == "all") return known;
+  for (const std::string& device : split(options.selector, ',')) {
+    const bool index = std::all_of(device.begin(), device.end(), [](unsigned char c) { return std::isdigit(c); });
+    if (index && std::find(known.begin(), known.end(), device) == known.end())
+      throw_error(ErrorClass::usage, "--devices {}: there is no device '{}'; `lucarium devices` lists {}",
+                  options.selector, device, counted(known.size(), "device"));
+    if (std::find(chosen.begin(), chosen.end(), device) != chosen.end())
+      throw_error(ErrorClass::usage, "--devices {}: device {} is named twice", options.selector, device);
+    chosen.push_back(device);
+  }
+  return chosen;
+}
+
 std::vector<std::string> DeviceArguments::in_comparison() const {
-  return write_device_arguments(options.selector, options.threads, memory_limit, allocation_limit);
+  return write_device_arguments(names_several(options.selector) ? "" : options.selector, options.threads, memory_limit,
+                                allocation_limit);
 }
 
 void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<fs::path>& technique_folders) const {
   comparison.program = fs::read_symlink("/proc/self/exe");
   comparison.cache_dir = resolve_cache_dir(resolved());  // which refuses wrong limits, before anything is replaced
   comparison.use_cache = !no_cache;
+  comparison.executor.devices = shared();
   for (const fs::path& folder : technique_folders) comparison.technique_folders.push_back(fs::absolute(folder));
   // They go into the jobs of a comparison, which are JSON: refused before its references are rendered.
   std::vector<fs::path> named = comparison.technique_folders;

@@ -157,7 +157,8 @@ struct Child {
 }  // namespace
 
 ChildResult run_child(const std::vector<std::string>& arguments,
-                      const std::function<void(std::string_view)>& on_error_line, std::string_view input) {
+                      const std::function<void(std::string_view)>& on_error_line, std::string_view input,
+                      const std::function<bool()>& stop_requested) {
   const Stopwatch watch;
   const MemoryFile in(input);
   Pipe out, err;
@@ -177,7 +178,7 @@ ChildResult run_child(const std::vector<std::string>& arguments,
   bool passed_on = false;
   while (streams[0].fd >= 0 || streams[1].fd >= 0) {
     const int ready = ::poll(streams.data(), streams.size(), look_up_milliseconds);
-    if (interrupt_requested() && !passed_on) {
+    if (!passed_on && (interrupt_requested() || (stop_requested && stop_requested()))) {
       // A terminal interrupts both, others only this process. SIGTERM, since a second SIGINT would end the child at
       // once.
       ::kill(child.id, SIGTERM);

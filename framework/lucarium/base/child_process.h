@@ -24,9 +24,11 @@ struct ChildResult {
 
 /// Runs a program to its end. Its standard input is a file that holds `input`. Lines of its standard error are handed
 /// to `on_error_line` as they come; when that throws, the child is killed. An interrupt of this process is passed on to
-/// it once. Throws Error{input} when it cannot be started or listened to.
+/// it once, and so is `stop_requested` when it becomes true. Throws Error{input} when it cannot be started or listened
+/// to. Any number of threads may call this at once; the child is interrupted when the thread ends.
 ChildResult run_child(const std::vector<std::string>& arguments,
-                      const std::function<void(std::string_view)>& on_error_line = {}, std::string_view input = {});
+                      const std::function<void(std::string_view)>& on_error_line = {}, std::string_view input = {},
+                      const std::function<bool()>& stop_requested = {});
 
 /// In a program that run_child() started: asks to be interrupted when the parent ends, however it ends, so that nothing
 /// goes on rendering in vain. Call it after install_interrupt_handler().

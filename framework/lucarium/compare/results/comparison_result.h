@@ -10,6 +10,7 @@
 #include "lucarium/compare/request/comparison_spec.h"
 #include "lucarium/compare/results/bias.h"
 #include "lucarium/compare/results/gate.h"
+#include "lucarium/compare/results/machine.h"
 #include "lucarium/compare/results/reproduction.h"
 #include "lucarium/statistics/statistics.h"
 
@@ -44,6 +45,7 @@ struct PieceResult {
   std::vector<Snapshot> snapshots;
   std::optional<double> reached_seconds;  ///< with an error budget
   std::optional<WalkTimes> walk;
+  std::optional<PieceMachine> machine;  ///< absent in results of earlier versions
   double seconds() const { return prepare_seconds + iterate_seconds; }
 };
 
@@ -87,13 +89,6 @@ struct SceneResult {
   std::vector<ReferenceResult> references;
   std::vector<SceneVariant> variants;
 };
-
-struct Machine {
-  std::string cpu, system;
-  unsigned logical_cores = 0;
-  uint64_t memory_bytes = 0;
-};
-Machine describe_machine();
 
 /// Scene, variant and budget (indices): what seeds are averaged over.
 using SummaryKey = std::tuple<size_t, size_t, size_t>;

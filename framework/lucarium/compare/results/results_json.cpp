@@ -109,6 +109,7 @@ ordered_json piece_json(const PieceResult& piece) {
   }
   if (piece.reached_seconds) json["reached_seconds"] = *piece.reached_seconds;
   if (piece.walk) json["walk"] = walk_json(*piece.walk);
+  if (piece.machine) json["machine"] = piece_machine_json(*piece.machine);
   const ordered_json summary = ordered_json::parse(piece.render_summary);
   for (const char* key : {"passes", "counters", "warnings"}) json[key] = summary.at(key);
   for (const char* key : {"planned", "plan"})
@@ -244,10 +245,7 @@ std::string ComparisonResult::to_json() const {
                        {"driver", driver},
                        {"started", started},
                        {"interrupted", interrupted}};
-  json["machine"] = {{"cpu", machine.cpu},
-                     {"logical_cores", machine.logical_cores},
-                     {"memory_bytes", machine.memory_bytes},
-                     {"system", machine.system}};
+  json["machine"] = machine_json(machine);
   json["comparison"] = ordered_json::parse(spec.to_json());
   json["variants"] = ordered_json::array();
   for (size_t i = 0; i < spec.variants.size(); ++i)

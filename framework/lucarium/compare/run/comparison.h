@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "lucarium/compare/execute/piece_executor.h"
 #include "lucarium/compare/report/report_page.h"
 #include "lucarium/compare/request/experiment.h"
 #include "lucarium/compare/results/comparison_result.h"
@@ -25,6 +26,7 @@ struct ComparisonOptions {
   std::filesystem::path cache_dir;                       ///< of references and compiled kernels
   bool use_cache = true;                                 ///< of compiled kernels
   std::vector<std::filesystem::path> technique_folders;  ///< where the pieces look for plug-ins first
+  ExecutorOptions executor;                              ///< what runs references and pieces
   std::function<void(const std::string&)> progress;      ///< one line for people
 };
 

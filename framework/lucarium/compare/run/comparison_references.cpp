@@ -12,33 +12,67 @@
 #include "lucarium/compare/run/reference_file.h"
 #include "lucarium/film/exposure.h"
 #include "lucarium/film/image_io.h"
-#include "lucarium/job/run_job.h"
 
 namespace lucarium {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-void ComparisonRunner::get_references(size_t scene) {
-  SceneResult& entry = result_.scenes[scene];
-  for (size_t index = 0; index < entry.references.size(); ++index) {
-    ReferenceResult& reference = entry.references[index];
-    reference.image = fmt::format("references/scene{}-set{}.exr", scene + 1, index + 1);
-    try {
-      if (spec_.reference.file) {
-        write_exr(options_.folder / reference.image, read_reference_file(spec_, entry, reference));
-        reference.source = spec_.reference.file->filename().string();
-      } else if (!render_reference(scene, index)) {
-        return;
+bool ComparisonRunner::get_references() {
+  std::vector<MissingImage> missing;
+  for (size_t scene = 0; scene < result_.scenes.size(); ++scene) {
+    if (!result_.scenes[scene].failure.empty()) continue;
+    for (size_t index = 0; index < result_.scenes[scene].references.size(); ++index) {
+      try {
+        read_reference(scene, index);
+        find_missing(scene, index, missing);
+      } catch (const Error& error) {
+        fail_reference(scene, index, error);
       }
-      if (!render_walk_references(scene, index)) return;
-      measure_reference(reference);
-    } catch (const Error& error) {
-      if (error.error_class() == ErrorClass::interrupted) throw;
-      if (spec_.scenes.size() == 1 && entry.references.size() == 1) throw;
-      reference.failure = error.what();
-      say(fmt::format("{}: no reference: {}", entry.name, reference.failure));
     }
   }
+  render_missing(missing);
+  if (interrupt_requested()) return false;
+  for (size_t scene = 0; scene < result_.scenes.size(); ++scene) choose_exposure(scene);
+  return true;
+}
+
+/// Of several references the others go on without one.
+void ComparisonRunner::fail_reference(size_t scene, size_t index, const Error& error) {
+  if (error.error_class() == ErrorClass::interrupted) throw error;
+  SceneResult& entry = result_.scenes[scene];
+  if (spec_.scenes.size() == 1 && entry.references.size() == 1) throw error;
+  entry.references[index].failure = error.what();
+  say(fmt::format("{}: no reference: {}", entry.name, error.what()));
+}
+
+/// What is there of a reference before anything is rendered: a file of the user's, or that of an earlier start.
+void ComparisonRunner::read_reference(size_t scene, size_t index) {
+  ReferenceResult& reference = result_.scenes[scene].references[index];
+  reference.image = fmt::format("references/scene{}-set{}.exr", scene + 1, index + 1);
+  for (size_t i = 0; i < plans_[scene].walk_frames.size(); ++i) {
+    const uint32_t frame = plans_[scene].walk_frames[i];
+    reference.walk.push_back({frame, plans_[scene].walk_cameras[i],
+                              fmt::format("references/scene{}-set{}-frame{}.exr", scene + 1, index + 1, frame)});
+  }
+  if (!spec_.reference.file) return;
+  write_exr(options_.folder / reference.image, read_reference_file(spec_, result_.scenes[scene], reference));
+  reference.source = spec_.reference.file->filename().string();
+}
+
+void ComparisonRunner::find_missing(size_t scene, size_t index, std::vector<MissingImage>& missing) {
+  const ScenePlan& plan = plans_[scene];
+  const ReferenceResult& reference = result_.scenes[scene].references[index];
+  const fs::path cache = options_.cache_dir / "references";
+  const size_t before = missing.size();
+  if (!spec_.reference.file && !keep_reference(scene, index)) {
+    missing.push_back({scene, index, {}, cache / plan.reference_files[index], options_.folder / reference.image});
+  }
+  for (size_t i = 0; i < reference.walk.size(); ++i) {
+    const fs::path file = options_.folder / reference.walk[i].image;
+    if (options_.resume && fs::exists(file)) continue;
+    missing.push_back({scene, index, i, cache / plan.walk_files[index][i], file});
+  }
+  if (missing.size() == before) finish_reference(scene, index);
 }
 
 /// One exposure for all pictures of a scene: the first reference decides where none is stated.
@@ -75,41 +109,89 @@ void ComparisonRunner::measure_reference(ReferenceResult& reference) {
                   reference.error_known ? fmt::format(", error of the reference: relMSE {:.2g}", own.relmse) : ""));
 }
 
-Job ComparisonRunner::reference_job(size_t scene, size_t index) const {
-  Job job = scene_job(spec_, spec_.scenes[scene], plans_[scene], options_, reference_seed);
-  job.work = ReferenceWork{
-      result_.scenes[scene].references[index].path_set, spec_.reference.samples, spec_.reference.relmse, {}};
-  return job;
+/// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
+PieceTask ComparisonRunner::reference_task(const MissingImage& image) const {
+  const ReferenceResult& reference = result_.scenes[image.scene].references[image.index];
+  PieceTask task;
+  task.name = image.image.stem().string();
+  task.job = scene_job(spec_, spec_.scenes[image.scene], plans_[image.scene], options_, reference_seed);
+  if (image.walk_frame) {
+    task.job.overrides.camera_path = "none";
+    task.job.overrides.camera = reference.walk[*image.walk_frame].camera;
+  }
+  task.job.work = ReferenceWork{reference.path_set, spec_.reference.samples, spec_.reference.relmse, image.cached};
+  task.lock = image.cached.string() + ".lock";
+  return task;
 }
 
-/// A cached file that suffices is left as it is; a smaller one, also of an interrupted run, is extended.
-std::optional<ChildResult> ComparisonRunner::render_into_cache(const Job& job, const fs::path& cached) {
-  std::error_code ignored;
-  fs::create_directories(cached.parent_path(), ignored);
-  const FileLock lock(cached.string() + ".lock", [&] { say("  waiting for another run that renders the same"); });
-  Job whole = job;
-  std::get<ReferenceWork>(whole.work).output = cached;
-  const auto run = [&] {
-    return run_job({options_.program.string()}, whole, [&](std::string_view line) {
-      // Its error is reported when it has ended, and its advice how to go on is not that of a comparison.
-      if (!interrupt_requested() && !line.starts_with(error_prefix)) say("  " + std::string(line));
-    });
+/// A reference is finished when its last image has come.
+void ComparisonRunner::render_missing(std::vector<MissingImage>& missing) {
+  std::vector<MissingImage> again;  // what was cached is damaged
+  std::map<std::pair<size_t, size_t>, size_t> left;
+  std::vector<PieceTask> tasks;
+  for (MissingImage& image : missing) {
+    image.was_cached = fs::exists(image.cached);
+    ++left[{image.scene, image.index}];
+    tasks.push_back(reference_task(image));
+  }
+  PieceEvents events;
+  events.on_start = [&](size_t task) {
+    const SceneResult& scene = result_.scenes[missing[task].scene];
+    const auto& [index, frame] = std::pair(missing[task].index, missing[task].walk_frame);
+    say(frame ? fmt::format("{}: reference of frame {} of the walk", scene.name,
+                            scene.references[index].walk[*frame].frame)
+              : fmt::format("{}: reference {} of {}", scene.name, index + 1, scene.references.size()));
   };
-  const bool was_cached = fs::exists(cached);
-  ChildResult child = run();
-  if (was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
-    say("  the cached reference is not usable; rendering it again");
-    fs::remove(cached, ignored);
-    child = run();
+  events.say = [this](const std::string& line) { say("  " + line); };
+  events.on_line = [&](size_t, std::string_view line) {
+    // Its error is reported when it has ended, and its advice how to go on is not that of a comparison.
+    if (!interrupt_requested() && !line.starts_with(error_prefix)) say("  " + std::string(line));
+  };
+  events.on_end = [&](size_t task, const PieceEnd& end) {
+    MissingImage& image = missing[task];
+    const ChildResult& child = end.child;
+    // The signal that reached this process may have reached the child before it could answer to it.
+    if (child.exit_code == static_cast<int>(ErrorClass::interrupted) || (child.signal != 0 && interrupt_requested())) {
+      set_interrupt_requested(true);
+      return;
+    }
+    if (image.was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
+      say("  the cached reference is not usable; rendering it again");
+      std::error_code ignored;
+      fs::remove(image.cached, ignored);
+      again.push_back(image);
+      return;
+    }
+    if (!result_.scenes[image.scene].references[image.index].failure.empty()) return;  // for another image of it
+    try {
+      if (child.exit_code != 0)
+        throw_error(class_of_end(child), "the reference was not rendered: {}", reason_of_end(child));
+      keep_rendered(image, child);
+      if (--left[{image.scene, image.index}] == 0) finish_reference(image.scene, image.index);
+    } catch (const Error& error) {
+      fail_reference(image.scene, image.index, error);
+    }
+  };
+  if (!tasks.empty()) executor_->run(tasks, events);
+  if (!again.empty() && !interrupt_requested()) render_missing(again);
+}
+
+void ComparisonRunner::keep_rendered(const MissingImage& image, const ChildResult& child) {
+  ReferenceResult& reference = result_.scenes[image.scene].references[image.index];
+  if (!image.walk_frame) {
+    const json summary = json::parse(child.out);
+    result_.device = summary.at("device");
+    result_.driver = summary.at("driver");
+    reference.source = "path_tracing";
+    reference.samples = summary.at("samples");
+    reference.seconds = summary.at("seconds");
+    reference.from_cache = summary.at("rounds_rendered") == 0;
   }
-  // The signal that reached this process may have reached the child before it could answer to it.
-  if (child.exit_code == static_cast<int>(ErrorClass::interrupted) || (child.signal != 0 && interrupt_requested())) {
-    set_interrupt_requested(true);
-    return std::nullopt;
-  }
-  if (child.exit_code != 0)
-    throw_error(class_of_end(child), "the reference was not rendered: {}", reason_of_end(child));
-  return child;
+  write_file_atomically(image.image, [&](const fs::path& part) { fs::copy_file(image.cached, part); });
+}
+
+void ComparisonRunner::finish_reference(size_t scene, size_t index) {
+  measure_reference(result_.scenes[scene].references[index]);
 }
 
 /// Whether the result folder holds the reference from an earlier start of this comparison. It stays, even when the
@@ -130,48 +212,6 @@ bool ComparisonRunner::keep_reference(size_t scene, size_t index) {
   }
   reference.source = "path_tracing";
   reference.from_cache = true;
-  return true;
-}
-
-/// The truth for frames of a walk; those of an earlier start stay. Returns false when interrupted.
-bool ComparisonRunner::render_walk_references(size_t scene, size_t index) {
-  const ScenePlan& plan = plans_[scene];
-  ReferenceResult& reference = result_.scenes[scene].references[index];
-  for (size_t i = 0; i < plan.walk_frames.size(); ++i) {
-    ReferenceResult::Frame frame{plan.walk_frames[i], plan.walk_cameras[i], ""};
-    frame.image = fmt::format("references/scene{}-set{}-frame{}.exr", scene + 1, index + 1, frame.frame);
-    const fs::path file = options_.folder / frame.image;
-    if (!options_.resume || !fs::exists(file)) {
-      say(fmt::format("{}: reference of frame {} of the walk", result_.scenes[scene].name, frame.frame));
-      Job job = reference_job(scene, index);
-      job.overrides.camera_path = "none";
-      job.overrides.camera = frame.camera;
-      const fs::path cached = options_.cache_dir / "references" / plan.walk_files[index][i];
-      if (!render_into_cache(job, cached)) return false;
-      write_file_atomically(file, [&](const fs::path& part) { fs::copy_file(cached, part); });
-    }
-    reference.walk.push_back(std::move(frame));
-  }
-  return true;
-}
-
-/// Returns false when interrupted.
-bool ComparisonRunner::render_reference(size_t scene, size_t index) {
-  if (keep_reference(scene, index)) return true;
-  ReferenceResult& reference = result_.scenes[scene].references[index];
-  const fs::path cached = options_.cache_dir / "references" / plans_[scene].reference_files[index];
-  say(fmt::format("{}: reference {} of {}", result_.scenes[scene].name, index + 1,
-                  result_.scenes[scene].references.size()));
-  const std::optional<ChildResult> child = render_into_cache(reference_job(scene, index), cached);
-  if (!child) return false;
-  const json summary = json::parse(child->out);
-  result_.device = summary.at("device");
-  result_.driver = summary.at("driver");
-  reference.source = "path_tracing";
-  reference.samples = summary.at("samples");
-  reference.seconds = summary.at("seconds");
-  reference.from_cache = summary.at("rounds_rendered") == 0;
-  write_file_atomically(options_.folder / reference.image, [&](const fs::path& part) { fs::copy_file(cached, part); });
   return true;
 }
 

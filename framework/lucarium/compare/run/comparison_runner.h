@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "lucarium/base/child_process.h"
+#include "lucarium/base/error.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/comparison_plan.h"
@@ -24,30 +26,44 @@ class ComparisonRunner {
   void prepare_folder();
   void save();
   void write_page();
-  bool page_is_due() const;
+  /// Of results and page while pieces come: what they cost bounds how often.
+  void save_when_due();
 
   // References.
-  void get_references(size_t scene);
+  /// One image of a reference that is not there yet.
+  struct MissingImage {
+    size_t scene = 0, index = 0;
+    std::optional<size_t> walk_frame;  ///< index into the plan's; absent: the picture itself
+    std::filesystem::path cached, image;
+    bool was_cached = false;
+  };
+  /// Returns false when interrupted.
+  bool get_references();
+  void read_reference(size_t scene, size_t index);
   void choose_exposure(size_t scene);
   bool keep_reference(size_t scene, size_t index);
-  bool render_reference(size_t scene, size_t index);
-  bool render_walk_references(size_t scene, size_t index);
-  /// The reference of a job, in the cache afterwards; nothing when interrupted.
-  std::optional<ChildResult> render_into_cache(const Job& job, const std::filesystem::path& cached);
-  Job reference_job(size_t scene, size_t index) const;
+  void find_missing(size_t scene, size_t index, std::vector<MissingImage>& missing);
+  void render_missing(std::vector<MissingImage>& missing);
+  PieceTask reference_task(const MissingImage& image) const;
+  void keep_rendered(const MissingImage& image, const ChildResult& child);
+  void finish_reference(size_t scene, size_t index);
+  void fail_reference(size_t scene, size_t index, const Error& error);
   void check_reference_file() const;
   void measure_reference(ReferenceResult& reference);
 
   // Pieces.
   void load_finished_pieces();
   bool load_finished_piece(PieceResult& piece);
+  /// Returns false when interrupted before all is done.
   bool run_missing_pieces();
-  PieceResult run_piece(size_t scene, size_t variant, size_t budget, uint32_t seed);
+  std::vector<PieceResult> missing_pieces(size_t& total) const;
+  PieceTask piece_task(const PieceResult& piece) const;
+  /// What its process left; or the reason why there is none.
+  void finish_piece(PieceResult& piece, const PieceEnd& end);
   void add_piece(PieceResult piece);
   void add_warnings(const PieceResult& piece);
-  bool drop_unlike_pieces(const PieceResult& piece);
+  void drop_unlike_pieces(const PieceResult& piece);
   bool is_wanted(size_t scene, size_t variant) const;
-  bool is_finished(const SummaryKey& key, uint32_t seed) const;
   const ReferenceResult& reference_of(size_t scene, size_t variant) const;
   void log_result(const PieceResult& piece, size_t number, size_t total) const;
 
@@ -61,8 +77,10 @@ class ComparisonRunner {
   ImagePairs image_pairs_;  ///< that an experiment compares
   std::vector<ScenePlan> plans_;
   std::vector<SummaryKey> changed_;  ///< summaries that miss the newest pieces
-  std::optional<Stopwatch> page_age_;
-  double page_seconds_ = 0;  ///< what the last page took
+  std::map<SummaryKey, int> drops_;  ///< how often pieces of one kind were dropped for another's parameters
+  std::unique_ptr<PieceExecutor> executor_;
+  std::optional<Stopwatch> page_age_, save_age_;
+  double page_seconds_ = 0, save_seconds_ = 0;  ///< what the last one took
 };
 
 }  // namespace lucarium

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Processor, memory and drivers that a comparison ran on; nothing that identifies the machine. Declared in
-// comparison_result.h.
+#include "lucarium/compare/results/machine.h"
+
 #include <sys/sysinfo.h>
 #include <sys/utsname.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
 #include "lucarium/base/error.h"
-#include "lucarium/compare/results/comparison_result.h"
+#include "lucarium/base/json.h"
 
 namespace lucarium {
+using nlohmann::ordered_json;
 namespace {
 
 /// Value of the first line "key : value" of a file.
@@ -39,6 +41,37 @@ Machine describe_machine() {
   if (::uname(&name) == 0) machine.system = fmt::format("{} {} {}", name.sysname, name.release, name.machine);
   const std::string distribution = find_value("/etc/os-release", "PRETTY_NAME", '=');
   if (!distribution.empty()) machine.system = distribution + ", " + machine.system;
+  return machine;
+}
+
+PieceMachine describe_piece_machine() {
+  PieceMachine here;
+  here.machine = describe_machine();
+  ::getloadavg(&here.load, 1);
+  return here;
+}
+
+ordered_json machine_json(const Machine& machine) {
+  return {{"cpu", machine.cpu},
+          {"logical_cores", machine.logical_cores},
+          {"memory_bytes", machine.memory_bytes},
+          {"system", machine.system}};
+}
+
+ordered_json piece_machine_json(const PieceMachine& machine) {
+  ordered_json json = machine_json(machine.machine);
+  if (!machine.device_index.empty()) json["device_index"] = machine.device_index;
+  json["load"] = machine.load;
+  if (machine.other_jobs) json["other_jobs"] = *machine.other_jobs;
+  return json;
+}
+
+PieceMachine read_piece_machine(const nlohmann::json& json) {
+  PieceMachine machine;
+  machine.machine = {json.at("cpu"), json.at("system"), json.at("logical_cores"), json.at("memory_bytes")};
+  machine.device_index = json.value("device_index", "");
+  machine.load = json.at("load");
+  if (json.contains("other_jobs")) machine.other_jobs = json["other_jobs"].get<unsigned>();
   return machine;
 }
 
