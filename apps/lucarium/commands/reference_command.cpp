@@ -13,6 +13,7 @@
 #include "lucarium/base/text/text_values.h"
 #include "lucarium/compare/reference/reference_identity.h"
 #include "lucarium/compare/reference/reference_render.h"
+#include "lucarium/compare/run/shared_reference.h"
 #include "lucarium/film/image_io.h"
 #include "options/options.h"
 #include "outputs/output_files.h"
@@ -108,27 +109,105 @@ nlohmann::ordered_json reference_json(ReferenceImage& image, uint64_t rounds_bef
   return json;
 }
 
-/// Renders what is missing and writes the file after every round; returns whether the goal was reached.
-bool extend(const ReferenceArguments& arguments, bool quiet, RenderSession& session, const ReferenceIdentity& identity,
-            ReferenceImage& image) {
-  const auto earlier = image.metadata().find("seconds");
-  const double seconds_before = earlier == image.metadata().end() ? 0 : std::stod(earlier->second);
-  const uint64_t seed = session.settings().seed, samples_before = image.samples();
-  const double pixels = static_cast<double>(session.settings().width) * session.settings().height;
-  const double clock_before = session.clocks().iterate;
-  const auto keep = [&](ReferenceImage& grown) {
-    std::map<std::string, std::string> metadata = session.resolve().metadata;
+/// Grows the image and writes the file after every round.
+class Growth {
+ public:
+  Growth(const ReferenceArguments& arguments, bool quiet, const RenderSettings& settings,
+         const ReferenceIdentity& identity, ReferenceImage& image)
+      : arguments_(arguments),
+        settings_(settings),
+        identity_(identity),
+        image_(image),
+        progress_("reference", quiet ? Progress::Style::quiet : Progress::Style::automatic),
+        quiet_(quiet),
+        samples_before_(image.samples()) {
+    const auto earlier = image.metadata().find("seconds");
+    if (earlier != image.metadata().end()) seconds_before_ = std::stod(earlier->second);
+  }
+
+  /// Both return whether the goal was reached.
+  bool run(RenderSession& session) {
+    const double clock_before = session.clocks().iterate;
+    return extend_reference(
+        session, image_, arguments_.goal, settings_.seed,
+        [&](ReferenceImage& grown) {
+          keep(grown, session.resolve().metadata, session.clocks().iterate - clock_before);
+        },
+        [&](const ReferenceProgress& now) { show(now); });
+  }
+  bool run_shared(const Job& job, const ExecutorOptions& options) {
+    const fs::path program = fs::read_symlink("/proc/self/exe");
+    SharedReferenceEvents events;
+    events.keep = [&](ReferenceImage& grown, const Film& round, double seconds) {
+      keep(grown, round.metadata, seconds);
+    };
+    events.progress = [&](const ReferenceProgress& now) { show(now); };
+    events.say = [&](const std::string& line) {
+      if (!quiet_) print_note("{}\n", line);
+    };
+    return extend_shared_reference(*make_executor(options, program), job, image_, arguments_.goal,
+                                   fs::absolute(arguments_.file).string() + ".rounds", events);
+  }
+
+ private:
+  void keep(ReferenceImage& grown, std::map<std::string, std::string> metadata, double seconds) {
     metadata.erase("iterations");
-    metadata["seconds"] = fmt::format("{:.3f}", seconds_before + session.clocks().iterate - clock_before);
-    grown.metadata() = metadata;
-    identity.write_to(grown.metadata());
-    write_exr(arguments.file, grown.film());
-  };
-  Progress progress("reference", quiet ? Progress::Style::quiet : Progress::Style::automatic);
-  return extend_reference(session, image, arguments.goal, seed, keep, [&](const ReferenceProgress& now) {
-    const double rate = static_cast<double>(now.samples - samples_before) * pixels / 1e6 / std::max(1e-9, now.seconds);
-    progress.update(now.fraction, fmt::format("{} per pixel, {:.2f} Msamples/s", counted(now.samples, "sample"), rate));
-  });
+    metadata["seconds"] = fmt::format("{:.3f}", seconds_before_ + seconds);
+    grown.metadata() = std::move(metadata);
+    identity_.write_to(grown.metadata());
+    write_exr(arguments_.file, grown.film());
+  }
+
+  void show(const ReferenceProgress& now) {
+    const double pixels = static_cast<double>(settings_.width) * settings_.height;
+    const double rate = static_cast<double>(now.samples - samples_before_) * pixels / 1e6 / std::max(1e-9, now.seconds);
+    progress_.update(now.fraction,
+                     fmt::format("{} per pixel, {:.2f} Msamples/s", counted(now.samples, "sample"), rate));
+  }
+
+  const ReferenceArguments& arguments_;
+  const RenderSettings& settings_;
+  const ReferenceIdentity& identity_;
+  ReferenceImage& image_;
+  Progress progress_;
+  bool quiet_;
+  uint64_t samples_before_;
+  double seconds_before_ = 0;
+};
+
+/// Scene, image and device of the rounds that others render.
+Job job_of(const ReferenceArguments& arguments, const RenderSettings& settings, const PathSet& path_set) {
+  Job job;
+  job.scene = arguments.scene;
+  if (!job.scene.starts_with("builtin:")) job.scene = fs::absolute(job.scene).string();
+  job.overrides = arguments.overrides.resolved();
+  job.import = arguments.overrides.import;
+  job.width = settings.width;
+  job.height = settings.height;
+  job.max_bounces = settings.max_bounces;
+  job.pixel_sampling = settings.pixel_sampling;
+  job.seed = settings.seed;
+  job.device = arguments.device.limits();
+  for (const fs::path& folder : arguments.technique.folders) job.technique_folders.push_back(fs::absolute(folder));
+  job.work = ReferenceWork{path_set.to_string(), 0, 0, {}};
+  return job;
+}
+
+/// One device, or several that share the rounds. Returns whether the goal was reached.
+bool extend(const ReferenceArguments& arguments, bool quiet, Scene scene, const TechniqueRegistry& registry,
+            const RenderSettings& settings, const PathSet& path_set, ReferenceImage& image) {
+  const ReferenceIdentity identity(scene, settings, path_set, registry);
+  const ExecutorOptions options{arguments.device.shared()};
+  if (!options.devices.empty()) {
+    const KeepOnInterrupt keep_rounds;
+    return Growth(arguments, quiet, settings, identity, image)
+        .run_shared(job_of(arguments, settings, path_set), options);
+  }
+  RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"),
+                        settings, reference_parameters(path_set));
+  for (const std::string& limitation : session.limitations()) log_warning("path_tracing: {}", limitation);
+  const KeepOnInterrupt keep_rounds;
+  return Growth(arguments, quiet, settings, identity, image).run(session);
 }
 
 int render_reference(ReferenceArguments arguments, const Messages& messages) {
@@ -147,12 +226,8 @@ int render_reference(ReferenceArguments arguments, const Messages& messages) {
   const ReferenceIdentity identity(scene, settings, path_set, registry);
   ReferenceImage image = open_reference(arguments, identity, settings.width, settings.height);
 
-  RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"),
-                        settings, reference_parameters(path_set));
-  for (const std::string& limitation : session.limitations()) log_warning("path_tracing: {}", limitation);
-  const KeepOnInterrupt keep_rounds;
   const uint64_t rounds_before = image.rounds();
-  const bool done = extend(arguments, messages.quiet, session, identity, image);
+  const bool done = extend(arguments, messages.quiet, std::move(scene), registry, settings, path_set, image);
   if (image.samples() == 0) {
     throw_error(ErrorClass::interrupted, "interrupted before the first iteration was done; nothing was written");
   }
@@ -176,6 +251,28 @@ int render_reference(ReferenceArguments arguments, const Messages& messages) {
   return static_cast<int>(ErrorClass::interrupted);
 }
 
+/// One round by itself: the picture of so many samples with this seed.
+int render_round(const ReferenceArguments& arguments, const ReferenceWork& work) {
+  Scene scene = arguments.load();
+  RenderSettings settings = arguments.settings;
+  settings.camera = scene.cameras.front();
+  const TechniqueRegistry registry(arguments.technique.folders);
+  const PathSet path_set = PathSet::parse(work.path_set);
+  RenderSession session(Device::open(arguments.device.resolved()), std::move(scene), registry.find("path_tracing"),
+                        settings, reference_parameters(path_set));
+  const KeepOnInterrupt end_by_itself;
+  session.restart(settings.seed);
+  RenderBudget budget;
+  budget.samples = work.round_samples;
+  if (session.run(budget)) throw_error(ErrorClass::interrupted, "interrupted; the round is not kept");
+  write_exr(work.output, session.resolve());
+  print_result("{}\n", nlohmann::ordered_json{{"schema", "lucarium-reference-round-1"},
+                                              {"samples", session.last().samples},
+                                              {"seconds", session.clocks().iterate}}
+                           .dump(2));
+  return 0;
+}
+
 }  // namespace
 
 int reference(const Job& job, const ReferenceWork& work) {
@@ -190,6 +287,7 @@ int reference(const Job& job, const ReferenceWork& work) {
   messages.json = true;
   messages.verbose = job.verbose;
   messages.apply();
+  if (work.round_samples > 0) return render_round(arguments, work);
   return render_reference(std::move(arguments), messages);
 }
 

@@ -24,7 +24,7 @@ std::string left_side(const CLI::Option& option) {
   const std::string value = option.get_type_name();
   if (option.get_positional()) return value;
   std::string text = option.get_snames().empty() ? "    " : "-" + option.get_snames().front() + ", ";
-  text += "--" + option.get_lnames().front();
+  text += "--" + option.get_lnames().back();
   if (value.empty()) return text;
   return text + (value.starts_with("[=") ? "" : " ") + value;
 }

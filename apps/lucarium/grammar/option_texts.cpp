@@ -97,8 +97,7 @@ const OptionText entries[] = {
     {"--frames", "Animation", "FIRST:LAST", "render frames; out.exr becomes out.0000.exr and so on"},
     {"--fps", "Animation", "N", "frames per second of --frames"},
 
-    {"--device", "Device", "DEVICE", "index, part of a name, cpu, gpu or accelerator", "cpu|gpu|accelerator"},
-    {"--devices,--device", "Device", "DEVICE,…", "as --device; several, or all, share the work",
+    {"--devices,--device", "Device", "DEVICE", "index, name, cpu, gpu or accelerator; or several",
      "all|cpu|gpu|accelerator"},
     {"--threads", "Device", "N", "worker threads of a CPU device; 0: all"},
     {"--cache-dir", "Device", "FOLDER", "folder of compiled kernels and references"},

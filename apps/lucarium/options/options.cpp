@@ -52,12 +52,12 @@ void add_technique_path(Command command, std::vector<std::filesystem::path>& fol
       .default_text("LUCARIUM_TECHNIQUE_PATH");
 }
 
-void DeviceArguments::add_to(Command command, bool comparison) {
-  command.option(comparison ? "--devices" : "--device", options.selector).default_text("first GPU, else first");
+void DeviceArguments::add_to(Command command, bool caches_references) {
+  command.option("--device", options.selector).default_text("first GPU, else first");
   command.option("--threads", options.threads).check(in_range(0, max_threads)).capture_default_str();
   command.option("--cache-dir", options.cache_dir).default_text("~/.cache/lucarium");
   command.flag("--no-cache", no_cache);
-  if (!comparison) command.excludes({"--no-cache"}, {"--cache-dir"});
+  if (!caches_references) command.excludes({"--no-cache"}, {"--cache-dir"});
   command.option("--memory-limit", memory_limit).default_text("the device's");
   command.option("--allocation-limit", allocation_limit).default_text("the device's");
 }
@@ -74,7 +74,16 @@ void DeviceArguments::take(const DeviceOptions& given) {
 }
 
 DeviceOptions DeviceArguments::resolved() const {
+  if (names_several(options.selector))
+    throw_error(ErrorClass::usage,
+                "--device {}: one device does this; several share what compare, reproduce and reference do",
+                options.selector);
+  return limits();
+}
+
+DeviceOptions DeviceArguments::limits() const {
   DeviceOptions result = options;
+  if (names_several(options.selector)) result.selector.clear();
   result.use_cache = !no_cache;
   if (!memory_limit.empty()) result.memory_limit_bytes = parse_bytes(memory_limit, "--memory-limit");
   if (!allocation_limit.empty()) result.allocation_limit_bytes = parse_bytes(allocation_limit, "--allocation-limit");
@@ -84,7 +93,7 @@ DeviceOptions DeviceArguments::resolved() const {
 std::vector<std::string> DeviceArguments::shared() const {
   if (!names_several(options.selector)) return {};
   std::vector<std::string> known, chosen;
-  for (const DeviceInfo& device : list_devices(resolved())) known.push_back(std::to_string(device.index));
+  for (const DeviceInfo& device : list_devices(limits())) known.push_back(std::to_string(device.index));
   if (options.selector == "all") return known;
   for (const std::string& device : split(options.selector, ',')) {
     const bool index = std::all_of(device.begin(), device.end(), [](unsigned char c) { return std::isdigit(c); });
@@ -105,7 +114,7 @@ std::vector<std::string> DeviceArguments::in_comparison() const {
 
 void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<fs::path>& technique_folders) const {
   comparison.program = fs::read_symlink("/proc/self/exe");
-  comparison.cache_dir = resolve_cache_dir(resolved());  // which refuses wrong limits, before anything is replaced
+  comparison.cache_dir = resolve_cache_dir(limits());  // which refuses wrong limits, before anything is replaced
   comparison.use_cache = !no_cache;
   comparison.executor.devices = shared();
   for (const fs::path& folder : technique_folders) comparison.technique_folders.push_back(fs::absolute(folder));

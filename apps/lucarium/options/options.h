@@ -21,12 +21,13 @@ struct DeviceArguments {
   DeviceOptions options;
   bool no_cache = false;
   std::string memory_limit, allocation_limit;
-  /// `comparison`: several devices can share the work, as --devices; and --cache-dir holds references too, which
-  /// --no-cache does not concern.
-  void add_to(Command command, bool comparison = false);
+  /// `caches_references`: --cache-dir holds references too, which --no-cache does not concern.
+  void add_to(Command command, bool caches_references = false);
   void take(const DeviceOptions& given);  ///< instead of options
-  /// With the texts parsed; throws Error{usage}.
+  /// For one device, with the texts parsed; throws Error{usage}.
   DeviceOptions resolved() const;
+  /// The same without a device where several are named.
+  DeviceOptions limits() const;
   /// Those that share the work; none: one does all. Throws Error{usage} for indices that this machine does not have.
   std::vector<std::string> shared() const;
   /// As a comparison file states it ("device_arguments"), without what is this machine's.

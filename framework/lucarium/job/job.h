@@ -35,6 +35,7 @@ struct ReferenceWork {
   uint64_t samples = 0;          ///< per pixel; 0: no limit
   double relmse = 0;             ///< its own; 0: no limit
   std::filesystem::path output;  ///< .exr; extended if it is there
+  uint64_t round_samples = 0;    ///< positive: one round of so many samples per pixel, with the job's seed, alone
 };
 
 /// One rendering for a process of its own, which prints its summary as JSON. Relative paths are those of the working

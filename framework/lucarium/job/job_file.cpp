@@ -88,6 +88,7 @@ void visit_reference(Visitor& visit, Work& work) {
   visit("samples", work.samples);
   visit("relmse", work.relmse);
   visit("output", work.output);
+  visit("round_samples", work.round_samples);
 }
 
 class Writer {

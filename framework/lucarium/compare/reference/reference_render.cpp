@@ -2,6 +2,7 @@
 #include "lucarium/compare/reference/reference_render.h"
 
 #include <algorithm>
+#include <array>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/hash.h"
@@ -16,13 +17,6 @@ constexpr uint64_t largest_round = 256;  // samples per pixel: what a sudden end
 
 uint64_t round_seed(uint64_t seed, uint64_t round) { return Hasher().add(seed).add(round).finish().low; }
 
-bool reached(const ReferenceImage& image, const ReferenceGoal& goal, double seconds) {
-  if (goal.samples > 0 && image.samples() >= goal.samples) return true;
-  if (goal.seconds > 0 && seconds >= goal.seconds) return true;
-  return goal.relmse > 0 && image.error_known() && image.samples(0) == image.samples(1) &&
-         image.error().relmse <= goal.relmse;
-}
-
 /// Samples of the next round of a half that holds `done`: as many again, within limits and the goal.
 uint64_t next_round(uint64_t done, uint64_t goal_samples) {
   uint64_t size = std::clamp(done / reference_batch * reference_batch, reference_batch, largest_round);
@@ -33,8 +27,17 @@ uint64_t next_round(uint64_t done, uint64_t goal_samples) {
   return size;
 }
 
-double fraction_of(const ReferenceGoal& goal, const ReferenceError& error, bool error_known, uint64_t measured_samples,
-                   uint64_t samples, double seconds) {
+}  // namespace
+
+bool is_reached(const ReferenceImage& image, const ReferenceGoal& goal, double seconds) {
+  if (goal.samples > 0 && image.samples() >= goal.samples) return true;
+  if (goal.seconds > 0 && seconds >= goal.seconds) return true;
+  return goal.relmse > 0 && image.error_known() && image.samples(0) == image.samples(1) &&
+         image.error().relmse <= goal.relmse;
+}
+
+double reached_fraction(const ReferenceGoal& goal, const ReferenceError& error, bool error_known,
+                        uint64_t measured_samples, uint64_t samples, double seconds) {
   double fraction = 0;
   if (goal.samples > 0) fraction = std::max(fraction, static_cast<double>(samples) / static_cast<double>(goal.samples));
   if (goal.seconds > 0) fraction = std::max(fraction, seconds / goal.seconds);
@@ -46,7 +49,17 @@ double fraction_of(const ReferenceGoal& goal, const ReferenceError& error, bool 
   return std::min(fraction, 1.0);
 }
 
-}  // namespace
+std::vector<ReferenceRound> plan_rounds(const ReferenceImage& image, const ReferenceGoal& goal, uint64_t seed,
+                                        size_t count) {
+  std::array<uint64_t, ReferenceImage::halves> samples = {image.samples(0), image.samples(1)};
+  std::vector<ReferenceRound> rounds;
+  while (rounds.size() < count && (goal.samples == 0 || samples[0] + samples[1] < goal.samples)) {
+    const size_t half = samples[1] < samples[0] ? 1 : 0;
+    rounds.push_back({half, next_round(samples[half], goal.samples), round_seed(seed, image.rounds() + rounds.size())});
+    samples[half] += rounds.back().samples;
+  }
+  return rounds;
+}
 
 std::vector<std::pair<std::string, std::string>> reference_parameters(const PathSet& set) {
   std::vector<std::pair<std::string, std::string>> parameters = set.technique_parameters();
@@ -61,23 +74,23 @@ bool extend_reference(RenderSession& session, ReferenceImage& image, const Refer
   if (goal.relmse <= 0 && goal.samples == 0 && goal.seconds <= 0) {
     throw Error(ErrorClass::internal, "a reference needs a number of samples, seconds or a relMSE");
   }
-  while (image.samples() == 0 || !reached(image, goal, counted_seconds(session.clocks()))) {
-    const size_t half = image.samples(1) < image.samples(0) ? 1 : 0;
+  while (image.samples() == 0 || !is_reached(image, goal, counted_seconds(session.clocks()))) {
+    const ReferenceRound round = plan_rounds(image, goal, seed, 1).front();
     const ReferenceError error = image.error();
     const uint64_t before = image.samples();
-    session.restart(round_seed(seed, image.rounds()));
+    session.restart(round.seed);
     RenderBudget budget;
-    budget.samples = next_round(image.samples(half), goal.samples);
+    budget.samples = round.samples;
     if (goal.seconds > 0) budget.seconds = std::max(no_time, goal.seconds - counted_seconds(session.clocks()));
     const bool interrupted = session.run(budget, [&](const IterationResult& now) {
       if (!on_progress) return true;
       const double spent = counted_seconds(session.clocks());
       const uint64_t samples = before + now.samples;
-      on_progress({fraction_of(goal, error, image.error_known(), before, samples, spent), samples, spent});
+      on_progress({reached_fraction(goal, error, image.error_known(), before, samples, spent), samples, spent});
       return true;
     });
     if (session.last().samples > 0) {
-      image.add(session.resolve(), session.last().samples, half);
+      image.add(session.resolve(), session.last().samples, round.half);
       keep(image);
     }
     if (interrupted) return false;

@@ -32,6 +32,23 @@ struct ReferenceProgress {
   double seconds = 0;    ///< of this call
 };
 
+/// One round: independent of all others, whoever renders it.
+struct ReferenceRound {
+  size_t half = 0;  ///< to which it belongs
+  uint64_t samples = 0, seed = 0;
+};
+
+/// The next rounds of an image, `count` at most: fewer where a goal of samples is reached with them.
+std::vector<ReferenceRound> plan_rounds(const ReferenceImage& image, const ReferenceGoal& goal, uint64_t seed,
+                                        size_t count);
+
+/// Whether an image on which that time was spent is done.
+bool is_reached(const ReferenceImage& image, const ReferenceGoal& goal, double seconds);
+
+/// Share of the goal that an image had reached with `samples` of which `measured_samples` gave the error; 0 … 1.
+double reached_fraction(const ReferenceGoal& goal, const ReferenceError& error, bool error_known,
+                        uint64_t measured_samples, uint64_t samples, double seconds);
+
 /// Adds rounds to `image` until the goal is reached; returns false when interrupted, with the samples done until then
 /// in the image. Rounds double from 16 to 256 samples per pixel and go to the half that has fewer; their seeds come
 /// from `seed` and their number, so that a reference extended later is the one rendered at once. `keep` is called after

@@ -86,6 +86,30 @@ TEST_CASE("reference: Ctrl-C keeps what is done, and it goes on from there") {
   CHECK(std::stoull(read_image(file).metadata.at("samples")) >= samples + 64);
 }
 
+TEST_CASE(
+    "reference: rounds that two devices share give the file of one device, to a number of samples and to an error") {
+  const TemporaryFolder folder;
+  const std::string two = "env POCL_DEVICES='pthread pthread' " + lucarium_program() + " ";
+  for (const std::string goal : {"--spp 200", "--relmse 0.02"}) {
+    CAPTURE(goal);
+    const fs::path alone = folder.path() / "alone.exr", shared = folder.path() / "shared.exr";
+    REQUIRE(run_lucarium(reference(alone, goal + " --overwrite")).exit_code == 0);
+    const ProgramResult run = run_program(two + reference(shared, goal + " --overwrite --devices 0,1 --json"));
+    CAPTURE(run.err);
+    REQUIRE(run.exit_code == 0);
+    CHECK(json::parse(run.out)["goal_reached"] == true);
+    Film a = read_image(alone), b = read_image(shared);
+    REQUIRE(a.layers().size() == b.layers().size());
+    for (const FilmLayer& layer : a.layers()) CHECK_MESSAGE(layer.pixels == b.find(layer.name)->pixels, layer.name);
+    for (Film* film : {&a, &b}) film->metadata.erase("seconds");
+    CHECK(a.metadata == b.metadata);
+    CHECK(!fs::exists(shared.string() + ".rounds"));
+  }
+  const ProgramResult timed = run_program(two + reference(folder.path() / "timed.exr", "--time 1 --devices all"));
+  CHECK(timed.exit_code == 2);
+  CHECK(contains(timed.err, "not --time"));
+}
+
 TEST_CASE("reference: mistakes") {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "r.exr";
