@@ -10,9 +10,9 @@
 namespace lucarium::bench {
 namespace {
 
-constexpr double kError = 1e-3;        // relMSE
+constexpr double kError = 1e-3;       // relMSE
 constexpr uint32_t kMaxSamples = 64;  // of the field's pixels
-constexpr uint32_t kWalk = 48;         // frames
+constexpr uint32_t kWalk = 48;        // frames
 
 using Picture = std::vector<float>;
 
