@@ -40,6 +40,15 @@ ordered_json to_json(const TechniqueType& type) {
   return json;
 }
 
+/// What differs from all light paths, as `--path-set` reads it.
+std::string short_text(const PathSet& paths) {
+  std::string text = paths.max_bounces < 0 ? "" : fmt::format("max_bounces={}", paths.max_bounces);
+  const auto values = paths.technique_parameters(), all = PathSet().technique_parameters();
+  for (size_t i = 0; i < values.size(); ++i)
+    if (values[i] != all[i]) text += fmt::format("{}{}={}", text.empty() ? "" : ",", values[i].first, values[i].second);
+  return text;
+}
+
 }  // namespace
 
 ordered_json to_json(const glm::vec3& v) { return {v.x, v.y, v.z}; }
@@ -91,7 +100,9 @@ ordered_json describe_running(const ViewTechnique& technique, RenderSession& ses
   for (const ParameterTable::Entry& entry : session.technique().parameters().entries())
     values[entry.info.name] = entry.get();
   running["values"] = std::move(values);
-  running["paths"] = session.technique().path_set(session.scene(), session.settings()).to_string();
+  const PathSet paths = session.technique().path_set(session.scene(), session.settings()).simplified(session.scene());
+  running["light"] = paths.light_transport();
+  running["paths"] = short_text(paths);
   running["limitations"] = session.limitations();
   return running;
 }

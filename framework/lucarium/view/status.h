@@ -21,7 +21,8 @@ CameraKey view_key_of(const SceneCamera& camera, const Bounds& bounds);
 std::string describe_view(const Scene& scene, const TechniqueRegistry& registry,
                           const std::vector<ViewTechnique>& named, const RenderSettings& settings);
 
-/// The present values of a session's parameters, its light paths, what it lacks on this scene, its layers.
+/// The present values of a session's parameters, what it lacks on this scene, and its light paths simplified for this
+/// scene: "paths", what differs from all of them; "light": false where it shows none.
 nlohmann::ordered_json describe_running(const ViewTechnique& technique, RenderSession& session);
 
 /// {"iterations", "samples", "seconds", "progress", "phase", "converged"}

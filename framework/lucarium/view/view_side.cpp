@@ -72,6 +72,7 @@ void ViewSide::follow_camera() {
 }
 
 void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& technique) {
+  failure_.clear();
   try {
     const TechniqueType& type = registry.find(technique.name);
     if (sessions_.empty() || sessions_.technique().name != technique.name) motion_.forget();

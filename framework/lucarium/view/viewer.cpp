@@ -165,8 +165,18 @@ void Viewer::follow_scene() {
   } catch (const Error& error) {
     if (error.error_class() == ErrorClass::interrupted) return;
     scene_refusal_ = error.what();
+    take_back_edits();
   }
   report(true);
+}
+
+/// What was refused is not asked for again with the next change.
+void Viewer::take_back_edits() {
+  hub_.set_request([this](ViewRequest& request) {
+    if (request.scene_number == around_.request.scene_number) request.edits = around_.edits;
+  });
+  around_.request.edits = around_.edits;
+  hub_.set_scene(describe_scene(scene_->scene, around_.edits));
 }
 
 bool Viewer::move_scene(double seconds) {
@@ -225,11 +235,13 @@ void Viewer::follow_side(uint32_t index, const ViewRequest& before) {
   if (appears || wanted.number != before.sides[index].number) {
     attempt(side, [&] { side.take(registry_, {wanted.technique, wanted.parameters}); });
     for (uint32_t other = 0; other < sides(); ++other) side.catch_up(other == index ? 0 : sides_[other]->spent());
+    side.catch_up(truth_.spent());
     report(true);
   }
   if (now.restart_number != before.restart_number && !side.empty()) {
     truth_.forget(side.technique());
     attempt(side, [&] { side.restart(); });
+    side.catch_up(truth_.spent());
   }
   if (now.layer_number != before.layer_number) side.show_again();  // the picture is there, it only has to be sent
 }

@@ -42,6 +42,7 @@ class Viewer {
   void follow_camera(const ViewRequest& request);
   void follow_side(uint32_t index, const ViewRequest& before);
   void follow_scene();
+  void take_back_edits();
   void end_truth();
   void replace_scene(Scene scene);
   void take_scene(const Scene& scene);

@@ -2,7 +2,8 @@
 // Cameras of the scene, field of view, the text for a command line, bookmarks.
 
 class CameraPanel {
-  constructor(view, mover, connection) {
+  // `before`: a panel whose bookmarks and path go on.
+  constructor(view, mover, connection, before) {
     Object.assign(this, {view, mover, connection});
     const chosen = event => event.target.value && this.chooseScene(event.target.value);
     this.box = h('select', {id: 'scene-camera', onchange: chosen},
@@ -11,9 +12,8 @@ class CameraPanel {
     this.vfov = slider('Field of view', [5, 120, 1], 40, v => `${number(v)}°`,
       v => this.quiet || mover.move(c => ({...c, vfov: v})), 'vertical; a double click sets it back');
     this.text = h('code', {class: 'line', id: 'camera-text'});
-    this.marks = h('div', {class: 'row'});
-    this.bookmarks = [];
-    this.path = new PathPanel(mover);
+    this.marks = before?.marks ?? h('div', {class: 'row', id: 'bookmarks'});
+    this.path = before?.path ?? new PathPanel(mover);
     this.time = new TimePanel(connection);
     this.node = h('details', {class: 'panel', open: true}, h('summary', {}, 'Camera'),
       h('div', {class: 'row'}, h('label', {class: 'control'}, h('span', {}, 'Camera'), this.box),
@@ -30,9 +30,8 @@ class CameraPanel {
   keep() {
     if (!this.mover.camera) return;
     const camera = this.mover.camera;
-    this.bookmarks.push(camera);
     this.marks.append(h('button', {type: 'button', onclick: () => this.mover.set(camera)},
-      `View ${this.bookmarks.length}`));
+      `View ${this.marks.children.length + 1}`));
   }
 
   update(status) {

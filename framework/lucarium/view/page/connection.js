@@ -46,6 +46,8 @@ class Connection {
     });
     this.socket.addEventListener('close', () => {
       this.on.closed();
+      this.answers.forEach(done => done('not connected'));
+      this.answers.clear();
       setTimeout(() => this.connect(), this.patience);
       this.patience = Math.min(2 * this.patience, 8000);
     });

@@ -7,6 +7,9 @@ function rangeOf(parameter) {
   return ends.length === 2 && ends.every(Number.isFinite) ? ends : undefined;
 }
 
+// Where a thousand positions would leave out nearly all that is of use, there is a field alone.
+const widestSlider = 1e9;
+
 // Positions 0 … 1000 of a slider: in proportion, or where the range spans more, by the logarithm.
 function sliderScale([low, high]) {
   if (low > 0 && high / low > 100) {
@@ -27,7 +30,7 @@ function numberControls(parameter, id, change) {
   field.addEventListener('change', () => field.value !== '' && change(field.value));
   const nodes = [field];
   let slide;
-  if (range && range[1] > range[0]) {
+  if (range && range[1] > range[0] && range[1] - range[0] <= widestSlider) {
     const scale = sliderScale(range);
     slide = h('input', {type: 'range', min: '0', max: '1000', step: '1', 'aria-label': `${parameter.name}, slider`});
     slide.addEventListener('input', () => {

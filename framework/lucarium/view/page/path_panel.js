@@ -51,7 +51,10 @@ class TimePanel {
     this.connection = connection;
     this.play = h('button', {type: 'button', id: 'play', onclick: () => this.toggle()}, 'Play');
     this.bar = h('input', {type: 'range', id: 'time', min: '0', max: '1', step: '0.01', 'aria-label': 'time [s]',
-      oninput: () => this.go(Number(this.bar.value))});
+      oninput: () => {
+        this.playFrom(Number(this.bar.value));
+        this.go(Number(this.bar.value));
+      }});
     this.readout = h('output', {}, '');
     this.node = h('div', {class: 'row', id: 'animation', hidden: true}, h('span', {class: 'note'}, 'Animation'),
       this.play, this.bar, this.readout);
@@ -61,11 +64,16 @@ class TimePanel {
     this.duration = scene.duration;
     this.node.hidden = !(scene.duration > 0);
     this.bar.max = String(scene.duration);
-    this.present = scene.time;
-    if (!this.wanted) this.show(scene.time);
+    if (!this.asked()) this.show(scene.time);
+  }
+
+  // What was asked for a moment ago is not undone by what was on its way.
+  asked() {
+    return this.wanted !== undefined || performance.now() - this.moved < 700;
   }
 
   show(time) {
+    this.present = time;
     this.bar.value = String(time);
     this.readout.textContent = seconds(time);
   }
@@ -73,6 +81,7 @@ class TimePanel {
   go(time) {
     this.show(time);
     this.wanted = time;
+    this.moved = performance.now();
     clearTimeout(this.timer);
     this.timer = setTimeout(() => {
       this.wanted = undefined;
@@ -81,16 +90,28 @@ class TimePanel {
     }, 20);
   }
 
-  // A picture of that time is on the screen: the next one may come.
+  // A picture of that time is on the screen: the next one may come. Another page may have asked for it.
   shown(time) {
-    if (this.playing && Math.abs(time - this.sent) < 1e-3) this.step();
+    if (this.playing) {
+      if (Math.abs(time - this.sent) < 1e-3) this.step();
+    } else if (!this.asked() && this.duration > 0) {
+      this.show(time);
+    }
   }
 
   toggle() {
-    this.playing = !this.playing;
-    this.play.textContent = this.playing ? 'Pause animation' : 'Play';
-    this.began = performance.now() - 1000 * (this.present || 0);
-    if (this.playing) this.step();
+    this.setPlaying(!this.playing);
+  }
+
+  setPlaying(playing) {
+    this.playing = playing;
+    this.play.textContent = playing ? 'Pause animation' : 'Play';
+    this.playFrom(this.present || 0);
+    if (playing) this.step();
+  }
+
+  playFrom(time) {
+    this.began = performance.now() - 1000 * time;
   }
 
   // Where the wall clock is; a slow technique shows fewer pictures, not a slower motion.

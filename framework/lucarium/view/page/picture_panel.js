@@ -20,12 +20,14 @@ class PicturePanel {
       h('div', {class: 'row'}, this.exposure,
         h('label', {class: 'control', for: 'auto-exposure'}, this.automatic, h('span', {}, 'automatic'))),
       h('div', {class: 'row'},
-        selectBox('Tone', [['clip', 'clip, as PNG files'], ['reinhard', 'Reinhard']], 'clip', v => picture.setCurve(v)),
+        selectBox('Tone', [['clip', 'clip, as PNG files'], ['reinhard', 'Reinhard']], picture.curve,
+          v => picture.setCurve(v)),
         h('label', {class: 'control'}, h('span', {}, 'Layer'), this.layer)),
       h('div', {class: 'row'}, this.pause,
         h('button', {type: 'button', onclick: () => connection.send({do: 'restart'})}, 'Restart'),
         save('exr'), save('png')));
     picture.listeners.push(() => this.showExposure());
+    this.showExposure();
     picture.on('keydown', event => {
       if (event.key === '[' || event.key === ']')
         picture.setExposure(picture.stops + (event.key === ']' ? 0.5 : -0.5), false);

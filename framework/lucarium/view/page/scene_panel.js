@@ -67,10 +67,22 @@ class ScenePanel {
     this.send();
   }
 
-  send() {
+  // What is refused goes: the controls show what the scene has.
+  async send() {
     const texts = [...this.materials].map(([name, values]) =>
       `${name}:${[...values].map(([key, text]) => `${key}=${text}`).join(',')}`);
-    this.connection.send({do: 'scene', lights: this.lights, materials: texts, environment: this.environment});
+    this.key = undefined;
+    this.why = '';
+    const why = await this.connection.ask({do: 'scene', lights: this.lights, materials: texts,
+      environment: this.environment});
+    if (!why) return;
+    this.why = why;
+    this.showRefusal(why);
+    this.setScene(this.scene);
+  }
+
+  showRefusal(why) {
+    this.refusal.replaceChildren(...(why ? [h('p', {class: 'alert'}, why)] : []));
   }
 
   setScene(scene) {
@@ -187,6 +199,6 @@ class ScenePanel {
 
   update(status) {
     this.eye = status.camera.eye;
-    this.refusal.replaceChildren(...(status.scene_refusal ? [h('p', {class: 'alert'}, status.scene_refusal)] : []));
+    this.showRefusal(this.why || status.scene_refusal);
   }
 }

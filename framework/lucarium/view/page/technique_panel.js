@@ -95,9 +95,15 @@ class TechniquePanel {
     if (running.name === this.name && !status.refusal && (same || settled)) {
       for (const [name, control] of this.controls) control.set(running.values[name], this.given.has(name));
     }
-    this.facts.replaceChildren(h('div', {}, `Light paths: ${running.paths}`),
+    this.facts.replaceChildren(h('div', {id: 'light-paths'}, `Light paths: ${pathText(running)}`),
       ...running.limitations.map(text => h('div', {}, `Limitation: ${text}`)));
   }
+}
+
+// What differs from all light paths, readable.
+function pathText({light, paths}) {
+  if (!light) return 'none, it shows something else';
+  return paths ? `all, with ${paths.replaceAll(',', ', ')}` : 'all';
 }
 
 const parameterText = parameters => parameters.map(([key, value]) => `${key}=${value}`).join(',');

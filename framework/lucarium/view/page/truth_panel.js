@@ -6,6 +6,7 @@ const errorKinds = {relmse: 'relMSE', flip: 'FLIP'};
 class TruthPanel {
   constructor(connection) {
     this.kind = 'relmse';
+    this.truth = {curves: [], references: []};  // the plot may be drawn before there is a state
     this.on = h('input', {type: 'checkbox', id: 'grow-reference',
       onchange: event => connection.send({do: 'reference', on: event.target.checked})});
     this.facts = h('div', {class: 'facts', id: 'reference-state'});

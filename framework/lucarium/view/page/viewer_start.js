@@ -18,15 +18,24 @@ class Page {
       onclick: () => this.connection.send({do: 'control'})}, 'Take control');
     this.connection = new Connection({
       open: () => this.notify(''),
-      closed: () => this.line.closed(),
+      closed: () => this.closed(),
       message: (name, value, whole) => this.receive(name, value, whole)
     });
     this.mover = new CameraMover(message => this.connection.send(message));
     document.addEventListener('visibilitychange', () => this.shown());
   }
 
+  // Over the picture, where it is seen; until it is closed, or void.
   notify(text) {
-    this.notice.replaceChildren(...(text ? [h('p', {class: 'alert'}, text)] : []));
+    this.notice.replaceChildren(...(text ? [h('p', {class: 'alert'}, text), h('button', {type: 'button',
+      'aria-label': 'close the message', onclick: () => this.notify('')}, '×')] : []));
+  }
+
+  // What this connection has brought is not acknowledged to the next one.
+  closed() {
+    this.latest.clear();
+    this.failure = '';
+    this.line.closed();
   }
 
   receive(name, value, whole) {
@@ -39,7 +48,11 @@ class Page {
     if (name === 'error') this.notify(value);
   }
 
+  // Connected again, the page stays as it is; where the program has changed, what the reader has made stays.
   build(view) {
+    const text = JSON.stringify(view), open = this.panels && this.openPanels();
+    if (text === this.viewText) return;
+    this.viewText = text;
     this.view = view;
     document.title = `${view.scene} · Lucarium viewer`;
     this.side = 0;
@@ -47,7 +60,7 @@ class Page {
     this.beside = new BesidePanel(this.picture, this.connection, side => this.chooseSide(side));
     this.technique = new TechniquePanel(view, message => this.connection.ask(message), this.beside.node);
     this.picturePanel = new PicturePanel(this.picture, this.connection);
-    this.camera = new CameraPanel(view, this.mover, this.connection);
+    this.camera = new CameraPanel(view, this.mover, this.connection, this.camera);
     this.scene = new ScenePanel(this.connection);
     this.inspect = new InspectPanel(view, this.picture, this.connection);
     this.panels = [this.technique, this.picturePanel, this.camera, new TruthPanel(this.connection), this.inspect,
@@ -66,9 +79,14 @@ class Page {
       h('dl', {}, keyHelp.flatMap(([keys, text]) => [h('dt', {}, keys), h('dd', {}, text)])));
     document.getElementById('main').replaceChildren(
       h('div', {class: 'stage'},
-        h('div', {class: 'frame'}, this.picture.canvas, this.beside.handle, this.beside.labels), this.line.node,
-        this.notice),
+        h('div', {class: 'frame'}, this.picture.canvas, this.beside.handle, this.beside.labels, this.notice),
+        this.line.node),
       h('div', {class: 'panels'}, this.panels.slice(0, -1).map(panel => panel.node), help));
+    open?.forEach((isOpen, i) => this.panels[i].node.open = isOpen);
+  }
+
+  openPanels() {
+    return this.panels.map(panel => panel.node.open);
   }
 
   setScene(scene) {
@@ -97,6 +115,8 @@ class Page {
   }
 
   setControl(mine, pages) {
+    if (mine && !this.mover.enabled) this.notify(this.failure || '');
+    if (!mine) this.camera?.time.setPlaying(false);
     this.mover.enabled = mine;
     this.take.hidden = mine;
     this.control.textContent = mine ? (pages > 1 ? `${pages} pages; this one controls` : '') : 'another page controls';
@@ -109,11 +129,11 @@ class Page {
     if (this.decoding || document.hidden) return;
     this.decoding = true;
     while (this.latest.size) {
-      const [[side, {header, rest}]] = this.latest;
+      const [[side, {header, rest}]] = this.latest, {socket} = this.connection;
       this.latest.delete(side);
       this.picture.show(await decodePicture(header, rest));
       if (side === 0) this.camera?.time.shown(header.time);
-      this.connection.send({do: 'shown', picture: header.picture});
+      if (socket === this.connection.socket) this.connection.send({do: 'shown', picture: header.picture});
     }
     this.decoding = false;
   }

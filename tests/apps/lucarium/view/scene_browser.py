@@ -95,8 +95,19 @@ def edits(browser, viewer):
     check('the sidecar holds it', wait(lambda: '"lights"' in browser.run(TEXT, '[data-command="beside the scene"]')))
     browser.run(CLICK, '#scene-reset')
     check('the scene as it was', shows(browser, lambda: browser.run(PIXELS) == before))
+    browser.run(SET, '#material-roughness', '2')
+    check('a value out of range is refused, and the field shows what is', wait(lambda: 'roughness=2' in browser.run(
+        TEXT, '#scene-refusal') and browser.run(VALUE, 'material-roughness') == '1'))
+    lamp = browser.run("return [...document.querySelectorAll('#material option')].find(o => o.text === 'lamp').value")
+    browser.run(SET, '#material', lamp)
+    strength = browser.run(VALUE, 'material-emissive_strength')
+    browser.run(SET, '#material-emissive_strength', '0')
+    check('a scene without light, too', wait(lambda: 'no light' in browser.run(TEXT, '#scene-refusal') and browser.run(
+        VALUE, 'material-emissive_strength') == strength))
+    browser.run(SET, '#material', '0')
     browser.run(SET, '#material-roughness', '0.123')
-    check('a material changes', wait(lambda: 'roughness=0.123' in browser.run(TEXT, '[data-command="render"]')))
+    check('a material changes, without what was refused before', wait(
+        lambda: ':roughness=0.123 ' in browser.run(TEXT, '[data-command="render"]')))
     browser.run(CLICK, '#scene-reset')
     check('and goes back', shows(browser, lambda: browser.run(PIXELS) == before and
                                  'roughness' not in browser.run(TEXT, '[data-command="render"]')))

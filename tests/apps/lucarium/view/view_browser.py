@@ -21,6 +21,7 @@ def picture(browser, viewer):
     plain = viewer.render('plain.png')
     difference = largest_difference(browser.run(PIXELS), plain)
     check(f'it is that of lucarium render, to the step of 8 bits ({difference})', difference <= 1)
+    check('all light paths are computed', wait(lambda: browser.run(TEXT, '#light-paths') == 'Light paths: all'))
     check('the layers of the technique are there',
           wait(lambda: browser.run("return document.getElementById('layer').options.length") > 1))
     before = browser.run(PIXELS)

@@ -196,6 +196,22 @@ def reference(page):
     page.send('{"do": "reference", "on": true}')
     truth = status_where(page, lambda s: s['truth']['on'] and (s['truth']['obstacle'] or s['truth']['references']))
     check('a reference is wanted, or cannot be had', truth['truth']['on'])
+    # What shows a new picture begins at the reference's time: a reference that has grown long goes on growing.
+    page.send(json.dumps({'do': 'technique', 'name': 'constant', 'parameters': [['sleep', '50'],
+                                                                                ['converge_at', '40']]}))
+    status_where(page, lambda s: s['sides'][0]['stage'] == 'done')
+    time.sleep(3)
+    page.send('{"do": "restart", "id": 20}')
+    page.until(lambda m: m.get('answer') == 20)  # what was on its way is read
+
+    def samples(stage):
+        status = status_where(page, lambda s: s['sides'][0]['stage'] == stage)
+        return status['truth']['references'][0]['samples']
+    first = samples('rendering')
+    counts = [first]
+    while (status := status_where(page, lambda s: True))['sides'][0]['stage'] == 'rendering':
+        counts.append(status['truth']['references'][0]['samples'])
+    check(f'it grows beside a technique that has begun again {counts}', counts[-1] > first)
     page.send('{"do": "reference", "on": false}')
     check('and no more', status_where(page, lambda s: not s['truth']['on'])['truth']['references'] == [])
 

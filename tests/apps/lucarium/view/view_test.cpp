@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium view: what strangers and pages say to it (view_client.py), its page in a browser (view_browser.py), and
-// what happens when files change (view_watch.py).
+// lucarium view: what strangers and pages say to it (view_client.py), its page in a browser (view_browser.py,
+// life_browser.py), and what happens when files change (view_watch.py).
 #include "cli_support.h"
 #include "lucarium/view/server.h"
 
@@ -36,6 +36,16 @@ TEST_CASE(
   const TemporaryFolder folder;
   const ProgramResult found = run_program(
       "python3 " + (here() / "view_browser.py").string() + " " + lucarium_program() + " " + folder.path().string(),
+      540);
+  if (found.exit_code == 77) return skip("chromium");
+  check_found(found);
+}
+
+TEST_CASE("viewer in a browser: an animation, a lost connection, a page that watches") {
+  if (!has_viewer()) return skip("libwebsockets");
+  const TemporaryFolder folder;
+  const ProgramResult found = run_program(
+      "python3 " + (here() / "life_browser.py").string() + " " + lucarium_program() + " " + folder.path().string(),
       540);
   if (found.exit_code == 77) return skip("chromium");
   check_found(found);

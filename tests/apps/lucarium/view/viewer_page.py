@@ -12,7 +12,7 @@ from browser import wait  # noqa: E402
 
 SIZE, ITERATIONS = (48, 32), 4
 SCENE = ['builtin:cornell', '--size', f'{SIZE[0]}x{SIZE[1]}', '--exposure', '0']
-DATA = "return {...document.querySelector('.picture').dataset};"
+DATA = "return {...document.querySelector('.picture')?.dataset};  // the page may not be built yet"
 PIXELS = """const c = document.querySelector('.picture');
 const copy = Object.assign(document.createElement('canvas'), {width: c.width, height: c.height});
 const context = copy.getContext('2d', {willReadFrequently: true});  // else reading complains on the console
@@ -66,11 +66,10 @@ def largest_difference(canvas, file):
 
 
 class Viewer:
-    def __init__(self, program, folder):
+    def __init__(self, program, folder, words=(*SCENE, '--iterations', str(ITERATIONS), '-t', 'path_tracing', '-t',
+                                               'path_tracing:estimator=bsdf')):
         self.program, self.folder = program, folder
-        words = ['view', *SCENE, '--iterations', str(ITERATIONS), '-t', 'path_tracing', '-t',
-                 'path_tracing:estimator=bsdf']
-        self.process = subprocess.Popen([program, *words], stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([program, 'view', *words], stdout=subprocess.PIPE, text=True)
         self.address = self.process.stdout.readline().strip()
 
     def render(self, name, *words):
