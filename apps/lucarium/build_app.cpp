@@ -24,6 +24,7 @@ CommandLine build_app(Action& action) {
   add_new_technique_command(program, action);
   add_manual_commands(program, action);
   add_job_command(program, action);
+  add_array_task_command(program, action);
   program.examples({"lucarium render builtin:cornell -o cornell.png", "lucarium render --help"}, "docs/rendering.md");
   return line;
 }

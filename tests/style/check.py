@@ -30,8 +30,9 @@ import sys
 WIDTH = 120
 SOURCES = ('.cpp', '.h', '.cl', '.clh')
 TEXTS = SOURCES + ('.md', '.txt', '.cmake', '.py', '.js', '.css', '.html')
-# Comparison files state the device in these words, whatever the program's options are called.
-WORDS_OF_FILES = ('framework/lucarium/compare/request/device_arguments.cpp',)
+# Comparison files state the device in these words, whatever the program's options are called; and options of sbatch.
+WORDS_OF_FILES = ('framework/lucarium/compare/request/device_arguments.cpp',
+                  'framework/lucarium/compare/execute/slurm_commands.cpp')
 ROOTS = ('framework', 'kernels', 'techniques', 'apps/lucarium')  # of include names
 OPTION_TEXTS = 'apps/lucarium/grammar/option_texts.cpp'
 MEASUREMENTS = 'docs/measurements/'

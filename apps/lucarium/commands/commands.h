@@ -26,6 +26,7 @@ void add_check_command(Command program, Action& action);
 void add_new_technique_command(Command program, Action& action);
 void add_manual_commands(const Command& program, Action& action);  ///< help, commands, man, completion
 void add_job_command(Command program, Action& action);
+void add_array_task_command(Command program, Action& action);
 
 // What the commands of these names do, with a job's settings instead of options. Each returns the exit code.
 int render(const Job& job, const RenderWork& work);

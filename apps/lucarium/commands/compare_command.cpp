@@ -8,6 +8,7 @@
 #include "lucarium/base/terminal.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
+#include "options/executor_arguments.h"
 #include "options/options.h"
 #include "outputs/plan_text.h"
 
@@ -24,6 +25,7 @@ struct CompareArguments {
   double limit_seconds = 600;
   ComparisonSpec spec;  ///< seeds, reference and fallback go there directly
   DeviceArguments device;
+  ExecutorArguments executor;
   SceneArguments overrides;
   ImageArguments image;
   TechniqueArguments technique;
@@ -96,6 +98,7 @@ int compare(CompareArguments arguments, const Messages& messages) {
   ComparisonOptions& options = arguments.options;
   for (const std::string& gate : arguments.gates) options.gates.push_back(parse_gate(gate));
   arguments.device.apply_to(options, arguments.technique.folders);
+  options.executor = arguments.executor.resolved(arguments.device);
   if (!messages.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   const TechniqueRegistry registry(arguments.technique.folders);
   if (arguments.dry_run) {
@@ -174,6 +177,7 @@ void add_options(Command command, const std::shared_ptr<CompareArguments>& argum
   command.option("--fallback-environment", arguments->spec.fallback_environment).default_text("none");
   arguments->technique.add_to(command, "none", true);
   arguments->device.add_to(command, true);
+  arguments->executor.add_to(command);
 }
 
 }  // namespace
@@ -186,7 +190,8 @@ void add_compare_command(Command program, Action& action) {
   command.excludes({"--comparison"}, stated_in_file());
   command.excludes({"--reference"}, {"--reference-spp", "--reference-relmse"});
   command.excludes({"--resume"}, {"--overwrite"});
-  command.excludes({"--dry-run"}, {"--gate", "--baseline", "--link-images", "--resume", "--overwrite"});
+  command.excludes({"--dry-run"},
+                   {"--gate", "--baseline", "--link-images", "--resume", "--overwrite", "--executor", "--slurm"});
   command.examples({"lucarium compare builtin:cornell -t path_tracing -t bundle_exchange --time 10 -o results",
                     "lucarium compare --comparison study.json -o results"},
                    "docs/comparisons.md");

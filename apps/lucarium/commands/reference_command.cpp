@@ -15,6 +15,7 @@
 #include "lucarium/compare/reference/reference_render.h"
 #include "lucarium/compare/run/shared_reference.h"
 #include "lucarium/film/image_io.h"
+#include "options/executor_arguments.h"
 #include "options/options.h"
 #include "outputs/output_files.h"
 
@@ -27,6 +28,7 @@ constexpr uint64_t default_samples = 4096;
 
 struct ReferenceArguments : RenderingArguments {
   ReferenceGoal goal;
+  ExecutorArguments executor;
   std::string path_set;
   fs::path file;
   bool extend = false, overwrite = false;
@@ -145,8 +147,9 @@ class Growth {
     events.say = [&](const std::string& line) {
       if (!quiet_) print_note("{}\n", line);
     };
-    return extend_shared_reference(*make_executor(options, program), job, image_, arguments_.goal,
-                                   fs::absolute(arguments_.file).string() + ".rounds", events);
+    const fs::path folder = fs::absolute(arguments_.file).string() + ".rounds";
+    return extend_shared_reference(*make_executor(options, program, folder / "slurm"), job, image_, arguments_.goal,
+                                   folder, events);
   }
 
  private:
@@ -197,8 +200,8 @@ Job job_of(const ReferenceArguments& arguments, const RenderSettings& settings, 
 bool extend(const ReferenceArguments& arguments, bool quiet, Scene scene, const TechniqueRegistry& registry,
             const RenderSettings& settings, const PathSet& path_set, ReferenceImage& image) {
   const ReferenceIdentity identity(scene, settings, path_set, registry);
-  const ExecutorOptions options{arguments.device.shared()};
-  if (!options.devices.empty()) {
+  const ExecutorOptions options = arguments.executor.resolved(arguments.device);
+  if (!options.devices.empty() || options.kind == ExecutorOptions::Kind::slurm) {
     const KeepOnInterrupt keep_rounds;
     return Growth(arguments, quiet, settings, identity, image)
         .run_shared(job_of(arguments, settings, path_set), options);
@@ -310,6 +313,7 @@ void add_reference_command(Command program, Action& action) {
   arguments->technique.add_to(command, "all light paths");
   command.option("--path-set", arguments->path_set).default_text("all light paths");
   arguments->device.add_to(command);
+  arguments->executor.add_to(command);
   command.excludes({"--path-set"}, {"--technique", "--parameter", "--max-bounces"});
   command.excludes({"--extend"}, {"--overwrite"});
   command.examples({"lucarium reference builtin:cornell --relmse 1e-4 -o reference.exr",

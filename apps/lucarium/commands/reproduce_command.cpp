@@ -12,6 +12,7 @@
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
 #include "lucarium/technique/technique_folders.h"
+#include "options/executor_arguments.h"
 #include "options/options.h"
 #include "outputs/plan_text.h"
 
@@ -26,6 +27,7 @@ struct ReproduceArguments {
   std::vector<fs::path> folders;
   bool list = false, full = false, dry_run = false;
   DeviceArguments device;
+  ExecutorArguments executor;
   ComparisonOptions options;
 };
 
@@ -128,6 +130,7 @@ int reproduce_wanted(ReproduceArguments arguments, const Messages& messages) {
   const TechniqueRegistry registry(arguments.folders);
   ComparisonOptions& options = arguments.options;
   arguments.device.apply_to(options, arguments.folders);
+  options.executor = arguments.executor.resolved(arguments.device);
   if (!messages.quiet) options.progress = [](const std::string& line) { print_note("{}\n", line); };
   if (arguments.dry_run) {
     std::vector<std::pair<std::string, std::string>> plans;
@@ -189,9 +192,11 @@ void add_reproduce_command(Command program, Action& action) {
   command.flag("--full", arguments->full);
   add_technique_path(command, arguments->folders);
   arguments->device.add_to(command, true);
+  arguments->executor.add_to(command);
   command.excludes({"--list"}, {"--output", "--overwrite", "--resume", "--dry-run", "--full"});
   command.excludes({"--list"}, device_option_names());
-  command.excludes({"--dry-run"}, {"--resume", "--overwrite"});
+  command.excludes({"--dry-run"}, {"--resume", "--overwrite", "--executor", "--slurm"});
+  command.excludes({"--list"}, {"--executor", "--slurm"});
   command.excludes({"--resume"}, {"--overwrite"});
   command.examples({"lucarium reproduce --list", "lucarium reproduce hermes2010/resolution -o results"},
                    "docs/reproducing.md");

@@ -85,6 +85,12 @@ std::string usage(const CLI::App& app, const std::string& name) {
   return text + (app.get_require_subcommand_min() > 0 ? " COMMAND" : "") + " [OPTIONS]\n";
 }
 
+/// How it is called, and what it does.
+std::string head(const CLI::App& app, const std::string& name) {
+  const std::string call = usage(app, name), line = call.substr(0, call.size() - 1) + ": " + app.get_description();
+  return columns(line) <= page_columns ? line + "\n" : app.get_description() + "\n" + call;
+}
+
 std::string commands(const CLI::App& program) {
   const auto is_shown = [](const CLI::App* command) { return !command->get_group().empty(); };
   const std::vector<const CLI::App*> shown = program.get_subcommands(is_shown);
@@ -100,7 +106,7 @@ class HelpFormat : public CLI::FormatterBase {
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode) const override {
     const Options all = app->get_options({});
     const size_t width = left_width(all);
-    std::string text = app->get_description() + "\n" + usage(*app, name) + rows(words(*app), width);
+    std::string text = head(*app, name) + rows(words(*app), width);
     if (app->get_require_subcommand_min() > 0) text += commands(*app) + "\n";
     for (const std::string group : option_groups()) {
       Options members;

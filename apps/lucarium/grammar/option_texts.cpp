@@ -17,6 +17,8 @@ const OptionText entries[] = {
     {"test", "", "TEST", "image under test"},
     {"reference", "", "REFERENCE", "reference image"},
     {"file", "", "FILE", "job as JSON (schema lucarium-job-1)"},
+    {"batch", "", "FOLDER", "folder of an array"},
+    {"index", "", "N", "task of the array"},
     {"state", "", "FILE", "a state that --save-state wrote"},
     {"command", "", "COMMAND", "a command of the program"},
     {"shell", "", "SHELL", "bash, zsh or fish", "bash|zsh|fish"},
@@ -99,6 +101,8 @@ const OptionText entries[] = {
 
     {"--devices,--device", "Device", "DEVICE", "index, name, cpu, gpu or accelerator; or several",
      "all|cpu|gpu|accelerator"},
+    {"--executor", "Device", "NAME", "what runs the work: local, or slurm (docs/slurm.md)", "local|slurm"},
+    {"--slurm", "Device", "OPTION", "option for sbatch, as partition=long or exclusive"},
     {"--threads", "Device", "N", "worker threads of a CPU device; 0: all"},
     {"--cache-dir", "Device", "FOLDER", "folder of compiled kernels and references"},
     {"--no-cache", "Device", "", "compile every kernel again"},

@@ -116,7 +116,6 @@ void DeviceArguments::apply_to(ComparisonOptions& comparison, const std::vector<
   comparison.program = fs::read_symlink("/proc/self/exe");
   comparison.cache_dir = resolve_cache_dir(limits());  // which refuses wrong limits, before anything is replaced
   comparison.use_cache = !no_cache;
-  comparison.executor.devices = shared();
   for (const fs::path& folder : technique_folders) comparison.technique_folders.push_back(fs::absolute(folder));
   // They go into the jobs of a comparison, which are JSON: refused before its references are rendered.
   std::vector<fs::path> named = comparison.technique_folders;

@@ -19,7 +19,7 @@ class DeviceShares {
   std::optional<size_t> take(size_t device);
   /// Returns the devices that are set aside from now on.
   std::vector<size_t> finish(size_t task);
-  /// Whether the task is to be tried on another device; else it has failed for good.
+  /// Whether another device tries the task; else it has failed on all of them.
   bool fail(size_t task, size_t device);
   bool all_done() const { return open_ == 0; }
   size_t running() const { return running_; }

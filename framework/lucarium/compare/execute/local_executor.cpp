@@ -13,6 +13,7 @@
 #include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/compare/execute/device_shares.h"
+#include "lucarium/job/job_file.h"
 #include "lucarium/job/run_job.h"
 
 namespace lucarium {
@@ -25,7 +26,18 @@ std::string failure_of(const ChildResult& child) {
   return fmt::format("{}: {}", describe_end(child), child.last_words.empty() ? "no message" : child.last_words.back());
 }
 
-/// Runs a list with one thread per device; what happens is told in the thread that calls run().
+/// On this machine's device; empty: the job's own.
+PieceEnd perform_task(const fs::path& program, const PieceTask& task, const std::string& device,
+                      const std::function<void(std::string_view)>& on_line,
+                      const std::function<bool()>& stop_requested = {}) {
+  Job job = task.job;
+  if (!device.empty()) job.device.selector = device;
+  PieceEnd end = perform_job(program, job_json(job), task.lock, on_line, stop_requested);
+  end.machine.device_index = device;
+  return end;
+}
+
+/// Runs a list with one thread per device; what happens is reported in the thread that calls run().
 class SharedRun {
  public:
   SharedRun(const fs::path& program, const std::vector<std::string>& devices, const std::vector<PieceTask>& tasks,
@@ -36,7 +48,7 @@ class SharedRun {
     working_ = devices_.size();
     std::vector<std::thread> threads;
     for (size_t device = 0; device < devices_.size(); ++device) threads.emplace_back([this, device] { work(device); });
-    tell_events();
+    report_events();
     for (std::thread& thread : threads) thread.join();
     if (error_) std::rethrow_exception(error_);
   }
@@ -50,22 +62,22 @@ class SharedRun {
 
   bool stopped() const { return stop_ || interrupt_requested(); }
 
-  void tell(std::function<void()> event) {
+  void report(std::function<void()> event) {
     const std::lock_guard lock(mutex_);
-    told_.push_back(std::move(event));
+    reported_.push_back(std::move(event));
     changed_.notify_all();
   }
 
-  /// Until the last thread has ended. After a failure the rest is not told.
-  void tell_events() {
+  /// Until the last thread has ended. After a failure the rest is not reported.
+  void report_events() {
     std::unique_lock lock(mutex_);
-    while (working_ > 0 || !told_.empty()) {
-      if (told_.empty()) {
+    while (working_ > 0 || !reported_.empty()) {
+      if (reported_.empty()) {
         changed_.wait(lock);
         continue;
       }
-      const std::function<void()> event = std::move(told_.front());
-      told_.pop_front();
+      const std::function<void()> event = std::move(reported_.front());
+      reported_.pop_front();
       lock.unlock();
       if (!error_) {
         try {
@@ -97,10 +109,10 @@ class SharedRun {
   }
 
   void perform(size_t device, size_t task, size_t beside) {
-    tell([this, task] { events_.on_start(task); });
+    report([this, task] { events_.on_start(task); });
     PieceEnd end = perform_task(
         program_, tasks_[task], devices_[device],
-        [&](std::string_view line) { tell([this, task, text = std::string(line)] { events_.on_line(task, text); }); },
+        [&](std::string_view line) { report([this, task, text = std::string(line)] { events_.on_line(task, text); }); },
         [this] { return stop_.load(); });
     end.machine.other_jobs = static_cast<unsigned>(beside);
     const bool failed = !end.failure.empty();
@@ -117,8 +129,8 @@ class SharedRun {
                            DeviceShares::patience);
     }
     lock.unlock();
-    if (!line.empty()) tell([this, line] { events_.say(line); });
-    if (!again) tell([this, task, end = std::move(end)] { events_.on_end(task, end); });
+    if (!line.empty()) report([this, line] { events_.say(line); });
+    if (!again) report([this, task, end = std::move(end)] { events_.on_end(task, end); });
   }
 
   void work(size_t device) {
@@ -141,7 +153,7 @@ class SharedRun {
   std::mutex mutex_;  // of all below
   std::condition_variable changed_;
   DeviceShares shares_;
-  std::deque<std::function<void()>> told_;
+  std::deque<std::function<void()>> reported_;
   size_t working_ = 0;  ///< threads
   std::exception_ptr error_;
   std::atomic<bool> stop_ = false;
@@ -149,21 +161,18 @@ class SharedRun {
 
 }  // namespace
 
-PieceEnd perform_task(const fs::path& program, const PieceTask& task, const std::string& device,
-                      const std::function<void(std::string_view)>& on_line,
-                      const std::function<bool()>& stop_requested) {
+PieceEnd perform_job(const fs::path& program, const std::string& job, const fs::path& lock_file,
+                     const std::function<void(std::string_view)>& on_line,
+                     const std::function<bool()>& stop_requested) {
   std::optional<FileLock> lock;
-  if (!task.lock.empty()) {
+  if (!lock_file.empty()) {
     std::error_code ignored;
-    fs::create_directories(task.lock.parent_path(), ignored);
-    lock.emplace(task.lock, [&] { on_line("waiting for another run that renders the same"); });
+    fs::create_directories(lock_file.parent_path(), ignored);
+    lock.emplace(lock_file, [&] { on_line("waiting for another run that renders the same"); });
   }
-  Job job = task.job;
-  if (!device.empty()) job.device.selector = device;
   PieceEnd end;
   end.machine = describe_piece_machine();
-  end.machine.device_index = device;
-  end.child = run_job({program.string()}, job, on_line, stop_requested);
+  end.child = run_child({program.string(), job_command, "/dev/stdin"}, on_line, job, stop_requested);
   end.failure = failure_of(end.child);
   return end;
 }
@@ -184,10 +193,6 @@ void LocalExecutor::run(const std::vector<PieceTask>& tasks, const PieceEvents& 
     end.machine.other_jobs = 0;
     events.on_end(task, std::move(end));
   }
-}
-
-std::unique_ptr<PieceExecutor> make_executor(const ExecutorOptions& options, const fs::path& program) {
-  return std::make_unique<LocalExecutor>(program, options.devices);
 }
 
 }  // namespace lucarium

@@ -18,9 +18,9 @@ class LocalExecutor final : public PieceExecutor {
   std::vector<std::string> devices_;
 };
 
-/// Performs the task in a process of its own, on this machine. `device` as of ExecutorOptions; empty: the job's own.
-PieceEnd perform_task(const std::filesystem::path& program, const PieceTask& task, const std::string& device,
-                      const std::function<void(std::string_view)>& on_line,
-                      const std::function<bool()>& stop_requested = {});
+/// Performs a job (JSON) in a process of its own, on this machine, while it holds `lock` (empty: none).
+PieceEnd perform_job(const std::filesystem::path& program, const std::string& job, const std::filesystem::path& lock,
+                     const std::function<void(std::string_view)>& on_line,
+                     const std::function<bool()>& stop_requested = {});
 
 }  // namespace lucarium

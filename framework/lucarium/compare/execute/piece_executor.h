@@ -29,30 +29,39 @@ struct PieceEnd {
   PieceMachine machine;
 };
 
-/// What a PieceExecutor tells, all of it in the thread that called run().
+/// What a PieceExecutor reports, all of it in the thread that called run().
 struct PieceEvents {
   std::function<void(size_t task)> on_start;                        ///< as far as this is seen from here
   std::function<void(size_t task, std::string_view line)> on_line;  ///< of its standard error
   std::function<void(size_t task, PieceEnd end)> on_end;
-  std::function<void(const std::string& line)> say;  ///< for people, about the whole
+  std::function<void(const std::string& line)> say;                        ///< for people, about the whole
+  std::function<void(double fraction, const std::string& text)> progress;  ///< of the whole, for one line
 };
 
 /// Runs jobs, each in a process of its own, on whatever machines it has.
 class PieceExecutor {
  public:
   virtual ~PieceExecutor() = default;
-  /// Returns when all tasks have ended, and early after an interrupt; on_end then tells of those alone that ended. What
-  /// an event throws stops the tasks and is thrown from here. Throws Error{input} where nothing can be started.
+  /// Returns when all tasks have ended, and early after an interrupt; on_end is then called for those alone that ended.
+  /// What an event throws stops the tasks and is thrown from here. Throws Error{input} where nothing can be started.
   virtual void run(const std::vector<PieceTask>& tasks, const PieceEvents& events) = 0;
   /// Tasks that are sensible at the same time.
   virtual size_t width() const = 0;
+  /// Whether PieceEvents::progress is called, so that lines about each task are too many.
+  virtual bool shows_progress() const { return false; }
+  /// Whether tasks go on after an interrupt, for a later run() to take.
+  virtual bool keeps_tasks() const { return false; }
 };
 
 struct ExecutorOptions {
-  std::vector<std::string> devices;  ///< as --device takes them, shared by the tasks; empty: each job's own
+  enum class Kind { local, slurm } kind = Kind::local;
+  std::vector<std::string> devices;  ///< local: as --device takes them, shared by the tasks; empty: each job's own
+  std::vector<std::string> slurm;    ///< options of sbatch, "partition=long"
 };
 
-/// `program`: the lucarium executable.
-std::unique_ptr<PieceExecutor> make_executor(const ExecutorOptions& options, const std::filesystem::path& program);
+/// `program`: the lucarium executable. `folder`: of the files of jobs that others run; made when it is needed. Throws
+/// Error{usage} for options that cannot be.
+std::unique_ptr<PieceExecutor> make_executor(const ExecutorOptions& options, const std::filesystem::path& program,
+                                             const std::filesystem::path& folder);
 
 }  // namespace lucarium

@@ -69,7 +69,18 @@ void remove_written_files(const fs::path& folder) {
   fs::remove(folder, failure);  // unless something else is in it
 }
 
+/// Jobs that still want them end with an error.
+void remove_slurm_files(const fs::path& folder) {
+  static const std::regex names(R"(batch\d+|warm|run\.txt)");
+  std::error_code failure;
+  for (const fs::directory_entry& entry : list_folder(folder, failure)) {
+    if (std::regex_match(entry.path().filename().string(), names)) fs::remove_all(entry.path(), failure);
+  }
+  fs::remove(folder, failure);
+}
+
 void remove_results(const fs::path& folder) {
+  remove_slurm_files(folder / slurm_folder);
   for (const char* name : written_folders) remove_written_files(folder / name);
   for (const char* name : written_files) remove_file(folder / name);
   remove_file(folder / comparison_file);

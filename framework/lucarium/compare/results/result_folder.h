@@ -4,6 +4,9 @@
 
 namespace lucarium {
 
+/// Below a result folder: what jobs of a scheduler need and leave until it is taken.
+inline constexpr const char* slurm_folder = "slurm";
+
 /// The first thing in a folder that a comparison would write over and that no comparison wrote: there is no
 /// comparison.json in the form in which comparisons write it. Empty where there is none.
 std::filesystem::path find_foreign_file(const std::filesystem::path& folder);

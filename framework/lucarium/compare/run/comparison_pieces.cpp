@@ -80,6 +80,7 @@ bool ComparisonRunner::run_missing_pieces() {
     PieceEvents events;
     events.on_start = [](size_t) {};
     events.say = [this](const std::string& line) { say("  " + line); };
+    events.progress = [this](double fraction, const std::string& text) { show_progress(fraction, text); };
     events.on_line = [&](size_t task, std::string_view line) {
       if (tasks[task].job.verbose && !line.starts_with(error_prefix)) say("  " + std::string(line));
     };
@@ -88,11 +89,12 @@ bool ComparisonRunner::run_missing_pieces() {
       finish_piece(piece, end);
       if (interrupt_requested() && !piece.failure.empty()) return;  // its partial result does not count
       drop_unlike_pieces(piece);
-      log_result(piece, result_.pieces.size() + 1, total);
+      if (!executor_->shows_progress() || !piece.failure.empty()) log_result(piece, result_.pieces.size() + 1, total);
       add_piece(std::move(piece));
       save_when_due();
     };
     executor_->run(tasks, events);
+    progress_.reset();
     if (interrupt_requested() && !missing_pieces(total).empty()) return false;
   }
 }

@@ -143,6 +143,7 @@ void ComparisonRunner::render_missing(std::vector<MissingImage>& missing) {
               : fmt::format("{}: reference {} of {}", scene.name, index + 1, scene.references.size()));
   };
   events.say = [this](const std::string& line) { say("  " + line); };
+  events.progress = [this](double fraction, const std::string& text) { show_progress(fraction, text); };
   events.on_line = [&](size_t, std::string_view line) {
     // Its error is reported when it has ended, and its advice how to go on is not that of a comparison.
     if (!interrupt_requested() && !line.starts_with(error_prefix)) say("  " + std::string(line));
@@ -173,6 +174,7 @@ void ComparisonRunner::render_missing(std::vector<MissingImage>& missing) {
     }
   };
   if (!tasks.empty()) executor_->run(tasks, events);
+  progress_.reset();
   if (!again.empty() && !interrupt_requested()) render_missing(again);
 }
 

@@ -49,6 +49,8 @@ ComparisonResult run_comparison(const ComparisonSpec& spec, const TechniqueRegis
 ComparisonRunner::ComparisonRunner(const ComparisonSpec& spec, const TechniqueRegistry& registry,
                                    const ComparisonOptions& options)
     : spec_(spec), registry_(registry), options_(options), image_pairs_(options.folder) {
+  // Nodes have their own working directory.
+  if (options_.executor.kind == ExecutorOptions::Kind::slurm) options_.folder = fs::absolute(options_.folder);
   check_comparison(spec_);
   result_.spec = spec_;
   result_.version = LUCARIUM_VERSION;
@@ -60,8 +62,23 @@ ComparisonRunner::ComparisonRunner(const ComparisonSpec& spec, const TechniqueRe
   if (!options_.baseline.empty()) compare_with_baseline(result_, options_.baseline);
 }
 
+/// Where earlier jobs may still be at work, on results that a run on this machine does not take.
+void ComparisonRunner::say_left_jobs() const {
+  const fs::path file = options_.folder / slurm_folder / "run.txt";
+  if (options_.executor.kind == ExecutorOptions::Kind::slurm || !fs::exists(file)) return;
+  say(fmt::format("jobs of this comparison ({}) may still be with Slurm; --executor slurm takes what they did",
+                  read_file(file)));
+}
+
 void ComparisonRunner::say(const std::string& line) const {
+  if (progress_) progress_->clear();
   if (options_.progress) options_.progress(line);
+}
+
+void ComparisonRunner::show_progress(double fraction, const std::string& text) {
+  if (!options_.progress) return;
+  if (!progress_) progress_ = std::make_unique<Progress>("slurm", Progress::Style::automatic);
+  progress_->update(fraction, text);
 }
 
 ComparisonResult ComparisonRunner::run() {
@@ -83,7 +100,8 @@ ComparisonResult ComparisonRunner::run() {
   check_folder();  // again: another run may have been quicker
   throw_if_interrupted("planning");
   prepare_folder();  // only now, so that a mistake leaves nothing that stands in the way of the corrected command
-  executor_ = make_executor(options_.executor, options_.program);
+  executor_ = make_executor(options_.executor, options_.program, options_.folder / slurm_folder);
+  say_left_jobs();
   if (!get_references()) {  // without all references there are no conclusions; earlier ones stay
     result_.interrupted = true;
     return result_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/progress.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/comparison_plan.h"
@@ -28,6 +29,7 @@ class ComparisonRunner {
   void write_page();
   /// Of results and page while pieces come: what they cost bounds how often.
   void save_when_due();
+  void say_left_jobs() const;
 
   // References.
   /// One image of a reference that is not there yet.
@@ -69,6 +71,8 @@ class ComparisonRunner {
 
   void update_conclusions();
   void say(const std::string& line) const;
+  /// One line that is drawn again and again.
+  void show_progress(double fraction, const std::string& text);
 
   ComparisonSpec spec_;
   const TechniqueRegistry& registry_;
@@ -79,6 +83,7 @@ class ComparisonRunner {
   std::vector<SummaryKey> changed_;  ///< summaries that miss the newest pieces
   std::map<SummaryKey, int> drops_;  ///< how often pieces of one kind were dropped for another's parameters
   std::unique_ptr<PieceExecutor> executor_;
+  std::unique_ptr<Progress> progress_;
   std::optional<Stopwatch> page_age_, save_age_;
   double page_seconds_ = 0, save_seconds_ = 0;  ///< what the last one took
 };

@@ -14,16 +14,16 @@ namespace lucarium {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t most_rounds = 1000;  // handed out at once
-constexpr double usual_round = 256;   // samples per pixel, but for the first few
+constexpr size_t max_rounds = 1000;  // handed out at once
+constexpr double usual_round = 256;  // samples per pixel, except the first few
 
 /// How many rounds to hand out: all of a goal of samples; of a goal of error half of what it seems to need, since
 /// rounds behind its end are rendered in vain.
 size_t count_rounds(const ReferenceImage& image, const ReferenceGoal& goal, size_t width) {
-  if (goal.relmse <= 0) return most_rounds;
+  if (goal.relmse <= 0) return max_rounds;
   if (!image.error_known()) return std::max<size_t>(width, 2);
   const double samples = static_cast<double>(image.samples()) * (image.error().relmse / goal.relmse - 1);
-  const double rounds = std::min(0.5 * samples / usual_round, static_cast<double>(most_rounds));
+  const double rounds = std::min(0.5 * samples / usual_round, static_cast<double>(max_rounds));
   return std::max(width, static_cast<size_t>(std::max(rounds, 1.0)));
 }
 
@@ -94,19 +94,21 @@ bool extend_shared_reference(PieceExecutor& executor, const Job& job, ReferenceI
     throw_error(ErrorClass::usage,
                 "rounds that are shared out have no clock in common; give --spp or --relmse, not --time");
   Rounds rounds(job, image, goal, events);
-  PieceEvents told;
-  told.on_start = [](size_t) {};
-  told.on_line = [](size_t, std::string_view) {};
-  told.on_end = [&](size_t task, const PieceEnd& end) { rounds.add(task, end); };
-  told.say = events.say;
+  PieceEvents heard;
+  heard.on_start = [](size_t) {};
+  heard.on_line = [](size_t, std::string_view) {};
+  heard.on_end = [&](size_t task, const PieceEnd& end) { rounds.add(task, end); };
+  heard.say = events.say;
+  heard.progress = [](double, const std::string&) {};  // samples say more
   while (!is_reached(image, goal, 0) && !interrupt_requested()) {
     fs::create_directories(folder);
     rounds.plan(plan_rounds(image, goal, job.seed, count_rounds(image, goal, executor.width())), folder);
-    executor.run(rounds.tasks(), told);
+    executor.run(rounds.tasks(), heard);
   }
+  const bool done = is_reached(image, goal, 0);
   std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  return !interrupt_requested() || is_reached(image, goal, 0);
+  if (done || !executor.keeps_tasks()) fs::remove_all(folder, ignored);
+  return done;
 }
 
 }  // namespace lucarium

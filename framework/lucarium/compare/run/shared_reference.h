@@ -9,7 +9,7 @@
 
 namespace lucarium {
 
-/// What extend_shared_reference() tells.
+/// What extend_shared_reference() reports.
 struct SharedReferenceEvents {
   std::function<void(ReferenceImage& image, const Film& round, double seconds)> keep;  ///< after every round
   std::function<void(const ReferenceProgress&)> progress;

@@ -32,6 +32,7 @@ assert OPTION.findall('lucarium scene a.glb --atlas-texcoord1 -q --size=8x8 -V')
     '--atlas-texcoord1', '-q', '--size', '-V']
 
 NOT_RUN = (
+    (r'--executor', 'needs Slurm; compare/execute/slurm_test plays it'),
     (r'[|>]', "a shell's work; cli/completion_* and cli/manual/manual_test do it"),
     (r'…|\[-|\bNAME\b|\bDIR\b|SCENE', 'shows a form'),
     (r'my_technique|occlusion|instant_radiosity|new-technique', 'the sdk tests run it with a plug-in that they build'),
