@@ -20,6 +20,7 @@ struct Parameters {
   int dir_n = 16;
   int cells = 0;
   int tile = 8;
+  int dir_levels = 0;
   int texels = 0;
   float pixel_size = 0.5f;
   float access_gap = 2;
@@ -53,6 +54,9 @@ struct Parameters {
              "cells per edge of a line's subfield, at least 16; 0: from the spacing of directions and the size of the "
              "scene, 64 to 256");
     v.number("tile", tile, 0, 32, "cells", "edge length of tiles; 0: chosen for each patch (paper: 8, 16)");
+    v.number("dir_levels", dir_levels, 0, 3, "",
+             "halvings of dir_n, at most, for rough surfaces whose lobes are as wide as the spacing of directions then "
+             "is: a quarter of the cells each");
     v.number("texels", texels, 0, kMaxAtlasTexels, "texels",
              "target size of the surface atlas; 0: eight per pixel, at least 32768 and at most 262144");
     v.number("pixel_size", pixel_size, 0.1f, 2.f, "texel edges",

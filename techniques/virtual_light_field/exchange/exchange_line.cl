@@ -5,7 +5,8 @@
 // What arrives is added to the irradiance of texel sides and to the cells of facets.
 #include "lucarium/services/texel_sides/side_parts.clh"
 #include "virtual_light_field/exchange/line_rows.clh"
-#ifdef FIELD_PERTURBED
+#if defined(FIELD_PERTURBED) || defined(FIELD_LEVELS)
+#define FIELD_POINTS
 #include "virtual_light_field/exchange/perturbed_ends.clh"
 #endif
 
@@ -22,9 +23,10 @@ typedef struct Exchange {
   const __global float4* extinction;  // per texel side, of the volume behind it [1/m]
   float step;                         // of LAYERED_KEY_DEPTH [m]
 #endif
-#ifdef FIELD_PERTURBED
+#ifdef FIELD_POINTS
   PerturbedLine perturbed;
-#else
+#endif
+#ifndef FIELD_PERTURBED
   __global float4* received;  // of the line's cells: sum of radiance, rays
 #endif
 } Exchange;
@@ -47,6 +49,10 @@ typedef struct FieldEnd {
   uint cell;      // LUCARIUM_NONE: none
   float weight;   // what the ray counts in the irradiance of the side
   float3 leaves;  // radiance along the ray
+#ifdef FIELD_LEVELS
+  uint level, facet, backwards;  // level 0: it has a cell, or none
+  float3 hit;
+#endif
 } FieldEnd;
 
 // backwards: the side is seen from -omega.
@@ -56,10 +62,25 @@ FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint
   result.cell = LUCARIUM_NONE;
   result.weight = 0.0f;
   result.leaves = (float3)(0.0f);
+#ifdef FIELD_LEVELS
+  result.level = 0u;
+#endif
   if (end.side == LUCARIUM_NONE) return result;
   const float4 record = exchange->records[2u * (size_t)end.side];
   result.weight = exchange->weight * part_accessibility(exchange->accessibility, end.side, end.part);
   result.leaves = record.xyz;
+#ifdef FIELD_LEVELS
+  result.facet = as_uint(record.w);
+  result.level = result.facet == LUCARIUM_NONE ? 0u : FIELD_MAP_LEVEL(exchange->maps[result.facet]);
+  if (result.level > 0u) {
+    result.backwards = backwards;
+    result.hit = ray_hit(&exchange->perturbed, end.side, pixel);
+    const float3 omega = exchange->perturbed.ray.omega.xyz;
+    result.leaves += facet_radiance(&exchange->perturbed.field, exchange->sent, result.facet, result.hit,
+                                    backwards ? -omega : omega);
+    return result;
+  }
+#endif
 #ifdef FIELD_PERTURBED
   const uint facet = as_uint(record.w);
   if (facet == LUCARIUM_NONE) return result;
@@ -80,6 +101,10 @@ FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint
 void receive(Exchange* exchange, FieldEnd end, float3 radiance, float rays) {
   if (end.side == LUCARIUM_NONE) return;
   exchange->records[2u * (size_t)end.side + 1u] += end.weight * (float4)(radiance, rays);
+#ifdef FIELD_LEVELS
+  if (end.level > 0u)
+    add_to_coarse_cells(&exchange->perturbed, end.facet, end.level, end.backwards, end.hit, radiance, rays);
+#endif
   if (end.cell == LUCARIUM_NONE) return;
 #ifdef FIELD_PERTURBED
   add_to_cell(&exchange->perturbed, end.cell - exchange->first_cell, radiance, rays);
@@ -130,28 +155,40 @@ void layered_ray_ends(Exchange* exchange, uint2 pixel, uint payload, bool front)
 #endif
 #ifdef FIELD_PERTURBED
 #define EXCHANGE_SUMS uint
-#define EXCHANGE_PERTURBED_PARAMETERS \
-  __global const FieldLine *lines, __global const uint *nodes, __global const SurfacePoint *atlas_points, uint cellwise,
-#define EXCHANGE_SET_SUMS(exchange)                                                      \
-  const LightField field = {info, lines, nodes, 0, maps, tile_cells, inverse_scale, 0u}; \
-  const PerturbedLine perturbed = {field,                                                \
-                                   subfield_of_view(layered_views[0]),                   \
-                                   info.cell / (float)(1u << shift),                     \
-                                   line,                                                 \
-                                   cellwise,                                             \
-                                   1.0f / inverse_scale,                                 \
-                                   atlas_points,                                         \
-                                   received};                                            \
-  (exchange)->perturbed = perturbed;
+#define EXCHANGE_LINE_SUMS received
+#define EXCHANGE_SET_RECEIVED(exchange)
 #else
 #define EXCHANGE_SUMS float4
-#define EXCHANGE_PERTURBED_PARAMETERS
-#define EXCHANGE_SET_SUMS(exchange) (exchange)->received = received;
+#define EXCHANGE_LINE_SUMS 0
+#define EXCHANGE_SET_RECEIVED(exchange) (exchange)->received = received;
 #endif
-#define EXCHANGE_PARAMETERS                                                                                       \
-  LINE_ROWS_PARAMETERS, __global const uint *accessibility, __global const float2 *interior, float weight,        \
-      float inverse_scale, __global const float4 *ends,                                                           \
-      EXCHANGE_MEDIA_PARAMETER EXCHANGE_PERTURBED_PARAMETERS __global const uint *sent, __global float4 *records, \
+#ifdef FIELD_POINTS
+// coarse: sums of cells from info.first_coarse on.
+#define EXCHANGE_POINTS_PARAMETERS                                                                        \
+  __global const FieldLine *lines, __global const uint *nodes, __global const SurfacePoint *atlas_points, \
+      uint cellwise, __global uint *coarse,
+#define EXCHANGE_SET_SUMS(exchange)                                                                \
+  const LightField field = {info, lines, nodes, 0, maps, tile_cells, inverse_scale, 0u};           \
+  const PerturbedLine perturbed = {field,                                                          \
+                                   subfield_of_view(layered_views[0]),                             \
+                                   info.cell / (float)(1u << shift),                               \
+                                   line,                                                           \
+                                   cellwise,                                                       \
+                                   1.0f / inverse_scale,                                           \
+                                   atlas_points,                                                   \
+                                   EXCHANGE_LINE_SUMS,                                             \
+                                   coarse,                                                         \
+                                   lines[line].omega.w * (float)(info.grid * info.grid) / M_PI_F}; \
+  (exchange)->perturbed = perturbed;                                                               \
+  EXCHANGE_SET_RECEIVED(exchange)
+#else
+#define EXCHANGE_POINTS_PARAMETERS
+#define EXCHANGE_SET_SUMS(exchange) EXCHANGE_SET_RECEIVED(exchange)
+#endif
+#define EXCHANGE_PARAMETERS                                                                                    \
+  LINE_ROWS_PARAMETERS, __global const uint *accessibility, __global const float2 *interior, float weight,     \
+      float inverse_scale, __global const float4 *ends,                                                        \
+      EXCHANGE_MEDIA_PARAMETER EXCHANGE_POINTS_PARAMETERS __global const uint *sent, __global float4 *records, \
       __global EXCHANGE_SUMS *received
 #define EXCHANGE_SET(exchange)               \
   LINE_ROWS_SET(exchange)                    \

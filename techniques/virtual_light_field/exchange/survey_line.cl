@@ -5,7 +5,8 @@
 typedef struct Survey {
   LINE_ROWS_MEMBERS
   const __global uint* side_facet;
-  __global float* distances;  // of the nearest pixel so far, of the line's cells from first_cell on
+  __global float* distances;       // of the nearest pixel so far, of the line's cells: those from first_cell on, then
+  uint first_coarse, coarse_base;  // those from first_coarse on, less coarse_base
   __global uint* cell_side;
 } Survey;
 
@@ -26,7 +27,8 @@ void survey_end(Survey* survey, FragmentSide end, uint2 pixel, uint backwards) {
   const float middle = 0.5f * (float)mask;
   const float dx = (float)(pixel.x & mask) - middle, dy = (float)(pixel.y & mask) - middle;
   const float distance = dx * dx + dy * dy + 1.0f;
-  __global float* nearest = survey->distances + (cell - survey->first_cell);
+  __global float* nearest =
+      survey->distances + (cell - (cell < survey->first_coarse ? survey->first_cell : survey->coarse_base));
   if (*nearest > 0.0f && *nearest <= distance) return;
   *nearest = distance;
   survey->cell_side[cell] = end.side;
@@ -43,23 +45,25 @@ void layered_ray_ends(Survey* survey, uint2 pixel, uint payload, bool front) {
   survey_end(survey, fragment_side(survey, payload, front), pixel, 0u);
 }
 
-#define SURVEY_SET(survey)           \
-  LINE_ROWS_SET(survey)              \
-  (survey)->side_facet = side_facet; \
-  (survey)->distances = distances;   \
+#define SURVEY_SET(survey)                    \
+  LINE_ROWS_SET(survey)                       \
+  (survey)->side_facet = side_facet;          \
+  (survey)->distances = distances;            \
+  (survey)->first_coarse = info.first_coarse; \
+  (survey)->coarse_base = coarse_base;        \
   (survey)->cell_side = cell_side;
 
 // distances: 0 at first. cell_side: LUCARIUM_NONE at first.
-__kernel void survey_line(LAYERED_TILE_PARAMETERS LINE_ROWS_PARAMETERS, __global const uint* side_facet,
-                          __global float* distances, __global uint* cell_side) {
+__kernel void survey_line(LAYERED_TILE_PARAMETERS LINE_ROWS_PARAMETERS, uint coarse_base,
+                          __global const uint* side_facet, __global float* distances, __global uint* cell_side) {
   Survey survey;
   SURVEY_SET(&survey);
   LAYERED_RUN_TILES(&survey);
 }
 
 // The same of a line whose fragments are kept.
-__kernel void survey_kept_line(LAYERED_KEPT_PARAMETERS LINE_ROWS_PARAMETERS, __global const uint* side_facet,
-                               __global float* distances, __global uint* cell_side) {
+__kernel void survey_kept_line(LAYERED_KEPT_PARAMETERS LINE_ROWS_PARAMETERS, uint coarse_base,
+                               __global const uint* side_facet, __global float* distances, __global uint* cell_side) {
   Survey survey;
   SURVEY_SET(&survey);
   LAYERED_WALK_KEPT(&survey);

@@ -19,8 +19,8 @@ LightField::Counts LightField::counts() const {
   result.subfield_pixels = subfields_->drawn_pixels();
   result.kept_subfields = subfields_->kept_subfields();
   if (scatter_) result.cells_scattered = scatter_->cells_scattered();
-  result.propagating_bytes =
-      maps_.index_bytes() + cells * (kCellBytes + split) + (scatter_ ? scatter_->norm_bytes() + maps_.list_bytes() : 0);
+  result.propagating_bytes = maps_.index_bytes() + cells * (kCellBytes + split) + subfields_->coarse_bytes() +
+                             (scatter_ ? scatter_->norm_bytes() + maps_.list_bytes() : 0);
   return result;
 }
 

@@ -44,6 +44,8 @@ PatchOptions patch_options(const Parameters& parameters, const SubfieldPlan& sub
   options.tile = static_cast<uint32_t>(parameters.tile);
   options.rows = parameters.store == Store::csr;
   options.cell = subfield.cell;
+  options.dir_n = static_cast<uint32_t>(parameters.dir_n);
+  options.levels = static_cast<uint32_t>(parameters.dir_levels);
   return options;
 }
 

@@ -243,6 +243,7 @@ bool LightField::run_subfield() {
 /// All subfields have been run through.
 void LightField::end_subfields() {
   next_subfield_ = 0;
+  if (stage_ == Stage::preview || stage_ == Stage::transport) subfields_->average_coarse();
   switch (stage_) {
     case Stage::preview: return end_preview_sweep();
     case Stage::transport: return end_sweep();

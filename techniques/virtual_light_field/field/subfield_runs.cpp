@@ -45,7 +45,7 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
       options_(options),
       views_(device, technique_name, "view of a subfield", 1),
       ends_(device, technique_name, "ends of rays", 2),
-      distance_(device, technique_name, "distances of a line's cells", maps.largest_line(), kFewerCells) {
+      distance_(device, technique_name, "distances of a line's cells", maps.largest_survey(), kFewerCells) {
   if (options.perturb > 1)
     perturbed_ = make_perturbed_lines(grid, options.perturb, host_scene.bounds(), options.subfield.cells,
                                       options.subfield.cell, options.seed);
@@ -55,6 +55,9 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
         TypedBuffer<uint32_t>(device, technique_name, "sums of a line's cells", FIELD_FIXED_WORDS * sums, kFewerCells);
   else
     received_ = TypedBuffer<float4>(device, technique_name, "sums of a line's cells", sums, kFewerCells);
+  coarse_ = TypedBuffer<uint32_t>(device, technique_name, "sums of coarse cells",
+                                  FIELD_FIXED_WORDS * std::max<size_t>(maps.coarse_cells(), 1), kFewerCells);
+  coarse_.upload(std::vector<uint32_t>(coarse_.count(), 0));
   const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
   if (!extinctions.empty())
     extinction_ =
@@ -63,7 +66,8 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
   const Program average = make_field_program(device, "exchange/average_line");
   if (maps.cells() > 0) {
     record_survey(raster, atlas, cells, average, false, &survey_);
-    record_average(cells, average);
+    if (maps.info().first_coarse > 0) record_average(cells, average);
+    if (maps.coarse_cells() > 0) record_coarse_average(cells, average);
   }
   record_exchange(device, raster, atlas, interior, accessibility, cells, records, false, &exchange_);
   if (options.cache == 0 || !can_keep(host_scene)) return;
@@ -99,9 +103,10 @@ void SubfieldRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas
   Run run;
   run.line = recorder.variable("line", 0u);
   run.first_cell = recorder.variable("first_cell", 0u);
+  run.coarse_base = recorder.variable("coarse_base", 0u);
   run.cells = recorder.variable("count", 0u);
   recorder.pass("clear distances", average, "clear_survey")
-      .global(maps_->largest_line())
+      .global(maps_->largest_survey())
       .arg("count", run.cells)
       .arg("distances", distance_);
   const Program program = make_field_program(views_.device(), "exchange/survey_line", raster.defines());
@@ -110,6 +115,7 @@ void SubfieldRuns::record_survey(const LayeredRaster& raster, const SurfaceAtlas
     maps_->bind(pass);
     pass.arg("line", run.line)
         .arg("first_cell", run.first_cell)
+        .arg("coarse_base", run.coarse_base)
         .arg("shift", options_.subfield.shift)
         .arg("distances", distance_)
         .arg("cell_side", cells.side);
@@ -129,6 +135,8 @@ void SubfieldRuns::record_exchange(Device& device, const LayeredRaster& raster, 
   std::map<std::string, std::string> defines = raster.defines();
   if (extinction_) defines["FIELD_MEDIA"] = "";
   if (options_.perturb > 1) defines["FIELD_PERTURBED"] = "";
+  const bool levels = maps_->coarse_cells() > 0;
+  if (levels) defines["FIELD_LEVELS"] = "";
   const Program program = make_field_program(device, "exchange/exchange_line", defines);
   ScheduleRecorder recorder =
       scheduler_->record(kept ? "exchange along a kept subfield" : "exchange along a subfield", technique_name);
@@ -150,8 +158,9 @@ void SubfieldRuns::record_exchange(Device& device, const LayeredRaster& raster, 
         .arg("ends", ends_)
         .arg("sent", cells.sent)
         .arg("records", records);
+    if (fixed_ || levels) pass.arg("cellwise", options_.cellwise ? 1u : 0u).arg("coarse", coarse_);
     if (fixed_)
-      pass.arg("cellwise", options_.cellwise ? 1u : 0u).arg("received", fixed_);
+      pass.arg("received", fixed_);
     else
       pass.arg("received", received_);
     if (extinction_) pass.arg("extinction", extinction_);
@@ -180,6 +189,21 @@ void SubfieldRuns::record_average(const CellBuffers& cells, const Program& avera
   else
     pass.arg("scale", average_.scale).arg("received", received_);
   average_.schedule = recorder.compile();
+}
+
+void SubfieldRuns::record_coarse_average(const CellBuffers& cells, const Program& average) {
+  ScheduleRecorder recorder = scheduler_->record("average coarse cells", technique_name);
+  recorder.pass("average coarse cells", average, "average_perturbed")
+      .global(maps_->coarse_cells())
+      .arg("count", maps_->coarse_cells())
+      .arg("first_cell", maps_->info().first_coarse)
+      .arg("incoming", cells.incoming)
+      .arg("received", coarse_);
+  average_coarse_ = recorder.compile();
+}
+
+void SubfieldRuns::average_coarse() {
+  if (average_coarse_) scheduler_->run_to_end(average_coarse_);
 }
 
 bool SubfieldRuns::can_keep(const Scene& scene) {
@@ -218,8 +242,11 @@ bool SubfieldRuns::survey(uint32_t line) {
   const std::vector<uint32_t>& first = maps_->first_cells();
   Run& run = survey_kept_.schedule && kept_->has(line) ? survey_kept_ : survey_;
   run.schedule.set(run.line, line);
+  const std::vector<uint32_t>& coarse = maps_->first_coarse_cells();
+  const uint32_t fine = first[2 * line + 2] - first[2 * line];
   run.schedule.set(run.first_cell, first[2 * line]);
-  run.schedule.set(run.cells, first[2 * line + 2] - first[2 * line]);
+  run.schedule.set(run.coarse_base, coarse[2 * line] - fine);
+  run.schedule.set(run.cells, fine + coarse[2 * line + 2] - coarse[2 * line]);
   scheduler_->run_to_end(run.schedule);
   return true;
 }
@@ -261,6 +288,7 @@ void SubfieldRuns::warm_up() {
   }
   scheduler_->warm_up(exchange_.schedule);
   if (average_.schedule) scheduler_->warm_up(average_.schedule);
+  if (average_coarse_) scheduler_->warm_up(average_coarse_);
 }
 
 }  // namespace lucarium::vlf

@@ -41,6 +41,9 @@ class SubfieldRuns {
   bool keep(uint32_t subfield);
   /// emission: of the sky.
   bool exchange(uint32_t subfield, bool emission, float scale);
+  /// Behind the last exchange of a sweep: what has come to cells of coarser grids, from all lines.
+  void average_coarse();
+  size_t coarse_bytes() const { return average_coarse_ ? coarse_.bytes() : 0; }
 
   /// Subfields that were kept are known from here on.
   void end_keeping() {
@@ -61,7 +64,7 @@ class SubfieldRuns {
   /// What the schedule of a subfield takes.
   struct Run {
     Schedule schedule;
-    Variable<uint32_t> line, first_cell, cells, subfield;
+    Variable<uint32_t> line, first_cell, coarse_base, cells, subfield;
     Variable<float> weight, scale, inverse_scale;
   };
   void record_begin(Device& device, const SceneBuffers& scene);
@@ -71,6 +74,7 @@ class SubfieldRuns {
                        const TexelInterior& interior, const SideAccessibility& accessibility, const CellBuffers& cells,
                        const TypedBuffer<float4>& records, bool kept, Run* run);
   void record_average(const CellBuffers& cells, const Program& average);
+  void record_coarse_average(const CellBuffers& cells, const Program& average);
   bool begin(const FieldLine& subfield, uint32_t number, bool emission);
 
   KernelScheduler* scheduler_;
@@ -80,7 +84,7 @@ class SubfieldRuns {
   std::vector<FieldLine> perturbed_;
   TypedBuffer<LayeredView> views_;
   TypedBuffer<float4> ends_, extinction_, received_;
-  TypedBuffer<uint32_t> fixed_;
+  TypedBuffer<uint32_t> fixed_, coarse_;
   TypedBuffer<float> distance_;
   std::unique_ptr<KeptRows> kept_;
   Schedule begin_;
@@ -88,6 +92,7 @@ class SubfieldRuns {
   Variable<float4> omega_;
   Variable<uint32_t> emission_;
   Run survey_, survey_kept_, exchange_, exchange_kept_, average_;
+  Schedule average_coarse_;
   uint64_t drawn_ = 0;
 };
 

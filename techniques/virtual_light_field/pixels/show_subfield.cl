@@ -6,7 +6,7 @@
 #include "lucarium/scene.clh"
 #include "lucarium/shared/ray.h"
 #include "lucarium/surface_point.clh"
-#include "virtual_light_field/tiles/subfield_cells.clh"
+#include "virtual_light_field/tiles/field_lookup.clh"
 
 // Subfield coordinates [cells] of an image's pixel; outside of [0, subfield) beside the subfield.
 float2 subfield_of_pixel(uint i, uint width, uint height, uint subfield) {
@@ -42,6 +42,7 @@ __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                             __global const AtlasTriangle* restrict atlas_triangles,
                             __global const uint* restrict atlas_table,
                             __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
+                            __global const FieldLine* restrict lines, __global const uint* restrict nodes,
                             __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
                             __global const uint* restrict tile_cells, __global const float* restrict inverse_scale,
                             uint split, uint fold, __global const float4* restrict side_albedo,
@@ -67,9 +68,15 @@ __kernel void show_subfield(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
   if (facet != LUCARIUM_NONE) {
     const float2 at = floor(subfield_of_pixel(i, width, height, info.subfield));
     const uint cell = find_cell(maps[(size_t)(2u * line) * info.facets + facet], tile_cells, (int)at.x, (int)at.y);
-    if (cell != LUCARIUM_NONE && total[cell] != FIELD_NO_CELL) {
+    if (cell != LUCARIUM_NONE && FIELD_MAP_LEVEL(maps[facet]) == 0u && total[cell] != FIELD_NO_CELL) {
       light += inverse_scale[0] * unpack_rgb9e5(total[cell]);
       if (split) light += inverse_scale[0] * unpack_rgb9e5(direct[cell]);
+    }
+    // A facet of a coarser grid has cells of its directions alone.
+    if (FIELD_MAP_LEVEL(maps[facet]) > 0u) {
+      const LightField field = {info, lines, nodes, side_facet, maps, tile_cells, inverse_scale[0], 0u};
+      light += facet_radiance(&field, total, facet, surface.position, lines[line].omega.xyz);
+      if (split) light += facet_radiance(&field, direct, facet, surface.position, lines[line].omega.xyz);
     }
   } else if (fold) {
     albedo += side_albedo[side].xyz;

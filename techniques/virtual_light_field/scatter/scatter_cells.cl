@@ -37,7 +37,7 @@ float4 incoming_radiance(const Incoming* in, uint facet, uint direction, float3 
 
 // The same from any direction, by the nodes around it: sum b L / sum b over those that are known.
 float4 interpolated_radiance(const Incoming* in, uint facet, float3 from, float3 position) {
-  const GridLookup lookup = look_up_direction(in->info, in->nodes, from);
+  const GridLookup lookup = look_up_direction_of(in->info, in->nodes, from, FIELD_MAP_LEVEL(in->maps[facet]));
   float4 sum = (float4)(0.0f);
   for (int q = 0; q < 3; ++q) {
     if (!(lookup.weight[q] > 0.0f)) continue;
@@ -112,11 +112,14 @@ float3 rough_light(const Incoming* in, const Scene* scene, const Bsdf* bsdf, uin
   // D(h) >= LOBE_CUT D(n), as a bound on the squared cosine of h (ggx.clh).
   const float a2 = bsdf->alpha * bsdf->alpha;
   const float cut = fmax(1.0f - a2 * rsqrt(LOBE_CUT), 0.0f) / fmax(1.0f - a2, 1e-6f);
+  const bool coarse = FIELD_MAP_LEVEL(in->maps[facet]) > 0u;
   // Add directions of which the lobe reflects or transmits a noticeable part.
   for (uint direction = 0u; direction < 2u * in->info.lines; ++direction) {
     const float3 l = field_direction(in->lines, direction);
     const bool above = dot(bsdf->n_s, l) > 0.0f;
     if (above ? !reflects : !transmits) continue;
+    const FieldMap map = in->maps[(size_t)direction * in->info.facets + (above ? facet : behind)];
+    if (coarse && FIELD_MAP_WIDTH(map) == 0u) continue;
     if (above) {
       const float3 h = bsdf->view + l;
       const float along = dot(bsdf->n_s, h);
@@ -239,7 +242,8 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const FieldLine line = lines[direction >> 1];
     const float3 view = field_direction(lines, direction);
     const Splats splats = {subfields, perturb, direction, splat == SPLAT_MEANS};
-    const float measure = info.cell * info.cell * line.omega.w;
+    // A direction of the grid n / 2^level stands for 4^level of all.
+    const float measure = info.cell * info.cell * line.omega.w * (float)(1u << 2u * FIELD_MAP_LEVEL(maps[facet]));
     for (uint k = 0u; k < tile.count; ++k) {
       // Pass over cells of the tile that show nothing.
       const uint cell = tile.first + k, side = cell_side[cell];

@@ -22,22 +22,23 @@ LUCARIUM_STRUCT_END(FieldLine, 64)
 LUCARIUM_STRUCT_BEGIN(FieldMap)
 uint first;
 uint corner;  // first cell x | y << 16 of the rectangle, multiples of m; of rows x is 0
-uint size;    // in tiles: w | h << 12; m << 24
+uint size;    // in tiles: w | h << 12; m << 24; level of the facet << 30, in all of its maps
 LUCARIUM_STRUCT_END(FieldMap, 12)
 #define FIELD_MAP_WIDTH(map) ((map).size & 0xfffu)
 #define FIELD_MAP_HEIGHT(map) ((map).size >> 12 & 0xfffu)
-#define FIELD_MAP_TILE(map) ((map).size >> 24)
+#define FIELD_MAP_TILE(map) ((map).size >> 24 & 63u)
+#define FIELD_MAP_LEVEL(map) ((map).size >> 30)
 
 LUCARIUM_STRUCT_BEGIN(FieldInfo)
 float4 rotation0, rotation1, rotation2;  // rows: world to the axes of the octahedral grid
 uint grid;                               // n: cells of the grid per edge of the octahedron
 uint lines;                              // 2 n^2 + 1
 uint facets;
-uint subfield;     // N: cells per edge of a subfield
-float cell;        // c: edge of a cell [m]
-float texel_edge;  // of the surface atlas [m]
-float angle;       // spacing of directions delta [rad]
-uint pad;
+uint subfield;      // N: cells per edge of a subfield
+float cell;         // c: edge of a cell [m]
+float texel_edge;   // of the surface atlas [m]
+float angle;        // spacing of directions delta [rad]
+uint first_coarse;  // cell; from here on those of facets with a level
 LUCARIUM_STRUCT_END(FieldInfo, 80)
 
 // What stands for a cell without light in RGB9E5; pack_cell() never makes it.
@@ -48,12 +49,13 @@ LUCARIUM_STRUCT_BEGIN(FieldFacet)
 uint first, count;
 uint front;  // 1: fronts of triangles, 0: backs
 uint tile;   // 0: rows
-LUCARIUM_STRUCT_END(FieldFacet, 16)
+uint level;  // it has maps for the directions of the grid n / 2^level alone (dir_levels)
+LUCARIUM_STRUCT_END(FieldFacet, 20)
 
 #define CELL_REACH 2.0f  // farthest point of a cell from that of its texel side [texel edges]
 
-// What perturbed lines bring to a cell: four sums (radiance times scale, rays) of 64 bits, low word first, in steps of
-// 1 / FIELD_FIXED. Integers may be added in any order.
+// What rays of other directions than a cell's own bring to it: four sums (radiance times scale, rays) of 64 bits, low
+// word first, in steps of 1 / FIELD_FIXED. Integers may be added in any order.
 #define FIELD_FIXED 1048576.0f
 #define FIELD_FIXED_WORDS 8u
 

@@ -39,14 +39,17 @@ int4 tile_range(Projected t, uint subfield, uint m) {
   return (int4)((int)low.x, (int)low.y, (int)high.x, (int)high.y) / (int)max(m, 1u);
 }
 
-// Work-item (facet, direction): the rectangle of tiles, and how many it has.
-__kernel void bound_maps(FACET_PARAMETERS, __global FieldMap* restrict maps, __global uint* restrict counts) {
+// Work-item (facet, direction): the rectangle of tiles, and how many it has. line_levels: the greatest level whose grid
+// has the line.
+__kernel void bound_maps(FACET_PARAMETERS, const __global uint* restrict line_levels, __global FieldMap* restrict maps,
+                         __global uint* restrict counts) {
   const uint facet = get_global_id(0), direction = get_global_id(1);
   if (facet >= info.facets) return;
   const FieldFacet own = facets[facet];
   const FieldLine line = lines[direction >> 1];
   int4 range = (int4)(INT_MAX, INT_MAX, -1, -1);
-  for (uint i = own.first; i < own.first + own.count; ++i) {
+  const uint count = own.level <= line_levels[direction >> 1] ? own.count : 0u;
+  for (uint i = own.first; i < own.first + count; ++i) {
     const Projected t =
         project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
     if (!t.faces) continue;
@@ -60,7 +63,7 @@ __kernel void bound_maps(FACET_PARAMETERS, __global FieldMap* restrict maps, __g
   FieldMap map;
   map.first = 0u;
   map.corner = seen ? (uint)range.x * own.tile | (uint)range.y * max(own.tile, 1u) << 16 : 0u;
-  map.size = w | h << 12 | own.tile << 24;
+  map.size = w | h << 12 | own.tile << 24 | own.level << 30;
   maps[index] = map;
   counts[index] = rows ? 2u * h : w * h;
 }
@@ -79,9 +82,10 @@ bool touches(Projected t, float2 low, float2 high) {
   return true;
 }
 
-// Work-item (facet, direction): starts: where its entries begin. cells: of each entry, 0 where no triangle comes.
+// Work-item (facet, direction): starts: where its entries begin. fine, coarse: cells of each entry, 0 where no triangle
+// comes, of facets without a level and of those with one.
 __kernel void mark_tiles(FACET_PARAMETERS, const __global uint* restrict starts, __global FieldMap* restrict maps,
-                         __global uint* restrict cells) {
+                         __global uint* fine, __global uint* coarse) {
   const uint facet = get_global_id(0), direction = get_global_id(1);
   if (facet >= info.facets) return;
   const size_t index = (size_t)direction * info.facets + facet;
@@ -91,7 +95,9 @@ __kernel void mark_tiles(FACET_PARAMETERS, const __global uint* restrict starts,
   const FieldFacet own = facets[facet];
   const FieldLine line = lines[direction >> 1];
   const uint w = FIELD_MAP_WIDTH(map), h = FIELD_MAP_HEIGHT(map), m = own.tile;
+  __global uint* cells = own.level > 0u ? coarse : fine;
   for (uint i = 0u; i < w * h; ++i) cells[map.first + i] = 0u;
+  if (w == 0u) return;
   const int2 corner = (int2)((int)(map.corner & 0xffffu), (int)(map.corner >> 16)) / (int)m;
   for (uint i = own.first; i < own.first + own.count; ++i) {
     const Projected t =
@@ -124,10 +130,10 @@ int2 row_range(Projected t, int y, uint subfield) {
                 (int)clamp(last + 1.0f, 0.0f, (float)(subfield - 1u)));
 }
 
-// The same with store=csr. cells: of each row, at its even entry; spans: where it begins, x | cells << 16, at its odd
+// The same with store=csr: cells of each row, at its even entry; spans: where it begins, x | cells << 16, at its odd
 // one. Between its ends a row has no gaps, whether or not the facet has.
 __kernel void mark_rows(FACET_PARAMETERS, const __global uint* restrict starts, __global FieldMap* restrict maps,
-                        __global uint* restrict cells, __global uint* restrict spans) {
+                        __global uint* fine, __global uint* coarse, __global uint* restrict spans) {
   const uint facet = get_global_id(0), direction = get_global_id(1);
   if (facet >= info.facets) return;
   const size_t index = (size_t)direction * info.facets + facet;
@@ -138,7 +144,9 @@ __kernel void mark_rows(FACET_PARAMETERS, const __global uint* restrict starts, 
   const FieldLine line = lines[direction >> 1];
   const int y0 = (int)(map.corner >> 16);
   const uint h = FIELD_MAP_HEIGHT(map);
+  __global uint* cells = own.level > 0u ? coarse : fine;
   for (uint i = 0u; i < 2u * h; ++i) cells[map.first + i] = spans[map.first + i] = 0u;
+  if (h == 0u) return;
   for (uint i = own.first; i < own.first + own.count; ++i) {
     const Projected t =
         project_triangle(scene_vertices, scene_triangles[facet_triangles[i]], line, own.front, direction & 1u);
@@ -155,23 +163,25 @@ __kernel void mark_rows(FACET_PARAMETERS, const __global uint* restrict starts, 
   }
 }
 
-// Work-item: an entry. rows: 1 with store=csr; spans: see mark_rows(). offsets: cells before it. tile_cells: its first
-// cell, and flags for a list of tiles.
-__kernel void number_tiles(uint count, uint rows, const __global uint* restrict spans,
-                           const __global uint* restrict cells, const __global uint* restrict offsets,
+// Work-item: an entry. rows: 1 with store=csr; spans: see mark_rows(). offsets: cells before it, of their kind; coarse
+// ones follow fine_cells others. tile_cells: its first cell, and flags for a list of tiles.
+__kernel void number_tiles(uint count, uint rows, uint fine_cells, const __global uint* restrict spans,
+                           const __global uint* restrict fine, const __global uint* restrict coarse,
+                           const __global uint* restrict fine_offsets, const __global uint* restrict coarse_offsets,
                            __global uint* restrict tile_cells, __global uint* restrict flags) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  tile_cells[i] = rows && i & 1u ? spans[i] : cells[i] ? offsets[i] : LUCARIUM_NONE;
-  flags[i] = cells[i] != 0u;
+  const uint first = fine[i] ? fine_offsets[i] : coarse[i] ? fine_cells + coarse_offsets[i] : LUCARIUM_NONE;
+  tile_cells[i] = rows && i & 1u ? spans[i] : first;
+  flags[i] = first != LUCARIUM_NONE;
 }
 
-// Work-item: a direction. Its first cell; `total` behind the last.
-__kernel void begin_directions(uint facets, uint directions, uint entries, uint total,
+// Work-item: a direction. Its first cell; `total` behind the last. before: cells of the other kind that come first.
+__kernel void begin_directions(uint facets, uint directions, uint entries, uint before, uint total,
                                const __global FieldMap* restrict maps, const __global uint* restrict offsets,
                                __global uint* restrict first_cells) {
   const uint direction = get_global_id(0);
   if (direction > directions) return;
   const uint entry = direction < directions ? maps[(size_t)direction * facets].first : entries;
-  first_cells[direction] = entry < entries ? offsets[entry] : total;
+  first_cells[direction] = before + (entry < entries ? offsets[entry] : total);
 }

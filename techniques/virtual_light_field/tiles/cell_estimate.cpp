@@ -23,7 +23,7 @@ constexpr double kJoinedAngle = 75;  // of normals, beyond which triangles share
 struct Patch {
   std::vector<uint32_t> triangles;
   bool back = false;
-  uint32_t tile = 0;
+  uint32_t tile = 0, level = 0;
 };
 
 /// Small triangles that are likely to share a texel go to the patch that has most of it (patches.h).
@@ -55,6 +55,12 @@ void join_in_texels(const PatchMesh& mesh, double texel_edge, std::vector<uint32
   }
 }
 
+/// GGX width of a material where it is certain, else 0.
+double min_width(const SceneMaterial& material) {
+  if (material.metallic_roughness_texture.texture >= 0 || material.transmission > 0) return 0;
+  return static_cast<double>(material.roughness) * static_cast<double>(material.roughness);
+}
+
 std::vector<Patch> patches_of(const Scene& scene, const PatchMesh& mesh, const PatchOptions& options,
                               double texel_edge) {
   uint32_t count = 0;
@@ -66,7 +72,9 @@ std::vector<Patch> patches_of(const Scene& scene, const PatchMesh& mesh, const P
     if (!(mesh.areas[t] > 0)) continue;
     Patch& patch = patches[patch_of[t]];
     patch.triangles.push_back(t);
-    patch.back = is_two_sided(scene.materials[scene.instances[mesh.triangles[t].instance].material]);
+    const SceneMaterial& material = scene.materials[scene.instances[mesh.triangles[t].instance].material];
+    patch.back = is_two_sided(material);
+    patch.level = level_of(min_width(material), options);
   }
   patches.erase(std::remove_if(patches.begin(), patches.end(), [](const Patch& p) { return p.triangles.empty(); }),
                 patches.end());
@@ -195,7 +203,7 @@ CellCounts expect_cells(const Scene& scene, const std::vector<uint8_t>& tiled, c
   const std::vector<Patch> patches = patches_of(scene, mesh, options, texel_edge);
   const DirectionGrid few(std::min(dir_n, mesh.triangles.size() < kManyTriangles ? kMore : kFew), kSeed);
   const double directions = 4. * dir_n * dir_n + 2;
-  CellCounts sums;
+  std::vector<CellCounts> by_level(options.levels + 1);
   std::vector<Projected> sides[2];
   for (const FieldLine& line : make_lines(few, scene.bounds(), subfield, options.cell, kSeed))
     for (const Patch& patch : patches) {
@@ -205,14 +213,19 @@ CellCounts expect_cells(const Scene& scene, const std::vector<uint8_t>& tiled, c
       MapCounter counter(subfield, patch.tile);
       // The front is seen from a direction and the back from its opposite, and the other way round.
       for (const auto& side : sides)
-        for (int facet = 0; facet < (patch.back ? 2 : 1); ++facet) counter.count(side, &sums);
+        for (int facet = 0; facet < (patch.back ? 2 : 1); ++facet) counter.count(side, &by_level[patch.level]);
     }
-  const double times = directions / few.directions();
+  CellCounts sums;
   for (const Patch& patch : patches) sums.maps += patch.back ? 2 : 1;
   sums.maps *= directions;
-  sums.cells *= times;
-  sums.tiles *= times;
-  sums.entries *= times;
+  for (uint32_t level = 0; level < by_level.size(); ++level) {
+    const uint32_t n = dir_n >> level;
+    const double times = (4. * n * n + 2) / few.directions();
+    sums.cells += times * by_level[level].cells;
+    sums.tiles += times * by_level[level].tiles;
+    sums.entries += times * by_level[level].entries;
+    if (level > 0) sums.coarse_cells += times * by_level[level].cells;
+  }
   return sums;
 }
 

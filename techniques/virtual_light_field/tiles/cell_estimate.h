@@ -12,6 +12,7 @@ namespace lucarium::vlf {
 struct CellCounts {
   double cells = 0, tiles = 0, entries = 0;  ///< as TileMaps; entries: of tile_cells
   double maps = 0;
+  double coarse_cells = 0;  ///< of the cells, those of facets with a level
 };
 
 /// Counts them on the subfields of few directions, as build_maps.cl does. `tiled`: per instance, 1 where it keeps

@@ -15,11 +15,13 @@
 #include "lucarium/base/numbers.h"
 #include "lucarium/scene/device/specular_albedo.h"
 #include "lucarium/scene/mesh_topology.h"
+#include "virtual_light_field/directions/direction_grid.h"
 #include "virtual_light_field/tiles/patch_growth.h"
 
 namespace lucarium::vlf {
 namespace {
 
+constexpr uint32_t kMinGrid = 2;    // n
 constexpr int kAlbedoAverages = 129;  // specular_albedo.clh
 constexpr double kCellBytes = 16, kTileBytes = 24,
                  kEntryBytes = 4;  // of a tile: its share of norms, and its place in the list
@@ -128,13 +130,27 @@ std::vector<std::vector<uint32_t>> collect_members(const AtlasSides& sides, cons
   return members;
 }
 
-void add_facet(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, bool front, const PatchOptions& options,
-               Patches* result) {
+/// Least GGX width of the sides of each patch; 0 where one shows what is behind it ideally.
+std::vector<double> min_widths(const AtlasSides& sides, const std::vector<uint32_t>& side_facet, size_t patches) {
+  std::vector<double> result(patches, 1);
+  for (uint32_t side = 0; side < sides.count; ++side) {
+    if (side_facet[side] == LUCARIUM_NONE) continue;
+    const AtlasMaterial& m = sides.materials[side];
+    const bool ideal = m.emission.w > 0 && bright(m.transmission.xyz()) > 0;
+    double& smallest = result[side_facet[side] / 2];
+    smallest = std::min(smallest, ideal ? 0 : static_cast<double>(m.diffuse.w));
+  }
+  return result;
+}
+
+void add_facet(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, bool front, uint32_t level,
+               const PatchOptions& options, Patches* result) {
   FieldFacet made{};
   made.first = static_cast<uint32_t>(result->triangles.size());
   made.count = static_cast<uint32_t>(triangles.size());
   made.front = front ? 1 : 0;
   made.tile = tile_of(mesh, triangles, options);
+  made.level = level;
   result->facets.push_back(made);
   result->triangles.insert(result->triangles.end(), triangles.begin(), triangles.end());
 }
@@ -177,6 +193,16 @@ uint32_t tile_of(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, 
   return best_tile(shape.area, shape.perimeter, options.cell);
 }
 
+uint32_t level_of(double alpha, const PatchOptions& options) {
+  uint32_t level = 0;
+  while (level < options.levels) {
+    const uint32_t n = options.dir_n >> (level + 1);
+    if (n << (level + 1) != options.dir_n || n < kMinGrid || DirectionGrid::spacing(n) > alpha) break;
+    ++level;
+  }
+  return level;
+}
+
 Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options) {
   Patches result;
   const AtlasSides sides(atlas);
@@ -186,11 +212,12 @@ Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, con
   const PatchMesh mesh(buffers);
   const std::vector<std::vector<uint32_t>> members =
       collect_members(sides, mesh, tiled, options.cone, &result.side_facet);
+  const std::vector<double> widths = min_widths(sides, result.side_facet, members.size() / 2);
   std::vector<uint32_t> number(members.size(), LUCARIUM_NONE);
   for (uint32_t facet = 0; facet < members.size(); ++facet) {
     if (members[facet].empty()) continue;
     number[facet] = static_cast<uint32_t>(result.facets.size());
-    add_facet(mesh, members[facet], facet % 2 == 0, options, &result);
+    add_facet(mesh, members[facet], facet % 2 == 0, level_of(widths[facet / 2], options), options, &result);
   }
   for (uint32_t& facet : result.side_facet)
     if (facet != LUCARIUM_NONE) facet = number[facet];

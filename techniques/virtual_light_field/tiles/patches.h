@@ -27,6 +27,8 @@ struct PatchOptions {
   uint32_t tile = 8;         ///< m; 0: chosen for each patch
   bool rows = false;         ///< no tiles: FieldFacet::tile is 0
   double cell = 0;           ///< c [m]
+  uint32_t dir_n = 16;
+  uint32_t levels = 0;  ///< dir_levels
 };
 Patches make_patches(const SurfaceAtlas& atlas, const SceneBuffers& buffers, const PatchOptions& options);
 
@@ -35,6 +37,10 @@ bool is_tiled(const SceneMaterial& material, double tile_albedo);
 
 /// FieldFacet::tile of a patch of these triangles.
 uint32_t tile_of(const PatchMesh& mesh, const std::vector<uint32_t>& triangles, const PatchOptions& options);
+
+/// FieldFacet::level of surfaces whose GGX widths are at least `alpha`: the greatest of at most `options.levels` whose
+/// directions are no farther apart.
+uint32_t level_of(double alpha, const PatchOptions& options);
 
 /// Expected cells of a patch of area A and perimeter P₃ on the subfield of a random direction, in tiles of m × m, both
 /// sides together (derivation: patches.cpp).

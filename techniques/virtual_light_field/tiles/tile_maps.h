@@ -26,11 +26,16 @@ class TileMaps {
 
   const FieldInfo& info() const { return info_; }
   uint32_t cells() const { return cells_; }
+  /// Of facets with a level, behind all others: from info().first_coarse on.
+  uint32_t coarse_cells() const { return cells_ - info_.first_coarse; }
   uint32_t tiles() const { return tiles_; }
   const std::vector<FieldLine>& host_lines() const { return host_lines_; }
-  /// First cell of each direction, and the number of cells behind the last: those of a line follow each other.
+  /// First cell of each direction, and the number of cells behind the last: those of a line follow each other. Those of
+  /// facets with a level are counted apart.
   const std::vector<uint32_t>& first_cells() const { return first_cells_; }
-  uint32_t largest_line() const;  ///< cells
+  const std::vector<uint32_t>& first_coarse_cells() const { return first_coarse_cells_; }
+  uint32_t largest_line() const;    ///< cells of facets without a level
+  uint32_t largest_survey() const;  ///< all cells
 
   const TypedBuffer<FieldLine>& lines() const { return lines_; }
   const TypedBuffer<uint32_t>& nodes() const { return nodes_; }
@@ -48,7 +53,7 @@ class TileMaps {
  private:
   FieldInfo info_{};
   std::vector<FieldLine> host_lines_;
-  std::vector<uint32_t> first_cells_;
+  std::vector<uint32_t> first_cells_, first_coarse_cells_;
   uint32_t cells_ = 0, tiles_ = 0;
   TypedBuffer<FieldLine> lines_;
   TypedBuffer<uint32_t> nodes_, side_facet_, tile_cells_, tile_list_;

@@ -70,9 +70,15 @@ vlf::Parameters field(int dir_n) {
 }  // namespace
 
 TEST_CASE("in a shining box of metal every cell sends its lobe's albedo, and light scattered once has its mean") {
-  for (const float roughness : {0.3f, 0.6f}) {
+  struct Case {
+    float roughness;
+    int dir_n, levels;
+  };
+  for (const auto& [roughness, dir_n, levels] : {Case{0.3f, 6, 0}, Case{0.6f, 6, 0}, Case{0.95f, 12, 2}}) {
     CAPTURE(roughness);
-    test::FieldRig rig(shining_box(0.8f, roughness), field(6), {.max_bounces = 1});
+    vlf::Parameters parameters = field(dir_n);
+    parameters.dir_levels = levels;
+    test::FieldRig rig(shining_box(0.8f, roughness), parameters, {.max_bounces = 1});
     rig.propagate(2);
     const double expected = mean_albedo(0.8, static_cast<double>(roughness)), found = [&] {
       double sum = 0;
@@ -86,6 +92,7 @@ TEST_CASE("in a shining box of metal every cell sends its lobe's albedo, and lig
     const std::vector<FieldMap> all = maps.maps().download();
     const std::vector<uint32_t> tiles = maps.tile_cells().download(), direct = rig.field().direct().download();
     const vlf::Patches& patches = rig.surfaces().patches;
+    for (const FieldFacet& facet : patches.facets) CHECK(facet.level == static_cast<uint32_t>(levels));
     const std::vector<Triangle> triangles = rig.buffers().scene_triangles.download();
     const std::vector<Vertex> vertices = rig.buffers().scene_vertices.download();
     uint64_t known = 0;
