@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "lamp_box.h"
 #include "lucarium/scene/look_at.h"
@@ -25,7 +26,7 @@ Scene metal_box(float roughness) {
   return scene;
 }
 
-vlf::Parameters field(int levels, int dir_n = 8) {
+vlf::Parameters levels_field(int levels, int dir_n = 8) {
   vlf::Parameters parameters;
   parameters.dir_n = dir_n;
   parameters.dir_levels = levels;
@@ -39,6 +40,13 @@ vlf::Parameters field(int levels, int dir_n = 8) {
 std::vector<double> walls(const test::FieldRig& rig) {
   std::vector<double> result;
   for (int wall = 0; wall <= LampBox::kLamp; ++wall) result.push_back(rig.mean(rig.all(), wall));
+  return result;
+}
+
+/// The greatest relative difference.
+double farthest(const std::vector<double>& found, const std::vector<double>& expected) {
+  double result = 0;
+  for (size_t i = 0; i < found.size(); ++i) result = std::max(result, std::abs(found[i] / expected[i] - 1));
   return result;
 }
 
@@ -87,7 +95,7 @@ TEST_CASE("a surface takes the coarsest grid whose directions are as near as its
 TEST_CASE("mirrors and narrow lobes have the bits of a field without levels") {
   for (const float roughness : {0.f, 0.4f}) {
     CAPTURE(roughness);
-    test::FieldRig without(metal_box(roughness), field(0)), with(metal_box(roughness), field(3));
+    test::FieldRig without(metal_box(roughness), levels_field(0)), with(metal_box(roughness), levels_field(3));
     CHECK(with.field().maps().coarse_cells() == 0);
     without.propagate();
     with.propagate();
@@ -98,22 +106,26 @@ TEST_CASE("mirrors and narrow lobes have the bits of a field without levels") {
 
 TEST_CASE("a level has a quarter of the cells, in memory too, and the light that a field without it has") {
   // GGX widths .64 and .9 at spacings of .436 (n = 4) and .836 (n = 2).
-  for (const auto& [roughness, level] : {std::pair{0.8f, 1u}, std::pair{0.95f, 2u}}) {
+  // Nine lines are the fewest that there can be.
+  for (const auto& [roughness, level, tolerance] : {std::tuple{0.8f, 1u, 0.01}, std::tuple{0.95f, 2u, 0.025}}) {
     CAPTURE(roughness);
-    test::FieldRig without(metal_box(roughness), field(0));
+    test::FieldRig without(metal_box(roughness), levels_field(0));
     without.propagate();
     const std::vector<double> expected = walls(without);
     const double cells = without.field().maps().cells();
+    // All on the coarser grid: what a level must not be worse than.
+    test::FieldRig coarse(metal_box(roughness), levels_field(0, 8 >> level));
+    coarse.propagate();
+    const double allowed = farthest(walls(coarse), expected);
     const auto rendering = static_cast<double>(without.field().counts().rendering_bytes);
     struct Case {
       int perturb;
       vlf::Store store;
-      double tolerance;
     };
-    for (const auto& [perturb, store, tolerance] :
-         {Case{1, vlf::Store::tiles, 0.01}, Case{1, vlf::Store::csr, 0.01}, Case{3, vlf::Store::tiles, 0.015}}) {
+    for (const auto& [perturb, store] :
+         {Case{1, vlf::Store::tiles}, Case{1, vlf::Store::csr}, Case{3, vlf::Store::tiles}}) {
       CAPTURE(perturb);
-      vlf::Parameters parameters = field(static_cast<int>(level));
+      vlf::Parameters parameters = levels_field(static_cast<int>(level));
       parameters.perturb = perturb;
       parameters.store = store;
       test::FieldRig with(metal_box(roughness), parameters);
@@ -127,12 +139,10 @@ TEST_CASE("a level has a quarter of the cells, in memory too, and the light that
       }
       with.propagate();
       const std::vector<double> found = walls(with);
-      for (size_t wall = 0; wall < found.size(); ++wall) {
-        CAPTURE(wall);
-        MESSAGE("level ", level, ", perturb ", perturb, ", wall ", wall, ": ", found[wall], ", off by ",
-                found[wall] / expected[wall] - 1);
-        CHECK(found[wall] == relative(expected[wall], tolerance));
-      }
+      const double off = farthest(found, expected);
+      MESSAGE("level ", level, ", perturb ", perturb, ": walls off by up to ", off, ", on the coarser grid ", allowed);
+      CHECK(off < tolerance);
+      CHECK(off < allowed);
     }
   }
 }
@@ -155,6 +165,6 @@ TEST_CASE("surfaces with and without a level stand beside each other, and in pic
   }
   MESSAGE("cells ", cells[0], " and ", cells[1], ", mean of the picture ", means[0], " and ", means[1]);
   CHECK(cells[1] < 0.7 * cells[0]);
-  CHECK(means[1] == relative(means[0], 0.01));
+  CHECK(means[1] == relative(means[0], 0.02));
   CHECK(subfields[1] == relative(subfields[0], 0.02));
 }

@@ -46,8 +46,10 @@ struct Memory {
 };
 
 /// The most that is held while texels are prepared and light is propagated.
-Memory memory_of(const std::string& name, const Options& parameters) {
-  Scene scene = load_scene(name);
+Memory memory_of(const std::string& name, const std::vector<std::string>& materials, const Options& parameters) {
+  SceneOverrides overrides;
+  overrides.materials = materials;
+  Scene scene = load_scene(name, overrides);
   RenderSettings settings;
   settings.width = settings.height = 24;
   settings.camera = scene.cameras.front();
@@ -82,8 +84,16 @@ TEST_CASE("stated memory is what is taken, up to a tenth") {
       {"builtin:atrium", {{"cells", "64"}}},
   };
   for (const auto& [name, more] : cases) {
-    const Memory memory = memory_of(name, with(few, more));
+    const Memory memory = memory_of(name, {}, with(few, more));
     CAPTURE(name);
+    CHECK(memory.taken / memory.stated == doctest::Approx(1).epsilon(0.1));
+  }
+  for (const char* levels : {"0", "1"}) {
+    const Memory memory = memory_of("builtin:cornell-mirror", {"mirror:roughness=0.8"},
+                                    with(few, {{"cells", "128"}, {"dir_levels", levels}}));
+    CAPTURE(std::string(levels));
+    MESSAGE("rough metal, dir_levels ", std::string(levels), ": takes ", memory.taken / memory.stated,
+            " of the stated");
     CHECK(memory.taken / memory.stated == doctest::Approx(1).epsilon(0.1));
   }
 }
