@@ -43,7 +43,8 @@ size_t cell_bytes(const Parameters& parameters, const CellCounts& counts) {
   const double cell = LightField::kCellBytes + (parameters.split_layers ? LightField::kSplitBytes : 0);
   // Sums of the line that has most cells, about twice the mean.
   const double lines = 2. * parameters.dir_n * parameters.dir_n + 1;
-  const double sums = 2 * (1 - counts.coarse_cells / std::max(counts.cells, 1.)) * (parameters.perturb > 1 ? FIELD_FIXED_WORDS * sizeof(uint32_t) : sizeof(float4)) / lines;
+  const double sums = 2 * (1 - counts.coarse_cells / std::max(counts.cells, 1.)) *
+                      (parameters.perturb > 1 ? FIELD_FIXED_WORDS * sizeof(uint32_t) : sizeof(float4)) / lines;
   const double coarse = FIELD_FIXED_WORDS * sizeof(uint32_t) * counts.coarse_cells;
   return static_cast<size_t>(counts.cells * (cell + sums) + coarse + counts.tiles * kTileBytes +
                              counts.entries * sizeof(uint32_t) + counts.maps * sizeof(FieldMap));

@@ -123,10 +123,10 @@ glm::dvec3 DirectionGrid::direction(uint32_t index) const {
   return index & 1 ? -omegas_[index / 2] : omegas_[index / 2];
 }
 
-std::vector<uint32_t> DirectionGrid::levels(uint32_t most) const {
+std::vector<uint32_t> DirectionGrid::levels(uint32_t max_level) const {
   std::vector<uint32_t> result(lines(), 0);
   const auto side = 2 * static_cast<size_t>(n_) + 1;
-  for (uint32_t level = 1; level <= most; ++level)
+  for (uint32_t level = 1; level <= max_level; ++level)
     for (size_t v = 0; v < side; v += size_t{1} << level)
       for (size_t u = 0; u < side; u += size_t{1} << level) result[nodes_[v * side + u] / 2] = level;
   return result;

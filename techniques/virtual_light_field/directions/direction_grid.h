@@ -39,9 +39,9 @@ class DirectionGrid {
   /// and i, a little more or less by latitude: a direction ω moves along r × ω, as far as the distribution of |r × ω|
   /// asks for. That keeps solid angles, so that they are a set of directions as even as the grid itself.
   std::vector<glm::dvec3> directions_about(uint32_t line, uint32_t count, uint64_t seed) const;
-  /// Per line the greatest level of at most `most` whose grid n / 2^level has it; 0: this one alone. n divides by
-  /// 2^most.
-  std::vector<uint32_t> levels(uint32_t most) const;
+  /// Per line the greatest level up to `max_level` whose grid n / 2^level has it; 0: this one alone. n divides by
+  /// 2^max_level.
+  std::vector<uint32_t> levels(uint32_t max_level) const;
   /// World to the axes of the grid.
   const glm::dmat3& rotation() const { return rotation_; }
   /// Distance between neighbours [rad]: δ = √(4 π / directions).

@@ -75,9 +75,8 @@ FieldEnd field_end(const Exchange* exchange, FragmentSide end, uint2 pixel, uint
   if (result.level > 0u) {
     result.backwards = backwards;
     result.hit = ray_hit(&exchange->perturbed, end.side, pixel);
-    const float3 omega = exchange->perturbed.ray.omega.xyz;
     result.leaves += facet_radiance(&exchange->perturbed.field, exchange->sent, result.facet, result.hit,
-                                    backwards ? -omega : omega);
+                                    ray_towards(&exchange->perturbed, backwards));
     return result;
   }
 #endif

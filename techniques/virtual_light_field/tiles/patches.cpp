@@ -21,7 +21,7 @@
 namespace lucarium::vlf {
 namespace {
 
-constexpr uint32_t kMinGrid = 2;    // n
+constexpr uint32_t kMinGrid = 2;      // n
 constexpr int kAlbedoAverages = 129;  // specular_albedo.clh
 constexpr double kCellBytes = 16, kTileBytes = 24,
                  kEntryBytes = 4;  // of a tile: its share of norms, and its place in the list

@@ -88,9 +88,9 @@ TileMaps::TileMaps(Device& device, KernelScheduler& scheduler, const Scene& host
   // Rectangles of tiles.
   TypedBuffer<uint32_t> counts(device, technique_name, "sizes of maps", maps, kRemedy);
   TypedBuffer<uint32_t> total(device, technique_name, "total", 1);
-  uint32_t most = 0;
-  for (const FieldFacet& facet : patches.facets) most = std::max(most, facet.level);
-  const TypedBuffer<uint32_t> levels(device, technique_name, "levels of lines", grid.levels(most));
+  uint32_t max_level = 0;
+  for (const FieldFacet& facet : patches.facets) max_level = std::max(max_level, facet.level);
+  const TypedBuffer<uint32_t> levels(device, technique_name, "levels of lines", grid.levels(max_level));
   {
     ScheduleRecorder recorder = scheduler.record("bound maps", technique_name);
     facet_pass(recorder, "bound_maps").arg("line_levels", levels).arg("counts", counts);

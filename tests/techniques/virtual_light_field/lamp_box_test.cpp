@@ -59,3 +59,23 @@ TEST_CASE("in a box with a lamp and a mirror every wall holds what is path trace
     }
   }
 }
+
+TEST_CASE("perturbed directions leave the walls of the box with a lamp and a mirror as bright as one each does") {
+  vlf::Parameters parameters;
+  parameters.dir_n = 8;
+  parameters.cells = 32;
+  parameters.texels = 2400;
+  parameters.supersample = vlf::Supersample::four;
+  parameters.perturb = 4;
+  parameters.tail = false;
+  parameters.residual = 0;
+  for (uint64_t seed = 1; seed <= (test::full_run() ? 4u : 1u); ++seed) {
+    test::FieldRig rig(LampBox().scene(), parameters, {.seed = seed, .light_samples = 1024});
+    rig.propagate(14);
+    for (const Wall& wall : kWalls) {
+      const double found = rig.mean(rig.all(), wall.instance);
+      MESSAGE(std::string(wall.name), ": ", found, ", off by ", found / wall.expected - 1);
+      CHECK(found == relative(wall.expected, 0.012));
+    }
+  }
+}

@@ -74,7 +74,7 @@ TEST_CASE("in a shining box of metal every cell sends its lobe's albedo, and lig
     float roughness;
     int dir_n, levels;
   };
-  for (const auto& [roughness, dir_n, levels] : {Case{0.3f, 6, 0}, Case{0.6f, 6, 0}, Case{0.95f, 12, 2}}) {
+  for (const auto& [roughness, dir_n, levels] : {Case{0.3f, 6, 0}, Case{0.6f, 6, 0}, Case{0.95f, 12, 1}}) {
     CAPTURE(roughness);
     vlf::Parameters parameters = field(dir_n);
     parameters.dir_levels = levels;
@@ -86,7 +86,8 @@ TEST_CASE("in a shining box of metal every cell sends its lobe's albedo, and lig
       return sum;
     }();
     MESSAGE("roughness ", roughness, ": mean of one scattering ", found, ", expected ", expected);
-    CHECK(found == relative(expected, 0.005));
+    // With a level rays get what lies between the cells of three directions, 0.29 apart, and the albedo is convex.
+    CHECK(found == relative(expected, levels > 0 ? 0.01 : 0.005));
     // Cells by direction and wall.
     const vlf::TileMaps& maps = rig.field().maps();
     const std::vector<FieldMap> all = maps.maps().download();
