@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Run by cpack when the files of all packages are laid out and none is packed. Adds to each Debian package what Debian's
-# policy wants of it: copyright, changelog, and manual pages compressed. The archive stays as `cmake --install` makes it.
+# Run by cpack when the files of all packages are laid out and none is packed. Adds to each Debian package what policy
+# wants of it: copyright, changelog, and compressed manual pages. The archive stays as `cmake --install` makes it.
 if(NOT CPACK_GENERATOR STREQUAL DEB)
   return()
 endif()
