@@ -104,7 +104,7 @@ class Tester:
             else:
                 kept.append(word)
         if '--comparison' in kept:
-            return [command, *kept, '--overwrite']  # the file says the rest
+            return [command, *kept, *([] if '--dry-run' in kept else ['--overwrite'])]  # the file says the rest
         small = list(SMALL.get(command, []))
         for technique, values in COARSE.items():
             if command == 'render' and re.search(rf'(-t|--technique)[ =]{technique}', text):
