@@ -45,6 +45,7 @@ struct PieceResult {
   std::vector<Snapshot> snapshots;
   std::optional<double> reached_seconds;  ///< with an error budget
   std::optional<WalkTimes> walk;
+  std::string device;                   ///< and driver; empty when it failed
   std::optional<PieceMachine> machine;  ///< absent in results of earlier versions
   double seconds() const { return prepare_seconds + iterate_seconds; }
 };
@@ -86,6 +87,7 @@ struct SceneResult {
   std::string failure;    ///< the scene could not be had
   bool left_out = false;  ///< no failure of the comparison: it is optional, and there is no such file
   std::vector<std::string> warnings;
+  bool unlike_machines = false;  ///< its pieces ran on several kinds: their times are not compared
   std::vector<ReferenceResult> references;
   std::vector<SceneVariant> variants;
 };

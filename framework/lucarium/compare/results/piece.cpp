@@ -90,6 +90,7 @@ void read_summary(PieceResult& piece, const ComparisonBudget& budget) {
                                  read_metrics(snapshot.at("metrics"))});
     }
     if (summary.contains("walk")) piece.walk = read_walk(summary["walk"]);
+    piece.device = summary.value("device", "") + ", " + summary.value("driver", "");
     if (summary.contains("machine")) piece.machine = read_piece_machine(summary["machine"]);
     if (budget.relmse > 0) piece.reached_seconds = find_reached(piece.snapshots, budget.relmse);
   } catch (const json::exception& error) {

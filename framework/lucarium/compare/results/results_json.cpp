@@ -58,11 +58,9 @@ ordered_json reference_json(const ReferenceResult& reference) {
 }
 
 ordered_json scene_json(const SceneResult& scene) {
-  ordered_json json = {{"name", scene.name},
-                       {"triangles", scene.triangles},
-                       {"hash", scene.hash},
-                       {"exposure_stops", scene.exposure},
-                       {"warnings", scene.warnings}};
+  ordered_json json = {{"name", scene.name},         {"triangles", scene.triangles},
+                       {"hash", scene.hash},         {"exposure_stops", scene.exposure},
+                       {"warnings", scene.warnings}, {"unlike_machines", scene.unlike_machines}};
   if (!scene.failure.empty()) {
     json["failure"] = scene.failure;
     return json;

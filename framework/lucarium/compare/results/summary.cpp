@@ -161,12 +161,27 @@ BiasAndVariance measure_bias(const std::vector<const PieceResult*>& pieces, cons
   return split_error(reduced, reference.mse);
 }
 
+bool mark_unlike_machines(ComparisonResult& result, size_t scene) {
+  const PieceResult* first = nullptr;
+  bool unlike = false;
+  for (const PieceResult& piece : result.pieces) {
+    if (piece.scene != scene || !piece.failure.empty() || !piece.machine) continue;
+    if (!first) first = &piece;
+    const Machine &a = first->machine->machine, &b = piece.machine->machine;
+    unlike |= piece.device != first->device || a.cpu != b.cpu || a.logical_cores != b.logical_cores;
+  }
+  result.scenes[scene].unlike_machines = unlike;
+  return unlike;
+}
+
 void add_times_to_error(const ComparisonResult& result, size_t scene, size_t budget,
                         std::map<SummaryKey, Summary>& summaries) {
   double largest = 0, smallest = INFINITY;
   std::map<SummaryKey, std::vector<const PieceResult*>> groups;
   for (auto& [key, summary] : summaries) {
     if (std::get<0>(key) != scene || std::get<2>(key) != budget || summary.seeds == 0) continue;
+    summary.times.clear();
+    if (result.scenes[scene].unlike_machines) continue;
     groups[key] = pieces_of(result, key);
     for (const SummaryPoint& point : summary.curve) {
       largest = std::max(largest, point.relmse.mean);

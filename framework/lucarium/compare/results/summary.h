@@ -19,8 +19,12 @@ Summary summarize(const std::vector<const PieceResult*>& pieces, const Reference
 BiasAndVariance measure_bias(const std::vector<const PieceResult*>& pieces, const ReferenceResult& reference,
                              const std::filesystem::path& folder);
 
+/// Marks the scene if its pieces ran on several kinds of machine (processor, cores, device, driver), where no
+/// time may be ranked, and returns whether they did.
+bool mark_unlike_machines(ComparisonResult& result, size_t scene);
+
 /// Errors (1 and 3 times powers of ten, at most six, the smallest first) that some curve of a scene and budget passes,
-/// and when each variant's curves get there.
+/// and when each variant's curves get there; none in a scene of unlike machines.
 void add_times_to_error(const ComparisonResult& result, size_t scene, size_t budget,
                         std::map<SummaryKey, Summary>& summaries);
 

@@ -179,7 +179,24 @@ void ComparisonRunner::save_when_due() {
   write_page();
 }
 
+void ComparisonRunner::warn_of_unlike_machines(size_t scene) {
+  static const std::string line =
+      "its pieces ran on machines of several kinds: times are not ranked; compare errors at the same work";
+  std::vector<std::string>& warnings = result_.scenes[scene].warnings;
+  const bool known = std::find(warnings.begin(), warnings.end(), line) != warnings.end();
+  const bool unlike = mark_unlike_machines(result_, scene);
+  if (unlike == known) return;
+  if (unlike) {
+    warnings.push_back(line);
+  } else {
+    std::erase(warnings, line);
+  }
+  for (size_t budget = 0; budget < spec_.budgets.size(); ++budget)
+    add_times_to_error(result_, scene, budget, result_.summaries);
+}
+
 void ComparisonRunner::update_conclusions() {
+  for (size_t scene = 0; scene < result_.scenes.size(); ++scene) warn_of_unlike_machines(scene);
   for (const SummaryKey& key : changed_) {
     const auto [scene, variant, budget] = key;
     const std::vector<const PieceResult*> pieces = pieces_of(result_, key);

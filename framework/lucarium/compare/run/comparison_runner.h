@@ -70,6 +70,7 @@ class ComparisonRunner {
   void log_result(const PieceResult& piece, size_t number, size_t total) const;
 
   void update_conclusions();
+  void warn_of_unlike_machines(size_t scene);
   void say(const std::string& line) const;
   /// One line that is drawn again and again.
   void show_progress(double fraction, const std::string& text);

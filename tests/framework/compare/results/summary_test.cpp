@@ -107,6 +107,26 @@ TEST_CASE("times to errors are on the curves, and what was not reached says so")
   }
 }
 
+TEST_CASE("a scene whose pieces ran on machines of several kinds has no times to errors") {
+  ComparisonResult result = example();
+  for (PieceResult& piece : result.pieces) {
+    piece.machine.emplace();
+    piece.machine->machine.cpu = "one kind";
+    piece.machine->load = piece.seed;  // of like machines one may be busier
+  }
+  CHECK_FALSE(mark_unlike_machines(result, 0));
+  add_times_to_error(result, 0, 0, result.summaries);
+  CHECK_FALSE(result.summaries.at({0, 0, 0}).times.empty());
+  SUBCASE("another processor") { result.pieces.back().machine->machine.cpu = "another kind"; }
+  SUBCASE("another device") { result.pieces.back().device = "another kind"; }
+  CHECK(mark_unlike_machines(result, 0));
+  CHECK(result.scenes[0].unlike_machines);
+  add_times_to_error(result, 0, 0, result.summaries);
+  CHECK(result.summaries.at({0, 0, 0}).times.empty());
+  result.pieces.pop_back();
+  CHECK_FALSE(mark_unlike_machines(result, 0));
+}
+
 TEST_CASE("pairs go by seeds: what the seeds have in common cancels") {
   ComparisonResult result = example();
   const std::vector<SummaryPair> pairs = make_pairs(result);
