@@ -106,7 +106,9 @@ struct Field {
   Field(Device& device, const RaySubject& subject)
       : embree(subject.vertices, subject.triangles, 1, false), robust(subject.vertices, subject.triangles, 1, true) {
     for (const auto& [name, traversal] :
-         {std::pair{"wide", BvhTraversal::wide}, std::pair{"portable", BvhTraversal::wide_portable}})
+         {std::pair{"wide", BvhTraversal::wide}, std::pair{"portable", BvhTraversal::wide_portable},
+          device.info().native_float_lanes >= 16 ? std::pair{"wide-8", BvhTraversal::wide_8}
+                                                 : std::pair{"wide-16", BvhTraversal::wide_16}})
       entries.push_back({name, std::make_unique<Bvh>(device, subject.vertices, subject.triangles, traversal)});
   }
 };

@@ -72,6 +72,7 @@ DeviceInfo describe(cl_platform_id platform, cl_device_id device) {
   info.max_allocation_bytes = value_of<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
   info.local_memory_bytes = value_of<cl_ulong>(device, CL_DEVICE_LOCAL_MEM_SIZE);
   info.max_work_group_size = value_of<size_t>(device, CL_DEVICE_MAX_WORK_GROUP_SIZE);
+  info.native_float_lanes = value_of<cl_uint>(device, CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT);
   info.base_alignment_bytes = std::max<size_t>(value_of<cl_uint>(device, CL_DEVICE_MEM_BASE_ADDR_ALIGN) / 8, 1);
   info.is_pocl = info.platform == "Portable Computing Language" || info.platform.find("PoCL") != std::string::npos;
   return info;

@@ -24,6 +24,7 @@ struct DeviceInfo {
   unsigned compute_units = 0;
   size_t global_memory_bytes = 0, max_allocation_bytes = 0, local_memory_bytes = 0;
   size_t max_work_group_size = 0;
+  unsigned native_float_lanes = 1;    ///< of a vector register: 16 with AVX-512, 8 with AVX2
   size_t base_alignment_bytes = 128;  ///< of sub-buffers
   bool is_pocl = false;
 };

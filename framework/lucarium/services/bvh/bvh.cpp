@@ -26,20 +26,53 @@ struct TraversalShape {
   size_t local_size;
 };
 
+struct NamedTraversal {
+  const char* name;
+  BvhTraversal traversal;
+};
+constexpr NamedTraversal named_traversals[] = {{"wide", BvhTraversal::wide},
+                                               {"wide-portable", BvhTraversal::wide_portable},
+                                               {"wide-16", BvhTraversal::wide_16},
+                                               {"wide-8", BvhTraversal::wide_8},
+                                               {"wide-16-portable", BvhTraversal::wide_16_portable},
+                                               {"wide-8-portable", BvhTraversal::wide_8_portable},
+                                               {"scalar", BvhTraversal::scalar}};
+
+bool is_portable(BvhTraversal traversal) {
+  return traversal != BvhTraversal::wide_16 && traversal != BvhTraversal::wide_8;
+}
+
 TraversalShape shape_of(BvhTraversal traversal) {
-  return traversal == BvhTraversal::scalar ? TraversalShape{4, 4, 1, 64} : TraversalShape{16, 8, 1024, 1};
+  switch (traversal) {
+    case BvhTraversal::scalar: return {4, 4, 1, 64};
+    case BvhTraversal::wide_8:
+    case BvhTraversal::wide_8_portable: return {8, 4, 1024, 1};
+    default: return {16, 8, 1024, 1};
+  }
+}
+
+BvhTraversal named_traversal(const std::string& name) {
+  std::string known;
+  for (const NamedTraversal& each : named_traversals) {
+    if (name == each.name) return each.traversal;
+    known += fmt::format("{}{}", known.empty() ? "" : ", ", each.name);
+  }
+  throw_error(ErrorClass::usage, "LUCARIUM_BVH='{}': must be one of {}", name, known);
 }
 
 BvhTraversal choose_traversal(BvhTraversal asked, const DeviceInfo& device) {
-  if (asked != BvhTraversal::automatic) return asked;
-  if (const char* value = std::getenv("LUCARIUM_BVH"); value && *value) {
-    const std::string name = value;
-    if (name == "wide") return BvhTraversal::wide;
-    if (name == "wide-portable") return BvhTraversal::wide_portable;
-    if (name == "scalar") return BvhTraversal::scalar;
-    throw_error(ErrorClass::usage, "LUCARIUM_BVH='{}': must be wide, wide-portable or scalar", name);
+  if (asked == BvhTraversal::automatic) {
+    const char* value = std::getenv("LUCARIUM_BVH");
+    if (value && *value)
+      asked = named_traversal(value);
+    else
+      asked = device.type == DeviceType::cpu ? BvhTraversal::wide : BvhTraversal::scalar;
   }
-  return device.type == DeviceType::cpu ? BvhTraversal::wide : BvhTraversal::scalar;
+  const bool sixteen = device.native_float_lanes >= 16;
+  if (asked == BvhTraversal::wide) return sixteen ? BvhTraversal::wide_16 : BvhTraversal::wide_8;
+  if (asked == BvhTraversal::wide_portable)
+    return sixteen ? BvhTraversal::wide_16_portable : BvhTraversal::wide_8_portable;
+  return asked;
 }
 
 void write_words(TypedBuffer<uint32_t>& buffer, const std::vector<uint32_t>& words, bool all,
@@ -180,7 +213,7 @@ void Bvh::State::compile() {
                   {"BVH_LEAF", std::to_string(shape.leaf_size)},
                   {"BVH_STACK", std::to_string(stack)},
                   {"BVH_CHUNK", std::to_string(shape.rays_per_item)}};
-  if (traversal != BvhTraversal::wide) spec.defines["BVH_PORTABLE"] = "";
+  if (is_portable(traversal)) spec.defines["BVH_PORTABLE"] = "";
   if (alpha) spec.defines["BVH_ALPHA"] = "";
   // Watertight edge functions must round both products alike: no contraction but where the source asks for it.
   spec.mad_enable = false;
@@ -269,8 +302,12 @@ BvhTraversal Bvh::traversal() const { return state_->traversal; }
 const BvhStatistics& Bvh::statistics() const { return state_->statistics; }
 
 size_t Bvh::estimate_bytes(const Scene& scene) {
-  const TraversalShape shape = shape_of(BvhTraversal::wide);
-  return WideBvh::estimate_bytes(scene.triangle_count(), shape.width, shape.leaf_size);
+  size_t most = 0;  // which one the device will get is not known here
+  for (const BvhTraversal traversal : {BvhTraversal::wide_16, BvhTraversal::wide_8}) {
+    const TraversalShape shape = shape_of(traversal);
+    most = std::max(most, WideBvh::estimate_bytes(scene.triangle_count(), shape.width, shape.leaf_size));
+  }
+  return most;
 }
 
 }  // namespace lucarium

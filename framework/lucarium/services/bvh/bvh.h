@@ -23,11 +23,15 @@ struct BvhStatistics {
 /// How rays are traversed. All compute hits by the same operations, so that they find the same ones to the bit on one
 /// device (except for needle-thin triangles, whose computed distance may lie in front of the boxes that hold them).
 enum class BvhTraversal {
-  automatic,      ///< LUCARIUM_BVH=wide|wide-portable|scalar if set; else wide on CPU devices, scalar on others
-  wide,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item: coherent runs of 16 as packets,
-                  ///< others interleaved; with compiler built-ins where the device has AVX-512
-  wide_portable,  ///< the same without built-ins of an instruction set
-  scalar,         ///< 4-wide nodes, 4-triangle leaves, one ray per work-item
+  automatic,         ///< what the environment variable LUCARIUM_BVH names; else wide on CPU devices, scalar on others
+  wide,              ///< wide_16 where the device's vectors have 16 floats, else wide_8
+  wide_portable,     ///< the same without built-ins of an instruction set
+  wide_16,           ///< 16-wide nodes, 8-triangle leaves, a chunk of rays per work-item: coherent runs of 16 as
+                     ///< packets, others interleaved; with compiler built-ins where the device has AVX-512
+  wide_8,            ///< 8-wide nodes, 4-triangle leaves, likewise; with compiler built-ins where it has AVX2
+  wide_16_portable,  ///< without built-ins
+  wide_8_portable,   ///< without built-ins
+  scalar,            ///< 4-wide nodes, 4-triangle leaves, one ray per work-item
 };
 
 /// Wide bounding-volume hierarchy over the scene's world-space triangles. Built on the host (SAH, all cores), traversed
@@ -65,7 +69,7 @@ class Bvh : public Intersector {
   void record_any(ScheduleRecorder& recorder, const std::string& pass_name, const RayBuffers& rays,
                   const BufferRef& occluded) const override;
 
-  BvhTraversal traversal() const;  ///< the one chosen
+  BvhTraversal traversal() const;  ///< the one chosen: never automatic, wide or wide_portable
   const BvhStatistics& statistics() const;
   /// Expected need, for statements before anything is built; the constructor states the exact one.
   static size_t estimate_bytes(const Scene& scene);

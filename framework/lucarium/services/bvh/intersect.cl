@@ -9,7 +9,7 @@
 #endif
 // First and unconditionally: the framework resolves each include once, where it stands first.
 #include "lucarium/services/bvh/traverse.clh"
-#if BVH_WIDTH == 16
+#if BVH_WIDTH >= 8
 #include "lucarium/services/bvh/interleaved.clh"
 #include "lucarium/services/bvh/packet.clh"
 #else

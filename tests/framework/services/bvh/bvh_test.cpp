@@ -127,7 +127,7 @@ TEST_CASE("runs of coherent rays, traced as packets, give the same bits as singl
   size_t hit = 0;
   for (const Hit& found : single.hits) hit += found.triangle != LUCARIUM_NO_HIT;
   CHECK(hit > rays.size() / 10);
-  for (const BvhTraversal traversal : {BvhTraversal::wide, BvhTraversal::wide_portable}) {
+  for (const BvhTraversal traversal : {BvhTraversal::wide_16, BvhTraversal::wide_8}) {
     const Results packets = tracer.trace(tracer.make(soup, traversal), rays);
     CHECK(std::memcmp(packets.hits.data(), single.hits.data(), rays.size() * sizeof(Hit)) == 0);
     CHECK(packets.occluded == single.occluded);

@@ -64,16 +64,22 @@ TEST_CASE("the traversal can be chosen by environment") {
     unsetenv("LUCARIUM_BVH");
     return bvh.traversal();
   };
-  CHECK(chosen("wide") == BvhTraversal::wide);
-  CHECK(chosen("wide-portable") == BvhTraversal::wide_portable);
+  const bool sixteen = tracer.device().info().native_float_lanes >= 16;
+  const BvhTraversal wide = sixteen ? BvhTraversal::wide_16 : BvhTraversal::wide_8;
+  CHECK(chosen("wide") == wide);
+  CHECK(chosen("wide-portable") == (sixteen ? BvhTraversal::wide_16_portable : BvhTraversal::wide_8_portable));
+  CHECK(chosen("wide-16") == BvhTraversal::wide_16);
+  CHECK(chosen("wide-8") == BvhTraversal::wide_8);
+  CHECK(chosen("wide-16-portable") == BvhTraversal::wide_16_portable);
+  CHECK(chosen("wide-8-portable") == BvhTraversal::wide_8_portable);
   CHECK(chosen("scalar") == BvhTraversal::scalar);
-  CHECK(chosen("") == (tracer.device().info().type == DeviceType::cpu ? BvhTraversal::wide : BvhTraversal::scalar));
+  CHECK(chosen("") == (tracer.device().info().type == DeviceType::cpu ? wide : BvhTraversal::scalar));
   try {
     chosen("quick");
     FAIL("accepted");
   } catch (const Error& error) {
     CHECK(error.error_class() == ErrorClass::usage);
-    CHECK(std::string(error.what()).find("wide, wide-portable or scalar") != std::string::npos);
+    CHECK(std::string(error.what()).find("wide, wide-portable, wide-16") != std::string::npos);
   }
   unsetenv("LUCARIUM_BVH");
 }
@@ -83,7 +89,9 @@ TEST_CASE("memory is stated, counted under 'bvh' and given back") {
   const Soup soup = random_soup(20000, 81);
   {
     const Bvh bvh = tracer.make(soup);
-    CHECK(tracer.device().memory().by_owner()["bvh"] == bvh.statistics().bytes);
+    const size_t held = tracer.device().memory().by_owner()["bvh"];
+    CHECK(held >= bvh.statistics().bytes);
+    CHECK(held < bvh.statistics().bytes + 2 * 64);  // each of two buffers ends at a cache line
     CHECK(bvh.statistics().triangles == 20000);
     CHECK(bvh.statistics().sah_cost > 1);
   }

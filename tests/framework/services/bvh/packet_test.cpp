@@ -139,10 +139,11 @@ TEST_CASE("packets are made of rays that begin close together, not of all that g
 TEST_CASE("packets of different origins give the same bits as single rays") {
   Tracer tracer;
   const Soup soup = random_soup(5000, 61);
-  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide),
-            portable = tracer.make(soup, BvhTraversal::wide_portable);
-  check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 0.04f, 62));
-  check_packets(tracer, single, {&wide, &portable}, parallel_runs(1000, 10, 10, 63));
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide_16),
+            portable = tracer.make(soup, BvhTraversal::wide_16_portable),
+            eight = tracer.make(soup, BvhTraversal::wide_8);
+  check_packets(tracer, single, {&wide, &portable, &eight}, parallel_runs(1000, 10, 0.04f, 62));
+  check_packets(tracer, single, {&wide, &portable, &eight}, parallel_runs(1000, 10, 10, 63));
 }
 
 TEST_CASE("packets along diagonal axes and with mixed largest components give the same bits as single rays") {
@@ -151,8 +152,9 @@ TEST_CASE("packets along diagonal axes and with mixed largest components give th
   Tracer tracer;
   Soup soup = random_soup(5000, 67);
   for (Vertex& vertex : soup.vertices) vertex.position.y *= 0.5f;
-  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide),
-            portable = tracer.make(soup, BvhTraversal::wide_portable);
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide_16),
+            portable = tracer.make(soup, BvhTraversal::wide_16_portable),
+            eight = tracer.make(soup, BvhTraversal::wide_8);
   std::vector<Ray> rays;
   for (const glm::vec3& middle : {glm::vec3(1, 1, 1),
                                   {-1, 1, 1},
@@ -172,7 +174,7 @@ TEST_CASE("packets along diagonal axes and with mixed largest components give th
       if (i % 64 == 0 && i / 64 % 4 == 0) rays.back().direction = float4(glm::normalize(middle), INFINITY);
     }
   }
-  check_packets(tracer, single, {&wide, &portable}, rays);
+  check_packets(tracer, single, {&wide, &portable, &eight}, rays);
 }
 
 TEST_CASE("neighbouring rays decide about veils by themselves, in packets too") {
@@ -188,9 +190,10 @@ TEST_CASE("neighbouring rays decide about veils by themselves, in packets too") 
   for (uint32_t i = 0; i < rays.size(); ++i) rays[i].origin.w = std::bit_cast<float>(2 * i + 1);
   CHECK(count_packets(rays, 25) == rays.size() / 16);
   const Bvh single(tracer.device(), scene, buffers, BvhTraversal::scalar),
-      wide(tracer.device(), scene, buffers, BvhTraversal::wide),
-      portable(tracer.device(), scene, buffers, BvhTraversal::wide_portable);
-  check_packets(tracer, single, {&wide, &portable}, rays);
+      wide(tracer.device(), scene, buffers, BvhTraversal::wide_16),
+      portable(tracer.device(), scene, buffers, BvhTraversal::wide_16_portable),
+      eight(tracer.device(), scene, buffers, BvhTraversal::wide_8);
+  check_packets(tracer, single, {&wide, &portable, &eight}, rays);
 }
 
 TEST_CASE("a ray that begins far to the side of its run changes nothing for the others") {
@@ -201,8 +204,9 @@ TEST_CASE("a ray that begins far to the side of its run changes nothing for the 
     const glm::vec3 middle = random.in_cube(10);
     soup.add_triangle(middle + random.in_cube(0.3f), middle + random.in_cube(0.3f), middle + random.in_cube(0.3f));
   }
-  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide),
-            portable = tracer.make(soup, BvhTraversal::wide_portable);
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide_16),
+            portable = tracer.make(soup, BvhTraversal::wide_16_portable),
+            eight = tracer.make(soup, BvhTraversal::wide_8);
   for (const float aside : {1e3f, 1e5f, 1e7f}) {
     // Of one direction each and nearly across the offset, where nothing but the margin makes up for coarse coordinates.
     std::vector<Ray> rays = parallel_runs(4000, 10, 0.04f, 65);
@@ -212,7 +216,7 @@ TEST_CASE("a ray that begins far to the side of its run changes nothing for the 
       rays[run].origin.x = run % 32 ? aside : -aside;
       if (run % 3 == 0) rays[run + 7].origin.x = rays[run + 15].origin.x = rays[run].origin.x;
     }
-    check_packets(tracer, single, {&wide, &portable}, rays);
+    check_packets(tracer, single, {&wide, &portable, &eight}, rays);
   }
 }
 
@@ -222,10 +226,11 @@ TEST_CASE("packets find their way through the top of several hierarchies") {
   const SceneBuffers buffers(tracer.device(), scene);
   const Bvh single(tracer.device(), buffers.scene_vertices.download(), buffers.scene_triangles.download(),
                    BvhTraversal::scalar);
-  const Bvh wide(tracer.device(), scene, buffers, BvhTraversal::wide),
-      portable(tracer.device(), scene, buffers, BvhTraversal::wide_portable),
+  const Bvh wide(tracer.device(), scene, buffers, BvhTraversal::wide_16),
+      portable(tracer.device(), scene, buffers, BvhTraversal::wide_16_portable),
+      eight(tracer.device(), scene, buffers, BvhTraversal::wide_8),
       scalar(tracer.device(), scene, buffers, BvhTraversal::scalar);
   CHECK(single.statistics().parts == 1);
   CHECK(wide.statistics().parts == 21);
-  check_packets(tracer, single, {&wide, &portable, &scalar}, camera_rays(320, 200, 25));
+  check_packets(tracer, single, {&wide, &portable, &eight, &scalar}, camera_rays(320, 200, 25));
 }

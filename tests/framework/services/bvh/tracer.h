@@ -10,7 +10,9 @@
 
 namespace lucarium::test {
 
-inline constexpr BvhTraversal traversals[] = {BvhTraversal::wide, BvhTraversal::wide_portable, BvhTraversal::scalar};
+inline constexpr BvhTraversal traversals[] = {BvhTraversal::wide_16, BvhTraversal::wide_8,
+                                              BvhTraversal::wide_16_portable, BvhTraversal::wide_8_portable,
+                                              BvhTraversal::scalar};
 
 struct Results {
   std::vector<Hit> hits;
