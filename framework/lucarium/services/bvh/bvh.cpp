@@ -302,12 +302,12 @@ BvhTraversal Bvh::traversal() const { return state_->traversal; }
 const BvhStatistics& Bvh::statistics() const { return state_->statistics; }
 
 size_t Bvh::estimate_bytes(const Scene& scene) {
-  size_t most = 0;  // which one the device will get is not known here
+  size_t max_bytes = 0;  // which one the device will get is not known here
   for (const BvhTraversal traversal : {BvhTraversal::wide_16, BvhTraversal::wide_8}) {
     const TraversalShape shape = shape_of(traversal);
-    most = std::max(most, WideBvh::estimate_bytes(scene.triangle_count(), shape.width, shape.leaf_size));
+    max_bytes = std::max(max_bytes, WideBvh::estimate_bytes(scene.triangle_count(), shape.width, shape.leaf_size));
   }
-  return most;
+  return max_bytes;
 }
 
 }  // namespace lucarium

@@ -64,15 +64,15 @@ TEST_CASE("a replay on the in-order queue makes one enqueue per pass, one flush,
   scheduler.finish();
   // On a busy machine passes take so long that what is enqueued is limited (ScheduleRun::limit_queued_work), and a run
   // waits more often: the quickest runs count.
-  uint64_t least_waits = 20;
+  uint64_t min_waits = 20;
   for (int i = 0; i < 40; ++i) {
     const Calls calls = calls_of_a_run(scheduler, chains.schedule);
     CHECK(calls.enqueues == 20);
     CHECK(calls.set_arguments == 0);
     CHECK(calls.flushes == 1);
-    if (i >= 2) least_waits = std::min(least_waits, calls.waits);
+    if (i >= 2) min_waits = std::min(min_waits, calls.waits);
   }
-  CHECK(least_waits == 1);                // for the run before the last one
+  CHECK(min_waits == 1);                  // for the run before the last one
   chains.schedule.set(chains.factor, 3);  // no change
   CHECK(calls_of_a_run(scheduler, chains.schedule).set_arguments == 0);
   chains.schedule.set(chains.factor, 4);
@@ -85,15 +85,15 @@ TEST_CASE("a read-back adds one copy and one wait; overlap adds a barrier before
     KernelScheduler scheduler(test_device(), {mode, true, false});
     TwoChains chains(scheduler, true);
     for (int i = 0; i < 3; ++i) scheduler.run(chains.schedule);
-    uint64_t least_waits = 20;
+    uint64_t min_waits = 20;
     for (int i = 0; i < 40; ++i) {
       const Calls calls = calls_of_a_run(scheduler, chains.schedule);
       CHECK(calls.enqueues == (mode == QueueMode::in_order ? 21 : 23));
       CHECK(calls.set_arguments == 0);
       CHECK(calls.flushes == (mode == QueueMode::in_order ? 1 : 2));
-      least_waits = std::min(least_waits, calls.waits);
+      min_waits = std::min(min_waits, calls.waits);
     }
-    CHECK(least_waits == 1);
+    CHECK(min_waits == 1);
   }
 }
 
