@@ -197,6 +197,8 @@ void ComparisonRunner::warn_of_unlike_machines(size_t scene) {
 
 void ComparisonRunner::update_conclusions() {
   for (size_t scene = 0; scene < result_.scenes.size(); ++scene) warn_of_unlike_machines(scene);
+  std::sort(changed_.begin(), changed_.end());  // each once, however many seeds are new: a bias reads all their images
+  changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
   for (const SummaryKey& key : changed_) {
     const auto [scene, variant, budget] = key;
     const std::vector<const PieceResult*> pieces = pieces_of(result_, key);
