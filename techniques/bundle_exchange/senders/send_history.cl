@@ -51,7 +51,7 @@ __kernel void send_history(__global const float* restrict scene_albedo_table,
   const float3 n_g = atlas_points[side].normal.xyz;
   const float3 out = dot(n_g, omega.xyz) > 0.0f ? omega.xyz : -omega.xyz;
   const Bsdf bsdf = side_reflection(atlas_materials + side, n_g, out);
-  float3 light[BUNDLE_REFLECTED], share = (float3)(0.0f);
+  float3 light[BUNDLE_REFLECTED > 0 ? BUNDLE_REFLECTED : 1], share = (float3)(0.0f);
   for (uint k = 0u; k < BUNDLE_REFLECTED; ++k) light[k] = (float3)(0.0f);
   // Add what each remembered direction brought, latest first.
   for (uint m = 0u; m < history_step.reflected; ++m) {
