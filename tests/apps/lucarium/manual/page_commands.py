@@ -3,6 +3,7 @@
 """The commands that README, pages and --help show: page_commands.py PROGRAM SOURCE. Every command and option exists;
 what stands alone on a line of a code block is also run, in a folder of its own per page, at a size and budget that take
 a second. Prints one line per command: "ok …", "skipped …" with the reason, or "FAILED …"."""
+import json
 import os
 import pathlib
 import re
@@ -65,7 +66,7 @@ def commands(page):
 
 class Tester:
     def __init__(self, program, source):
-        self.program, self.source, self.helps, self.failed = program, source, {}, False
+        self.program, self.source, self.helps, self.names, self.failed = program, source, {}, {}, False
 
     def call(self, words, folder=None):
         return subprocess.run([self.program, *words], cwd=folder, capture_output=True, text=True, timeout=1500,
@@ -81,6 +82,14 @@ class Tester:
             self.helps[command] = answer.stdout if answer.returncode == 0 else None
         return self.helps[command]
 
+    def names_of(self, command):
+        """All names of the command's options; --help shows one of each."""
+        if command not in self.names:
+            declared = json.loads(self.call(['commands', '--json']).stdout)['commands']
+            options = next((each['options'] for each in declared if each['name'] == command), [])
+            self.names[command] = {name for option in options for name in option['names']}
+        return self.names[command]
+
     def exists(self, text):
         """Command and options are there; the complaint otherwise."""
         command = text.split()[1] if len(text.split()) > 1 else ''
@@ -90,7 +99,7 @@ class Tester:
         if help_text is None:
             return f'there is no command {command}'
         for option in OPTION.findall(text):
-            if not re.search(rf'(^|[\s,]){re.escape(option)}([\s,=\[]|$)', help_text, re.M):
+            if option not in self.names_of(command) and not re.search(rf'(^|[\s,]){re.escape(option)}([\s,=\[]|$)', help_text, re.M):
                 return f'{command} has no option {option}'
         return ''
 
