@@ -97,6 +97,9 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return bundle::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
   }
 
+  /// Not where pixels gather along directions of their own: these would come between directions of a batch.
+  void rest_light(bool rests) override { TechniqueBase::rest_light(rests && !(parts_ && parts_->gathers())); }
+
   std::string state_refusal() const override { return bundle::state_refusal(parameters_); }
 
   std::vector<std::string> parameters_of_view() const override {
@@ -122,9 +125,9 @@ class BundleExchange : public TechniqueBase<Parameters> {
   bool step() override {
     BundleParts& parts = *parts_;
     if (!step_.begun) begin_step();
-    if (!step_.seen && !parts.camera.begin_sample()) return false;
+    if (!step_.seen && !parts.camera->begin_sample()) return false;
     step_.seen = true;
-    if (!sample_texels() || !exchange_directions() || !parts.camera.sample()) return false;
+    if (!sample_texels() || !exchange_directions() || !parts.camera->sample()) return false;
     if (!step_.eye_only && shows_preview() && !parts.preview->smooth()) return false;
     parts.commit_sample(shows_all());
     eye_samples_left_ = step_.eye_only ? eye_samples_left_ - 1 : step_.eye_samples - 1;
@@ -135,16 +138,16 @@ class BundleExchange : public TechniqueBase<Parameters> {
   IterationResult state() const override {
     const Phase now = phase();
     IterationResult result;
-    result.samples = parts_->camera.samples();
+    result.samples = parts_->camera->samples();
     // Of the exchange alone: what it has found is kept when the camera moves.
     result.progress = now == Phase::light  ? 0
                       : now == Phase::done ? 1
                                            : static_cast<double>(directions_) / parameters_.directions;
-    const bool seen = parts_->camera.atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
+    const bool seen = parts_->camera->atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
     result.light_done = now == Phase::done && !wants_light();
     result.converged = result.light_done && seen;
     result.phase = result.converged ? why_converged(parameters_, parts_->means, directions_, exchanges(),
-                                                    parts_->camera.atlas_samples())
+                                                    parts_->camera->atlas_samples())
                                     : describe(now);
     return result;
   }
@@ -174,8 +177,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
       step_ = {};
       eye_samples_left_ = 0;
       gathers_ = 0;  // the picture's own directions
-      parts_->set_frame(make_frame(settings()));
-      return true;
+      return parts_->set_frame(context(), parameters_, seed());
     }
     const bool touched = change.geometry() || !change.materials.empty();
     if (parameters_.warm_start && forgets(parameters_)) {
@@ -219,8 +221,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
  private:
   // ---- progress
 
-  Phase phase() const {
-    if (light_held()) return Phase::done;
+  Phase phase() const { return light_held() ? Phase::done : phase_of_light(); }
+  Phase phase_of_light() const {  // held or not
     if (!(parts_->side_light.complete() || settings().max_bounces == 0)) return Phase::light;
     if (!exchanges() || directions_ >= static_cast<uint64_t>(parameters_.directions) ||
         is_accurate(parameters_, parts_->means, directions_))
@@ -230,7 +232,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   bool exchanges() const { return bundle::exchanges(parameters_, settings()); }
 
-  bool shows_preview() const { return parts_->preview && phase() != Phase::done; }
+  bool shows_preview() const { return parts_->preview && (light_rests() ? phase_of_light() : phase()) != Phase::done; }
 
   /// Whether what the image looks up in the atlas is begun in full: the image forgets what came before. Where bounces
   /// are missing until the end, it shows the atlas as it is, and no mean over what it was.
@@ -243,7 +245,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   bool wants_light() const {
     if (light_held() || settings().max_bounces == 0 || parts_->side_light.exhausted()) return false;
     return phase() == Phase::light || !(phase() == Phase::done || parts_->means.reflected_light_done()) ||
-           parts_->camera.pixel_gather();
+           parts_->camera->pixel_gather();
   }
 
   std::string describe(Phase now) const {
@@ -257,8 +259,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
   uint64_t position() const { return directions_ + batch_.done + gathers_; }
 
   uint64_t end_of_iteration() const {
-    return position() + directions_per_iteration(parameters_, parts_->transfer.largest_image(),
-                                                 parts_->camera.pixel_gather() != nullptr);
+    return position() + directions_per_iteration(parameters_, parts_->transfer->largest_image(),
+                                                 parts_->camera->pixel_gather() != nullptr);
   }
 
   void begin_step() {
@@ -267,7 +269,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     step_.end = end_of_iteration();
     step_.light_runs = parts_->side_light.runs();
     const WorkUnits units = work_units(parts_->atlas->info().texel_count, parts_->side_light.run_length(),
-                                       scene().triangle_count(), parts_->camera.pixels());
+                                       scene().triangle_count(), parts_->camera->pixels());
     // None more while there is no indirect light at all.
     if (phase() == Phase::light || phase() == Phase::done) return;
     step_.eye_samples =
@@ -293,7 +295,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   bool exchange_directions() {
     while (position() < step_.end && phase() != Phase::light) {
       const bool exchanging = next_batch() > 0;
-      if (!exchanging && !parts_->camera.pixel_gather()) break;
+      if (!exchanging && !parts_->camera->pixel_gather()) break;
       if (!(exchanging ? run_batch() : run_gather())) return false;
     }
     return true;
@@ -304,7 +306,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   /// next one.
   bool run_batch() {
     if (batch_.done == 0 && !begin_batch()) return false;
-    PixelGather* gather = parts_->means.carries_all(directions_) ? parts_->camera.pixel_gather() : nullptr;
+    PixelGather* gather = parts_->means.carries_all(directions_) ? parts_->camera->pixel_gather() : nullptr;
     const uint64_t gathered_from = std::max(directions_, step_.begin);  // the rest was for another camera sample
     for (; batch_.done < batch_.count && position() < step_.end; ++batch_.done)
       if (!exchange_along(position() >= gathered_from ? gather : nullptr, position() == gathered_from)) return false;
@@ -330,12 +332,12 @@ class BundleExchange : public TechniqueBase<Parameters> {
     const uint32_t seed = direction_seed(index);
     SideSpecular* specular = reflecting();
     if (specular && !specular->send(direction, batch_.done, seed, parts_->means.sends_direct())) return false;
-    if (gather && specular) parts_->transfer.gather(direction, seed, first);
+    if (gather && specular) parts_->transfer->gather(direction, seed, first);
     if (gather && !specular && !parts_->gather_along(sequence_, index, seed, first)) return false;
     if (parts_->means.direct_only(directions_))
-      parts_->transfer.exchange_emission(direction, seed);
+      parts_->transfer->exchange_emission(direction, seed);
     else
-      parts_->transfer.exchange(direction, seed);
+      parts_->transfer->exchange(direction, seed);
     if (specular) specular->receive(batch_.done);
     if (specular && parts_->side_state) parts_->side_state->add_history();
     return true;
@@ -356,7 +358,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
     const uint64_t index = directions_ + gathers_;
     if (!parts_->means.make_senders() || !parts_->gather_along(sequence_, index, direction_seed(index), true))
       return false;
-    parts_->camera.pixel_gather()->commit(1);
+    parts_->camera->pixel_gather()->commit(1);
     ++gathers_;
     return true;
   }

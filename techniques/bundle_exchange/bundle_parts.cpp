@@ -38,12 +38,11 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
       means(*c.device, c.scheduler, program, *atlas, accessibility->shares(), side_light.light_samples(), plan.channels,
             p),
       preview(plan.preview ? std::make_unique<SidePreview>(*c.device, c.scheduler, program, *atlas, means) : nullptr),
-      camera(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, preview.get(),
-             make_frame(c.settings), plan.camera),
-      transfer(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *interior, *accessibility,
-               plan.channels, {p.pixel_size, p.transfer, camera.pixel_gather()}) {
+      plan_(plan) {
+  make_camera(c);
+  make_transfer(c, p);
   if (!accessibility->complete())
-    accessibility->begin(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, *interior, transfer.raster());
+    accessibility->begin(*c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, *interior, transfer->raster());
   if (plan.reflects)
     specular =
         std::make_unique<SideSpecular>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means, p,
@@ -51,12 +50,46 @@ BundleParts::BundleParts(const TechniqueContext& c, const Parameters& p, const B
   if (!plan.camera.debug) return;
   if (plan.exchanges)
     side_state = std::make_unique<SideState>(*c.device, c.scheduler, means, accessibility->shares(), specular.get());
+  make_debug(c);
+}
+
+void BundleParts::make_camera(const TechniqueContext& c) {
+  camera = std::make_unique<CameraLight>(*c.device, c.scheduler, program, c.scene_buffers, c.bvh(), *atlas, means,
+                                         preview.get(), make_frame(c.settings), plan_.camera);
+}
+
+void BundleParts::make_transfer(const TechniqueContext& c, const Parameters& p) {
+  transfer = std::make_unique<BundleTransfer>(
+      *c.device, c.scheduler, c.scene, c.scene_buffers, *atlas, means.records(), *interior, *accessibility,
+      plan_.channels, BundleTransfer::Options{p.pixel_size, p.transfer, camera->pixel_gather()});
+}
+
+void BundleParts::make_debug(const TechniqueContext& c) {
   debug = std::make_unique<DebugLayers>(*c.device, c.scheduler, c.scene_buffers, *atlas, means, preview.get(),
-                                        side_state.get(), camera);
+                                        side_state.get(), *camera);
+}
+
+bool BundleParts::set_frame(const TechniqueContext& c, const Parameters& p, uint32_t seed) {
+  const Frame frame = make_frame(c.settings);
+  const bool remake = !camera->fits(frame), with_transfer = remake && gathers();
+  if (with_transfer && !accessibility->complete()) return false;  // it draws with the raster of the transfer
+  if (remake) {
+    debug.reset();  // their memory first
+    if (with_transfer) transfer.reset();
+    camera.reset();
+    make_camera(c);
+    if (with_transfer) make_transfer(c, p);
+    if (plan_.camera.debug) make_debug(c);
+    camera->reset(seed);
+  } else {
+    camera->set_frame(frame);
+  }
+  if (debug) debug->clear();
+  return true;
 }
 
 void BundleParts::commit_sample(bool atlas_known) {
-  camera.commit(atlas_known);
+  camera->commit(atlas_known);
   if (debug) debug->commit();
 }
 
@@ -65,12 +98,7 @@ void BundleParts::reset(uint32_t seed) {
   side_light.reset(seed);
   means.reset();
   if (side_state) side_state->reset();
-  camera.reset(seed);
-  if (debug) debug->clear();
-}
-
-void BundleParts::set_frame(const Frame& frame) {
-  camera.set_frame(frame);
+  camera->reset(seed);
   if (debug) debug->clear();
 }
 
@@ -80,7 +108,7 @@ bool BundleParts::gather_along(const DirectionSequence& sequence, uint64_t index
     specular->begin_batch(sequence, index, 1);
     if (!specular->send(direction, 0, seed, means.sends_direct())) return false;
   }
-  transfer.gather(direction, seed, first);
+  transfer->gather(direction, seed, first);
   return true;
 }
 
@@ -99,14 +127,14 @@ std::map<std::string, double> BundleParts::counters(uint64_t directions) const {
   std::map<std::string, double> result{{"directions", static_cast<double>(directions)}};
   result["indirect_directions"] = static_cast<double>(means.reflecting(directions));
   result["sides"] = atlas->info().texel_count;
-  result["bundle_pixels"] = transfer.mean_image();
-  result["chain_rays"] = static_cast<double>((specular ? specular->rays() : 0) + camera.rays());
+  result["bundle_pixels"] = transfer->mean_image();
+  result["chain_rays"] = static_cast<double>((specular ? specular->rays() : 0) + camera->rays());
   if (std::isfinite(means.relative_error())) result["relative_error"] = means.relative_error();
   return result;
 }
 
 void BundleParts::write(Film& film, bool smoothed) const {
-  camera.resolve(film, smoothed);
+  camera->resolve(film, smoothed);
   if (debug) debug->write(film, smoothed);
 }
 
@@ -126,8 +154,8 @@ void BundleParts::warm_up() {
   means.warm_up();
   if (preview) preview->warm_up();
   if (specular) specular->warm_up();
-  transfer.warm_up();
-  camera.warm_up();
+  transfer->warm_up();
+  camera->warm_up();
   if (side_state) side_state->warm_up();
   if (debug) debug->warm_up();
 }

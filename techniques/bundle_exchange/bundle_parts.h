@@ -30,7 +30,9 @@ struct BundleParts {
   void commit_sample(bool atlas_known);
   /// Forgets all light and all camera samples.
   void reset(uint32_t seed);
-  void set_frame(const Frame& frame);
+  /// Follows the camera and the image's size; what texel sides know stays. False where all must be built again.
+  bool set_frame(const TechniqueContext& c, const Parameters& p, uint32_t seed);
+  bool gathers() const { return camera->pixel_gather() != nullptr; }  ///< pixels, along bundles
   /// Pixels gather what texel sides send along direction `index`, which itself changes nothing that texel sides know.
   /// `first` as for BundleTransfer::gather(). False when cancelled; may be done again.
   bool gather_along(const DirectionSequence& sequence, uint64_t index, uint32_t seed, bool first);
@@ -49,12 +51,18 @@ struct BundleParts {
   std::unique_ptr<SideAccessibility> accessibility;
   SideLight side_light;
   SideMeans means;
-  std::unique_ptr<SidePreview> preview;    ///< null unless asked for
-  std::unique_ptr<SideSpecular> specular;  ///< null where no texel side has a specular lobe that takes part
-  CameraLight camera;
-  BundleTransfer transfer;
-  std::unique_ptr<SideState> side_state;  ///< null unless asked for, and where bundles carry nothing
-  std::unique_ptr<DebugLayers> debug;     ///< null unless asked for
+  std::unique_ptr<SidePreview> preview;      ///< null unless asked for
+  std::unique_ptr<SideSpecular> specular;    ///< null where no texel side has a specular lobe that takes part
+  std::unique_ptr<CameraLight> camera;       ///< never null
+  std::unique_ptr<BundleTransfer> transfer;  ///< likewise
+  std::unique_ptr<SideState> side_state;     ///< null unless asked for, and where bundles carry nothing
+  std::unique_ptr<DebugLayers> debug;        ///< null unless asked for
+
+ private:
+  void make_camera(const TechniqueContext& c);
+  void make_transfer(const TechniqueContext& c, const Parameters& p);
+  void make_debug(const TechniqueContext& c);
+  BundlePlan plan_;
 };
 
 }  // namespace lucarium::bundle

@@ -20,6 +20,7 @@ TechniqueInfo technique_info() {
   info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.max_bounces = -1;
   info.capabilities.view_independent = true;
+  info.capabilities.resizes = true;
   info.capabilities.bias = 0.02;  // radiance is constant over a texel; geometric cosines of indirect light
   info.layers = {"emission", "direct", "indirect"};
   info.optional_layers = {{"debug_layers=on",

@@ -24,6 +24,7 @@ TechniqueInfo technique_info() {
   info.capabilities.changes = all_kinds<ChangeKind>();
   info.capabilities.max_bounces = -1;
   info.capabilities.view_independent = true;
+  info.capabilities.resizes = true;
   info.capabilities.bias = 0.03;  // mirror light is blurred by the spacing of directions, all light by cells and texels
   info.layers = {"emission", "direct", "indirect", "subfield"};
   info.check_parameters = {{"dir_n", "8"}, {"cells", "32"}, {"texels", "8192"}};  // coarser, refraction is off by 4 %

@@ -159,7 +159,10 @@ class VirtualLightField : public TechniqueBase<Parameters> {
 
   bool follow(const SceneChange& change) override {
     if (!built() || !change.only_camera()) return false;
-    view_->set_frame(frame());
+    if (view_->fits(frame()))
+      view_->set_frame(frame());
+    else
+      make_view();
     stepped_ = false;
     eye_credit_ = 0;
     return true;
@@ -191,20 +194,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
       surfaces_->light.reset(seed());
       make_field();
     }
-    FieldView::Options options;
-    options.eye_kinds = plan_.eye_kinds;
-    options.lobes = parameters_.eye_glossy == EyeLobes::vlf;
-    options.first_surface = plan_.first_surface;
-    options.traced = plan_.traced && plan_.field;
-    options.nearest = parameters_.eye_interp == EyeInterpolation::nearest;
-    options.fold = plan_.fold;
-    options.max_bounces = plan_.max_bounces;
-    options.inspect_line = parameters_.inspect_line;
-    options.reach = depth_beyond(scene().bounds());
-    view_ = std::make_unique<FieldView>(device(), scheduler(), scene_buffers(), bvh(),
-                                        surfaces_ ? &surfaces_->atlas : nullptr,
-                                        surfaces_ ? &surfaces_->patches : nullptr, field_.get(), frame(), options);
-    view_->reset(seed());
+    make_view();
   }
 
   void save(StateWriter& chunks) override {
@@ -224,6 +214,25 @@ class VirtualLightField : public TechniqueBase<Parameters> {
 
  private:
   bool lit() const { return surfaces_->light.complete(); }
+
+  /// Of the image's size, with no sample.
+  void make_view() {
+    view_.reset();  // its memory first
+    FieldView::Options options;
+    options.eye_kinds = plan_.eye_kinds;
+    options.lobes = parameters_.eye_glossy == EyeLobes::vlf;
+    options.first_surface = plan_.first_surface;
+    options.traced = plan_.traced && plan_.field;
+    options.nearest = parameters_.eye_interp == EyeInterpolation::nearest;
+    options.fold = plan_.fold;
+    options.max_bounces = plan_.max_bounces;
+    options.inspect_line = parameters_.inspect_line;
+    options.reach = depth_beyond(scene().bounds());
+    view_ = std::make_unique<FieldView>(device(), scheduler(), scene_buffers(), bvh(),
+                                        surfaces_ ? &surfaces_->atlas : nullptr,
+                                        surfaces_ ? &surfaces_->patches : nullptr, field_.get(), frame(), options);
+    view_->reset(seed());
+  }
 
   void make_field() {
     LightField::Options options = field_options(plan_, parameters_);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lucarium/session/session.h"
 
-#include <fmt/ranges.h>
-
-#include <algorithm>
 #include <new>
 
 #include "lucarium/base/error.h"
@@ -34,28 +31,6 @@ auto call_technique(const TechniqueInfo& info, Call&& call) {
     throw_error(ErrorClass::technique, "{}: {}", info.name, error.what());
   }
 }
-
-}  // namespace
-
-void check_settings(const TechniqueInfo& info, const RenderSettings& settings) {
-  const Capabilities& can = info.capabilities;
-  if (settings.width == 0 || settings.height == 0 || uint64_t{settings.width} * settings.height > (uint64_t{1} << 28)) {
-    throw_error(ErrorClass::usage, "--size {}x{} is not an image size this program renders", settings.width,
-                settings.height);
-  }
-  if (can.max_bounces >= 0 && (settings.max_bounces < 0 || settings.max_bounces > can.max_bounces)) {
-    throw_error(ErrorClass::technique, "{} computes at most {} bounces; give --max-bounces {} or fewer", info.name,
-                can.max_bounces, can.max_bounces);
-  }
-  if (std::find(can.pixel_sampling.begin(), can.pixel_sampling.end(), settings.pixel_sampling) ==
-      can.pixel_sampling.end()) {
-    throw_error(ErrorClass::technique,
-                "{} cannot sample pixels in mode {} (0 jitter, 1 center, n grid); it supports {}", info.name,
-                settings.pixel_sampling, fmt::join(can.pixel_sampling, ", "));
-  }
-}
-
-namespace {
 
 /// While it lives, reports to on_preparing which of the device's kernels is being compiled.
 class ReportCompilation {
@@ -182,6 +157,15 @@ struct RenderSession::State {
   void follow_scene(const SceneChange& change) {
     if (change.camera) settings.camera = scene.cameras.front();
     if (change.any() || iterations > 0) apply(change);
+  }
+
+  void look(const RenderSettings& seen) {
+    SceneChange change;
+    change.camera = true;
+    change.time = scene.time;
+    require_change(change);
+    settings = seen;
+    apply(change);
   }
 
   bool view_independent() const { return type.info().capabilities.view_independent; }
@@ -345,14 +329,22 @@ void RenderSession::set_time(double seconds) {
 }
 
 void RenderSession::set_camera(const SceneCamera& camera) {
+  RenderSettings seen = state_->settings;
+  seen.camera = camera;
+  call_technique(state_->type.info(), [&] { state_->look(seen); });
+}
+
+void RenderSession::set_view(const SceneCamera& camera, uint32_t width, uint32_t height, bool moving) {
   State& s = *state_;
-  SceneChange change;
-  change.camera = true;
-  change.time = s.scene.time;
+  if (!s.type.info().capabilities.resizes)
+    throw_error(ErrorClass::technique, "{}: its image keeps its size; make another session", s.type.info().name);
+  RenderSettings seen = s.settings;
+  seen.camera = camera, seen.width = width, seen.height = height;
+  check_settings(s.type.info(), seen);
   call_technique(s.type.info(), [&] {
-    s.require_change(change);
-    s.settings.camera = camera;
-    s.apply(change);
+    s.technique->rest_light(moving);
+    s.light_done = false;  // iterations say whether it is
+    s.look(seen);
   });
 }
 

@@ -90,6 +90,10 @@ class RenderSession {
   /// View-independent techniques keep their data where nothing but the camera changes, or nothing at all.
   void set_time(double seconds);
   void set_camera(const SceneCamera& camera);
+  /// The camera with another size of the image, of techniques with Capabilities::resizes; what does not depend on the
+  /// camera stays. `moving`: pictures come first, and the light goes on only with a view that does not move. Throws
+  /// Error for techniques that cannot, and for sizes that are refused.
+  void set_view(const SceneCamera& camera, uint32_t width, uint32_t height, bool moving);
   /// The same for any change: `edit` alters a copy of the scene and says what it altered.
   void change_scene(const std::function<SceneChange(Scene&)>& edit);
 

@@ -145,6 +145,9 @@ class Technique {
   /// From now on what does not depend on the camera stays as it is, however unfinished: iterations are samples for the
   /// camera. Ends with a change of anything but the camera, and with reset(). By default nothing is held.
   virtual void hold_light() {}
+  /// Of techniques with Capabilities::resizes: until it is called again, iterations are samples for the camera alone,
+  /// or not; the light then goes on where it was. A change of the camera comes next. By default it never rests.
+  virtual void rest_light(bool) {}
   /// Why there is no state to save, in words that follow the technique's name: "keeps no light between pictures".
   /// Empty: save_state() and load_state() work with the current parameters. Callable before prepare().
   virtual std::string state_refusal() const { return "keeps nothing from picture to picture that a file could hold"; }

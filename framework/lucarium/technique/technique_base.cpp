@@ -15,7 +15,7 @@ void TechniqueLifeCycle::prepare(const TechniqueContext& context) {
 
 void TechniqueLifeCycle::rebuild() {
   attempt([&] {
-    built_ = held_ = false;
+    built_ = held_ = resting_ = false;
     build();
     scene_generation_ = scene_buffers().generation();
     if (uses_bvh_) bvh_generation_ = bvh().generation();
@@ -86,7 +86,7 @@ void TechniqueLifeCycle::resolve(Film& film) {
 
 void TechniqueLifeCycle::reset(uint64_t seed) {
   seed_ = seed;
-  held_ = false;
+  held_ = resting_ = false;
   built_ ? restart_samples() : rebuild();
 }
 

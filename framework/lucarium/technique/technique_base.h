@@ -23,6 +23,7 @@ class TechniqueLifeCycle : public Technique {
   void reset(uint64_t seed) override;
   void warm_up() override;
   void hold_light() override { held_ = true; }
+  void rest_light(bool rests) override { resting_ = rests; }
   void save_state(StateWriter& chunks) override;
   void load_state(const StateReader& chunks) override;
 
@@ -56,8 +57,9 @@ class TechniqueLifeCycle : public Technique {
   void restart_samples();
 
   bool built() const { return built_; }
-  /// What does not depend on the camera stays as it is (Technique::hold_light).
-  bool light_held() const { return held_; }
+  /// What does not depend on the camera stays as it is (Technique::hold_light, rest_light).
+  bool light_held() const { return held_ || resting_; }
+  bool light_rests() const { return resting_; }
   uint64_t samples() const { return samples_; }  ///< steps that were completed since restart()
   /// Whether buffers of the scene or of its hierarchy were replaced since build(), so that schedules that name them
   /// must be recorded again.
@@ -84,7 +86,7 @@ class TechniqueLifeCycle : public Technique {
   void attempt(const std::function<void()>& part);
   std::unique_ptr<TechniqueContext> context_;
   uint64_t seed_ = 1, samples_ = 0;
-  bool built_ = false, uses_bvh_ = false, held_ = false;
+  bool built_ = false, uses_bvh_ = false, held_ = false, resting_ = false;
   bool interrupted_ = false;                            ///< that is why it is not built
   uint64_t scene_generation_ = 0, bvh_generation_ = 0;  ///< at build()
 };

@@ -56,12 +56,19 @@ void ViewSessions::change(const TechniqueType& type, const ViewTechnique& techni
 
 RenderSession& ViewSessions::at(uint32_t divisor) {
   Sized& sized = slot(divisor);
-  if (!sized.session || sized.divisor != divisor) {
+  if (sized.session && sized.divisor != divisor && resizes()) {
+    sized.camera_number = camera_number_ + 1;  // it has to follow
+  } else if (!sized.session || sized.divisor != divisor) {
     sized = {};
     sized = make(*type_, technique_, settings_, divisor);
   }
   if (sized.camera_number != camera_number_) {
-    sized.session->set_camera(settings_.camera);
+    const RenderSettings size = divided_size(settings_, divisor);
+    if (resizes())
+      sized.session->set_view(settings_.camera, size.width, size.height, divisor != 1);
+    else
+      sized.session->set_camera(settings_.camera);
+    sized.divisor = divisor;
     sized.camera_number = camera_number_;
     sized.before = 0;  // clocks count from there
     if (type_->info().capabilities.view_independent) sized.fresh = false;
@@ -77,6 +84,7 @@ void ViewSessions::set_camera(const SceneCamera& camera) {
 bool ViewSessions::set_time(double seconds) {
   if (!whole_.session || scene_->sessions > (coarse_.session ? 2 : 1)) return false;
   coarse_ = {};
+  at(1);  // what is built again has the plan of the whole size
   try {
     whole_.session->set_time(seconds);
   } catch (const Error& error) {

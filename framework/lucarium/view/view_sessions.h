@@ -12,7 +12,9 @@
 namespace lucarium {
 
 /// The sessions of one technique on one scene: one of the whole size, and beside it a coarse one for moments in which a
-/// picture matters more than its pixels. Both stay, so that a move of the camera builds nothing again.
+/// picture matters more than its pixels. Both stay, so that a move of the camera builds nothing again. Where the
+/// technique keeps its light from size to size (Capabilities::resizes) there is one, which changes its size; while it
+/// is coarse its light rests.
 class ViewSessions {
  public:
   /// `cancel`: asked between passes of an iteration of the whole size; true where its picture is no longer wanted.
@@ -54,8 +56,9 @@ class ViewSessions {
   };
   Sized make(const TechniqueType& type, const ViewTechnique& technique, const RenderSettings& settings,
              uint32_t divisor) const;
-  Sized& slot(uint32_t divisor) { return divisor == 1 ? whole_ : coarse_; }
-  const Sized& slot(uint32_t divisor) const { return divisor == 1 ? whole_ : coarse_; }
+  bool resizes() const { return type_ && type_->info().capabilities.resizes; }
+  Sized& slot(uint32_t divisor) { return divisor == 1 || resizes() ? whole_ : coarse_; }
+  const Sized& slot(uint32_t divisor) const { return divisor == 1 || resizes() ? whole_ : coarse_; }
 
   std::shared_ptr<Device> device_;
   std::shared_ptr<SceneOnDevice> scene_;

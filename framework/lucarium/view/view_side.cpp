@@ -138,9 +138,12 @@ bool ViewSide::has_work() const {
 }
 
 uint32_t ViewSide::choose_divisor() const {
-  if (sessions_.type().info().capabilities.view_independent) return 1;
+  const Capabilities& can = sessions_.type().info().capabilities;
+  if (can.view_independent && !can.resizes) return 1;
   const uint32_t coarse = motion_.divisor(whole_pixels(), divisor_);
-  if (seconds_since(around_.request.camera_time) < settled_seconds) return coarse;
+  const bool moves = seconds_since(around_.request.camera_time) < settled_seconds;
+  if (can.resizes) return moves ? std::max(coarse, 2u) : 1;  // at the whole size its light would not rest
+  if (moves) return coarse;
   const double seconds = motion_.expected_seconds(whole_pixels());
   return sent_divisor_ == 0 && (seconds < 0 || seconds > quick_seconds) ? coarse : 1;
 }
@@ -164,7 +167,8 @@ void ViewSide::work() {
     const uint64_t before = session.iterations();
     const Stopwatch watch;
     session.iterate();
-    if (session.iterations() > before)
+    // Iterations of the whole size are of light, too, where the light rests in coarse ones.
+    if (session.iterations() > before && (divisor != 1 || !sessions_.type().info().capabilities.resizes))
       motion_.measured(watch.seconds(), double{1} * session.settings().width * session.settings().height);
   } else if (divisor != 1) {
     hub_.wait(nap);

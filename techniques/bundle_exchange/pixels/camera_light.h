@@ -38,6 +38,7 @@ class CameraLight {
   void commit(bool atlas_known);
   void reset(uint32_t seed);
   void set_frame(const Frame& frame);
+  bool fits(const Frame& frame) const { return frame.width == frame_.width && frame.height == frame_.height; }
   void warm_up();
   uint32_t samples() const { return samples_; }
   uint32_t atlas_samples() const { return atlas_samples_; }  ///< of them, in the mean of what the atlas says

@@ -34,6 +34,7 @@ class FieldView {
   void commit();
   void reset(uint32_t seed);
   void set_frame(const Frame& frame);
+  bool fits(const Frame& frame) const { return frame.width == frame_.width && frame.height == frame_.height; }
   void warm_up();
   uint32_t samples() const { return samples_; }
   uint32_t shown_sweeps() const { return shown_sweeps_; }    ///< of the field, that the last sample shows

@@ -138,6 +138,14 @@ TEST_CASE("only Error leaves a technique, and no NaN leaves a session") {
   CHECK(negative.resolve().count_bad_pixels().negative == 1);
 }
 
+TEST_CASE("another size of the image is refused where the technique does not declare that it follows") {
+  RenderSession session = make_session();
+  const Failure failure = failure_of([&] { session.set_view(session.settings().camera, 3, 2, false); });
+  CHECK(failure.error_class == ErrorClass::technique);
+  CHECK(failure.message == "constant: its image keeps its size; make another session");
+  CHECK(session.settings().width == 7);
+}
+
 TEST_CASE("a change of the scene starts over; one that the technique cannot follow is refused") {
   RenderSession session = make_session();
   session.run({.iterations = 3});

@@ -85,6 +85,34 @@ TEST_CASE("every frame of a walk has the bits of that camera alone") {
   }
 }
 
+TEST_CASE("a coarse picture of a moving view lets the exchange rest, and loses nothing of it") {
+  const Scene scene = load_scene("builtin:cornell-mirror");
+  for (const Options& more : {Options{{"batch", "7"}}, Options{{"preview", "on"}, {"debug_layers", "on"}}}) {
+    CAPTURE(more.front().first);
+    const Options options = with(with(few_texels, {{"directions", "96"}, {"camera_samples", "4"}}), more);
+    const auto run = session("bundle_exchange", scene, -1, options);
+    while (directions(*run) == 0) run->iterate();
+    const double found = directions(*run);
+    REQUIRE(found < 96);
+    for (const uint32_t width : {12u, 12u, 7u}) {
+      run->set_view(camera_at(scene, width), width, 11, true);
+      for (int i = 0; i < 3; ++i) run->iterate();
+      const Film film = run->resolve();
+      CHECK(film.width() == width);
+      CHECK(mean(film.find("indirect")->pixels) > 0);
+      CHECK(directions(*run) == found);
+    }
+    run->set_view(camera_at(scene, 1.3), 24, 24, false);
+    CHECK_FALSE(run->finish_light());
+    CHECK(directions(*run) == 96);
+    Scene alone = scene;
+    alone.cameras.front() = camera_at(scene, 1.3);
+    const auto other = session("bundle_exchange", alone, -1, options);
+    other->finish_light();
+    CHECK(picture(*other) == picture(*run));
+  }
+}
+
 TEST_CASE("a frame in which nothing changes began the exchange from nothing") {
   const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, quick);
   run->finish_light();

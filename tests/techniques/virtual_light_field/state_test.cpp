@@ -60,6 +60,36 @@ TEST_CASE("every frame of a walk through the field has the bits of that camera a
   }
 }
 
+TEST_CASE("a coarse picture of a moving view lets the field rest, and loses nothing of it") {
+  const Scene scene = load_scene("builtin:cornell-mirror");
+  for (const Options& more : {Options{}, Options{{"preset", "walkthrough"}}}) {
+    CAPTURE(more.empty() ? std::string("default") : more.front().second);
+    const Options options = with(more, saved_field);
+    const auto run = session(scene, -1, options);
+    while (lines(*run) == 0) run->iterate();
+    const double found = lines(*run);
+    REQUIRE_FALSE(run->last().light_done);
+    for (const uint32_t width : {12u, 12u, 7u}) {
+      run->set_view(camera_on_path(scene.camera_paths.front(), width), width, 11, true);
+      for (int i = 0; i < 3; ++i) run->iterate();
+      const Film film = run->resolve();
+      CHECK(film.width() == width);
+      CHECK(mean(film.image()) > 0);
+      CHECK(lines(*run) == found);
+    }
+    const SceneCamera camera = camera_on_path(scene.camera_paths.front(), 1.3);
+    run->set_view(camera, 24, 24, false);
+    CHECK_FALSE(run->finish_light());
+    CHECK(lines(*run) > found);
+    Scene alone = scene;
+    alone.cameras.front() = camera;
+    const auto other = session(alone, -1, options);
+    other->finish_light();
+    CHECK(lines(*run) == lines(*other));
+    CHECK(picture(*other) == picture(*run));
+  }
+}
+
 TEST_CASE("a loaded field propagates nothing and shows the bits of the session that saved it") {
   for (const char* name : {"builtin:cornell-mirror", "builtin:room"}) {
     const Scene scene = load_scene(name);
