@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What a technique does not declare is refused here, before anything is allocated. Declared in session.h.
 #include <fmt/ranges.h>
 
 #include <algorithm>
