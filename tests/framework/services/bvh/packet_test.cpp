@@ -177,6 +177,39 @@ TEST_CASE("packets along diagonal axes and with mixed largest components give th
   check_packets(tracer, single, {&wide, &portable, &eight}, rays);
 }
 
+TEST_CASE("packets of parallel rays meet a wall where its boxes meet") {
+  // The rays of a run differ along one axis alone, so that the packet's slabs of the others have no slack but their
+  // margin; they aim at the lines of a grid, whose triangles have boxes without thickness.
+  Tracer tracer;
+  constexpr int cells = 24;
+  constexpr float x = 7.3f, edge = 0.37f;
+  const auto line = [&](int i) { return edge * static_cast<float>(i) - 4.1f; };
+  Soup soup;
+  for (int j = 0; j < cells; ++j)
+    for (int i = 0; i < cells; ++i) {
+      const glm::vec3 a(x, line(i), line(j)), b(x, line(i + 1), line(j)), c(x, line(i + 1), line(j + 1));
+      soup.add_triangle(a, b, c);
+      soup.add_triangle(a, c, {x, line(i), line(j + 1)});
+    }
+  Random random(68);
+  std::vector<Ray> rays;
+  for (int run = 0; run < 4000; ++run) {
+    const glm::dvec3 direction = glm::normalize(glm::dvec3(1, static_cast<double>(random.uniform(-0.2f, 0.2f)),
+                                                           static_cast<double>(random.uniform(-0.2f, 0.2f))));
+    const double far = static_cast<double>(random.uniform(1, 200));
+    const double z = static_cast<double>(line(1 + static_cast<int>(random.below(cells - 1))));
+    const double y = static_cast<double>(random.uniform(-3.5f, 3.5f));
+    const glm::dvec3 from = glm::dvec3(static_cast<double>(x), y, z) - far * direction;
+    for (int i = 0; i < 16; ++i)
+      rays.push_back(make_ray(glm::vec3(from + glm::dvec3(0, 0.002 * i, 0)), glm::vec3(direction)));
+  }
+  const Bvh single = tracer.make(soup, BvhTraversal::scalar), wide = tracer.make(soup, BvhTraversal::wide_16),
+            portable = tracer.make(soup, BvhTraversal::wide_16_portable),
+            eight = tracer.make(soup, BvhTraversal::wide_8);
+  CHECK(count_hits(tracer.trace(single, rays)) == rays.size());
+  check_packets(tracer, single, {&wide, &portable, &eight}, rays);
+}
+
 TEST_CASE("neighbouring rays decide about veils by themselves, in packets too") {
   SceneMaterial veil;
   veil.alpha_mode = AlphaMode::blend;
