@@ -144,7 +144,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
                       : now == Phase::done ? 1
                                            : static_cast<double>(directions_) / parameters_.directions;
     const bool seen = parts_->camera->atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
-    result.light_done = now == Phase::done && !wants_light();
+    result.light_done = now == Phase::done && !wants_light() && !light_rests();
     result.converged = result.light_done && seen;
     result.phase = result.converged ? why_converged(parameters_, parts_->means, directions_, exchanges(),
                                                     parts_->camera->atlas_samples())
@@ -155,8 +155,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   void write(Film& film) override { parts_->write(film, shows_preview()); }
 
   void restart() override {
-    directions_ = gathers_ = 0;
-    eye_samples_left_ = 0;
+    directions_ = gathers_ = eye_samples_left_ = 0;
     step_ = {};
     batch_ = {};
     const bool has_history = parts_->specular && parts_->specular->has_history();
@@ -175,9 +174,11 @@ class BundleExchange : public TechniqueBase<Parameters> {
     if (!parts_) return false;
     if (change.only_camera()) {
       step_ = {};
-      eye_samples_left_ = 0;
-      gathers_ = 0;  // the picture's own directions
-      return parts_->set_frame(context(), parameters_, seed());
+      gathers_ = eye_samples_left_ = 0;                        // the picture's own directions
+      std::unique_ptr<BundleParts> parts = std::move(parts_);  // lost where memory does not suffice for another size
+      const bool kept = parts->set_frame(context(), parameters_, seed());
+      parts_ = std::move(parts);
+      return kept;
     }
     const bool touched = change.geometry() || !change.materials.empty();
     if (parameters_.warm_start && forgets(parameters_)) {

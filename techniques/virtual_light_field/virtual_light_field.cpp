@@ -145,9 +145,9 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     // A sample has all light: those before it lack some, and are no part of what --spp asks for.
     result.samples = settled ? shown : 0;
     result.visible = view_->samples() > 0;
-    result.light_done = settled;
+    result.light_done = settled && !light_rests();
     result.progress = settled ? 1 : lit() ? field_->progress() : 0;
-    result.converged = settled && shown >= static_cast<uint32_t>(parameters_.camera_samples);
+    result.converged = result.light_done && shown >= static_cast<uint32_t>(parameters_.camera_samples);
     result.phase = settled ? "walk" : lit() ? field_->phase() : "light";
     if (result.converged)
       result.phase = field_ ? fmt::format("{}, and {} camera_samples", field_->why_done(), parameters_.camera_samples)

@@ -5,6 +5,7 @@
 
 #include "commands/commands.h"
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/file_lock.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/log.h"
@@ -147,7 +148,9 @@ class Growth {
     events.say = [&](const std::string& line) {
       if (!quiet_) print_note("{}\n", line);
     };
-    const fs::path folder = fs::absolute(arguments_.file).string() + ".rounds";
+    const fs::path rounds = fs::absolute(arguments_.file).string() + ".rounds";
+    const FolderLock lock(rounds);
+    const fs::path folder = rounds / identity_.hash();  // rounds of another scene are never taken for these
     return extend_shared_reference(*make_executor(options, program, folder / "slurm"), job, image_, arguments_.goal,
                                    folder, events);
   }

@@ -99,6 +99,7 @@ bool ViewSessions::set_time(double seconds) {
 }
 
 void ViewSessions::restart() {
+  if (whole_.session && resizes()) at(1);  // what begins again has the whole size, and its light goes on
   for (Sized* sized : {&whole_, &coarse_}) {
     if (!sized->session) continue;
     sized->session->restart(settings_.seed);

@@ -57,7 +57,7 @@ SubfieldRuns::SubfieldRuns(Device& device, KernelScheduler& scheduler, const Sce
     received_ = TypedBuffer<float4>(device, technique_name, "sums of a line's cells", sums, kFewerCells);
   coarse_ = TypedBuffer<uint32_t>(device, technique_name, "sums of coarse cells",
                                   FIELD_FIXED_WORDS * std::max<size_t>(maps.coarse_cells(), 1), kFewerCells);
-  coarse_.upload(std::vector<uint32_t>(coarse_.count(), 0));
+  coarse_.fill_zero();
   const std::vector<float4> extinctions = side_extinctions(host_scene, scene, atlas);
   if (!extinctions.empty())
     extinction_ =

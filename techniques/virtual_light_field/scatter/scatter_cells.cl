@@ -242,8 +242,10 @@ __kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     const FieldLine line = lines[direction >> 1];
     const float3 view = field_direction(lines, direction);
     const Splats splats = {subfields, perturb, direction, splat == SPLAT_MEANS};
-    // A direction of the grid n / 2^level stands for 4^level of all.
-    const float measure = info.cell * info.cell * line.omega.w * (float)(1u << 2u * FIELD_MAP_LEVEL(maps[facet]));
+    // A direction of a grid of m = n / 2^level stands for (2 n^2 + 1) / (2 m^2 + 1) of all.
+    const uint coarse = info.grid >> FIELD_MAP_LEVEL(maps[facet]);
+    const float measure =
+        info.cell * info.cell * line.omega.w * ((float)info.lines / (float)(2u * coarse * coarse + 1u));
     for (uint k = 0u; k < tile.count; ++k) {
       // Pass over cells of the tile that show nothing.
       const uint cell = tile.first + k, side = cell_side[cell];

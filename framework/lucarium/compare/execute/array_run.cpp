@@ -129,8 +129,11 @@ void ArrayRun::attach() {
   for (const size_t number : numbers) {
     try {
       add_batch(number, SlurmBatch(folder_ / fmt::format("{}{}", batch_prefix, number)).read());
-    } catch (const std::exception&) {  // killed before the batch was whole: it was not submitted
-      fs::remove_all(folder_ / fmt::format("{}{}", batch_prefix, number), failure);
+    } catch (const std::exception&) {
+      // Killed before the batch was whole: it was not submitted. What is there and cannot be read may have jobs.
+      const fs::path batch = folder_ / fmt::format("{}{}", batch_prefix, number);
+      if (SlurmBatch(batch).is_whole()) throw;
+      fs::remove_all(batch, failure);
     }
   }
   const auto attached = std::count_if(pieces_.begin(), pieces_.end(),

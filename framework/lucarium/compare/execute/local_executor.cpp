@@ -78,8 +78,9 @@ class SharedRun {
       }
       const std::function<void()> event = std::move(reported_.front());
       reported_.pop_front();
+      const bool failed = error_ != nullptr;
       lock.unlock();
-      if (!error_) {
+      if (!failed) {
         try {
           event();
         } catch (...) {

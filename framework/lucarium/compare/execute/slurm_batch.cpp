@@ -96,6 +96,8 @@ std::vector<std::string> SlurmBatch::list_ended() const {
   return names;
 }
 
+bool SlurmBatch::is_whole() const { return fs::exists(folder_ / tasks_name); }
+
 bool SlurmBatch::has_ended(const std::string& name) const { return fs::exists(ended_file(name)); }
 
 EndedPiece SlurmBatch::read_ended(const std::string& name) const {

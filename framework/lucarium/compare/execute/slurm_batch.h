@@ -46,6 +46,8 @@ class SlurmBatch {
   void write_ended(const std::string& name, const EndedPiece& piece) const;
   /// Names of the pieces that have ended and were not taken yet.
   std::vector<std::string> list_ended() const;
+  /// Its tasks are written down, so that they may have been submitted.
+  bool is_whole() const;
   bool has_ended(const std::string& name) const;
   EndedPiece read_ended(const std::string& name) const;
   /// Moves the piece's image to where its task wants it, unless an earlier call did.

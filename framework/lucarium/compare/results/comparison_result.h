@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -54,8 +55,12 @@ struct PieceResult {
 struct ReferenceResult {
   std::string path_set;                ///< in its simplest form on this scene
   std::vector<std::string> also_said;  ///< by techniques that compute the same light
-  std::string image;                   ///< below the result folder
-  std::string source;                  ///< "path_tracing", or the given file
+  /// Whether a picture that says this of its light paths can be measured against it.
+  bool is_for(const std::string& said) const {
+    return said == path_set || std::find(also_said.begin(), also_said.end(), said) != also_said.end();
+  }
+  std::string image;   ///< below the result folder
+  std::string source;  ///< "path_tracing", or the given file
   std::string failure;
   uint64_t samples = 0;
   bool from_cache = false;

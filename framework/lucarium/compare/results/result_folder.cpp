@@ -80,6 +80,7 @@ void remove_slurm_files(const fs::path& folder) {
 }
 
 void remove_results(const fs::path& folder) {
+  remove_slurm_files(folder / slurm_folder / slurm_references);
   remove_slurm_files(folder / slurm_folder);
   for (const char* name : written_folders) remove_written_files(folder / name);
   for (const char* name : written_files) remove_file(folder / name);

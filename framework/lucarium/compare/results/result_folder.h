@@ -6,6 +6,7 @@ namespace lucarium {
 
 /// Below a result folder: what jobs of a scheduler need and leave until it is taken.
 inline constexpr const char* slurm_folder = "slurm";
+inline constexpr const char* slurm_references = "references";  ///< in it: the arrays of references
 
 /// The first thing in a folder that a comparison would write over and that no comparison wrote: there is no
 /// comparison.json in the form in which comparisons write it. Empty where there is none.

@@ -206,6 +206,10 @@ void ComparisonRunner::finish_piece(PieceResult& piece, const PieceEnd& end) {
   }
   try {
     json summary = frame_of(end.child);
+    if (!fits(summary, piece))
+      throw_error(ErrorClass::input,
+                  "rendered from another state of the scene or by another version, while the "
+                  "comparison ran; continue with --resume");
     summary["peak_host_bytes"] = end.child.peak_memory_bytes;
     summary["machine"] = piece_machine_json(end.machine);
     piece.render_summary = summary.dump(1);
@@ -238,6 +242,11 @@ void ComparisonRunner::load_finished_pieces() {
   if (!result_.pieces.empty()) say(fmt::format("finished already: {}", counted(result_.pieces.size(), "piece")));
 }
 
+bool ComparisonRunner::fits(const json& summary, const PieceResult& piece) const {
+  return summary.at("scene_hash") == result_.scenes[piece.scene].hash && summary.at("version") == LUCARIUM_VERSION &&
+         reference_of(piece.scene, piece.variant).is_for(summary.at("path_set").get<std::string>());
+}
+
 bool ComparisonRunner::load_finished_piece(PieceResult& piece) {
   // The summary is written after the image, so its presence means that the piece is whole. What is damaged, or was
   // rendered from another state of the scene, the reference or the program, is rendered again.
@@ -248,8 +257,7 @@ bool ComparisonRunner::load_finished_piece(PieceResult& piece) {
     piece.render_summary = read_file(file);
     piece.image = stem + ".exr";
     const json summary = json::parse(piece.render_summary);
-    if (summary.at("scene_hash") != result_.scenes[piece.scene].hash || summary.at("version") != LUCARIUM_VERSION ||
-        summary.at("path_set") != reference_of(piece.scene, piece.variant).path_set) {
+    if (!fits(summary, piece)) {
       say(fmt::format("{}: rendered from another scene or by another version; rendering it again", file.string()));
       return false;
     }

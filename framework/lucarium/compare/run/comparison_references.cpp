@@ -17,7 +17,7 @@ namespace lucarium {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-bool ComparisonRunner::get_references() {
+bool ComparisonRunner::get_references(PieceExecutor& executor) {
   std::vector<MissingImage> missing;
   for (size_t scene = 0; scene < result_.scenes.size(); ++scene) {
     if (!result_.scenes[scene].failure.empty()) continue;
@@ -30,7 +30,7 @@ bool ComparisonRunner::get_references() {
       }
     }
   }
-  render_missing(missing);
+  render_missing(missing, executor);
   if (interrupt_requested()) return false;
   for (size_t scene = 0; scene < result_.scenes.size(); ++scene) choose_exposure(scene);
   return true;
@@ -125,7 +125,7 @@ PieceTask ComparisonRunner::reference_task(const MissingImage& image) const {
 }
 
 /// A reference is finished when its last image has come.
-void ComparisonRunner::render_missing(std::vector<MissingImage>& missing) {
+void ComparisonRunner::render_missing(std::vector<MissingImage>& missing, PieceExecutor& executor) {
   std::vector<MissingImage> again;  // what was cached is damaged
   std::map<std::pair<size_t, size_t>, size_t> left;
   std::vector<PieceTask> tasks;
@@ -173,9 +173,9 @@ void ComparisonRunner::render_missing(std::vector<MissingImage>& missing) {
       fail_reference(image.scene, image.index, error);
     }
   };
-  if (!tasks.empty()) executor_->run(tasks, events);
+  if (!tasks.empty()) executor.run(tasks, events);
   progress_.reset();
-  if (!again.empty() && !interrupt_requested()) render_missing(again);
+  if (!again.empty() && !interrupt_requested()) render_missing(again, executor);
 }
 
 void ComparisonRunner::keep_rendered(const MissingImage& image, const ChildResult& child) {

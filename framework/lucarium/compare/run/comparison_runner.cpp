@@ -64,10 +64,13 @@ ComparisonRunner::ComparisonRunner(const ComparisonSpec& spec, const TechniqueRe
 
 /// Where earlier jobs may still be at work, on results that a run on this machine does not take.
 void ComparisonRunner::say_left_jobs() const {
-  const fs::path file = options_.folder / slurm_folder / "run.txt";
-  if (options_.executor.kind == ExecutorOptions::Kind::slurm || !fs::exists(file)) return;
-  say(fmt::format("jobs of this comparison ({}) may still be with Slurm; --executor slurm takes what they did",
-                  read_file(file)));
+  if (options_.executor.kind == ExecutorOptions::Kind::slurm) return;
+  for (const fs::path& folder : {options_.folder / slurm_folder, options_.folder / slurm_folder / slurm_references}) {
+    const fs::path file = folder / "run.txt";
+    if (!fs::exists(file)) continue;
+    say(fmt::format("jobs of this comparison ({}) may still be with Slurm; --executor slurm takes what they did",
+                    read_file(file)));
+  }
 }
 
 void ComparisonRunner::say(const std::string& line) const {
@@ -102,7 +105,10 @@ ComparisonResult ComparisonRunner::run() {
   prepare_folder();  // only now, so that a mistake leaves nothing that stands in the way of the corrected command
   executor_ = make_executor(options_.executor, options_.program, options_.folder / slurm_folder);
   say_left_jobs();
-  if (!get_references()) {  // without all references there are no conclusions; earlier ones stay
+  // References have arrays of their own: what is left of pieces is for run_missing_pieces() to take up.
+  const auto references =
+      make_executor(options_.executor, options_.program, options_.folder / slurm_folder / slurm_references);
+  if (!get_references(*references)) {  // without all references there are no conclusions; earlier ones stay
     result_.interrupted = true;
     return result_;
   }

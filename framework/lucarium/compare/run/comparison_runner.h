@@ -40,12 +40,12 @@ class ComparisonRunner {
     bool was_cached = false;
   };
   /// Returns false when interrupted.
-  bool get_references();
+  bool get_references(PieceExecutor& executor);
   void read_reference(size_t scene, size_t index);
   void choose_exposure(size_t scene);
   bool keep_reference(size_t scene, size_t index);
   void find_missing(size_t scene, size_t index, std::vector<MissingImage>& missing);
-  void render_missing(std::vector<MissingImage>& missing);
+  void render_missing(std::vector<MissingImage>& missing, PieceExecutor& executor);
   PieceTask reference_task(const MissingImage& image) const;
   void keep_rendered(const MissingImage& image, const ChildResult& child);
   void finish_reference(size_t scene, size_t index);
@@ -55,6 +55,8 @@ class ComparisonRunner {
 
   // Pieces.
   void load_finished_pieces();
+  /// Whether a summary is of the scene, the light paths and the program of this comparison.
+  bool fits(const nlohmann::json& summary, const PieceResult& piece) const;
   bool load_finished_piece(PieceResult& piece);
   /// Returns false when interrupted before all is done.
   bool run_missing_pieces();

@@ -20,8 +20,7 @@ void check_reference(const Film& film, const fs::path& file, const ReferenceResu
     throw_error(ErrorClass::usage, "{} shows another scene than {}, or another version of it", file.string(),
                 scene.name);
   }
-  if (path_set == film.metadata.end() || path_set->second == wanted.path_set) return;
-  if (std::find(wanted.also_said.begin(), wanted.also_said.end(), path_set->second) != wanted.also_said.end()) return;
+  if (path_set == film.metadata.end() || wanted.is_for(path_set->second)) return;
   std::string text;
   for (const std::string& line : PathSet::parse(path_set->second).differences(PathSet::parse(wanted.path_set))) {
     text += (text.empty() ? "" : "; ") + line;

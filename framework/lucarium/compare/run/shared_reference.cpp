@@ -54,7 +54,12 @@ class Rounds {
   const std::vector<PieceTask>& tasks() const { return tasks_; }
 
   void add(size_t task, const PieceEnd& end) {
-    if (end.child.exit_code == static_cast<int>(ErrorClass::interrupted) || interrupt_requested()) return;
+    const bool cut_off = end.child.exit_code == static_cast<int>(ErrorClass::interrupted);
+    if ((cut_off || !end.failure.empty()) && interrupt_requested()) return;
+    if (cut_off)
+      throw_error(ErrorClass::interrupted,
+                  "{} was stopped by a signal that did not reach this process; what is kept can be extended",
+                  tasks_[task].name);
     if (!end.failure.empty())
       throw_error(class_of_end(end.child), "{} was not rendered: {}", tasks_[task].name, end.failure);
     ended_[task] = nlohmann::json::parse(end.child.out).at("seconds");

@@ -273,10 +273,11 @@ TEST_CASE(
     "table") {
   const TemporaryFolder folder;
   const fs::path results = folder.path() / "results";
-  const ProgramResult run =
-      run_lucarium("compare builtin:cornell -t path_tracing -t path_tracing:direct=off " + constant_technique() +
-                   "-t path_tracing:blend=off --pixel-sampling 4 --iterations 2 --seeds 1 --reference-spp 32 " +
-                   "--quiet -o " + results.string());
+  const std::string command = "compare builtin:cornell -t path_tracing -t path_tracing:direct=off " +
+                              constant_technique() +
+                              "-t path_tracing:blend=off --pixel-sampling 4 --iterations 2 --seeds 1 " +
+                              "--reference-spp 32 -o " + results.string();
+  const ProgramResult run = run_lucarium(command + " --quiet");
   CAPTURE(run.err);
   REQUIRE(run.exit_code == 0);
   const json scene = json::parse(bytes_of(results / "results.json"))["scenes"][0];
@@ -286,6 +287,8 @@ TEST_CASE(
   CHECK(contains(scene["references"][1]["path_set"].get<std::string>(), "direct=off"));
   CHECK(contains(scene["variants"][2]["refused"].get<std::string>(), "cannot sample pixels in mode 4"));
   CHECK(scene["variants"][3]["reference"] == 0);  // nothing is BLEND there: the same light
+  // A piece that names the light paths in another way than its reference was taken for one of another scene.
+  CHECK(contains(run_lucarium(command + " --resume").err, "finished already: 3 pieces"));
 }
 
 TEST_CASE("an interrupt of the comparison alone ends its run too, and keeps what is finished") {
