@@ -127,6 +127,7 @@ void ArrayRun::attach() {
     if (const std::optional<size_t> number = number_of_batch(entry.path())) numbers.insert(*number);
   }
   for (const size_t number : numbers) {
+    last_number_ = number;
     try {
       add_batch(number, SlurmBatch(folder_ / fmt::format("{}{}", batch_prefix, number)).read());
     } catch (const std::exception&) {
@@ -136,6 +137,8 @@ void ArrayRun::attach() {
       fs::remove_all(batch, failure);
     }
   }
+  // Each run may try once more, however many were interrupted before it.
+  for (Piece& piece : pieces_) piece.attempts = std::min(piece.attempts, slurm_attempts - 1);
   const auto attached = std::count_if(pieces_.begin(), pieces_.end(),
                                       [](const Piece& piece) { return piece.state == Piece::State::submitted; });
   if (attached > 0)
@@ -173,7 +176,7 @@ void ArrayRun::submit_waiting() {
 }
 
 void ArrayRun::submit(const Array& array, bool exclusive, const std::set<std::string>& excluded) {
-  const size_t number = batches_.empty() ? 1 : batches_.rbegin()->first + 1;
+  const size_t number = ++last_number_;  // never twice: an array that was refused may be with Slurm all the same
   const SlurmBatch batch(folder_ / fmt::format("{}{}", batch_prefix, number));
   std::vector<std::vector<BatchPiece>> tasks;
   for (const std::vector<size_t>& members : array) {
@@ -190,11 +193,12 @@ void ArrayRun::submit(const Array& array, bool exclusive, const std::set<std::st
   submission.options = options_;
   submission.script = script_of(batch);
   std::string refusal = submit_array(submission);
-  if (!refusal.empty() && !excluded.empty()) {  // without these there may be none left
+  if (!refusal.empty() && !excluded.empty() && !interrupt_requested()) {  // without these there may be none left
     submission.excluded_nodes.clear();
     refusal = submit_array(submission);
   }
   since_submission_.restart();
+  if (!refusal.empty() && interrupt_requested()) return;  // attach() takes up what Slurm may have taken
   if (refusal.empty()) {
     for (const std::vector<size_t>& members : array)
       for (const size_t member : members) events_.on_start(member);

@@ -62,6 +62,7 @@ class ArrayRun {
   std::vector<Piece> pieces_;
   std::map<std::string, size_t> by_name_;
   std::map<size_t, Batch> batches_;
+  size_t last_number_ = 0;                        ///< of a batch
   std::map<SlurmTaskId, SlurmTaskState> states_;  ///< at the last look
   std::map<std::string, size_t> node_failures_;   ///< that others made good
   std::set<std::string> bad_nodes_;

@@ -72,7 +72,10 @@ std::string submit_array(const SlurmSubmission& submission) {
     arguments.push_back(fmt::format("--exclude={}", fmt::join(submission.excluded_nodes, ",")));
   for (const std::string& option : submission.options) arguments.push_back("--" + option);
   const ChildResult child = run_child(arguments, {}, submission.script);
-  return child.exit_code == 0 ? "" : last_line(child);
+  if (child.exit_code == 0) return "";
+  // Slurm may have it all the same, and the answer was lost.
+  const auto states = query_arrays({submission.name});
+  return states && !states->empty() ? "" : last_line(child);
 }
 
 std::optional<std::map<SlurmTaskId, SlurmTaskState>> query_arrays(const std::vector<std::string>& names) {

@@ -37,7 +37,8 @@ struct SlurmSubmission {
 /// Throws Error{usage} for an option of sbatch that the program sets itself.
 void check_slurm_options(const std::vector<std::string>& options);
 
-/// sbatch. Returns why Slurm did not take it; empty: it did. Throws Error{input} where there is no sbatch.
+/// sbatch. Returns why Slurm did not take it; empty: it did, also where the answer was lost. Throws Error{input} where
+/// there is no sbatch.
 std::string submit_array(const SlurmSubmission& submission);
 
 /// squeue: the states of all tasks of the jobs with these names that Slurm remembers; nothing: it did not answer.
