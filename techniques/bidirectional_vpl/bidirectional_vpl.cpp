@@ -73,6 +73,7 @@
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/declaration.h"
 #include "bidirectional_vpl/eye/eye_paths.h"
+#include "bidirectional_vpl/light/describe_vertices.h"
 #include "bidirectional_vpl/light/light_vertices.h"
 #include "bidirectional_vpl/maps/maps.h"
 #include "lucarium/services/bvh/bvh.h"
@@ -97,6 +98,15 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   double admitted_bias(double declared) const override { return bidirectional::admitted_bias(parameters_, declared); }
   size_t estimate_bytes(const Scene& scene, const RenderSettings& settings) const override {
     return bidirectional::estimate_bytes(parameters_, scene, settings);
+  }
+  InspectedValues inspect(const SeenPoint& point) const override {
+    if (!eye_) return {};
+    const Plan plan = make_plan(parameters_, settings());
+    InspectedValues rows = eye_->describe_strategies(point.y * settings().width + point.x);
+    for (auto& row : describe_weights(plan)) rows.push_back(std::move(row));
+    if (vertices_)
+      for (auto& row : describe_vertices(*vertices_, plan, point)) rows.push_back(std::move(row));
+    return rows;
   }
   std::map<std::string, double> counters() const override {
     if (!eye_) return {};

@@ -97,9 +97,6 @@ class BundleExchange : public TechniqueBase<Parameters> {
     return bundle::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
   }
 
-  /// Not where pixels gather along directions of their own: these would come between directions of a batch.
-  void rest_light(bool rests) override { TechniqueBase::rest_light(rests && !(parts_ && parts_->gathers())); }
-
   std::string state_refusal() const override { return bundle::state_refusal(parameters_); }
 
   std::vector<std::string> parameters_of_view() const override {
@@ -195,6 +192,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
     BundleParts::Kept kept = std::exchange(kept_, {});
     std::optional<SideMeans::Kept> known = std::exchange(known_, {});
     BundlePlan plan = make_plan(parameters_, scene(), settings());
+    if (parameters_.texels == 0)
+      automatic_texels_ = plan.atlas.texel_count = std::max(automatic_texels_, plan.atlas.texel_count);
     // The atlas of the state, whatever size its picture had.
     if (context().state) plan.atlas.texel_count = saved_texels(*context().state);
     auto parts = std::make_unique<BundleParts>(context(), parameters_, plan, std::move(kept));
@@ -292,11 +291,12 @@ class BundleExchange : public TechniqueBase<Parameters> {
   }
 
   /// The directions of this iteration (figure 3 of the paper, the outer loop). When texels have received enough, those
-  /// that pixels gather along. False when cancelled.
+  /// that pixels gather along, never between directions of a batch. False when cancelled.
   bool exchange_directions() {
     while (position() < step_.end && phase() != Phase::light) {
-      const bool exchanging = next_batch() > 0;
-      if (!exchanging && !parts_->camera->pixel_gather()) break;
+      const bool begun = light_rests() && parts_->gathers() && batch_.done > 0;  // it is completed all the same
+      const bool exchanging = begun || next_batch() > 0;
+      if (!exchanging && !parts_->gathers()) return true;
       if (!(exchanging ? run_batch() : run_gather())) return false;
     }
     return true;
@@ -382,7 +382,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
 
   std::shared_ptr<const EnvironmentGuide> guide_;
   uint64_t directions_ = 0, gathers_ = 0;
-  uint64_t atlas_texels_ = 0;  ///< wanted of the atlas
+  uint64_t atlas_texels_ = 0, automatic_texels_ = 0;  ///< wanted of the atlas; by texels=0, of the largest image so far
   IterationStep step_;
   uint32_t eye_samples_left_ = 0;  ///< iterations of a camera sample only that come next
   BatchStep batch_;

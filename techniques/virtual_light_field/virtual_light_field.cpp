@@ -174,6 +174,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     surfaces_.reset();
     check_parameters(parameters_, scene(), settings());
     plan_ = make_plan(parameters_, scene(), settings());
+    if (parameters_.texels == 0)
+      automatic_texels_ = plan_.atlas.texel_count = std::max(automatic_texels_, plan_.atlas.texel_count);
     if (!plan_.field) return;
     // The atlas that texels=0 chooses by the image's size is that of the state.
     if (context().state && parameters_.texels == 0) plan_.atlas.texel_count = saved_texels(*context().state);
@@ -279,6 +281,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
   static constexpr double kSubfieldPixels = 4e6;  ///< that light runs through in an iteration
 
   Plan plan_;
+  uint64_t automatic_texels_ = 0;            ///< that texels=0 means: by the largest size that the image has had
   std::unique_ptr<FieldSurfaces> surfaces_;  ///< null where no light is propagated
   std::unique_ptr<LightField> field_;        ///< likewise
   std::unique_ptr<FieldView> view_;

@@ -57,8 +57,9 @@ void PixelInspector::look(const ViewSurroundings& around, SceneOnDevice& scene) 
 }
 
 /// Reads from the device what a pixel needs, so not at every report.
-void PixelInspector::look_inside(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count) {
-  if (looked_inside_ && since_inside_.seconds() < 1) return;
+void PixelInspector::look_inside(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count,
+                                 bool last) {
+  if (looked_inside_ && !last && since_inside_.seconds() < 1) return;
   since_inside_.restart();
   looked_inside_ = true;
   for (uint32_t index = 0; index < view_sides; ++index) {
@@ -68,8 +69,9 @@ void PixelInspector::look_inside(const std::array<std::unique_ptr<ViewSide>, vie
   }
 }
 
-ordered_json PixelInspector::describe(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count) {
-  look_inside(sides, count);
+ordered_json PixelInspector::describe(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count,
+                                      bool last) {
+  look_inside(sides, count, last);
   ordered_json json = {{"x", x_}, {"y", y_}, {"obstacle", obstacle_}};
   json["known"] = known_;
   json["surface"] = known_ ? describe_surface(surface_) : ordered_json(nullptr);

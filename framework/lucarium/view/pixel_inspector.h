@@ -22,11 +22,12 @@ class PixelInspector {
   void forget() { known_ = false; }
   /// {"x", "y", "obstacle", "surface": null | {…}, "sides": [{"technique", "layers": {NAME: [values]},
   /// "insides": [[NAME, text]]}]}: layers from the pictures that were sent last, insides (Technique::inspect) as they
-  /// are now, once a second at most.
-  nlohmann::ordered_json describe(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count);
+  /// are now, once a second at most unless `last`: no further report may come.
+  nlohmann::ordered_json describe(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count,
+                                  bool last);
 
  private:
-  void look_inside(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count);
+  void look_inside(const std::array<std::unique_ptr<ViewSide>, view_sides>& sides, uint32_t count, bool last);
 
   std::array<InspectedValues, view_sides> insides_;
   Stopwatch since_inside_;

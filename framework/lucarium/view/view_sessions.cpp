@@ -56,12 +56,11 @@ void ViewSessions::change(const TechniqueType& type, const ViewTechnique& techni
 
 RenderSession& ViewSessions::at(uint32_t divisor) {
   Sized& sized = slot(divisor);
-  if (sized.session && sized.divisor != divisor && resizes()) {
-    sized.camera_number = camera_number_ + 1;  // it has to follow
-  } else if (!sized.session || sized.divisor != divisor) {
+  if (!sized.session || (sized.divisor != divisor && !resizes())) {
     sized = {};
-    sized = make(*type_, technique_, settings_, divisor);
+    sized = make(*type_, technique_, settings_, resizes() ? 1 : divisor);  // what it plans is for the whole size
   }
+  if (sized.divisor != divisor) sized.camera_number = camera_number_ + 1;  // it has to follow
   if (sized.camera_number != camera_number_) {
     const RenderSettings size = divided_size(settings_, divisor);
     if (resizes())

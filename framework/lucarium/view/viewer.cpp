@@ -287,7 +287,8 @@ ordered_json Viewer::status() {
   status["truth"] = truth_.status();
   status["time"] = scene_->scene.time;
   status["scene_refusal"] = scene_refusal_;
-  status["inspected"] = request.inspect_number == 0 ? ordered_json(nullptr) : inspector_.describe(sides_, sides());
+  status["inspected"] =
+      request.inspect_number == 0 ? ordered_json(nullptr) : inspector_.describe(sides_, sides(), is_quiet());
   return status;
 }
 

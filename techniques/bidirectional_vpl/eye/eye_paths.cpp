@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bidirectional_vpl/eye/eye_paths.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/luminance.h"
 #include "lucarium/compute/device/remedies.h"
 #include "lucarium/scene/device/scene_layout.h"
 #include "lucarium/services/ray_ends.h"
@@ -157,6 +160,25 @@ void EyePaths::write(Film& film) const {
   else
     indirect_sums_.write(film);
   strategy_sums_.write(film, false);
+}
+
+InspectedValues EyePaths::describe_strategies(uint32_t pixel) const {
+  if (!plan_.shows_strategies) return {{"strategies", "show_strategies=on shows what each brings here"}};
+  InspectedValues rows;
+  std::vector<glm::vec3> means;
+  float all = 0;
+  for (const std::string& name : plan_.strategy_names()) {
+    const float4 sum = strategy_sums_[name].download(pixel, 1).front();
+    means.push_back(sum.w > 0 ? glm::vec3(sum.x, sum.y, sum.z) / sum.w : glm::vec3(0));
+    all += luminance(means.back().x, means.back().y, means.back().z);
+  }
+  for (size_t k = 0; k < means.size(); ++k) {
+    const glm::vec3& mean = means[k];
+    const float share = all > 0 ? luminance(mean.x, mean.y, mean.z) / all : 0;
+    rows.emplace_back("by " + plan_.strategy_names()[k],
+                      fmt::format("{:.4g}  {:.4g}  {:.4g} cd/m², {:.3g} %", mean.x, mean.y, mean.z, 100 * share));
+  }
+  return rows;
 }
 
 std::map<std::string, double> EyePaths::counters() const {

@@ -48,6 +48,8 @@ class EyePaths {
   void clear(bool moves_on);
   void warm_up();
   void write(Film& film) const;
+  /// For Technique::inspect(): what each strategy has brought to a pixel, where its layers are shown.
+  InspectedValues describe_strategies(uint32_t pixel) const;
   const TypedBuffer<float4>& sample() const { return sample_; }
   const TypedBuffer<EyePathState>& states() const { return states_; }
   std::map<std::string, double> counters() const;

@@ -12,6 +12,7 @@
 #include "lucarium/conformance/block_comparison.h"
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/session/session.h"
+#include "made_scene.h"
 #include "registry.h"
 
 namespace lucarium::test {
@@ -39,6 +40,19 @@ inline Film render(const Scene& scene, const std::string& technique, const Pictu
   RenderSession session(device, scene, registry().find(technique), settings, parameters);
   session.run({.iterations = picture.iterations});
   return session.resolve();
+}
+
+/// Inside a white sphere of radius 2 with a point light of 1 cd; the camera looks at its inside.
+inline Scene sphere_room(float albedo, const glm::vec3& light) {
+  Scene scene;
+  scene.source = "test:sphere";
+  add_triangles(scene, sphere_triangles(glm::vec3(0), 2, 5, true), add_material(scene, lambert(albedo)));
+  add_light(scene, LightType::point, 1, light, {0, -1, 0});
+  SceneCamera camera;
+  camera.yfov = 1;
+  camera.world_from_camera = glm::inverse(glm::lookAt(glm::vec3(0, 0, 1), glm::vec3(0.3f, 0.1f, -1), {0, 1, 0}));
+  scene.cameras.push_back(camera);
+  return scene;
 }
 
 /// The sum of the additive layers.

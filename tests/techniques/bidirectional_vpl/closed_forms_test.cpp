@@ -1,28 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Closed forms by virtual lights alone: a closed sphere, where every connection brings the same.
 #include "bidirectional_rig.h"
-#include "made_scene.h"
 #include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
-
-namespace {
-
-/// Inside a white sphere of radius 2 with a point light of 1 cd; the camera looks at its inside.
-Scene sphere_room(float albedo, const glm::vec3& light) {
-  Scene scene;
-  scene.source = "test:sphere";
-  add_triangles(scene, sphere_triangles(glm::vec3(0), 2, 5, true), add_material(scene, lambert(albedo)));
-  add_light(scene, LightType::point, 1, light, {0, -1, 0});
-  SceneCamera camera;
-  camera.yfov = 1;
-  camera.world_from_camera = glm::inverse(glm::lookAt(glm::vec3(0, 0, 1), glm::vec3(0.3f, 0.1f, -1), {0, 1, 0}));
-  scene.cameras.push_back(camera);
-  return scene;
-}
-
-}  // namespace
 
 TEST_CASE("in a sphere, virtual lights alone give each bounce albedo^k I / R^2, wherever the light is") {
   // Connections carry c1 c3 / d^2 = 1 / 4 R^2 everywhere, so that only facets and the choice of light paths are noise.

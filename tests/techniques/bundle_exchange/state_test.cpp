@@ -113,6 +113,59 @@ TEST_CASE("a coarse picture of a moving view lets the exchange rest, and loses n
   }
 }
 
+TEST_CASE("pixels that gather along bundles let the exchange rest, too, once the batch that has begun is complete") {
+  const Scene scene = load_scene("builtin:cornell-mirror");
+  const Options options = with(few_texels, {{"directions", "480"},
+                                            {"stop_error", "0"},
+                                            {"camera_samples", "4"},
+                                            {"batch", "64"},
+                                            {"final_gather", "all"},
+                                            {"pixel_rays", "bundle"}});
+  const auto run = session("bundle_exchange", scene, -1, options);
+  while (directions(*run) == 0) run->iterate();
+  REQUIRE(directions(*run) < 300);
+  run->iterate();  // into the next batch
+  const double begun = directions(*run);
+  run->set_view(camera_at(scene, 1), 12, 11, true);
+  for (int i = 0; i < 20; ++i) run->iterate();
+  const double found = directions(*run);
+  CHECK(found <= begun + 64);
+  for (const uint32_t width : {12u, 7u}) {
+    run->set_view(camera_at(scene, width), width, 11, true);
+    for (int i = 0; i < 5; ++i) run->iterate();
+    const Film film = run->resolve();
+    CHECK(film.width() == width);
+    CHECK(mean(film.find("indirect")->pixels) > 0);
+    CHECK(directions(*run) == found);
+  }
+  run->set_view(camera_at(scene, 1.3), 24, 24, false);
+  CHECK_FALSE(run->finish_light());
+  CHECK(directions(*run) == 480);
+  run->set_camera(camera_at(scene, 1.3));
+  Scene alone = scene;
+  alone.cameras.front() = camera_at(scene, 1.3);
+  const auto other = session("bundle_exchange", alone, -1, options);
+  other->finish_light();
+  CHECK(picture(*other) == picture(*run));
+}
+
+TEST_CASE("texels=0 are those of the whole picture, though the scene changes while it is coarse") {
+  const auto run = session("bundle_exchange", load_scene("builtin:cornell"), SessionStart{.width = 256},
+                           {{"texels", "0"}, {"directions", "8"}, {"access_rays", "128"}, {"warm_start", "off"}});
+  const auto sides = [&] { return run->technique().counters().at("sides"); };
+  const double whole = sides();
+  run->set_view(run->settings().camera, 32, 3, true);
+  CHECK(sides() == whole);
+  run->change_scene([](Scene& scene) {
+    scene.materials.front().base_color.x *= 0.5f;
+    SceneChange change;
+    change.materials = {0};  // and all is built again
+    change.topology = true;
+    return change;
+  });
+  CHECK(sides() == whole);
+}
+
 TEST_CASE("a frame in which nothing changes began the exchange from nothing") {
   const auto run = session("bundle_exchange", load_scene("builtin:cornell"), -1, quick);
   run->finish_light();

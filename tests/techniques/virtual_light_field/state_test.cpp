@@ -90,6 +90,17 @@ TEST_CASE("a coarse picture of a moving view lets the field rest, and loses noth
   }
 }
 
+TEST_CASE("texels=0 are those of the whole picture, though the scene changes while it is coarse") {
+  const auto run = session("virtual_light_field", load_scene("builtin:cornell"), SessionStart{.width = 256},
+                           with(saved_field, {{"texels", "0"}, {"access_rays", "128"}}));
+  const auto sides = [&] { return run->technique().counters().at("sides"); };
+  const double whole = sides();
+  run->set_view(run->settings().camera, 32, 3, true);
+  CHECK(sides() == whole);
+  run->change_scene(dim_lamps);
+  CHECK(sides() == whole);
+}
+
 TEST_CASE("a loaded field propagates nothing and shows the bits of the session that saved it") {
   for (const char* name : {"builtin:cornell-mirror", "builtin:room"}) {
     const Scene scene = load_scene(name);

@@ -9,7 +9,10 @@ from browser import check, wait
 
 
 def insides(browser):
-    """A technique that shows the insides of one pixel, asked for at the pixel that is inspected."""
+    """What techniques hold at the pixel that is inspected: in words, and as a layer of that pixel."""
+    browser.run(SET, '#technique', 'bidirectional_vpl')
+    check('the words of a technique stand beside the values', wait(lambda: all(name in browser.run(
+        TEXT, '#inspector') for name in ('samples in the weights', 'light vertices', 'the strongest'))))
     browser.run(SET, '#technique', 'micro_rendering')
     check('a technique with insides has a button for them', wait(
         lambda: browser.run(TEXT, '.pixel-layer') == 'Show its micro_buffer'))

@@ -173,6 +173,13 @@ def inspector(page):
     rows = dict(seen['sides'][0]['insides'])
     check(f'and what the technique says of it {rows}', rows['colour'] == '0.25 0.5 0.25' and
           rows['seen at'].startswith(f'{seen["x"]} {seen["y"]} of triangle '))
+    page.send(json.dumps({'do': 'technique', 'name': 'constant', 'parameters': [['blue', '0.5'],
+                                                                                ['converge_at', '2']]}))
+    side = status_where(page, lambda s: s['sides'][0]['stage'] == 'done' and s['inspected']['sides'] and
+                        s['inspected']['sides'][0]['layers']['image'][2] == 0.5)['inspected']['sides'][0]
+    check(f'another technique that is done at once says its own {side["insides"]}',
+          dict(side['insides']).get('colour') == '0.25 0.5 0.5')
+    page.send(json.dumps({'do': 'technique', 'name': 'constant', 'parameters': [['blue', '0.25']]}))
 
 
 def edits(page):
