@@ -11,10 +11,38 @@ from viewer_page import CLICK, DATA, STAGE, TEXT, VALUE, Viewer
 
 from browser import Browser, check, wait
 
+# Sockets, and for each the pictures that it has brought and those that were acknowledged to it. Nothing is unpacked
+# while the gate is closed.
 KEEP_SOCKETS = """window.sockets = [];
 window.WebSocket = class extends WebSocket {
-  constructor(...words) { super(...words); sockets.push(this); }
+  constructor(...words) {
+    super(...words);
+    sockets.push(this);
+    this.brought = [];
+    this.acknowledged = [];
+    this.addEventListener('message', ({data}) => {
+      if (typeof data === 'string') return;
+      const length = new DataView(data).getUint32(0, true);
+      this.brought.push(JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length))).picture);
+    });
+  }
+  send(text) {
+    const message = JSON.parse(text);
+    if (message.do === 'shown') this.acknowledged.push(message.picture);
+    super.send(text);
+  }
+};
+window.gate = Promise.resolve();
+window.held = 0;
+const {arrayBuffer} = Response.prototype;
+Response.prototype.arrayBuffer = async function() {
+  const bytes = await arrayBuffer.call(this);
+  ++held;
+  await gate;
+  --held;
+  return bytes;
 };"""
+SHUT = "window.gate = new Promise(open => window.openGate = open);"
 TIME = "return Number(document.getElementById('time').value);"
 SCRUB = """const bar = document.getElementById('time');
 bar.value = arguments[0];
@@ -71,6 +99,24 @@ def connected_again(browser):
     check(f'and the page is as it was {after}', after == before)
 
 
+def acknowledged(browser):
+    """A picture that is being unpacked while the connection is lost belongs to no picture of the next one."""
+    browser.run(SHUT)
+    check('a picture waits to be unpacked', wait(lambda: browser.run('return held > 0')))
+    browser.run(CLICK, '.pause')
+    count = browser.run('return sockets.length')
+    browser.run('sockets.at(-1).close()')
+    check('another connection brings a picture', wait(lambda: browser.run(
+        'return sockets.length > arguments[0] && sockets.at(-1).brought.length > 0', count)))
+    browser.run('openGate(); window.gate = Promise.resolve();')
+    check('which is shown', wait(lambda: browser.run('return sockets.at(-1).acknowledged.length > 0')))
+    browser.run(CLICK, '.pause')
+    check('and those that follow', wait(lambda: browser.run('return sockets.at(-1).acknowledged.length > 4')))
+    brought, told = browser.run('return [sockets.at(-1).brought, sockets.at(-1).acknowledged];')
+    check(f'each is acknowledged once, to the connection that has brought it {brought[:3]} {told[:3]}',
+          set(told) <= set(brought) and len(set(told)) == len(told))
+
+
 def watched(browser, viewer):
     browser.run(CLICK, '#play')
     first = browser.call('/window')
@@ -105,6 +151,7 @@ def main():
         check('the picture comes', wait(lambda: int(browser.run(DATA).get('iterations', 0)) > 0))
         play(browser)
         connected_again(browser)
+        acknowledged(browser)
         watched(browser, viewer)
         messages = browser.call('/se/log', {'type': 'browser'})
         check(f'nothing on the console {[m["message"] for m in messages]}', not messages)

@@ -13,6 +13,10 @@ def insides(browser):
     browser.run(SET, '#technique', 'bidirectional_vpl')
     check('the words of a technique stand beside the values', wait(lambda: all(name in browser.run(
         TEXT, '#inspector') for name in ('samples in the weights', 'light vertices', 'the strongest'))))
+    sliders = browser.run("return ['candidates', 'g_max'].map(name => "
+                          "document.querySelectorAll(`[data-name=${name}] input[type=range]`).length);")
+    check(f'a number has a slider, one from a millionth to a million millions a field alone {sliders}',
+          sliders == [1, 0])
     browser.run(SET, '#technique', 'micro_rendering')
     check('a technique with insides has a button for them', wait(
         lambda: browser.run(TEXT, '.pixel-layer') == 'Show its micro_buffer'))

@@ -199,6 +199,20 @@ def edits(page):
     check('the scene as it was', ask(15) is None and page.until(lambda m: 'scene' in m)['scene']['lights'] == [])
 
 
+def failures(page):
+    """A technique that has thrown is forgotten with the next one, be that refused."""
+    def side(name, parameters, holds):
+        page.send(json.dumps({'do': 'technique', 'name': name, 'parameters': parameters}))
+        return status_where(page, lambda s: holds(s['sides'][0]))['sides'][0]
+    failed = side('constant', [['failure', 'exception'], ['fail_at', '1']], lambda s: s['stage'] == 'failed')
+    check(f'a technique that throws shows its message {failed["failure"]}',
+          'an exception that is no Error' in failed['failure'])
+    refused = side('no_such', [], lambda s: 'no_such' in s['refusal'])
+    check(f'which is gone when the next one is refused {refused["failure"]}', refused['failure'] == '')
+    running = side('constant', [['blue', '0.25']], lambda s: s['stage'] == 'rendering' and 'running' in s)
+    check('and the viewer lives on', running['failure'] == '' and running['refusal'] == '')
+
+
 def reference(page):
     page.send('{"do": "reference", "on": true}')
     truth = status_where(page, lambda s: s['truth']['on'] and (s['truth']['obstacle'] or s['truth']['references']))
@@ -245,6 +259,7 @@ def main():
     page = malformed(place, path)
     inspector(page)
     edits(page)
+    failures(page)
     reference(page)
     second = several(place, path, page)
     sleeping = Page(place, path + 'socket')  # takes nothing from now on
