@@ -112,9 +112,9 @@ def acknowledged(browser):
     check('which is shown', wait(lambda: browser.run('return sockets.at(-1).acknowledged.length > 0')))
     browser.run(CLICK, '.pause')
     check('and those that follow', wait(lambda: browser.run('return sockets.at(-1).acknowledged.length > 4')))
-    brought, told = browser.run('return [sockets.at(-1).brought, sockets.at(-1).acknowledged];')
-    check(f'each is acknowledged once, to the connection that has brought it {brought[:3]} {told[:3]}',
-          set(told) <= set(brought) and len(set(told)) == len(told))
+    brought, shown = browser.run('return [sockets.at(-1).brought, sockets.at(-1).acknowledged];')
+    check(f'each is acknowledged once, to the connection that has brought it {brought[:3]} {shown[:3]}',
+          set(shown) <= set(brought) and len(set(shown)) == len(shown))
 
 
 def watched(browser, viewer):

@@ -118,15 +118,28 @@ def edits(browser, viewer):
     browser.run(CLICK, '#scene-reset')
     check('and goes back', shows(browser, lambda: browser.run(PIXELS) == before and
                                  'roughness' not in browser.run(TEXT, '[data-command="render"]')))
+    recorded(browser, viewer, before)
+
+
+def recorded(browser, viewer, first):
+    """A walk whose keys are recorded here and there is the one that `lucarium render` goes: its frames at the times of
+    the keys are the pictures that were seen then."""
     browser.run(CLICK, '#add-key')
     browser.run("document.querySelector('.picture').focus()")
     browser.press('ArrowRight')
-    check('the camera turns for a second key', shows(browser, lambda: browser.run(PIXELS) != before))
+    check('the camera turns for a second key', shows(browser, lambda: browser.run(PIXELS) != first))
+    second = browser.run(PIXELS)
     browser.run(CLICK, '#add-key')
     path = browser.run(TEXT, '#path-text')
-    found = subprocess.run([viewer.program, 'scene', 'builtin:cornell', '--camera-path', path, '--at', '1', '--json'],
-                           capture_output=True, text=True, check=False)
-    check(f'a walk of two keys is one for --camera-path {path}', found.returncode == 0 and path.startswith('spline:0@'))
+    times = [float(key.split('@')[0]) for key in path.partition(':')[2].split(';')]
+    check(f'a walk of two keys is one for --camera-path {path}', path.startswith('spline:0@') and len(times) == 2)
+    rate = 2 / times[1]
+    viewer.render('walk.png', '--exposure', '0', '--camera-path', path, '--frames', '0:2', '--fps', str(rate))
+    frames = [viewer.folder / f'walk.000{frame}.png' for frame in range(3)]
+    ends = [largest_difference(seen, frame) for seen, frame in ((first, frames[0]), (second, frames[2]))]
+    between = [largest_difference(seen, frames[1]) for seen in (first, second)]
+    check(f'its first and last frames are what was seen at its keys {ends}, the one between is not {between}',
+          max(ends) <= 1 and min(between) > 1)
     browser.run("document.querySelector('.picture').focus()")
     browser.press('Home')
-    check('and back home', shows(browser, lambda: browser.run(PIXELS) == before))
+    check('and back home', shows(browser, lambda: browser.run(PIXELS) == first))

@@ -11,6 +11,7 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
 import time
 import urllib.parse
 
@@ -48,7 +49,7 @@ class Page:
         self.socket.sendall((f'GET {path} HTTP/1.1\r\nHost: {host}\r\nOrigin: {origin or "http://" + host}\r\n'
                              f'Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n'
                              f'Sec-WebSocket-Protocol: {protocol}\r\nSec-WebSocket-Version: 13\r\n\r\n').encode())
-        self.data = b''
+        self.data, self.sending = b'', threading.Lock()
         try:
             while b'\r\n\r\n' not in self.data:
                 part = self.socket.recv(65536)
@@ -65,7 +66,8 @@ class Page:
         length = struct.pack('!BB', 0x80 | kind, 0x80 | len(payload)) if len(payload) < 126 else \
             struct.pack('!BBH', 0x80 | kind, 0x80 | 126, len(payload)) if len(payload) < 65536 else \
             struct.pack('!BBQ', 0x80 | kind, 0x80 | 127, len(payload))
-        self.socket.sendall(length + bytes(4) + payload)
+        with self.sending:
+            self.socket.sendall(length + bytes(4) + payload)
 
     def take(self, count):
         while len(self.data) < count:
@@ -90,6 +92,8 @@ class Page:
         if kind & 15 == 2:
             size, = struct.unpack('<I', payload[:4])
             return {'binary': json.loads(payload[4:4 + size])}
+        if kind & 15 == 9:
+            self.send(payload, 10)  # else the viewer takes the page for lost
         return json.loads(payload) if kind & 15 == 1 else self.receive()
 
     def until(self, holds):
