@@ -35,6 +35,11 @@ nlohmann::ordered_json metrics_json(const ImageMetrics& metrics) {
 
 }  // namespace
 
+std::optional<double> processor_seconds_of(RenderSession& session) {
+  if (session.scheduler().device().info().type != DeviceType::cpu) return std::nullopt;
+  return counted_processor_seconds(session.clocks());
+}
+
 CurveSchedule CurveSchedule::up_to_count(Work work, uint64_t count) {
   const double last = static_cast<double>(count);
   return {work, std::max(1.0, last / 64), last};
@@ -70,8 +75,8 @@ double CurveRecorder::work_done(const RenderSession& session) const {
 }
 
 void CurveRecorder::take(RenderSession& session, const std::vector<float>& image) {
-  snapshots_.push_back(
-      {counted_seconds(session.clocks()), session.iterations(), session.last().samples, reference_.measure(image)});
+  snapshots_.push_back({counted_seconds(session.clocks()), processor_seconds_of(session), session.iterations(),
+                        session.last().samples, reference_.measure(image)});
 }
 
 void CurveRecorder::finish(RenderSession& session, const std::vector<float>& image) {
@@ -87,6 +92,7 @@ nlohmann::ordered_json CurveRecorder::to_json() const {
                                  {"iterations", snapshot.iterations},
                                  {"samples", snapshot.samples},
                                  {"metrics", metrics_json(snapshot.metrics)}});
+    if (snapshot.processor_seconds) json["snapshots"].back()["processor_seconds"] = *snapshot.processor_seconds;
   }
   return json;
 }

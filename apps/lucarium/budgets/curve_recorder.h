@@ -11,6 +11,9 @@
 
 namespace lucarium::app {
 
+/// Processor time of preparing and iterating [s]; none of a device that is no CPU, whose work no processor does.
+std::optional<double> processor_seconds_of(RenderSession& session);
+
 /// When a curve is sampled: at work t·2^(i/2).
 struct CurveSchedule {
   enum class Work { seconds, iterations, samples };  ///< seconds of preparing and iterating; samples per pixel
@@ -45,6 +48,7 @@ class CurveRecorder {
  private:
   struct Snapshot {
     double seconds;
+    std::optional<double> processor_seconds;
     uint64_t iterations, samples;
     ImageMetrics metrics;
   };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "budgets/curve_recorder.h"
 #include "lucarium/base/json.h"
 #include "lucarium/scene/exposure.h"
 
@@ -73,6 +74,7 @@ ordered_json frame_json(RenderSession& session, const Film& film, const RenderEn
       {"load_seconds", load_seconds},      {"upload_seconds", clocks.upload},   {"bvh_seconds", clocks.bvh},
       {"compile_seconds", clocks.compile}, {"prepare_seconds", clocks.prepare}, {"warm_up_seconds", clocks.warm_up},
       {"state_seconds", clocks.load},      {"light_seconds", clocks.light},     {"iterate_seconds", clocks.iterate}};
+  if (const auto processor = processor_seconds_of(session)) json["clocks"]["processor_seconds"] = *processor;
   json["device_memory_bytes"] = memory.by_owner();
   json["peak_device_memory_bytes"] = memory.peak_bytes();
   json["passes"] = passes_json(session);

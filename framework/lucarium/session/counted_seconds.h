@@ -10,4 +10,9 @@ inline double counted_seconds(const RenderSession::Clocks& clocks) {
   return clocks.upload + clocks.bvh + clocks.prepare + clocks.iterate;
 }
 
+/// Processor time of the same, of all threads of the process [s].
+inline double counted_processor_seconds(const RenderSession::Clocks& clocks) {
+  return clocks.prepare_processor + clocks.iterate_processor;
+}
+
 }  // namespace lucarium

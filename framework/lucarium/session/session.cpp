@@ -6,8 +6,10 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/processor_time.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/base/text/byte_size.h"
+#include "lucarium/compute/program/program.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/session/film_check.h"
 #include "lucarium/session/memory_needs.h"
@@ -87,19 +89,30 @@ struct RenderSession::State {
       throw_error(ErrorClass::technique, "it asks for the BVH but declares uses_bvh = false");
     if (!bvh) {
       const Stopwatch watch;
-      const double compiled = device->program_seconds();
+      const double compiled = device->program_seconds(), spent = working_seconds();
       bvh = std::make_unique<Bvh>(*device, scene, *buffers);
       clocks.bvh += watch.seconds() - (device->program_seconds() - compiled);
+      clocks.prepare_processor += working_seconds() - spent;
     }
     return *bvh;
   }
 
-  /// Runs `work` and books its wall time, less kernel compilation and BVH building, which have clocks of their own.
+  /// Processor time of this process without kernel compilation.
+  static double working_seconds() { return processor_seconds() - program_processor_seconds(); }
+
+  /// Runs `work` and books its wall time, less kernel compilation and BVH building, which have clocks of their own, and
+  /// its processor time where it is counted.
   template <class Work>
   void timed(double& clock, Work&& work) {
     const Stopwatch watch;
     const double compiled = device->program_seconds(), built = clocks.bvh;
+    const double spent = working_seconds(), spent_building = clocks.prepare_processor;
     work();
+    const double processor = working_seconds() - spent - (clocks.prepare_processor - spent_building);
+    if (&clock == &clocks.iterate)
+      clocks.iterate_processor += processor;
+    else if (&clock != &clocks.warm_up && &clock != &clocks.load)
+      clocks.prepare_processor += processor;
     const double compile = device->program_seconds() - compiled;
     clocks.compile += compile;
     clock += watch.seconds() - compile - (clocks.bvh - built);
@@ -296,7 +309,7 @@ bool RenderSession::finish_light(const std::function<void(const IterationResult&
   const double restarting = s.clocks.prepare;
   s.clocks = spent;
   s.clocks.light = spent.iterate + restarting;
-  s.clocks.iterate = 0;
+  s.clocks.iterate = s.clocks.iterate_processor = 0;
   return false;
 }
 

@@ -38,6 +38,9 @@ class RenderSession {
     double upload = 0, bvh = 0, compile = 0, prepare = 0, warm_up = 0, iterate = 0;
     double light = 0;  ///< of finish_light()
     double load = 0;   ///< of a saved state
+    /// Processor times [s] of all threads of the process: of what `upload`, `bvh` and `prepare` count, and of
+    /// `iterate`. Of a device that is no CPU they say what the host had to do.
+    double prepare_processor = 0, iterate_processor = 0;
   };
 
   /// How far the work before the first iteration is: `fraction` (negative: unknown), and what is being done.

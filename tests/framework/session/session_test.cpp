@@ -9,8 +9,11 @@
 #include "device_fixture.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/interrupt.h"
+#include "lucarium/base/processor_time.h"
+#include "lucarium/compute/program/program.h"
 #include "lucarium/scene/device/scene_buffers.h"
 #include "lucarium/scene/load/load_scene.h"
+#include "lucarium/session/counted_seconds.h"
 #include "lucarium/session/memory_needs.h"
 
 using namespace lucarium;
@@ -99,6 +102,27 @@ TEST_CASE("a time budget ends a run, and so do convergence and the user") {
   CHECK(interrupted.run({.iterations = 3}));
   set_interrupt_requested(false);
   CHECK(interrupted.iterations() == 0);
+}
+
+TEST_CASE("processor time is that of what is counted: not of sleep, not of kernels that are compiled") {
+  RenderSession sleeping = make_session({{"sleep", "50"}});
+  const RenderSession::Clocks prepared = sleeping.clocks();
+  CHECK(prepared.prepare_processor > 0);
+  CHECK(prepared.iterate_processor == 0);
+  const double before = processor_seconds();
+  CHECK_FALSE(sleeping.run({.iterations = 4}));
+  const RenderSession::Clocks done = sleeping.clocks();
+  CHECK(done.iterate >= 0.2);
+  CHECK(done.iterate_processor > 0);
+  CHECK(done.iterate_processor <= processor_seconds() - before);
+  CHECK(done.iterate_processor < 0.5 * done.iterate);
+  CHECK(done.prepare_processor == prepared.prepare_processor);
+  CHECK(counted_processor_seconds(done) == done.prepare_processor + done.iterate_processor);
+
+  const double programs = program_processor_seconds(), start = processor_seconds();
+  const RenderSession compiling = make_session();
+  CHECK(compiling.clocks().prepare_processor <=
+        processor_seconds() - start - (program_processor_seconds() - programs) + 1e-9);
 }
 
 TEST_CASE("what a technique does not declare is refused before anything is allocated") {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
@@ -80,6 +81,20 @@ std::string judge(const ConfidenceInterval& ratio) {
   return ratio.high < 1 ? "better" : ratio.low > 1 ? "worse" : "same";
 }
 
+/// Whether all pieces, now and then, ran on one kind of machine, as far as that is known. Another driver is no other
+/// machine: what it changes may be what is asked for.
+bool one_kind_of_machine(const ComparisonResult& result, const json& old) {
+  std::set<std::pair<std::string, unsigned>> kinds;
+  for (const PieceResult& piece : result.pieces)
+    if (piece.machine) kinds.insert({piece.machine->machine.cpu, piece.machine->machine.logical_cores});
+  for (const json& piece : old.at("pieces")) {
+    const auto machine = piece.find("machine");
+    if (machine != piece.end())
+      kinds.emplace(machine->at("cpu").get<std::string>(), machine->at("logical_cores").get<unsigned>());
+  }
+  return kinds.size() < 2 && result.device == old.value("device", result.device);
+}
+
 json read_results(const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "results.json";
   try {
@@ -123,6 +138,7 @@ BaselineComparison compare_with_baseline(const ComparisonResult& result, const s
   comparison.folder = folder.string();
   try {
     comparison.version = old.at("version");
+    const bool times_compare = one_kind_of_machine(result, old);
     for (const auto& [key, summary] : result.summaries) {
       const auto [scene, variant, budget] = key;
       const std::string label = result.spec.variants[variant].label(), wanted = result.spec.budgets[budget].label();
@@ -136,7 +152,9 @@ BaselineComparison compare_with_baseline(const ComparisonResult& result, const s
         if (now.empty() || then.empty()) continue;
         found = true;
         const ConfidenceInterval ratio = welch_ratio(now, then);
-        comparison.changes.push_back({scene, variant, budget, metric, ratio, judge(ratio)});
+        const bool about_time = metric == "seconds" || result.spec.budgets[budget].seconds > 0;
+        const std::string verdict = about_time && !times_compare ? "unknown" : judge(ratio);
+        comparison.changes.push_back({scene, variant, budget, metric, ratio, verdict});
       }
       if (!found) comparison.missing.push_back(fmt::format("{}, {}, {}", result.scenes[scene].name, label, wanted));
     }

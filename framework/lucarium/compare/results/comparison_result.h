@@ -22,6 +22,7 @@ struct Snapshot {
   double seconds = 0;  ///< of preparing and iterating
   uint64_t iterations = 0, samples = 0;
   std::map<std::string, double> metrics;
+  std::optional<double> processor_seconds;  ///< of the same, on a CPU; absent in results of earlier versions
 };
 
 /// A walk behind a run, or the walks of all seeds (docs/results.md).
@@ -44,7 +45,8 @@ struct PieceResult {
   bool converged = false;
   std::map<std::string, double> metrics;  ///< of the image against the scene's reference
   std::vector<Snapshot> snapshots;
-  std::optional<double> reached_seconds;  ///< with an error budget
+  std::optional<double> processor_seconds;                           ///< of preparing and iterating, as in a snapshot
+  std::optional<double> reached_seconds, reached_processor_seconds;  ///< with an error budget
   std::optional<WalkTimes> walk;
   std::string device;                   ///< and driver; empty when it failed
   std::optional<PieceMachine> machine;  ///< absent in results of earlier versions
@@ -92,7 +94,7 @@ struct SceneResult {
   std::string failure;    ///< the scene could not be had
   bool left_out = false;  ///< no failure of the comparison: it is optional, and there is no such file
   std::vector<std::string> warnings;
-  bool unlike_machines = false;  ///< its pieces ran on several kinds: their times are not compared
+  bool unlike_machines = false;  ///< its pieces ran on several kinds: their wall times are not compared
   std::vector<ReferenceResult> references;
   std::vector<SceneVariant> variants;
 };
@@ -108,7 +110,8 @@ struct SummaryTime {
 };
 
 struct SummaryPoint {
-  double seconds = 0, samples = 0;
+  double seconds = 0;  ///< wall time or processor time
+  double samples = 0;
   ConfidenceInterval relmse;
 };
 
@@ -120,15 +123,17 @@ struct Summary {
   size_t peak_host_bytes = 0, peak_device_bytes = 0;
   double debiased_mse = 0;
   bool resolved = true;
-  std::optional<BiasAndVariance> bias;  ///< from two seeds on
-  std::vector<SummaryPoint> curve;
-  ConfidenceInterval slope;
-  std::optional<ConfidenceInterval> reached_seconds;  ///< with an error budget, when every seed got there
-  std::vector<SummaryTime> times;
-  std::optional<WalkTimes> walk;  ///< smallest, mean of medians, largest; relMSE: geometric mean
+  std::optional<BiasAndVariance> bias;               ///< from two seeds on
+  std::vector<SummaryPoint> curve, processor_curve;  ///< over wall time, and over processor time where it is known
+  ConfidenceInterval slope;                          ///< of `curve`
+  std::optional<double> processor_seconds;
+  /// With an error budget, when every seed got there.
+  std::optional<ConfidenceInterval> reached_seconds, reached_processor_seconds;
+  std::vector<SummaryTime> times, processor_times;  ///< to errors, on the curves
+  std::optional<WalkTimes> walk;                    ///< smallest, mean of medians, largest; relMSE: geometric mean
 };
 
-/// The ratio of two variants' errors, paired by seeds.
+/// The ratio of two variants' errors or times, paired by seeds.
 struct SummaryPair {
   size_t scene = 0, budget = 0, a = 0, b = 0;
   std::string metric;

@@ -5,7 +5,6 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
-#include "lucarium/compare/results/error_curve.h"
 
 namespace lucarium {
 
@@ -19,12 +18,18 @@ std::map<std::string, double> read_metrics(const json& object) {
   return metrics;
 }
 
+std::optional<double> read_processor_seconds(const json& object) {
+  const auto found = object.find("processor_seconds");
+  return found == object.end() ? std::nullopt : std::optional(found->get<double>());
+}
+
 void read_clocks(PieceResult& piece, const json& clocks) {
   piece.load_seconds = clocks.at("load_seconds");
   piece.prepare_seconds = clocks.at("upload_seconds").get<double>() + clocks.at("bvh_seconds").get<double>() +
                           clocks.at("prepare_seconds").get<double>();
   piece.compile_seconds = clocks.at("compile_seconds").get<double>() + clocks.at("warm_up_seconds").get<double>();
   piece.iterate_seconds = clocks.at("iterate_seconds");
+  piece.processor_seconds = read_processor_seconds(clocks);
 }
 
 WalkTimes read_walk(const json& walk) {
@@ -43,15 +48,28 @@ WalkTimes read_walk(const json& walk) {
 }
 
 /// When the curve got to the error; the first snapshot's time bounds it where that was enough.
-std::optional<double> find_reached(const std::vector<Snapshot>& snapshots, double relmse) {
-  std::vector<CurvePoint> curve;
-  for (const Snapshot& snapshot : snapshots) curve.push_back({snapshot.seconds, snapshot.metrics.at("relMSE")});
+std::optional<double> find_reached(const std::vector<CurvePoint>& curve, double relmse) {
   const TimeToError reached = time_to_error(curve, relmse);
   if (reached.state == TimeToError::State::not_reached) return std::nullopt;
   return reached.time;
 }
 
 }  // namespace
+
+std::vector<CurvePoint> curve_of(const PieceResult& piece) {
+  std::vector<CurvePoint> curve;
+  for (const Snapshot& snapshot : piece.snapshots) curve.push_back({snapshot.seconds, snapshot.metrics.at("relMSE")});
+  return curve;
+}
+
+std::vector<CurvePoint> processor_curve_of(const PieceResult& piece) {
+  std::vector<CurvePoint> curve;
+  for (const Snapshot& snapshot : piece.snapshots) {
+    if (!snapshot.processor_seconds) return {};
+    curve.push_back({*snapshot.processor_seconds, snapshot.metrics.at("relMSE")});
+  }
+  return curve;
+}
 
 RenderWork work_within(const ComparisonBudget& budget) {
   RenderWork work;
@@ -87,12 +105,15 @@ void read_summary(PieceResult& piece, const ComparisonBudget& budget) {
     piece.snapshots.clear();
     for (const json& snapshot : summary.at("snapshots")) {
       piece.snapshots.push_back({snapshot.at("seconds"), snapshot.at("iterations"), snapshot.at("samples"),
-                                 read_metrics(snapshot.at("metrics"))});
+                                 read_metrics(snapshot.at("metrics")), read_processor_seconds(snapshot)});
     }
     if (summary.contains("walk")) piece.walk = read_walk(summary["walk"]);
     piece.device = summary.value("device", "") + ", " + summary.value("driver", "");
     if (summary.contains("machine")) piece.machine = read_piece_machine(summary["machine"]);
-    if (budget.relmse > 0) piece.reached_seconds = find_reached(piece.snapshots, budget.relmse);
+    if (budget.relmse > 0) {
+      piece.reached_seconds = find_reached(curve_of(piece), budget.relmse);
+      piece.reached_processor_seconds = find_reached(processor_curve_of(piece), budget.relmse);
+    }
   } catch (const json::exception& error) {
     throw_error(ErrorClass::input, "its summary cannot be read: {}", error.what());
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lucarium/compare/results/comparison_result.h"
+#include "lucarium/compare/results/error_curve.h"
 #include "lucarium/job/job.h"
 
 namespace lucarium {
@@ -20,5 +21,9 @@ std::string mean_file(const PieceResult& piece);
 /// Fills everything that the summary of `lucarium render --json` in piece.render_summary says. Throws Error{input} when
 /// it is not one.
 void read_summary(PieceResult& piece, const ComparisonBudget& budget);
+
+/// relMSE over seconds of preparing and iterating; the same over processor seconds, empty where they are not known.
+std::vector<CurvePoint> curve_of(const PieceResult& piece);
+std::vector<CurvePoint> processor_curve_of(const PieceResult& piece);
 
 }  // namespace lucarium

@@ -78,6 +78,16 @@ ordered_json scene_json(const SceneResult& scene) {
   return json;
 }
 
+/// Leaves out what is not known.
+template <class Value>
+void put(ordered_json& object, const char* key, const std::optional<Value>& value) {
+  if (!value) return;
+  if constexpr (std::is_same_v<Value, ConfidenceInterval>)
+    object[key] = mean_json(*value);
+  else
+    object[key] = *value;
+}
+
 ordered_json piece_json(const PieceResult& piece) {
   ordered_json json = {
       {"scene", piece.scene}, {"variant", piece.variant}, {"budget", piece.budget}, {"seed", piece.seed}};
@@ -104,8 +114,11 @@ ordered_json piece_json(const PieceResult& piece) {
                                  {"iterations", snapshot.iterations},
                                  {"samples", snapshot.samples},
                                  {"metrics", snapshot.metrics}});
+    put(json["snapshots"].back(), "processor_seconds", snapshot.processor_seconds);
   }
-  if (piece.reached_seconds) json["reached_seconds"] = *piece.reached_seconds;
+  put(json, "processor_seconds", piece.processor_seconds);
+  put(json, "reached_seconds", piece.reached_seconds);
+  put(json, "reached_processor_seconds", piece.reached_processor_seconds);
   if (piece.walk) json["walk"] = walk_json(*piece.walk);
   if (piece.machine) json["machine"] = piece_machine_json(*piece.machine);
   const ordered_json summary = ordered_json::parse(piece.render_summary);
@@ -124,6 +137,23 @@ ordered_json bias_json(const BiasAndVariance& bias) {
   return json;
 }
 
+ordered_json curve_json(const std::vector<SummaryPoint>& curve, const char* seconds) {
+  ordered_json json = ordered_json::array();
+  for (const SummaryPoint& point : curve)
+    json.push_back({{seconds, point.seconds}, {"samples", point.samples}, {"relmse", mean_json(point.relmse)}});
+  return json;
+}
+
+ordered_json times_json(const std::vector<SummaryTime>& times, const char* seconds) {
+  ordered_json json = ordered_json::array();
+  for (const SummaryTime& time : times) {
+    ordered_json entry = {{"relmse", time.relmse}};
+    if (time.seconds) entry.update({{seconds, mean_json(*time.seconds)}, {"at_most", time.at_most}});
+    json.push_back(std::move(entry));
+  }
+  return json;
+}
+
 ordered_json summary_json(const SummaryKey& key, const Summary& summary) {
   const auto& [scene, variant, budget] = key;
   ordered_json json = {{"scene", scene}, {"variant", variant}, {"budget", budget}, {"seeds", summary.seeds}};
@@ -139,24 +169,19 @@ ordered_json summary_json(const SummaryKey& key, const Summary& summary) {
                {"debiased_mse", summary.debiased_mse},
                {"resolved", summary.resolved}});
   if (summary.bias) json["bias"] = bias_json(*summary.bias);
-  json["curve"] = ordered_json::array();
-  for (const SummaryPoint& point : summary.curve) {
-    json["curve"].push_back(
-        {{"seconds", point.seconds}, {"samples", point.samples}, {"relmse", mean_json(point.relmse)}});
-  }
+  put(json, "processor_seconds", summary.processor_seconds);
+  json["curve"] = curve_json(summary.curve, "seconds");
+  json["processor_curve"] = curve_json(summary.processor_curve, "processor_seconds");
   if (std::isfinite(summary.slope.mean)) {
     json["slope"] = mean_json(summary.slope);
     json["slope"]["value"] = summary.slope.mean;
     json["slope"].erase("mean");
   }
-  if (summary.reached_seconds) json["reached_seconds"] = mean_json(*summary.reached_seconds);
+  put(json, "reached_seconds", summary.reached_seconds);
+  put(json, "reached_processor_seconds", summary.reached_processor_seconds);
   if (summary.walk) json["walk"] = walk_json(*summary.walk);
-  json["time_to_error"] = ordered_json::array();
-  for (const SummaryTime& time : summary.times) {
-    ordered_json entry = {{"relmse", time.relmse}};
-    if (time.seconds) entry.update({{"seconds", mean_json(*time.seconds)}, {"at_most", time.at_most}});
-    json["time_to_error"].push_back(std::move(entry));
-  }
+  json["time_to_error"] = times_json(summary.times, "seconds");
+  json["processor_time_to_error"] = times_json(summary.processor_times, "processor_seconds");
   return json;
 }
 

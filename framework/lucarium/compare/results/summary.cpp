@@ -46,34 +46,47 @@ std::map<std::string, ConfidenceInterval> mean_metrics(const std::vector<const P
   return means;
 }
 
-std::vector<CurvePoint> curve_of(const PieceResult& piece) {
-  std::vector<CurvePoint> curve;
-  for (const Snapshot& snapshot : piece.snapshots)
-    curve.push_back({snapshot.seconds, snapshot.metrics.at(error_metric)});
-  return curve;
+using Curves = std::vector<std::vector<CurvePoint>>;  // of the seeds
+
+Curves curves_of(const std::vector<const PieceResult*>& pieces, std::vector<CurvePoint> (*curve)(const PieceResult&)) {
+  Curves curves;
+  for (const PieceResult* piece : pieces) curves.push_back(curve(*piece));
+  return curves;
 }
 
-/// The curves' mean at the times of the first one; the others are interpolated.
-std::vector<SummaryPoint> mean_curve(const std::vector<const PieceResult*>& pieces) {
+/// The curves' mean at the times of the first one, which is that of `first`; the others are interpolated.
+std::vector<SummaryPoint> mean_curve(const Curves& curves, const PieceResult& first) {
   std::vector<SummaryPoint> points;
-  for (const Snapshot& snapshot : pieces.front()->snapshots) {
-    std::vector<double> errors = {snapshot.metrics.at(error_metric)};
-    for (size_t i = 1; i < pieces.size(); ++i) {
-      const double error = error_at_time(curve_of(*pieces[i]), snapshot.seconds);
+  for (size_t i = 0; i < curves.front().size(); ++i) {
+    const CurvePoint& point = curves.front()[i];
+    std::vector<double> errors = {point.error};
+    for (size_t other = 1; other < curves.size(); ++other) {
+      const double error = error_at_time(curves[other], point.time);
       if (std::isfinite(error)) errors.push_back(error);
     }
-    points.push_back({snapshot.seconds, static_cast<double>(snapshot.samples), seed_geometric_mean(errors)});
+    points.push_back({point.time, static_cast<double>(first.snapshots[i].samples), seed_geometric_mean(errors)});
   }
   return points;
 }
 
-std::optional<ConfidenceInterval> mean_reached(const std::vector<const PieceResult*>& pieces) {
-  std::vector<double> seconds;
+/// Mean of what every piece has.
+std::optional<ConfidenceInterval> mean_of_all(const std::vector<const PieceResult*>& pieces,
+                                              std::optional<double> PieceResult::*value) {
+  std::vector<double> values;
   for (const PieceResult* piece : pieces) {
-    if (!piece->reached_seconds) return std::nullopt;
-    seconds.push_back(*piece->reached_seconds);
+    if (!(piece->*value)) return std::nullopt;
+    values.push_back(*(piece->*value));
   }
-  return seed_geometric_mean(seconds);
+  return seed_geometric_mean(values);
+}
+
+std::optional<double> mean_processor_seconds(const std::vector<const PieceResult*>& pieces) {
+  double sum = 0;
+  for (const PieceResult* piece : pieces) {
+    if (!piece->processor_seconds) return std::nullopt;
+    sum += *piece->processor_seconds;
+  }
+  return sum / static_cast<double>(pieces.size());
 }
 
 std::optional<WalkTimes> walk_of(const std::vector<const PieceResult*>& pieces) {
@@ -90,18 +103,23 @@ std::optional<WalkTimes> walk_of(const std::vector<const PieceResult*>& pieces) 
   return all;
 }
 
-SummaryTime time_of(const std::vector<const PieceResult*>& pieces, double relmse) {
+SummaryTime time_of(const Curves& curves, double relmse) {
   SummaryTime result;
   result.relmse = relmse;
   std::vector<double> seconds;
-  for (const PieceResult* piece : pieces) {
-    const TimeToError reached = time_to_error(curve_of(*piece), relmse);
+  for (const std::vector<CurvePoint>& curve : curves) {
+    const TimeToError reached = time_to_error(curve, relmse);
     if (reached.state == TimeToError::State::not_reached) return result;
     result.at_most |= reached.state == TimeToError::State::before_first;
     seconds.push_back(reached.time);
   }
   result.seconds = seed_geometric_mean(seconds);
   return result;
+}
+
+/// Of a budget of time, the errors of unlike machines say which machine is faster, too.
+bool is_ranked(const ComparisonResult& result, size_t scene, size_t budget) {
+  return !result.scenes[scene].unlike_machines || result.spec.budgets[budget].seconds <= 0;
 }
 
 }  // namespace
@@ -133,12 +151,17 @@ Summary summarize(const std::vector<const PieceResult*>& pieces, const Reference
   const double mse = average(collect(pieces, [](const PieceResult& p) { return p.metrics.at("MSE"); }));
   summary.debiased_mse = debiased_error(mse, reference.mse).value;
   summary.resolved = debiased_error(summary.metrics.at(error_metric).mean, reference.relmse).resolved;
-  summary.curve = mean_curve(pieces);
-  std::vector<std::vector<CurvePoint>> curves;
-  for (const PieceResult* piece : pieces) curves.push_back(curve_of(*piece));
+  const Curves curves = curves_of(pieces, curve_of);
+  summary.curve = mean_curve(curves, *pieces.front());
   summary.slope = seed_slope(curves);
+  summary.processor_seconds = mean_processor_seconds(pieces);
+  if (summary.processor_seconds)
+    summary.processor_curve = mean_curve(curves_of(pieces, processor_curve_of), *pieces.front());
   summary.walk = walk_of(pieces);
-  if (budget.relmse > 0) summary.reached_seconds = mean_reached(pieces);
+  if (budget.relmse > 0) {
+    summary.reached_seconds = mean_of_all(pieces, &PieceResult::reached_seconds);
+    summary.reached_processor_seconds = mean_of_all(pieces, &PieceResult::reached_processor_seconds);
+  }
   return summary;
 }
 
@@ -181,7 +204,7 @@ void add_times_to_error(const ComparisonResult& result, size_t scene, size_t bud
   for (auto& [key, summary] : summaries) {
     if (std::get<0>(key) != scene || std::get<2>(key) != budget || summary.seeds == 0) continue;
     summary.times.clear();
-    if (result.scenes[scene].unlike_machines) continue;
+    summary.processor_times.clear();
     groups[key] = pieces_of(result, key);
     for (const SummaryPoint& point : summary.curve) {
       largest = std::max(largest, point.relmse.mean);
@@ -197,9 +220,14 @@ void add_times_to_error(const ComparisonResult& result, size_t scene, size_t bud
     }
     if (std::pow(10.0, exponent) > largest) break;
   }
+  const bool like = !result.scenes[scene].unlike_machines;
   for (auto& [key, pieces] : groups) {
-    summaries[key].times.clear();
-    for (const double error : errors) summaries[key].times.push_back(time_of(pieces, error));
+    Summary& summary = summaries[key];
+    const Curves curves = curves_of(pieces, curve_of), processor_curves = curves_of(pieces, processor_curve_of);
+    for (const double error : errors) {
+      if (like) summary.times.push_back(time_of(curves, error));
+      if (summary.processor_seconds) summary.processor_times.push_back(time_of(processor_curves, error));
+    }
   }
 }
 
@@ -221,8 +249,12 @@ std::vector<SummaryPair> make_pairs(const ComparisonResult& result) {
     for (size_t budget = 0; budget < result.spec.budgets.size(); ++budget) {
       for (size_t a = 0; a < result.spec.variants.size(); ++a) {
         for (size_t b = a + 1; b < result.spec.variants.size(); ++b) {
+          if (!is_ranked(result, scene, budget)) continue;
           if (result.spec.budgets[budget].relmse > 0) {
-            add(scene, budget, a, b, "seconds", [](const PieceResult& piece) { return piece.reached_seconds; });
+            if (!result.scenes[scene].unlike_machines)
+              add(scene, budget, a, b, "seconds", [](const PieceResult& piece) { return piece.reached_seconds; });
+            add(scene, budget, a, b, "processor_seconds",
+                [](const PieceResult& piece) { return piece.reached_processor_seconds; });
             continue;
           }
           for (const char* metric : {"relMSE", "HDR_FLIP"}) {

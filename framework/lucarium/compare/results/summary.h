@@ -24,10 +24,12 @@ BiasAndVariance measure_bias(const std::vector<const PieceResult*>& pieces, cons
 bool mark_unlike_machines(ComparisonResult& result, size_t scene);
 
 /// Errors (1 and 3 times powers of ten, at most six, the smallest first) that some curve of a scene and budget passes,
-/// and when each variant's curves get there; none in a scene of unlike machines.
+/// and when each variant's curves get there: in seconds, but not in a scene of unlike machines, and in processor
+/// seconds where they are known.
 void add_times_to_error(const ComparisonResult& result, size_t scene, size_t budget,
                         std::map<SummaryKey, Summary>& summaries);
 
+/// Not of budgets of time in scenes of unlike machines: such pairs would compare the machines.
 std::vector<SummaryPair> make_pairs(const ComparisonResult& result);
 
 }  // namespace lucarium

@@ -187,7 +187,8 @@ void ComparisonRunner::save_when_due() {
 
 void ComparisonRunner::warn_of_unlike_machines(size_t scene) {
   static const std::string line =
-      "its pieces ran on machines of several kinds: times are not ranked; compare errors at the same work";
+      "its pieces ran on machines of several kinds: nothing is ranked by wall time; compare errors at the same "
+      "iterations or samples, or over processor seconds";
   std::vector<std::string>& warnings = result_.scenes[scene].warnings;
   const bool known = std::find(warnings.begin(), warnings.end(), line) != warnings.end();
   const bool unlike = mark_unlike_machines(result_, scene);

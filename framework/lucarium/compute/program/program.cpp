@@ -2,6 +2,7 @@
 #include "lucarium/compute/program/program.h"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -9,6 +10,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/hash.h"
 #include "lucarium/base/log.h"
+#include "lucarium/base/processor_time.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/base/text/nearest_name.h"
 #include "lucarium/compute/device/cl_handle.h"
@@ -100,6 +102,8 @@ ClProgram create_from_binary(const Device& device, const ProgramSpec& spec, cons
   check_opencl(status, "clCreateProgramWithBinary", "program " + spec.name, device);
   return program;
 }
+
+std::atomic<double> all_processor_seconds = 0;
 
 /// The driver's binary of a built program, or empty when it gives none.
 std::string binary_of(cl_program program) {
@@ -228,6 +232,7 @@ struct Program::State {
 Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec)
     : state_(std::make_shared<State>()) {
   const Stopwatch watch;
+  const double before = processor_seconds();
   state_->device = device.shared_from_this();
   state_->name = spec.name;
   const std::string source = preamble(spec) + library.preprocess(spec.files);
@@ -243,7 +248,10 @@ Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec
   }
   state_->build_seconds = watch.seconds();
   device.add_program_seconds(state_->build_seconds);
+  all_processor_seconds += processor_seconds() - before;
 }
+
+double program_processor_seconds() { return all_processor_seconds; }
 
 Program make_program(Device& device, const EmbeddedSources& sources, std::vector<std::string> files,
                      std::map<std::string, std::string> defines) {

@@ -57,4 +57,7 @@ Program make_program(Device& device, const EmbeddedSources& sources, std::vector
 /// it too.
 void cache_specialized_kernels(const Device& device) noexcept;
 
+/// Processor time of this process that went into making programs, until now [s].
+double program_processor_seconds();
+
 }  // namespace lucarium

@@ -68,6 +68,7 @@ inline nlohmann::ordered_json example_summary(size_t scene, size_t variant, size
                               {"iterate_seconds", 4.0},
                               {"compile_seconds", 1.0},
                               {"device_seconds", 3.5},
+                              {"processor_seconds", 7.0},
                               {"samples", 64 << variant},
                               {"peak_host_bytes", 4e8},
                               {"peak_device_bytes", 6e7},
@@ -81,8 +82,12 @@ inline nlohmann::ordered_json example_summary(size_t scene, size_t variant, size
                                 {"variance_mse", 2e-4}}}};
   for (double t = 0.25; t <= 4; t *= std::sqrt(2.0)) {
     s["curve"].push_back({{"seconds", t}, {"samples", 16 * t}, {"relmse", mean(error * 4 / t)}});
+    s["processor_curve"].push_back(
+        {{"processor_seconds", 1.75 * t}, {"samples", 16 * t}, {"relmse", mean(error * 4 / t)}});
   }
   s["time_to_error"] = {{{"relmse", 0.1}, {"seconds", mean(0.3)}, {"at_most", true}}, {{"relmse", 1e-4}}};
+  s["processor_time_to_error"] = {{{"relmse", 0.1}, {"processor_seconds", mean(0.525)}, {"at_most", true}},
+                                  {{"relmse", 1e-4}}};
   return s;
 }
 
@@ -142,6 +147,7 @@ inline void write_report_example(const std::filesystem::path& folder, const Repo
                           {"triangles", 1234},
                           {"hash", "abc"},
                           {"exposure_stops", 0.5},
+                          {"unlike_machines", s == 1},
                           {"warnings", ordered_json::array({example.hostile})}};
     scene["references"] = ordered_json::array({{{"path_set", "max_bounces=3"},
                                                 {"image", image},

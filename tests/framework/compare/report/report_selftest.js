@@ -106,6 +106,14 @@
             parameters.querySelector('dt strong').textContent === 'name');
     check('what a budget lowered is said', /64 \(for a budget of time: 16\)/.test(parameters.textContent));
     check('a refused technique has a row', Boolean(document.querySelector('#scene td.obstacle')));
+    const sections = () => document.getElementById('scene').innerText;
+    const curves = () => [...document.querySelectorAll('#scene .chart canvas')]
+                             .map(c => c.getAttribute('aria-label'))
+                             .filter(label => label.startsWith('relMSE over '));
+    check('curves are drawn over both times', /over seconds .*over processor seconds/.test(curves().join()));
+    check('there are tables of both',
+          /Seconds to reach a relMSE/.test(sections()) && /Processor seconds to reach a relMSE/.test(sections()));
+    check('the best is bold', Boolean(document.querySelector('#scene tr.best')));
     document.querySelector('#scene thead button').click();
     check('tables sort', Boolean(document.querySelector('#scene th[aria-sort]')));
     document.querySelector('.toggle').click();
@@ -121,6 +129,12 @@
     tabs[1].click();
     await drawn();
     check('another scene is shown', document.querySelector('#scene h2').textContent === tabs[1].textContent);
+    check('unlike machines are said', /machines of several kinds/.test(sections()));
+    check('their wall time is not drawn', curves().length === 1 && curves()[0].startsWith('relMSE over processor'));
+    check('nor in a table',
+          !/(^|\n)Seconds to reach/.test(sections()) && /Processor seconds to reach/.test(sections()));
+    check('and nothing is ranked', !document.querySelector('#scene .best, #scene .leading, #scene .better') &&
+            /unlike machines/.test(document.getElementById('overview').innerText));
     const shown = name => select(name).selectedOptions[0].textContent;
     check('a technique stands beside its own reference',
           shown('Left').endsWith('reference 2') && shown('Right').endsWith('technique_1'));

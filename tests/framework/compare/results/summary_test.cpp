@@ -6,11 +6,13 @@
 
 #include <cmath>
 #include <random>
+#include <regex>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
 #include "lucarium/base/json.h"
 #include "lucarium/compare/results/baseline.h"
+#include "lucarium/compare/results/piece.h"
 #include "lucarium/film/image_io.h"
 #include "test_support.h"
 #include "tolerance.h"
@@ -19,7 +21,7 @@ using namespace lucarium;
 
 namespace {
 
-/// A run whose relMSE is scale / t at t = 1, 2, 4 s.
+/// A run whose relMSE is scale / t at t = 1, 2, 4 s; two processors were at work, and of later seeds less.
 PieceResult make_piece(size_t variant, uint32_t seed, double scale) {
   PieceResult piece;
   piece.variant = variant;
@@ -28,9 +30,13 @@ PieceResult make_piece(size_t variant, uint32_t seed, double scale) {
   piece.render_summary = R"({"passes": [], "counters": {}, "warnings": []})";
   piece.prepare_seconds = 0.5;
   piece.iterate_seconds = 3.5;
+  piece.processor_seconds = 8.0 / seed;
   for (const double t : {1.0, 2.0, 4.0}) {
-    piece.snapshots.push_back(
-        {t, static_cast<uint64_t>(t), static_cast<uint64_t>(t), {{"relMSE", scale / t}, {"MSE", scale / t}}});
+    piece.snapshots.push_back({t,
+                               static_cast<uint64_t>(t),
+                               static_cast<uint64_t>(t),
+                               {{"relMSE", scale / t}, {"MSE", scale / t}},
+                               2 * t / seed});
   }
   piece.metrics = {{"relMSE", scale / 4}, {"MSE", scale / 4}, {"PSNR", 30 + static_cast<double>(seed)}};
   return piece;
@@ -107,7 +113,53 @@ TEST_CASE("times to errors are on the curves, and what was not reached says so")
   }
 }
 
-TEST_CASE("a scene whose pieces ran on machines of several kinds has no times to errors") {
+TEST_CASE("processor seconds have curves and times of their own, but only where every piece says them") {
+  ComparisonResult result = example();
+  const Summary& first = result.summaries.at({0, 0, 0});
+  CHECK(first.processor_seconds.value() == test::relative((8 + 4 + 8 / 3.0) / 3));
+  REQUIRE(first.processor_curve.size() == 3);
+  CHECK(first.processor_curve[0].seconds == test::relative(2));  // of the first seed
+  // 0.18 / t of seed 1 at 2 t, 0.36 / t of seed 2 at t, 0.72 / t of seed 3 at 2 t / 3.
+  CHECK(first.processor_curve[0].relmse.mean == test::relative(std::cbrt(0.18 * 0.18 * 0.24)));
+  for (const SummaryTime& time : result.summaries.at({0, 1, 0}).processor_times) {
+    if (time.relmse != test::relative(1.0)) continue;
+    REQUIRE(time.seconds);  // at most 2 s; 1.44 s; two thirds of 2.88 s
+    CHECK(time.seconds->mean == test::relative(std::cbrt(2.0 * 1.44 * 1.92)));
+  }
+  const nlohmann::json json = nlohmann::json::parse(result.to_json());
+  CHECK(json["pieces"][0]["processor_seconds"] == 8);
+  CHECK(json["pieces"][0]["snapshots"][2]["processor_seconds"] == 8);
+  CHECK(json["summaries"][0]["processor_curve"][0]["processor_seconds"] == 2);
+  CHECK(json["summaries"][0]["processor_time_to_error"].size() == first.times.size());
+  CHECK(result.pieces_csv().find(",device_seconds,processor_seconds,") != std::string::npos);
+  CHECK(result.snapshots_csv().find(",seconds,processor_seconds,") != std::string::npos);
+
+  result.pieces[2].processor_seconds.reset();  // as in results of earlier versions, and on a GPU
+  for (Snapshot& snapshot : result.pieces[2].snapshots) snapshot.processor_seconds.reset();
+  const Summary without =
+      summarize(pieces_of(result, {0, 0, 0}), result.scenes[0].references[0], result.spec.budgets[0]);
+  CHECK(!without.processor_seconds);
+  CHECK(without.processor_curve.empty());
+  CHECK(without.curve.size() == 3);
+}
+
+TEST_CASE("a piece reads the processor seconds of its summary, and when its error was reached in them") {
+  PieceResult piece;
+  piece.render_summary = R"({"clocks": {"load_seconds": 0, "upload_seconds": 0, "bvh_seconds": 0, "prepare_seconds": 0,
+    "compile_seconds": 0, "warm_up_seconds": 0, "iterate_seconds": 4, "processor_seconds": 8}, "parameters": "",
+    "samples": 2, "iterations": 2, "converged": false, "peak_host_bytes": 1, "peak_device_memory_bytes": 1,
+    "passes": [], "metrics": {}, "snapshots": [
+      {"seconds": 1, "processor_seconds": 3, "iterations": 1, "samples": 1, "metrics": {"relMSE": 0.4}},
+      {"seconds": 4, "processor_seconds": 12, "iterations": 2, "samples": 2, "metrics": {"relMSE": 0.1}}]})";
+  ComparisonBudget budget;
+  budget.relmse = 0.2;
+  read_summary(piece, budget);
+  CHECK(piece.processor_seconds == 8);
+  CHECK(piece.reached_seconds.value() == test::relative(2));
+  CHECK(piece.reached_processor_seconds.value() == test::relative(6));
+}
+
+TEST_CASE("a scene whose pieces ran on machines of several kinds has times to errors in processor seconds only") {
   ComparisonResult result = example();
   for (PieceResult& piece : result.pieces) {
     piece.machine.emplace();
@@ -117,12 +169,23 @@ TEST_CASE("a scene whose pieces ran on machines of several kinds has no times to
   CHECK_FALSE(mark_unlike_machines(result, 0));
   add_times_to_error(result, 0, 0, result.summaries);
   CHECK_FALSE(result.summaries.at({0, 0, 0}).times.empty());
+  const size_t errors = result.summaries.at({0, 0, 0}).times.size();
+  CHECK(make_pairs(result).size() == 1);
   SUBCASE("another processor") { result.pieces.back().machine->machine.cpu = "another kind"; }
   SUBCASE("another device") { result.pieces.back().device = "another kind"; }
   CHECK(mark_unlike_machines(result, 0));
   CHECK(result.scenes[0].unlike_machines);
   add_times_to_error(result, 0, 0, result.summaries);
   CHECK(result.summaries.at({0, 0, 0}).times.empty());
+  CHECK(result.summaries.at({0, 0, 0}).processor_times.size() == errors);
+  CHECK(make_pairs(result).empty());  // errors at equal time say which machine is faster
+  result.spec.budgets[0] = {0, 4, 0, 0};
+  CHECK(make_pairs(result).size() == 1);
+  result.spec.budgets[0] = {0, 0, 0.1, 0};
+  for (PieceResult& piece : result.pieces) piece.reached_seconds = piece.reached_processor_seconds = 1;
+  REQUIRE(make_pairs(result).size() == 1);
+  CHECK(make_pairs(result)[0].metric == "processor_seconds");
+  result.spec.budgets[0] = {4, 0, 0, 0};
   result.pieces.pop_back();
   CHECK_FALSE(mark_unlike_machines(result, 0));
 }
@@ -174,6 +237,27 @@ TEST_CASE("results survive as JSON, and another run is compared with them") {
   REQUIRE(comparison.missing.size() == 1);
   CHECK(comparison.missing[0].find("new") != std::string::npos);
   CHECK_THROWS_AS(compare_with_baseline(result, folder.path() / "nowhere"), Error);
+}
+
+TEST_CASE("against a baseline of another machine, times are not judged") {
+  const test::TemporaryFolder folder;
+  ComparisonResult result = example();
+  for (PieceResult& piece : result.pieces) piece.machine.emplace().machine.cpu = "one kind";
+  write_file_atomically(folder.path() / "results.json", result.to_json());
+  for (PieceResult& piece : result.pieces) piece.metrics["relMSE"] *= 1e-3;
+  const auto verdict = [&](size_t change) {
+    return compare_with_baseline(result, folder.path()).changes.at(change).verdict;
+  };
+  CHECK(verdict(0) == "better");
+  CHECK(verdict(1) == "same");
+  for (PieceResult& piece : result.pieces) piece.machine->machine.cpu = "another kind";
+  CHECK(verdict(0) == "unknown");  // errors at equal time
+  CHECK(verdict(1) == "unknown");
+  result.spec.budgets[0] = {0, 4, 0, 0};
+  write_file_atomically(folder.path() / "results.json",
+                        std::regex_replace(result.to_json(), std::regex("another kind"), "one kind"));
+  CHECK(verdict(0) == "same");  // of equal work it does not matter where
+  CHECK(verdict(1) == "unknown");
 }
 
 TEST_CASE("Welch's ratio holds the truth as often as it says") {

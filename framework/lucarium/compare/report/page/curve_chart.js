@@ -2,27 +2,49 @@
 // relMSE over time, both logarithmic: the mean over seeds, its 95 % interval as a band, the fitted slope as a thin
 // line.
 
-function curvePoints(summary) {
-  return listOf(summary, 'curve').filter(p => p.seconds > 0 && p.relmse && p.relmse.mean > 0);
+// Keys of results.json (docs/results.md) for either time.
+const wallTime = {
+  title: 'Seconds',
+  curve: 'curve',
+  seconds: 'seconds',
+  times: 'time_to_error',
+  reached: 'reached_seconds',
+  total: 'iterate_seconds',
+  end: s => s.iterate_seconds + (s.prepare_seconds || 0)
+};
+const processorTime = {
+  title: 'Processor seconds',
+  curve: 'processor_curve',
+  seconds: 'processor_seconds',
+  times: 'processor_time_to_error',
+  reached: 'reached_processor_seconds',
+  total: 'processor_seconds',
+  end: s => s.processor_seconds
+};
+
+function curvePoints(summary, of) {
+  return listOf(summary, of.curve)
+      .map(p => ({seconds: p[of.seconds], samples: p.samples, relmse: p.relmse}))
+      .filter(p => p.seconds > 0 && p.relmse && p.relmse.mean > 0);
 }
 
 // The fitted line goes through the mean of the logarithms.
-function slopeLine(summary, points) {
-  if (!summary.slope || !Number.isFinite(summary.slope.value) || points.length < 2) return [];
+function slopeLine(summary, points, of) {
+  if (of !== wallTime || !summary.slope || !Number.isFinite(summary.slope.value) || points.length < 2) return [];
   const mean = f => points.reduce((sum, p) => sum + Math.log(f(p)), 0) / points.length;
   const x = mean(p => p.seconds), y = mean(p => p.relmse.mean);
   return [points[0], points[points.length - 1]].map(
       p => ({x: p.seconds, y: Math.exp(y + summary.slope.value * (Math.log(p.seconds) - x))}));
 }
 
-function curveSets(scene, budget, variant) {
+function curveSets(scene, budget, variant, of) {
   const summary = summaryOf(scene, variant, budget), style = variantStyle(variant);
   if (!summary || hiddenVariants.has(variant)) return [];
-  const points = curvePoints(summary), final = relmse(summary);
+  const points = curvePoints(summary, of), final = relmse(summary);
   const line = points.length ?
       points.map(p => ({x: p.seconds, y: p.relmse.mean, low: p.relmse.low, high: p.relmse.high, samples: p.samples})) :
-      final ? [{
-        x: summary.iterate_seconds + (summary.prepare_seconds || 0),
+      final && of.end(summary) > 0 ? [{
+        x: of.end(summary),
         y: final.mean,
         low: final.low,
         high: final.high,
@@ -34,7 +56,7 @@ function curveSets(scene, budget, variant) {
   return [
     {data: banded.map(p => ({x: p.x, y: p.low})), ...bare, fill: '+1', backgroundColor: `${style.color}33`},
     {data: banded.map(p => ({x: p.x, y: p.high})), ...bare},
-    {data: slopeLine(summary, points), ...bare, borderWidth: 1, borderColor: style.color, borderDash: [2, 2]},
+    {data: slopeLine(summary, points, of), ...bare, borderWidth: 1, borderColor: style.color, borderDash: [2, 2]},
     {
       label: variantLabel(variant),
       data: line,
@@ -50,8 +72,8 @@ function curveSets(scene, budget, variant) {
   ];
 }
 
-function curveConfig(scene, budget) {
-  const sets = variants.flatMap((entry, v) => curveSets(scene, budget, v));
+function curveConfig(scene, budget, of) {
+  const sets = variants.flatMap((entry, v) => curveSets(scene, budget, v, of));
   const points = sets.flatMap(s => s.data);
   const own = listOf(scenes[scene], 'references').map(r => r.own_relmse).filter(v => v > 0);
   const xs = logRange(points.map(p => p.x)), ys = logRange([...points.map(p => p.y), ...own]);
@@ -71,7 +93,7 @@ function curveConfig(scene, budget) {
       maintainAspectRatio: false,
       parsing: false,
       interaction: {mode: 'nearest', intersect: false},
-      scales: {x: {...logAxis('seconds', xs)}, y: logAxis('relMSE', ys)},
+      scales: {x: {...logAxis(of.title.toLowerCase(), xs)}, y: logAxis('relMSE', ys)},
       plugins: {
         legend: {display: false},
         tooltip: {
@@ -90,11 +112,35 @@ function curveConfig(scene, budget) {
   };
 }
 
-function curveChart(scene, budget) {
-  const chart = addChart(`relMSE over time on ${sceneName(scene)}`, 380, () => curveConfig(scene, budget));
-  return h(
-      'figure', {}, chart,
-      h('figcaption', {}, 'Error over time: mean over seeds with its 95 % interval, fitted slope dotted. ',
-        '−1 is what Monte Carlo does. The horizontal line is the reference’s own error: ' +
-            'errors close to it cannot be distinguished.'));
+function curveChart(scene, budget, of, caption) {
+  const label = `relMSE over ${of.title.toLowerCase()} on ${sceneName(scene)}`;
+  return h('figure', {}, addChart(label, 380, () => curveConfig(scene, budget, of)), h('figcaption', {}, caption));
+}
+
+// Over wall time where all pieces ran on one kind of machine; over processor time wherever it is known.
+function timeSection(scene, budget) {
+  const known = variants.some((entry, v) => (summaryOf(scene, v, budget) || {}).processor_seconds > 0);
+  const unlike = unlikeMachines(scene);
+  return [
+    h('h3', {}, 'Error over time'),
+    unlike ? h('p', {class: 'alert'},
+               'Pieces of this scene ran on machines of several kinds. Nothing here is ranked by wall time: ' +
+                   (known ? 'error over processor time remains, which neither the number of cores nor load change, ' +
+                            'though the speed of a core does. ' :
+                            'processor times are not known. ') +
+                   'Errors at the same iterations or samples compare anywhere.') :
+             null,
+    variantToggles(drawCharts),
+    h('div', {class: 'beside'},
+      unlike ? null :
+               curveChart(scene, budget, wallTime,
+                          'Error over time: mean over seeds with its 95 % interval, fitted slope dotted. −1 is what ' +
+                              'Monte Carlo does. The horizontal line is the reference’s own error: errors close to ' +
+                              'it cannot be distinguished.'),
+      known ? curveChart(scene, budget, processorTime,
+                         'Error over processor time of preparing and iterating, all threads together: what the ' +
+                             'picture cost, whatever ran beside it.') :
+              null),
+    unlike ? null : timeTable(scene, budget, wallTime), timeTable(scene, budget, processorTime)
+  ];
 }

@@ -3,6 +3,7 @@
 
 // relMSE over the best of the same scene and budget.
 function ratioToBest(scene, variant, budget) {
+  if (!isRanked(scene, budget)) return undefined;
   const values = variants.map((entry, v) => (relmse(summaryOf(scene, v, budget)) || {}).mean).filter(v => v > 0);
   const own = (relmse(summaryOf(scene, variant, budget)) || {}).mean;
   return own > 0 && values.length ? own / Math.min(...values) : undefined;
@@ -29,7 +30,12 @@ function overviewTable(budget, open) {
     const mean = geometricMean(known);
     const cells = ratios.map((ratio, s) => {
       if (ratio === undefined)
-        return {show: scenes[s].failure ? 'scene failed' : obstacles(s, v, budget)[0] || '–', class: 'obstacle'};
+        return {
+          show: scenes[s].failure ? 'scene failed' :
+              isRanked(s, budget) ? obstacles(s, v, budget)[0] || '–' :
+                                    'unlike machines',
+          class: 'obstacle'
+        };
       return {
         value: ratio,
         style: heat(ratio),

@@ -29,6 +29,11 @@ const piecesOf = (scene, variant, budget) =>
     listOf(results, 'pieces').filter(p => p.scene === scene && p.variant === variant && p.budget === budget);
 const sceneVariant = (scene, variant) => listOf(scenes[scene], 'variants')[variant] || {};
 
+// Where pieces of a scene ran on machines of several kinds, wall time says which machine is faster, too: it ranks
+// nothing, nor do errors of a budget of time.
+const unlikeMachines = scene => Boolean((scenes[scene] || {}).unlike_machines);
+const isRanked = (scene, budget) => !(unlikeMachines(scene) && (budgets[budget] || {}).seconds);
+
 // The metric that decides: relMSE where it is there. Names are looked up whatever their case.
 function metricValue(summary, name) {
   const entry =

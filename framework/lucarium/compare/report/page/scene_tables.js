@@ -41,8 +41,9 @@ function resultTable(scene, budget) {
     {name: 'technique'}, {name: 'relMSE', title: 'mean over seeds, 95 % interval'},
     {name: 'slope', title: 'of log relMSE over log time'},
     {name: 'bias [SE]', title: 'error of the mean over seeds in standard errors; about 1 without bias'},
-    {name: 'prepare'}, {name: 'iterate'}, {name: 'on device'}, {name: 'compile', title: 'not counted'},
-    {name: 'samples'}, {name: 'seeds'}, {name: 'memory device'}, {name: 'host'}
+    {name: 'prepare'}, {name: 'iterate'}, {name: 'on device'},
+    {name: 'processor', title: 'processor time of preparing and iterating, all threads'},
+    {name: 'compile', title: 'not counted'}, {name: 'samples'}, {name: 'seeds'}, {name: 'memory device'}, {name: 'host'}
   ];
   const time = value => ({value, show: seconds(value)});
   const rows = variants.map((entry, v) => {
@@ -55,19 +56,21 @@ function resultTable(scene, budget) {
       };
     const error = relmse(s);
     return {
-      class: error && error.mean === best ? 'best' : '',
+      class: isRanked(scene, budget) && error && error.mean === best ? 'best' : '',
       cells: [
         labelCell(v, notesOf(scene, v, budget, s)),
         {value: error && error.mean, show: [interval(error), s.resolved === false ? ' ⚠' : '']},
         {value: s.slope && s.slope.value, show: s.slope ? interval({...s.slope, mean: s.slope.value}) : '–'},
-        biasCell(s), time(s.prepare_seconds), time(s.iterate_seconds), time(s.device_seconds), time(s.compile_seconds),
+        biasCell(s), time(s.prepare_seconds), time(s.iterate_seconds), time(s.device_seconds),
+        time(s.processor_seconds), time(s.compile_seconds),
         {value: s.samples, show: number(s.samples)}, {value: s.seeds, show: String(s.seeds)},
         {value: s.peak_device_bytes, show: bytes(s.peak_device_bytes)},
         {value: s.peak_host_bytes, show: bytes(s.peak_host_bytes)}
       ]
     };
   });
-  return sortableTable(`Results, ${budgetLabel(budget)}; the lowest relMSE is bold`, columns, rows);
+  const rank = isRanked(scene, budget) ? 'the lowest relMSE is bold' : 'not ranked, since the machines are unlike';
+  return sortableTable(`Results, ${budgetLabel(budget)}; ${rank}`, columns, rows);
 }
 
 function metricTable(scene, budget) {
@@ -92,7 +95,7 @@ function metricTable(scene, budget) {
           return {
             value: value && value.mean,
             show: interval(value),
-            class: value && value.mean === bests[i] ? 'leading' : ''
+            class: isRanked(scene, budget) && value && value.mean === bests[i] ? 'leading' : ''
           };
         })
       ]
@@ -101,11 +104,12 @@ function metricTable(scene, budget) {
   return sortableTable('All metrics; ↓ lower is better, ↑ higher', columns, rows);
 }
 
-function timeTable(scene, budget) {
-  const levels = [
-    ...new Set(variants.flatMap((entry, v) => listOf(summaryOf(scene, v, budget), 'time_to_error').map(t => t.relmse)))
-  ].sort((a, b) => b - a);
-  const reached = variants.some((entry, v) => (summaryOf(scene, v, budget) || {}).reached_seconds);
+// `of` is wallTime or processorTime (curve_chart.js).
+function timeTable(scene, budget, of) {
+  const levels =
+      [...new Set(variants.flatMap((entry, v) => listOf(summaryOf(scene, v, budget), of.times).map(t => t.relmse)))]
+          .sort((a, b) => b - a);
+  const reached = variants.some((entry, v) => (summaryOf(scene, v, budget) || {})[of.reached]);
   if (!levels.length && !reached) return null;
   const goal = (budgets[budget] || {}).relmse;
   const columns = [
@@ -116,17 +120,18 @@ function timeTable(scene, budget) {
     const s = summaryOf(scene, v, budget);
     if (!s) return {cells: [labelCell(v)], span: obstacles(scene, v, budget).join('; '), class: 'failed'};
     const cells = levels.map(level => {
-      const time = listOf(s, 'time_to_error').find(t => t.relmse === level);
-      if (!time || !time.seconds) return {show: h('span', {class: 'range'}, 'not reached')};
-      return {value: time.seconds.mean, show: [time.at_most ? '≤ ' : '', interval(time.seconds), ' s']};
+      const time = listOf(s, of.times).find(t => t.relmse === level);
+      if (!time) return {show: '–'};
+      if (!time[of.seconds]) return {show: h('span', {class: 'range'}, 'not reached')};
+      return {value: time[of.seconds].mean, show: [time.at_most ? '≤ ' : '', interval(time[of.seconds]), ' s']};
     });
     if (goal)
       cells.unshift(
-          s.reached_seconds ? {value: s.reached_seconds.mean, show: [interval(s.reached_seconds), ' s']} :
-                              {show: 'not within the limit'});
+          s[of.reached] ? {value: s[of.reached].mean, show: [interval(s[of.reached]), ' s']} :
+                          {show: s[of.total] === undefined ? '–' : 'not within the limit'});
     return {cells: [labelCell(v), ...cells]};
   });
-  return sortableTable('Seconds to a relMSE, from the curves', columns, rows);
+  return sortableTable(`${of.title} to reach a relMSE, from the curves`, columns, rows);
 }
 
 // Frames of a walk along the camera path, with the light of the budget.
@@ -154,6 +159,7 @@ function walkTable(scene, budget) {
 
 // Ratio of errors of every pair, paired by seeds.
 function pairTable(scene, budget) {
+  if (!isRanked(scene, budget)) return h('p', {class: 'hint'}, 'Not ranked, since the machines are unlike.');
   const pairs =
       listOf(results, 'pairs')
           .filter(p => p.scene === scene && p.budget === budget && String(p.metric).toLowerCase() === 'relmse');

@@ -54,8 +54,7 @@ function sceneSection(index, budget) {
       'scene', scene.name,
       h('p', {class: 'facts'}, `${number(scene.triangles, 6)} triangles${scene.hash ? `, content ${scene.hash}` : ''}`),
       referenceNotes(index), listOf(scene, 'warnings').map(text => h('p', {class: 'alert'}, text)),
-      pictureSection(index, budget), h('h3', {}, 'Numbers'), resultTable(index, budget), h('h3', {}, 'Error over time'),
-      variantToggles(drawCharts), curveChart(index, budget), timeTable(index, budget),
+      pictureSection(index, budget), h('h3', {}, 'Numbers'), resultTable(index, budget), timeSection(index, budget),
       walkTable(index, budget),
       variants.length > 1 ?
           [
