@@ -86,9 +86,59 @@ def kill_everything(cluster, work):
     alone = work / 'alone'
     subprocess.run(comparison(alone, 3), check=True, capture_output=True)
     for image in (alone / 'pieces').glob('*.exr'):
-        same = subprocess.run([PROGRAM, 'diff', folder / 'pieces' / image.name, image, '--max-relmse', '1e-300', '-q'],
-                              capture_output=True)
-        check(same.returncode == 0, f'{image.name} has the pixels of this machine')
+        check(same_pixels(folder / 'pieces' / image.name, image), f'{image.name} has the pixels of this machine')
+
+
+def same_pixels(a, b):
+    return subprocess.run([PROGRAM, 'diff', a, b, '--max-relmse', '1e-300', '-q'], capture_output=True).returncode == 0
+
+
+def references(cluster, work):
+    """Rounds of a reference as arrays; an interrupt on the way."""
+    alone, arrays = work / 'alone.exr', work / 'arrays.exr'
+    command = [PROGRAM, 'reference', 'builtin:cornell', '--size', '32x24', '--max-bounces', '1', '-q']
+    for goal in ['--spp', '1024'], ['--relmse', '0.002']:
+        for file, more in (alone, []), (arrays, ['--executor', 'slurm']):
+            run = subprocess.run([*command, *goal, *more, '-o', file, '--overwrite'], capture_output=True, text=True)
+            check(run.returncode == 0, f'{goal} {more}: {run.stderr[-300:]}')
+        check(same_pixels(arrays, alone), f'{goal}: the file of this machine')
+    subprocess.run([*command, '--spp', '4096', '-o', alone, '--overwrite'], check=True, capture_output=True)
+    client = subprocess.Popen([*command, '--spp', '4096', '-o', arrays, '--overwrite', '--executor', 'slurm'])
+    cluster.wait_for(lambda: cluster.call('squeue', '--noheader', '--states=RUNNING'))
+    client.send_signal(signal.SIGINT)
+    check(client.wait() == 6, 'Ctrl-C ends the reference as interrupted')
+    run = subprocess.run([*command, '--spp', '4096', '-o', arrays, '--extend', '--executor', 'slurm'],
+                         capture_output=True, text=True)
+    check(run.returncode == 0, f'--extend goes on: {run.stderr[-300:]}')
+    check(same_pixels(arrays, alone), 'and ends with the file of this machine')
+    check(not (work / 'arrays.exr.rounds').exists(), 'nothing is left beside it')
+
+
+def papers(cluster, work):
+    paper = work / 'papers/experiments/author2026'
+    paper.mkdir(parents=True)
+    (paper / 'paper.json').write_text(json.dumps({
+        'schema': 'lucarium-paper-1', 'citation': 'Author 2026', 'technique': 'path_tracing',
+        'experiments': ['errors']}))
+    (paper / 'errors.json').write_text(json.dumps({
+        'schema': 'lucarium-experiment-1', 'title': 'Errors', 'place': 'Table 1', 'claim': 'None.',
+        'comparison': {
+            'scenes': ['builtin:cornell'], 'budgets': [{'iterations': 2}], 'seeds': 2, 'size': [32, 24],
+            'techniques': ['path_tracing', {'technique': 'path_tracing', 'parameters': {'estimator': 'nee'},
+                                            'name': 'nee'}],
+            'max_bounces': 1, 'reference': {'samples': 32}},
+        'quick': {'seeds': 1},
+        'values': [{'name': 'error', 'technique': 'nee', 'value': 'relMSE'}],
+        'trends': [{'claim': 'there is one', 'holds': 'error > 0'}]}))
+    for name, more in ('alone', []), ('arrays', ['--executor', 'slurm']):
+        run = subprocess.run([PROGRAM, 'reproduce', 'author2026/errors', '--full', '--technique-path', work / 'papers',
+                              '--cache-dir', work / f'cache of {name}', '-o', work / f'paper {name}', *more],
+                             capture_output=True, text=True)
+        check(run.returncode == 0, f'reproduce {more}: {run.stderr[-300:]}')
+    images = list((work / 'paper alone/errors/pieces').glob('*.exr'))
+    check(len(images) == 4, 'an experiment has four pieces')
+    for image in images:
+        check(same_pixels(work / 'paper arrays/errors/pieces' / image.name, image), f'{image.name} of the experiment')
 
 
 def failing_node(cluster, work):
@@ -138,7 +188,7 @@ def main():
         work.mkdir()
         cluster = slurm.Cluster(pathlib.Path(root) / 'cluster')
         try:
-            for part in failing_node, full_disk, kill_everything:
+            for part in references, papers, failing_node, full_disk, kill_everything:
                 if len(sys.argv) < 3 or part.__name__ in sys.argv[2:]:
                     print(part.__name__, flush=True)
                     part(cluster, work)

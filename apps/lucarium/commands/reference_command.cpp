@@ -149,10 +149,16 @@ class Growth {
       if (!quiet_) print_note("{}\n", line);
     };
     const fs::path rounds = fs::absolute(arguments_.file).string() + ".rounds";
-    const FolderLock lock(rounds);
     const fs::path folder = rounds / identity_.hash();  // rounds of another scene are never taken for these
-    return extend_shared_reference(*make_executor(options, program, folder / "slurm"), job, image_, arguments_.goal,
-                                   folder, events);
+    bool done = false;
+    {
+      const FolderLock lock(rounds);
+      done = extend_shared_reference(*make_executor(options, program, folder / "slurm"), job, image_, arguments_.goal,
+                                     folder, events);
+    }
+    std::error_code ignored;
+    if (done) fs::remove(rounds, ignored);  // an earlier start may have made it; with something in it it stays
+    return done;
   }
 
  private:

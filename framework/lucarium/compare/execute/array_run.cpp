@@ -26,7 +26,9 @@ namespace {
 
 constexpr const char* run_file = "run.txt";
 constexpr std::string_view batch_prefix = "batch";
-constexpr unsigned looks_until_lost = 2;  // a shared folder may show late what a node wrote
+constexpr unsigned looks_until_lost = 2;
+// A shared folder may show late what a node wrote: NFS keeps what it knows of a folder for up to a minute (acdirmax).
+constexpr double late_files = 90;  // [s]
 constexpr size_t bad_node_failures = 3;
 
 // Looking at the queue costs the site's controller: a fiftieth of its time at most.
@@ -42,13 +44,6 @@ std::optional<size_t> number_of_batch(const fs::path& folder) {
   const auto [read, failure] = std::from_chars(name.data() + batch_prefix.size(), end, number);
   if (failure != std::errc() || read != end) return std::nullopt;
   return number;
-}
-
-/// The text as one word of a shell.
-std::string quoted(const std::string& text) {
-  std::string word = "'";
-  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
 }
 
 std::string random_name() {
@@ -191,7 +186,7 @@ void ArrayRun::submit(const Array& array, bool exclusive, const std::set<std::st
   submission.exclusive = exclusive;
   submission.excluded_nodes = {excluded.begin(), excluded.end()};
   submission.options = options_;
-  submission.script = script_of(batch);
+  submission.script = batch.script(program_);
   std::string refusal = submit_array(submission);
   if (!refusal.empty() && !excluded.empty() && !interrupt_requested()) {  // without these there may be none left
     submission.excluded_nodes.clear();
@@ -212,11 +207,6 @@ void ArrayRun::submit(const Array& array, bool exclusive, const std::set<std::st
   if (!others && ended_ == 0) throw_error(ErrorClass::input, "Slurm does not take the jobs: {}", refusal);
   if (refusal_ != refusal) events_.say(fmt::format("Slurm takes no more jobs for now: {}", refusal));
   refusal_ = refusal;
-}
-
-std::string ArrayRun::script_of(const SlurmBatch& batch) const {
-  return fmt::format("#!/bin/sh\nunset LUCARIUM_PARENT_PROCESS\nexec {} {} {} \"$SLURM_ARRAY_TASK_ID\"\n",
-                     quoted(program_.string()), array_task_command, quoted(batch.folder().string()));
 }
 
 // ---- what comes back
@@ -282,14 +272,20 @@ void ArrayRun::look() {
       piece.unseen = 0;
       continue;
     }
+    if (piece.unseen == 0) piece.since_unseen.restart();
     if (!stuck && ++piece.unseen < looks_until_lost) continue;
-    if (found != states_.end()) {
-      lose(i, &found->second);
+    const SlurmTaskState* state = found == states_.end() ? nullptr : &found->second;
+    if (!state) {
+      if (!accounting) accounting = query_accounting(names());
+      if (const auto accounted = accounting->find(id); accounted != accounting->end()) state = &accounted->second;
+    }
+    // Whatever completed has left its files; of what is gone nobody knows.
+    const bool may_come = !state || state->state == "COMPLETED";
+    if (may_come && piece.since_unseen.seconds() < late_files) {
+      batches_.at(piece.batch).files.renew_view();
       continue;
     }
-    if (!accounting) accounting = query_accounting(names());
-    const auto accounted = accounting->find(id);
-    lose(i, accounted == accounting->end() ? nullptr : &accounted->second);
+    lose(i, state);
   }
 }
 
@@ -364,8 +360,8 @@ void ArrayRun::leave() {
   const auto open = std::count_if(pieces_.begin(), pieces_.end(),
                                   [](const Piece& piece) { return piece.state == Piece::State::submitted; });
   if (open == 0) return;
-  events_.say(fmt::format("{} with Slurm go on; --resume attaches to them again, {} ends them",
-                          counted(static_cast<uint64_t>(open), "piece"), cancel_hint(names())));
+  events_.say(fmt::format("{} with Slurm go on; {}, {} ends them", counted(static_cast<uint64_t>(open), "job"),
+                          events_.how_to_attach, cancel_hint(names())));
 }
 
 /// Removes what is of no use any more: all, unless an attempt that was given up still runs.

@@ -25,6 +25,7 @@ class ArrayRun {
     size_t attempts = 0;
     size_t batch = 0, index = 0;      ///< of the newest attempt
     unsigned unseen = 0;              ///< looks at the queue in a row that did not show it
+    Stopwatch since_unseen;           ///< since the first of them
     std::vector<std::string> notes;   ///< how each attempt failed
     std::set<std::string> failed_on;  ///< nodes
   };
@@ -40,7 +41,6 @@ class ArrayRun {
   void add_batch(size_t number, const std::vector<std::vector<BatchPiece>>& tasks);
   void submit_waiting();
   void submit(const Array& array, bool exclusive, const std::set<std::string>& excluded);
-  std::string script_of(const SlurmBatch& batch) const;
   void take_ended();
   void take(size_t piece, Batch& batch, const std::string& name);
   void look();

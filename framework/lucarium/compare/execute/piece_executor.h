@@ -36,6 +36,7 @@ struct PieceEvents {
   std::function<void(size_t task, PieceEnd end)> on_end;
   std::function<void(const std::string& line)> say;                        ///< for people, about the whole
   std::function<void(double fraction, const std::string& text)> progress;  ///< of the whole, for one line
+  std::string how_to_attach = "--resume attaches to them again";           ///< to tasks that an interrupt leaves
 };
 
 /// Runs jobs, each in a process of its own, on whatever machines it has.

@@ -8,6 +8,7 @@
 #include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/json.h"
 #include "lucarium/base/text/text_values.h"
+#include "lucarium/compare/execute/array_task.h"
 #include "lucarium/compare/execute/warm_up.h"
 #include "lucarium/job/job_file.h"
 
@@ -39,6 +40,13 @@ std::vector<BatchPiece> read_line(const std::string& line) {
   for (const json& piece : json::parse(line))
     pieces.push_back({piece.at("name"), piece.at("job"), piece.at("warm_up"), piece.at("lock").get<std::string>()});
   return pieces;
+}
+
+/// The text as one word of a shell.
+std::string quoted(const std::string& text) {
+  std::string word = "'";
+  for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
 }
 
 }  // namespace
@@ -74,6 +82,11 @@ std::vector<BatchPiece> SlurmBatch::read(size_t index) const {
   return read_line(line);
 }
 
+std::string SlurmBatch::script(const fs::path& program) const {
+  return fmt::format("#!/bin/sh\nunset LUCARIUM_PARENT_PROCESS\nexec {} {} {} \"$SLURM_ARRAY_TASK_ID\"\n",
+                     quoted(program.string()), array_task_command, quoted(folder_.string()));
+}
+
 void SlurmBatch::write_ended(const std::string& name, const EndedPiece& piece) const {
   const ordered_json json = {{"exit_code", piece.child.exit_code},
                              {"signal", piece.child.signal},
@@ -94,6 +107,14 @@ std::vector<std::string> SlurmBatch::list_ended() const {
     if (name.front() != '.' && entry.path().extension() == ".json") names.push_back(entry.path().stem().string());
   }
   return names;
+}
+
+void SlurmBatch::renew_view() const {
+  // A change of one's own makes NFS ask the server what is in the folder.
+  const fs::path mark = folder_ / "ended" / ".seen";
+  std::ofstream(mark).close();
+  std::error_code ignored;
+  fs::remove(mark, ignored);
 }
 
 bool SlurmBatch::is_whole() const { return fs::exists(folder_ / tasks_name); }

@@ -43,9 +43,14 @@ class SlurmBatch {
   /// The pieces of one task alone.
   std::vector<BatchPiece> read(size_t index) const;
 
+  /// What Slurm runs for each task: a script that starts the program with array_task_command.
+  std::string script(const std::filesystem::path& program) const;
+
   void write_ended(const std::string& name, const EndedPiece& piece) const;
   /// Names of the pieces that have ended and were not taken yet.
   std::vector<std::string> list_ended() const;
+  /// Asks a shared folder again which pieces have ended: it may show late what a node wrote.
+  void renew_view() const;
   /// Its tasks are written down, so that they may have been submitted.
   bool is_whole() const;
   bool has_ended(const std::string& name) const;

@@ -124,13 +124,21 @@ PieceTask ComparisonRunner::reference_task(const MissingImage& image) const {
   return task;
 }
 
+/// Unless another process has replaced it since, or is about to.
+void ComparisonRunner::remove_unusable(const MissingImage& image) const {
+  const FileLock lock(image.cached.string() + ".lock",
+                      [this] { say("  waiting for another run that renders the same"); });
+  std::error_code ignored;
+  if (FileState(image.cached) == image.was_cached) fs::remove(image.cached, ignored);
+}
+
 /// A reference is finished when its last image has come.
 void ComparisonRunner::render_missing(std::vector<MissingImage>& missing, PieceExecutor& executor) {
   std::vector<MissingImage> again;  // what was cached is damaged
   std::map<std::pair<size_t, size_t>, size_t> left;
   std::vector<PieceTask> tasks;
   for (MissingImage& image : missing) {
-    image.was_cached = fs::exists(image.cached);
+    image.was_cached = FileState(image.cached);
     ++left[{image.scene, image.index}];
     tasks.push_back(reference_task(image));
   }
@@ -156,10 +164,9 @@ void ComparisonRunner::render_missing(std::vector<MissingImage>& missing, PieceE
       set_interrupt_requested(true);
       return;
     }
-    if (image.was_cached && child.exit_code == static_cast<int>(ErrorClass::input)) {
+    if (image.was_cached.exists() && child.exit_code == static_cast<int>(ErrorClass::input)) {
       say("  the cached reference is not usable; rendering it again");
-      std::error_code ignored;
-      fs::remove(image.cached, ignored);
+      remove_unusable(image);
       again.push_back(image);
       return;
     }

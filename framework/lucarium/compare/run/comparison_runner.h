@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/file_state.h"
 #include "lucarium/base/progress.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/compare/run/comparison.h"
@@ -37,7 +38,7 @@ class ComparisonRunner {
     size_t scene = 0, index = 0;
     std::optional<size_t> walk_frame;  ///< index into the plan's; absent: the picture itself
     std::filesystem::path cached, image;
-    bool was_cached = false;
+    FileState was_cached;  ///< before it was rendered or extended
   };
   /// Returns false when interrupted.
   bool get_references(PieceExecutor& executor);
@@ -45,6 +46,7 @@ class ComparisonRunner {
   void choose_exposure(size_t scene);
   bool keep_reference(size_t scene, size_t index);
   void find_missing(size_t scene, size_t index, std::vector<MissingImage>& missing);
+  void remove_unusable(const MissingImage& image) const;
   void render_missing(std::vector<MissingImage>& missing, PieceExecutor& executor);
   PieceTask reference_task(const MissingImage& image) const;
   void keep_rendered(const MissingImage& image, const ChildResult& child);

@@ -6,8 +6,10 @@
 #include <optional>
 
 #include "lucarium/base/error.h"
+#include "lucarium/base/files/list_folder.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
+#include "lucarium/base/text/text_values.h"
 #include "lucarium/film/image_io.h"
 
 namespace lucarium {
@@ -15,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t max_rounds = 1000;  // handed out at once
+constexpr const char* round_prefix = "round";
 constexpr double usual_round = 256;  // samples per pixel, except the first few
 
 /// How many rounds to hand out: all of a goal of samples; of a goal of error half of what it seems to need, since
@@ -36,11 +39,12 @@ class Rounds {
   void plan(const std::vector<ReferenceRound>& rounds, const fs::path& folder) {
     rounds_ = rounds;
     tasks_.clear();
+    missing_.clear();
     ended_.clear();
     next_ = 0;
     for (size_t i = 0; i < rounds.size(); ++i) {
       PieceTask task;
-      task.name = fmt::format("round{}", image_.rounds() + i + 1);
+      task.name = fmt::format("{}{}", round_prefix, image_.rounds() + i + 1);
       task.job = job_;
       task.job.seed = rounds[i].seed;
       auto work = std::get<ReferenceWork>(job_.work);
@@ -51,9 +55,28 @@ class Rounds {
     }
   }
 
-  const std::vector<PieceTask>& tasks() const { return tasks_; }
+  /// Takes the rounds that an earlier start left, since one before them had not ended; returns how many there are.
+  size_t take_left() {
+    for (size_t i = 0; i < tasks_.size(); ++i) {
+      if (const std::optional<double> seconds = seconds_of_left(i)) ended_[i] = *seconds;
+    }
+    const size_t left = ended_.size();
+    for (size_t i = 0; i < tasks_.size(); ++i)
+      if (!ended_.contains(i)) missing_.push_back(i);
+    add_ended();
+    return left;
+  }
 
-  void add(size_t task, const PieceEnd& end) {
+  /// Those that must be rendered, after take_left().
+  std::vector<PieceTask> missing() const {
+    std::vector<PieceTask> tasks;
+    for (const size_t task : missing_) tasks.push_back(tasks_[task]);
+    return tasks;
+  }
+
+  /// `index`: in missing().
+  void add(size_t index, const PieceEnd& end) {
+    const size_t task = missing_[index];
     const bool cut_off = end.child.exit_code == static_cast<int>(ErrorClass::interrupted);
     if ((cut_off || !end.failure.empty()) && interrupt_requested()) return;
     if (cut_off)
@@ -63,12 +86,34 @@ class Rounds {
     if (!end.failure.empty())
       throw_error(class_of_end(end.child), "{} was not rendered: {}", tasks_[task].name, end.failure);
     ended_[task] = nlohmann::json::parse(end.child.out).at("seconds");
-    while (ended_.contains(next_) && !is_reached(image_, goal_, 0)) add_next();
+    add_ended();
   }
 
  private:
+  const fs::path& file_of(size_t task) const { return std::get<ReferenceWork>(tasks_[task].job.work).output; }
+
+  /// How long the round took that lies there already; nothing where there is none, or another.
+  std::optional<double> seconds_of_left(size_t task) const {
+    if (!fs::exists(file_of(task))) return std::nullopt;
+    try {
+      const Film film = read_image(file_of(task));
+      const auto& metadata = film.metadata;
+      if (metadata.at("seed") != std::to_string(rounds_[task].seed) ||
+          metadata.at("samples") != std::to_string(rounds_[task].samples) || film.width() != image_.film().width() ||
+          film.height() != image_.film().height())
+        return std::nullopt;
+      return std::stod(metadata.at("seconds"));
+    } catch (const std::exception&) {  // damaged: it is rendered again
+      return std::nullopt;
+    }
+  }
+
+  void add_ended() {
+    while (ended_.contains(next_) && !is_reached(image_, goal_, 0)) add_next();
+  }
+
   void add_next() {
-    const fs::path file = std::get<ReferenceWork>(tasks_[next_].job.work).output;
+    const fs::path file = file_of(next_);
     const Film round = read_image(file);
     image_.add(round, rounds_[next_].samples, rounds_[next_].half);
     seconds_ += ended_[next_];
@@ -86,10 +131,19 @@ class Rounds {
   const SharedReferenceEvents& events_;
   std::vector<ReferenceRound> rounds_;
   std::vector<PieceTask> tasks_;
+  std::vector<size_t> missing_;     ///< of tasks_
   std::map<size_t, double> ended_;  ///< seconds of each that has ended
   size_t next_ = 0;                 ///< to be added
   double seconds_ = 0;
 };
+
+/// Whether rounds lie there that ended before those ahead of them.
+bool has_rounds(const fs::path& folder) {
+  std::error_code failure;
+  for (const fs::directory_entry& entry : list_folder(folder, failure))
+    if (entry.path().filename().string().starts_with(round_prefix)) return true;
+  return false;
+}
 
 }  // namespace
 
@@ -104,15 +158,19 @@ bool extend_shared_reference(PieceExecutor& executor, const Job& job, ReferenceI
   heard.on_line = [](size_t, std::string_view) {};
   heard.on_end = [&](size_t task, const PieceEnd& end) { rounds.add(task, end); };
   heard.say = events.say;
+  heard.how_to_attach = "--extend attaches to them again";
   heard.progress = [](double, const std::string&) {};  // samples say more
   while (!is_reached(image, goal, 0) && !interrupt_requested()) {
     fs::create_directories(folder);
     rounds.plan(plan_rounds(image, goal, job.seed, count_rounds(image, goal, executor.width())), folder);
-    executor.run(rounds.tasks(), heard);
+    const size_t left = rounds.take_left();
+    if (left > 0) events.say(fmt::format("{} there already", counted(left, "round")));
+    const std::vector<PieceTask> missing = rounds.missing();
+    if (!missing.empty() && !is_reached(image, goal, 0)) executor.run(missing, heard);
   }
   const bool done = is_reached(image, goal, 0);
   std::error_code ignored;
-  if (done || !executor.keeps_tasks()) fs::remove_all(folder, ignored);
+  if (done || !(executor.keeps_tasks() || has_rounds(folder))) fs::remove_all(folder, ignored);
   return done;
 }
 

@@ -18,7 +18,8 @@ struct SharedReferenceEvents {
 
 /// Adds rounds to `image` as extend_reference() does, to the same bits, with rounds that an executor renders. `job`:
 /// scene, image and device, with a ReferenceWork that says the path set. `folder`: of the rounds' files while they are
-/// not in the image; made and removed. Returns false when interrupted. Throws Error{usage} for a goal of seconds:
+/// not in the image; made and removed. Returns false when interrupted: rounds that ended before one ahead of them then
+/// stay there, for the next start. Throws Error{usage} for a goal of seconds:
 /// rounds that are shared out have no clock in common; and the error of a round that failed.
 bool extend_shared_reference(PieceExecutor& executor, const Job& job, ReferenceImage& image, const ReferenceGoal& goal,
                              const std::filesystem::path& folder, const SharedReferenceEvents& events);

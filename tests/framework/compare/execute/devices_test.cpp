@@ -7,6 +7,7 @@
 #include "lucarium/base/json.h"
 #include "lucarium/film/image_io.h"
 #include "small_comparison.h"
+#include "two_devices.h"
 
 using namespace lucarium;
 namespace fs = std::filesystem;
@@ -15,7 +16,7 @@ namespace {
 
 /// Children of this process see two devices of PoCL.
 struct TwoDevices {
-  TwoDevices() { setenv("POCL_DEVICES", "pthread pthread", 1); }
+  TwoDevices() { setenv("POCL_DEVICES", test::two_devices_of_pocl, 1); }
   ~TwoDevices() { unsetenv("POCL_DEVICES"); }
 };
 
@@ -36,6 +37,7 @@ std::vector<float> picture(const fs::path& folder, const std::string& name) {
 }  // namespace
 
 TEST_CASE("two devices do every piece and reference once, with the pixels of one device") {
+  if (!test::lends_two_devices()) return test::skip("PoCL, which lends two devices");
   const TwoDevices two;
   const SharedComparison alone;
   SharedComparison shared;
@@ -63,6 +65,7 @@ TEST_CASE("two devices do every piece and reference once, with the pixels of one
 }
 
 TEST_CASE("a device that fails every piece loses none") {
+  if (!test::lends_two_devices()) return test::skip("PoCL, which lends two devices");
   const TwoDevices two;
   SharedComparison comparison;
   comparison.options.executor.devices = {"7", "1"};  // there is no device 7
@@ -82,6 +85,7 @@ TEST_CASE("a device that fails every piece loses none") {
 }
 
 TEST_CASE("where every device fails a piece, the piece has failed and the others go on") {
+  if (!test::lends_two_devices()) return test::skip("PoCL, which lends two devices");
   const TwoDevices two;
   SharedComparison comparison;
   const fs::path plugins = fs::path(std::getenv("LUCARIUM_TEST_PLUGINS")) / "constant";
@@ -95,6 +99,7 @@ TEST_CASE("where every device fails a piece, the piece has failed and the others
 }
 
 TEST_CASE("an interrupt ends the pieces on all devices, and what is finished stays") {
+  if (!test::lends_two_devices()) return test::skip("PoCL, which lends two devices");
   const TwoDevices two;
   SharedComparison comparison;
   comparison.spec.seeds = 8;
@@ -116,6 +121,7 @@ TEST_CASE("an interrupt ends the pieces on all devices, and what is finished sta
 }
 
 TEST_CASE("what fails while a result is kept stops all devices and is reported") {
+  if (!test::lends_two_devices()) return test::skip("PoCL, which lends two devices");
   const TwoDevices two;
   SharedComparison comparison;
   comparison.options.executor.devices = {"0", "1"};

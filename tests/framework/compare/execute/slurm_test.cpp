@@ -2,56 +2,22 @@
 // Comparisons whose pieces Slurm runs. Here a script plays Slurm (fake_slurm.py).
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <set>
 #include <thread>
 
+#include "fake_slurm.h"
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
-#include "lucarium/base/text/text_values.h"
 #include "lucarium/compare/execute/slurm_commands.h"
 #include "lucarium/compare/execute/warm_up.h"
 #include "lucarium/film/image_io.h"
 #include "small_comparison.h"
 
 using namespace lucarium;
+using test::FakeSlurm;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The script stands first in PATH under the names of Slurm's commands.
-class FakeSlurm {
- public:
-  FakeSlurm() : path_(std::getenv("PATH")) {
-    const fs::path bin = folder_.path() / "bin";
-    fs::create_directories(bin);
-    const fs::path script =
-        fs::path(std::getenv("LUCARIUM_TEST_SOURCE")) / "tests/framework/compare/execute/fake_slurm.py";
-    for (const char* name : {"sbatch", "squeue", "scancel", "sacct", "scontrol"})
-      fs::create_symlink(script, bin / name);
-    setenv("PATH", (bin.string() + ":" + path_).c_str(), 1);
-    setenv("FAKE_SLURM", folder_.path().c_str(), 1);
-  }
-  ~FakeSlurm() {
-    setenv("PATH", path_.c_str(), 1);
-    unsetenv("FAKE_SLURM");
-  }
-  void set(const std::string& name, const std::string& text) const {
-    write_file_atomically(folder_.path() / name, text + "\n");
-  }
-  void clear(const std::string& name) const { fs::remove(folder_.path() / name); }
-  /// Lines of calls that begin so.
-  std::vector<std::string> calls(const std::string& begin) const {
-    std::vector<std::string> found;
-    for (const std::string& line : split(read_file(folder_.path() / "calls.txt"), '\n'))
-      if (line.starts_with(begin)) found.push_back(line);
-    return found;
-  }
-
- private:
-  test::TemporaryFolder folder_;
-  std::string path_;
-};
 
 /// Four pieces.
 struct SlurmComparison : test::SmallComparison {
@@ -173,7 +139,7 @@ TEST_CASE("an interrupt leaves the jobs, and --resume attaches to them; what is 
   const ComparisonResult broken = comparison.run();
   ctrl_c.join();
   CHECK(broken.interrupted);
-  CHECK(comparison.said("2 pieces with Slurm go on; --resume attaches to them again, scancel --name=lucarium-"));
+  CHECK(comparison.said("2 jobs with Slurm go on; --resume attaches to them again, scancel --name=lucarium-"));
   set_interrupt_requested(false);
   slurm.clear("hold");
   const ComparisonResult whole = comparison.run();
@@ -199,6 +165,23 @@ TEST_CASE("what Slurm refuses at once is an error in its words; a controller tha
     if (line.find("squeue does not answer") != std::string::npos) slurm.clear("silent");
   };
   CHECK(comparison.run().pieces.size() == 4);
+}
+
+TEST_CASE("a completed job whose files a shared folder showed late was lost") {
+  const FakeSlurm slurm;
+  SlurmComparison comparison;
+  comparison.spec.variants.resize(1);
+  comparison.spec.seeds = 1;
+  comparison.options.executor.kind = ExecutorOptions::Kind::local;
+  REQUIRE(comparison.run().pieces.size() == 1);
+  fs::remove(comparison.options.folder / "pieces/scene1-variant1-budget1-seed1.json");
+  comparison.options.executor.kind = ExecutorOptions::Kind::slurm;
+  comparison.options.resume = true;
+  slurm.set("early", "3");  // looks at the queue
+  const ComparisonResult result = comparison.run();
+  REQUIRE(result.pieces.size() == 1);
+  CHECK(result.pieces[0].failure == "");
+  CHECK(slurm.calls("sbatch ").size() == 1);  // nothing again
 }
 
 TEST_CASE("options of sbatch that the program sets are refused") {

@@ -4,10 +4,15 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <atomic>
 #include <fstream>
+#include <future>
+#include <thread>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/files/atomic_file.h"
+#include "lucarium/base/files/file_lock.h"
+#include "lucarium/base/files/file_state.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
 #include "small_comparison.h"
@@ -60,6 +65,40 @@ TEST_CASE("Ctrl-C while a resumed comparison renders a reference ended it with a
   const ComparisonResult resumed = comparison.run();
   CHECK(!resumed.interrupted);
   CHECK(resumed.pieces.size() == 2);
+}
+
+TEST_CASE("a damaged reference in the cache was removed although another run had replaced it, without its lock") {
+  test::SmallComparison comparison;
+  REQUIRE(comparison.run().pieces.size() == 1);
+  fs::path cached;
+  for (const fs::directory_entry& entry : fs::directory_iterator(comparison.options.cache_dir / "references"))
+    if (entry.path().extension() == ".exr") cached = entry.path();
+  REQUIRE(!cached.empty());
+  const std::string whole = read_file(cached);
+  write_file_atomically(cached, "damaged");
+  fs::remove_all(comparison.options.folder);
+  FileState replaced;
+  std::atomic<bool> waited = false;
+  std::thread other;
+  comparison.options.progress = [&](const std::string& line) {
+    if (line.find("waiting for another run") != std::string::npos) waited = true;
+    if (line.find("the cached reference is not usable") == std::string::npos || other.joinable()) return;
+    std::promise<void> locked;
+    other = std::thread([&] {
+      const FileLock lock(cached.string() + ".lock", [] {});
+      locked.set_value();
+      while (!waited) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      CHECK(read_file(cached) == "damaged");
+      write_file_atomically(cached, whole);
+      replaced = FileState(cached);
+    });
+    locked.get_future().wait();
+  };
+  const ComparisonResult result = comparison.run();
+  REQUIRE(other.joinable());
+  other.join();
+  CHECK(result.scenes[0].references[0].failure == "");
+  CHECK(FileState(cached) == replaced);
 }
 
 TEST_CASE("a comparison that is interrupted while it plans left an empty folder with a lock") {
