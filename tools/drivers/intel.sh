@@ -23,13 +23,14 @@ if ! cmp -s "$here/intel.txt" "$folder/installed.txt"; then
   cp "$here/intel.txt" "$folder/installed.txt"
 fi
 
+# Replaced as a whole: programs may use these folders at this moment.
+vendors=$folder/vendors
+[ "${2:-}" = --beside-pocl ] && vendors=$folder/vendors_beside_pocl
+mkdir -p "$vendors" "$folder/tbb"
+put() { cat >"$1.$$" && mv "$1.$$" "$1"; }
+echo "$folder/lib/libintelocl.so" | put "$vendors/intel.icd"
+[ "${2:-}" = --beside-pocl ] && put "$vendors/pocl.icd" </etc/OpenCL/vendors/pocl.icd
 # The driver needs its own TBB, and a program has only one: the system's, which image libraries bring, is older.
-rm -rf "$folder/vendors" "$folder/tbb"
-mkdir -p "$folder/vendors" "$folder/tbb"
-ln -s "$folder"/lib/libtbb.so.12 "$folder/tbb/"
-echo "$folder/lib/libintelocl.so" >"$folder/vendors/intel.icd"
-if [ "${2:-}" = --beside-pocl ]; then
-  cp /etc/OpenCL/vendors/pocl.icd "$folder/vendors/"
-fi
-printf 'export OCL_ICD_VENDORS=%q\n' "$folder/vendors"
+ln -sfn "$folder/lib/libtbb.so.12" "$folder/tbb/libtbb.so.12"
+printf 'export OCL_ICD_VENDORS=%q\n' "$vendors"
 printf 'export LD_LIBRARY_PATH=%q${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}\n' "$folder/tbb"

@@ -217,19 +217,18 @@ TileCells cells_of_entry(FieldInfo info, const __global FieldMap* maps, const __
 // Work-item i: FIELD_TILE_CHUNK tiles of the list, from first_tile + FIELD_TILE_CHUNK i on. incoming: of the sweep that
 // ended. sent: what was sent in it, and must be in the next. Stored radiance is RGB9E5 over inverse_scale. direct,
 // total: as before (add_cells()). lights, visible: see punctual_highlights(); visible of each texel side. splat: 0,
-// SPLAT_MEANS or SPLAT_SUMS. subfields, perturb: see Splats. norms: of each chunk of tiles.
-__kernel void scatter_cells(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                            __global const SurfacePoint* restrict atlas_points,
-                            __global const AtlasMaterial* restrict atlas_materials, FieldInfo info,
-                            __global const FieldLine* restrict lines, __global const uint* restrict nodes,
-                            __global const uint* restrict side_facet, __global const FieldMap* restrict maps,
-                            __global const uint* restrict tile_cells, __global const uint* restrict tile_list,
-                            uint first_tile, uint tiles, uint sweep, uint split, uint splat,
-                            __global const float4* restrict subfields, uint perturb, float inverse_scale, float scale,
-                            __global const uint* restrict lights, __global const uint* restrict visible,
-                            __global const uint* restrict cell_side, __global const uint* restrict incoming,
-                            __global uint* restrict sent, __global uint* restrict total, __global uint* restrict direct,
-                            __global float4* restrict norms) {
+// SPLAT_MEANS or SPLAT_SUMS. subfields, perturb: see Splats. norms: of each chunk of tiles. The hint keeps Intel's
+// compiler from vectorizing over work-items, where it crashes (2026.2); it says nothing to others.
+__kernel __attribute__((vec_type_hint(float4))) void scatter_cells(
+    LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info, __global const SurfacePoint* restrict atlas_points,
+    __global const AtlasMaterial* restrict atlas_materials, FieldInfo info, __global const FieldLine* restrict lines,
+    __global const uint* restrict nodes, __global const uint* restrict side_facet,
+    __global const FieldMap* restrict maps, __global const uint* restrict tile_cells,
+    __global const uint* restrict tile_list, uint first_tile, uint tiles, uint sweep, uint split, uint splat,
+    __global const float4* restrict subfields, uint perturb, float inverse_scale, float scale,
+    __global const uint* restrict lights, __global const uint* restrict visible,
+    __global const uint* restrict cell_side, __global const uint* restrict incoming, __global uint* restrict sent,
+    __global uint* restrict total, __global uint* restrict direct, __global float4* restrict norms) {
   const uint first = first_tile + FIELD_TILE_CHUNK * (uint)get_global_id(0);
   if (first >= tiles) return;
   LUCARIUM_SCENE_BIND(scene);

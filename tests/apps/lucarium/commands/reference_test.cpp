@@ -2,6 +2,7 @@
 // lucarium reference: to a goal, extended, interrupted, refused.
 #include "cli_support.h"
 #include "lucarium/film/image_io.h"
+#include "two_devices.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -88,8 +89,9 @@ TEST_CASE("reference: Ctrl-C keeps what is done, and it goes on from there") {
 
 TEST_CASE(
     "reference: rounds that two devices share give the file of one device, to a number of samples and to an error") {
+  if (!lends_two_devices()) return skip("PoCL, which lends two devices");
   const TemporaryFolder folder;
-  const std::string two = "env POCL_DEVICES='pthread pthread' " + lucarium_program() + " ";
+  const std::string two = std::string("env POCL_DEVICES='") + two_devices_of_pocl + "' " + lucarium_program() + " ";
   for (const std::string goal : {"--spp 200", "--relmse 0.02"}) {
     CAPTURE(goal);
     const fs::path alone = folder.path() / "alone.exr", shared = folder.path() / "shared.exr";
