@@ -66,16 +66,15 @@
 // Not in the source: the anisotropic lobe of equation 11, which no material has.
 //
 // Not in the paper: light paths of more than one vertex, lights other than points, light samples and splats as
-// strategies, the choice among candidates (light/candidates.clh).
+// strategies, the choice among candidates (light/candidates.clh), leaving out what costs more than it brings (effort/).
 
 #include <memory>
+#include <optional>
 
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/declaration.h"
-#include "bidirectional_vpl/eye/eye_paths.h"
-#include "bidirectional_vpl/light/describe_vertices.h"
-#include "bidirectional_vpl/light/light_vertices.h"
-#include "bidirectional_vpl/maps/maps.h"
+#include "bidirectional_vpl/effort/trials.h"
+#include "bidirectional_vpl/iteration/parts.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
@@ -86,6 +85,7 @@ namespace {
 using namespace bidirectional;
 
 const char* const kName = "bidirectional_vpl";
+constexpr uint64_t kAdaptAfter = 16;  // samples
 
 class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
  public:
@@ -100,69 +100,54 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     return bidirectional::estimate_bytes(parameters_, scene, settings);
   }
   InspectedValues inspect(const SeenPoint& point) const override {
-    if (!eye_) return {};
-    const Plan plan = make_plan(parameters_, settings());
-    InspectedValues rows = eye_->describe_strategies(point.y * settings().width + point.x);
-    for (auto& row : describe_weights(plan)) rows.push_back(std::move(row));
-    if (vertices_)
-      for (auto& row : describe_vertices(*vertices_, plan, point)) rows.push_back(std::move(row));
-    return rows;
+    return parts_ ? parts_->inspect(point) : InspectedValues{};
   }
   std::map<std::string, double> counters() const override {
-    if (!eye_) return {};
-    std::map<std::string, double> all = eye_->counters();
-    if (vertices_)
-      for (const auto& [name, count] : vertices_->counters()) all[name] = count;
-    all.merge(maps_->counters());
+    if (!parts_) return {};
+    std::map<std::string, double> all = parts_->counters();
+    for (const auto& [name, count] : counted_before_) all[name] += count;
+    if (!adapted_) return all;
+    all["adapted_light_paths"] = effort_.light_paths ? 1 : 0;
+    all["adapted_splats"] = effort_.light_paths && effort_.splats ? 1 : 0;
+    all["adapted_light_vertices"] = effort_.light_paths ? effort_.light_vertices : 0;
+    all["adapted_camera_edges"] = effort_.camera_edges;
     return all;
   }
 
  protected:
   void build() override {
-    eye_.reset();  // its memory first
-    vertices_.reset();
-    maps_.reset();
+    parts_.reset();  // its memory first
+    sums_.reset();
     check_parameters(parameters_, settings());
-    const Plan plan = make_plan(parameters_, settings());
-    maps_ = std::make_unique<Maps>(device(), scheduler(), scene_buffers(), plan, kName);
-    if (plan.light_vertices > 0) {
-      vertices_ = std::make_unique<LightVertices>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan,
-                                                  first_hits(), kName);
-      maps_->add_vpl_maps(device(), plan, *vertices_);
-    }
-    eye_ = std::make_unique<EyePaths>(device(), scheduler(), scene_buffers(), bvh(), frame(), plan, vertices_.get(),
-                                      *maps_, kName);
-    if (vertices_) vertices_->record(eye_->sample(), eye_->states());
+    effort_ = whole_effort(parameters_);
+    sums_ = std::make_unique<EyeSums>(device(), make_plan(parameters_, settings()), kName);
+    make_parts();
   }
 
   bool follow(const SceneChange&) override {
-    if (!built() || buffers_replaced() || !eye_->update() || !maps_->update()) return false;
+    if (!built() || buffers_replaced() || !parts_->update()) return false;
     moves_on_ = true;
     restart_samples();
     return true;
   }
 
   void restart() override {
-    if (vertices_) {
-      vertices_->set_frame(frame());
-      vertices_->restart();
+    // As a new image begins.
+    counted_before_.clear();
+    adapted_ = false;
+    if (effort_ != whole_effort(parameters_)) {
+      effort_ = whole_effort(parameters_);
+      make_parts();
     }
-    eye_->set_frame(frame());
-    eye_->clear(moves_on_);
-    maps_->clear_counters();
+    parts_->restart(frame(), moves_on_);
     moves_on_ = false;
   }
 
   bool step() override {
-    const auto index = static_cast<uint32_t>(samples());
-    if (!eye_->begin(index)) return false;
-    if (!maps_->fill_lights(frame().seed, index)) return false;
-    if (vertices_ && !vertices_->trace(index)) return false;
-    if (!maps_->fill_vpls(frame().seed, index)) return false;
-    if (!eye_->trace(index)) return false;
-    eye_->add(samples() + 1);
-    if (vertices_) vertices_->complete();
-    maps_->complete();
+    if (samples() == kAdaptAfter && !adapted_ && can_adapt(parameters_, make_plan(parameters_, settings())) && !adapt())
+      return false;
+    if (!parts_->trace(static_cast<uint32_t>(samples()))) return false;
+    parts_->add(samples() + 1);
     return true;
   }
 
@@ -172,25 +157,34 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     return result;
   }
 
-  void write(Film& film) override { eye_->write(film); }
-  void warm_up_kernels() override {
-    if (vertices_) vertices_->warm_up();
-    eye_->warm_up();
-    maps_->warm_up();
-  }
+  void write(Film& film) override { parts_->write(film); }
+  void warm_up_kernels() override { parts_->warm_up(); }
 
  private:
-  /// Of light paths, with light_trace=rsm.
-  LightPaths::FirstHits first_hits() {
-    if (!maps_->rsm()) return {};
-    return [this](ScheduleRecorder& recorder, const RayBuffers& rays, const BufferRef& states, const BufferRef& hits) {
-      return maps_->rsm()->record_light_paths(recorder, bvh(), states, rays, hits);
-    };
+  PartsContext parts_context() { return {device(), scheduler(), scene_buffers(), bvh(), kName}; }
+
+  void make_parts() {
+    parts_.reset();  // its memory first
+    parts_ = std::make_unique<Parts>(parts_context(), make_plan(parameters_, settings(), effort_), frame(), *sums_);
   }
 
-  std::unique_ptr<Maps> maps_;
-  std::unique_ptr<LightVertices> vertices_;  ///< null where no strategy needs light paths
-  std::unique_ptr<EyePaths> eye_;
+  /// Goes on with what is worth its work, from the same sums. False when cancelled.
+  bool adapt() {
+    const std::optional<Effort> best = Trials(parts_context(), parameters_, settings(), frame()).best();
+    if (!best) return false;
+    adapted_ = true;
+    if (*best == effort_) return true;
+    counted_before_ = parts_->counters();
+    effort_ = *best;
+    make_parts();
+    return true;
+  }
+
+  std::unique_ptr<EyeSums> sums_;
+  std::unique_ptr<Parts> parts_;
+  Effort effort_;         ///< of parts_
+  bool adapted_ = false;  ///< effort_ has been decided
+  std::map<std::string, double> counted_before_;
   bool moves_on_ = false;  ///< restart() comes with the next frame of a moving picture
 };
 

@@ -4,9 +4,8 @@
 #include <algorithm>
 
 #include "bidirectional_vpl/base/plan.h"
-#include "bidirectional_vpl/eye/eye_paths.h"
-#include "bidirectional_vpl/light/light_vertices.h"
-#include "bidirectional_vpl/maps/maps.h"
+#include "bidirectional_vpl/effort/trials.h"
+#include "bidirectional_vpl/iteration/parts.h"
 #include "lucarium/base/error.h"
 
 namespace lucarium::bidirectional {
@@ -158,9 +157,8 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
 }
 
 size_t estimate_bytes(const BidirectionalParameters& parameters, const Scene& scene, const RenderSettings& settings) {
-  const Plan plan = make_plan(parameters, settings);
-  return EyePaths::estimate_bytes(plan, scene, false) + Maps::estimate_bytes(plan, scene) +
-         (plan.light_vertices > 0 ? LightVertices::estimate_bytes(plan, false) : 0);
+  return Parts::estimate_bytes(make_plan(parameters, settings), scene) +
+         Trials::estimate_bytes(parameters, scene, settings);
 }
 
 void check_parameters(const BidirectionalParameters& parameters, const RenderSettings& settings) {

@@ -37,7 +37,7 @@ struct BidirectionalParameters {
   Gloss gloss = Gloss::none;
   bool splat = true, show_strategies = false;
   int interleave = 1;
-  bool caches = false, filter = false;
+  bool caches = false, filter = false, adapt = true;
   Strategy strategy = Strategy::all;
 
   template <class V>
@@ -111,6 +111,9 @@ struct BidirectionalParameters {
            "average over a tile (interleave) until each pixel has as many samples as the tile has pixels");
     v.flag("caches", caches,
            "animations: compute indirect light for one sample in four, and reproject the others from the frame before");
+    v.flag("adapt", adapt,
+           "after 16 samples, leave out splats, light paths or their later vertices where they cost more than they "
+           "bring, and choose camera_edges (vpl_choice=resample)");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,
              {{"all", Strategy::all},
@@ -121,7 +124,7 @@ struct BidirectionalParameters {
              "strategies that are run: all, or one alone, which finds only a part of the paths");
     v.flag("show_strategies", show_strategies, "write a layer of each strategy's light");
     v.presets(
-        {{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}}},
+        {{"bdpt", {{"vpl_choice", "own"}, {"light_vertices", "16"}, {"camera_edges", "64"}, {"adapt", "off"}}},
          {"paper",
           {{"light_vertices", "1"},
            {"light_trace", "rsm"},
@@ -137,8 +140,9 @@ struct BidirectionalParameters {
            {"gloss", "roughness"},
            {"interleave", "4"},
            {"caches", "on"},
-           {"filter", "on"}}},
-         {"preview", {{"interleave", "4"}, {"filter", "on"}, {"caches", "on"}}}},
+           {"filter", "on"},
+           {"adapt", "off"}}},
+         {"preview", {{"interleave", "4"}, {"filter", "on"}, {"caches", "on"}, {"adapt", "off"}}}},
         "set of values: of bidirectional path tracing with a light path per pixel (bdpt), of the paper (paper), or "
         "for few samples, filtered (preview)");
     v.basic({"preset", "light_vertices", "light_paths", "candidates", "splat", "strategy", "show_strategies"});

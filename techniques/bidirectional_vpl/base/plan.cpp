@@ -29,7 +29,15 @@ std::vector<std::string> Plan::strategy_names() const {
   return names;
 }
 
+Effort whole_effort(const BidirectionalParameters& parameters) {
+  return {true, parameters.splat, parameters.light_vertices, parameters.camera_edges};
+}
+
 Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings) {
+  return make_plan(parameters, settings, whole_effort(parameters));
+}
+
+Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings, const Effort& effort) {
   Plan plan;
   BidirectionalSettings& s = plan.settings;
   const bool all = parameters.strategy == Strategy::all;
@@ -40,7 +48,7 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.caches = parameters.caches;
   s.max_scatterings =
       settings.max_bounces < 0 ? LUCARIUM_PATH_SCATTERING_CAP : static_cast<uint32_t>(settings.max_bounces) + 1;
-  s.camera_edges = static_cast<uint32_t>(parameters.camera_edges);
+  s.camera_edges = static_cast<uint32_t>(effort.camera_edges);
   s.candidates = static_cast<uint32_t>(parameters.candidates);
   plan.beta = static_cast<uint32_t>(parameters.beta);
   s.bundles = static_cast<uint32_t>(parameters.bundles);
@@ -55,13 +63,13 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
 
   // Choose the strategies.
   plan.lights = all || parameters.strategy == Strategy::nee;
-  plan.vpl = all || parameters.strategy == Strategy::vpl;
+  plan.vpl = effort.light_paths && (all || parameters.strategy == Strategy::vpl);
   if (plan.vpl) plan.two_bounce = parameters.two_bounce;
   plan.gloss = parameters.gloss;
   s.g_max = parameters.g_max;
   s.m_prime = parameters.m_prime;
-  const uint32_t wanted = plan.two_bounce == TwoBounce::mis ? static_cast<uint32_t>(parameters.light_vertices) : 1;
-  plan.splat = (all ? parameters.splat : parameters.strategy == Strategy::splat) &&
+  const uint32_t wanted = plan.two_bounce == TwoBounce::mis ? static_cast<uint32_t>(effort.light_vertices) : 1;
+  plan.splat = effort.light_paths && (all ? effort.splats : parameters.strategy == Strategy::splat) &&
                settings.pixel_sampling == LUCARIUM_PIXEL_JITTER && wanted >= 2;
   plan.light_vertices = plan.vpl || plan.splat ? useful_vertices(wanted, s.max_scatterings, plan.vpl, plan.splat) : 0;
   plan.vpl = plan.vpl && plan.light_vertices > 0;

@@ -45,7 +45,18 @@ struct Plan {
   std::vector<std::string> strategy_names() const;
 };
 
+/// What adapt=on decides about: what an iteration does of what the parameters allow.
+struct Effort {
+  bool light_paths = true, splats = true;
+  int light_vertices = 1, camera_edges = 1;
+  bool operator==(const Effort&) const = default;
+};
+
+/// All that the parameters allow.
+Effort whole_effort(const BidirectionalParameters& parameters);
+
 Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings);
+Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& settings, const Effort& effort);
 
 /// What all programs of the technique are compiled with.
 std::map<std::string, std::string> plan_defines(const Plan& plan);

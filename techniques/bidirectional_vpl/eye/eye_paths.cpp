@@ -22,9 +22,18 @@ std::map<std::string, std::string> EyePaths::defines() const {
   return all;
 }
 
+EyeSums::EyeSums(Device& device, const Plan& plan, const std::string& owner)
+    : direct(device, owner, plan.settings.pixels, {"emission", "direct"}),
+      indirect(device, owner, plan.settings.pixels, {"indirect"}),
+      strategies(device, owner, plan.settings.pixels, plan.strategy_names()) {}
+
+void EyeSums::clear() {
+  for (LayerSums* sums : {&direct, &indirect, &strategies}) sums->clear();
+}
+
 EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
                    const Intersector& intersector, const Frame& frame, const Plan& plan, const LightVertices* vertices,
-                   const Maps& maps, const std::string& owner)
+                   EyeSums& sums, const Maps& maps, const std::string& owner)
     : scheduler_(scheduler),
       scene_(scene),
       intersector_(intersector),
@@ -57,14 +66,12 @@ EyePaths::EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffer
       no_densities_(device, owner, "no densities", 1),
       no_list_(device, owner, "no list", std::vector<uint32_t>{0}),
       no_table_(device, owner, "no candidates", 1),
-      sums_(device, owner, plan.settings.pixels, {"emission", "direct"}),
-      indirect_sums_(device, owner, plan.settings.pixels, {"indirect"}),
-      strategy_sums_(device, owner, plan.settings.pixels, plan.strategy_names()) {
+      sums_(sums) {
   counts_.fill_zero();
   if (plan.caches) caches_ = std::make_unique<Caches>(device, scheduler, scene, intersector, frame, plan, owner);
   if (plan.filter)
     filter_ = std::make_unique<PixelFilter>(device, scheduler, scene, intersector, frame, plan,
-                                            indirect_sums_["indirect"], owner);
+                                            sums.indirect["indirect"], owner);
   record_begin();
   if (keeps_hits()) record_closest();
   if (plan_.connects_to_all()) record_connect_to_all();
@@ -137,8 +144,6 @@ void EyePaths::clear(bool moves_on) {
   scheduler_.finish();
   if (caches_) moves_on ? caches_->next_frame(frame_) : caches_->clear(frame_);
   sums_.clear();
-  indirect_sums_.clear();
-  strategy_sums_.clear();
   totals_ = {};
   paths_ = segments_ = 0;
   if (bundles_) bundles_->clear_counters();
@@ -154,12 +159,12 @@ void EyePaths::warm_up() {
 }
 
 void EyePaths::write(Film& film) const {
-  sums_.write(film);
+  sums_.direct.write(film);
   if (filter_ && filter_->shows())
     add_mean(film, "indirect", filter_->filtered());
   else
-    indirect_sums_.write(film);
-  strategy_sums_.write(film, false);
+    sums_.indirect.write(film);
+  sums_.strategies.write(film, false);
 }
 
 InspectedValues EyePaths::describe_strategies(uint32_t pixel) const {
@@ -168,7 +173,7 @@ InspectedValues EyePaths::describe_strategies(uint32_t pixel) const {
   std::vector<glm::vec3> means;
   float all = 0;
   for (const std::string& name : plan_.strategy_names()) {
-    const float4 sum = strategy_sums_[name].download(pixel, 1).front();
+    const float4 sum = sums_.strategies[name].download(pixel, 1).front();
     means.push_back(sum.w > 0 ? glm::vec3(sum.x, sum.y, sum.z) / sum.w : glm::vec3(0));
     all += luminance(means.back().x, means.back().y, means.back().z);
   }

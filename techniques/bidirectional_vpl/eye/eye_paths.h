@@ -15,6 +15,14 @@
 
 namespace lucarium::bidirectional {
 
+/// The light of all samples so far, by layer and, where they are shown, by strategy.
+struct EyeSums {
+  EyeSums(Device& device, const Plan& plan, const std::string& owner);
+  void clear();
+
+  LayerSums direct, indirect, strategies;
+};
+
 /// Camera paths of an iteration, one to a pixel, and the sums of their light:
 ///
 ///   begin     begin_eye_paths                            rays, empty sample
@@ -28,9 +36,10 @@ namespace lucarium::bidirectional {
 ///   add       add_layer             sample -> sums, to its end
 class EyePaths {
  public:
-  /// `vertices`: null where there are no light paths. `maps` must outlive this.
+  /// `vertices`: null where there are no light paths. `maps` and `sums`, which belong to the same image, must outlive
+  /// this.
   EyePaths(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const Intersector& intersector,
-           const Frame& frame, const Plan& plan, const LightVertices* vertices, const Maps& maps,
+           const Frame& frame, const Plan& plan, const LightVertices* vertices, EyeSums& sums, const Maps& maps,
            const std::string& owner);
 
   /// Empties the sample of an iteration. False when cancelled.
@@ -109,7 +118,7 @@ class EyePaths {
   TypedBuffer<float2> no_densities_;
   TypedBuffer<uint32_t> no_list_;
   TypedBuffer<float> no_table_;
-  LayerSums sums_, indirect_sums_, strategy_sums_;
+  EyeSums& sums_;
   std::unique_ptr<Caches> caches_;        ///< null without Plan::caches
   std::unique_ptr<PixelFilter> filter_;   ///< null without Plan::filter
   std::unique_ptr<BundleEdges> bundles_;  ///< null where rays are traced

@@ -232,11 +232,11 @@ void EyePaths::record_add() {
         .arg("pixels", pixels)
         .arg("sums", sums);
   };
-  add(BIDIRECTIONAL_EMISSION, sums_["emission"]);
-  add(BIDIRECTIONAL_DIRECT, sums_["direct"]);
-  add(BIDIRECTIONAL_INDIRECT, indirect_sums_["indirect"]);
+  add(BIDIRECTIONAL_EMISSION, sums_.direct["emission"]);
+  add(BIDIRECTIONAL_DIRECT, sums_.direct["direct"]);
+  add(BIDIRECTIONAL_INDIRECT, sums_.indirect["indirect"]);
   uint32_t layer = BIDIRECTIONAL_LAYERS;
-  for (const std::string& name : plan_.strategy_names()) add(layer++, strategy_sums_[name]);
+  for (const std::string& name : plan_.strategy_names()) add(layer++, sums_.strategies[name]);
   recorder.pass("count ends of paths", program_, "count_path_ends")
       .global((pixels + kCountChunk - 1) / kCountChunk)
       .arg("states", states_)
