@@ -11,8 +11,6 @@ folder, with `lucarium` in PATH.
 import json
 import os
 import pathlib
-import re
-import resource
 import shutil
 import signal
 import subprocess
@@ -57,7 +55,7 @@ def write_study(scenes, seeds):
 def begin():
     """Renders the references and a first piece of every variant."""
     pieces = pathlib.Path('results/pieces')
-    client = subprocess.Popen(compare('-q'))
+    client = subprocess.Popen(compare('-q'), stdout=subprocess.DEVNULL)
     while client.poll() is None and len(list(pieces.glob('*.json'))) < len(VARIANTS):
         time.sleep(0.1)
     client.send_signal(signal.SIGINT)
@@ -79,7 +77,7 @@ def plan(pieces):
 
     begun = time.time()
     client = subprocess.Popen(compare('--resume', '--executor', 'slurm', '-q'),
-                              env={**os.environ, 'PATH': f'{tools}:{os.environ["PATH"]}'})
+                              stdout=subprocess.DEVNULL, env={**os.environ, 'PATH': f'{tools}:{os.environ["PATH"]}'})
     while client.poll() is None and sum(int(last) + 1 for _, _, last in submitted()) < left:
         time.sleep(0.1)
     client.send_signal(signal.SIGINT)
@@ -111,11 +109,13 @@ def copy_pieces(pieces):
 def read(pieces):
     copy_pieces(pieces)
     begun = time.time()
-    run = subprocess.run(compare('--resume'), capture_output=True, text=True, check=False)
+    with open('log.txt', 'w', encoding='utf8') as log:
+        run = subprocess.Popen(compare('--resume'), stdout=log, stderr=log)
+        _, status, usage = os.wait4(run.pid, 0)
     seconds = time.time() - begun
-    memory = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-    if run.returncode != 0 or not re.search(f'finished already: {pieces} pieces', run.stderr):
-        sys.exit(run.stderr[-2000:])
+    log = pathlib.Path('log.txt').read_text()
+    if status != 0 or f'finished already: {pieces} pieces' not in log:
+        sys.exit(log[-2000:])
     results = json.loads(pathlib.Path('results/results.json').read_text())
     if len(results['pieces']) != pieces or any('failure' in piece for piece in results['pieces']):
         sys.exit('pieces have failed')
@@ -125,7 +125,7 @@ def read(pieces):
             count, size = files.get(path.parent.name, (0, 0))
             files[path.parent.name] = count + 1, size + path.stat().st_size
     listed = ', '.join(f'{name}: {count} ({size / 1e6:.0f} MB)' for name, (count, size) in sorted(files.items()))
-    print(f'{pieces} pieces read in {seconds:.1f} s with {memory:.0f} MB at most; files in {listed}')
+    print(f'{pieces} pieces read in {seconds:.1f} s with {usage.ru_maxrss / 1024:.0f} MB at most; files in {listed}')
 
 
 def main():
