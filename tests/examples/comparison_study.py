@@ -51,7 +51,8 @@ def power_laws():
     for variant, (scale, power) in enumerate(((0.01, 1), (0.1, 2))):
         for seed, factor in enumerate(factors, 1):
             times = [0.1 * seed * 2**(i / 2) for i in range(9)]
-            snapshots = [{'seconds': s, 'metrics': {'relMSE': scale * factor * s**-power}} for s in times]
+            snapshots = [{'seconds': s, 'processor_seconds': 2 * s, 'metrics': {'relMSE': scale * factor * s**-power}}
+                         for s in times]
             pieces.append({'scene': 0, 'variant': variant, 'budget': 0, 'seed': seed, 'snapshots': snapshots})
     pieces.append({'scene': 0, 'variant': 1, 'budget': 0, 'seed': 4, 'failure': 'it crashed'})
     mean = {'mean': 2.0, 'low': 1.0, 'high': 4.0}
@@ -91,6 +92,25 @@ def check_power_laws(figure, folder):
         fail('the tables name other techniques or errors')
 
 
+def check_unlike_machines(figure):
+    """There time is that of processors, or nothing is drawn."""
+    results = power_laws()
+    results['scenes'][0]['unlike_machines'] = True
+    rows = figure.curves(results)
+    rows = rows[rows['variant'] == 'two']
+    near('the first processor time', rows['seconds'].min(), 0.6)
+    for row in rows.itertuples():
+        near('relMSE over processor time', row.relmse, 0.1 * (row.seconds / 2)**-2)
+    for piece in results['pieces']:
+        for snapshot in piece.get('snapshots', []):
+            del snapshot['processor_seconds']
+    try:
+        figure.curves(results)
+    except SystemExit:
+        return
+    fail('wall times of unlike machines were drawn')
+
+
 def check_drawing(figure, study, folder):
     """The script as it is called; the same results give the same bytes."""
     pictures = []
@@ -122,6 +142,7 @@ def figure(study, results):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     check_power_laws(module, results / 'power_laws')
+    check_unlike_machines(module)
     check_drawing(module, study, results / 'power_laws')
     subprocess.run([sys.executable, study / 'figure.py', results / 'results', results / 'study.svg'], check=True)
 

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """figure.py RESULTS FIGURE: reads RESULTS/results.json of a comparison (docs/results.md) with pandas and draws error
 over time, one panel a scene: relMSE, geometric mean over seeds with its 95 % interval, on logarithmic axes. Below the
-grey line the reference's own error is more than a tenth of what is drawn. The ending of FIGURE chooses the format
-(.pdf, .svg, .png). Prints the tables of the text: the error at the end of each budget, and how many times that of the
-first technique it is, paired by seeds. Needs pandas, scipy, matplotlib."""
+grey line the reference's own error is more than a tenth of what is drawn. Where machines were unlike, time is that of
+processors. The ending of FIGURE chooses the format (.pdf, .svg, .png). Prints the tables of the text: the error at the
+end of each budget, and how many times that of the first technique it is, paired by seeds. Needs pandas, scipy,
+matplotlib."""
 import json
 import pathlib
 import sys
@@ -36,6 +37,11 @@ def named(table, results):
     return table
 
 
+def time_of(results):
+    """The column of the horizontal axis: what pieces cost by the clock compares machines where they are unlike."""
+    return 'processor_seconds' if any(scene.get('unlike_machines') for scene in results['scenes']) else 'seconds'
+
+
 def curve(runs):
     """Geometric mean and interval of the relMSE of runs that differ in their seeds alone, at times that all of them
     cover, half an octave apart. Between its snapshots the error of a run is a power of time."""
@@ -54,7 +60,10 @@ def curve(runs):
 def curves(results):
     """One row a point: scene, variant, budget, seconds, relmse, low, high."""
     pieces = [piece for piece in results['pieces'] if 'failure' not in piece]
-    snapshots = pd.json_normalize(pieces, 'snapshots', RUN + ['seed']).sort_values('seconds')
+    snapshots = pd.json_normalize(pieces, 'snapshots', RUN + ['seed'])
+    if time_of(results) not in snapshots:
+        sys.exit('the machines are unlike, and their processor times are not known: there is no time to draw')
+    snapshots = snapshots.assign(seconds=snapshots[time_of(results)]).sort_values('seconds')
     tables = []
     for key, group in snapshots.groupby(RUN):
         tables.append(curve([run for _, run in group.groupby('seed')]).assign(**dict(zip(RUN, key))))
@@ -85,6 +94,7 @@ def draw(table, results, file):
     scenes = [scene for scene in results['scenes'] if 'failure' not in scene]
     figure, panels = plt.subplots(1, len(scenes), figsize=(3 * len(scenes) + 1.4, 2.8), sharey=True, squeeze=False,
                                   constrained_layout=True)
+    unit = 's' if time_of(results) == 'seconds' else 'processor s'
     for panel, scene in zip(panels[0], scenes):
         for index, variant in enumerate(entry['label'] for entry in results['variants']):
             rows = table[(table['scene'] == scene['name']) & (table['variant'] == variant)]
@@ -94,7 +104,7 @@ def draw(table, results, file):
         own = max((one['own_relmse'] for one in scene['references'] if 'own_relmse' in one), default=0)
         if own > 0:
             panel.axhline(10 * own, color='grey', lw=0.8, ls='--')
-        panel.set(xscale='log', yscale='log', xlabel='preparing and iterating [s]', title=scene['name'])
+        panel.set(xscale='log', yscale='log', xlabel=f'preparing and iterating [{unit}]', title=scene['name'])
         panel.grid(lw=0.3)
     panels[0][0].set_ylabel('relMSE')
     panels[0][-1].legend(fontsize='small', loc='center left', bbox_to_anchor=(1, 0.5))
