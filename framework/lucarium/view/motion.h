@@ -10,7 +10,7 @@ class MotionSize {
  public:
   static constexpr double wanted_seconds = 1.0 / 12;
 
-  /// An iteration of so many pixels took that long.
+  /// An iteration of so many pixels took that long, with its picture where one was sent.
   void measured(double seconds, double pixels);
   /// How long one is expected to take; negative: nothing was measured.
   double expected_seconds(double pixels) const;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double settled_seconds = 0.2;       // after a move, before the whole size is rendered
 constexpr double quick_seconds = 0.3;         // a first picture that takes longer comes coarse before
-constexpr double serving_share = 0.04;        // of the time, for pictures
+constexpr double serving_share = 0.03;        // of the time, for pictures
 constexpr double serving_at_first = 0.25;     // [s] for a new picture, beside that share
 constexpr double shortest_interval = 0.04;    // [s] between pictures while nothing moves
 constexpr double patience_without_page = 60;  // [s] then rendering waits
@@ -163,18 +163,17 @@ void ViewSide::work() {
   session_ = &session;
   divisor_ = divisor;
   stage_ = Stage::rendering;
-  if (!reached_budget(session)) {
-    const uint64_t before = session.iterations();
-    const Stopwatch watch;
+  const uint64_t before = session.iterations();
+  const Stopwatch watch;
+  if (!reached_budget(session))
     session.iterate();
-    // Iterations of the whole size are of light, too, where the light rests in coarse ones.
-    if (session.iterations() > before && (divisor != 1 || !sessions_.type().info().capabilities.resizes))
-      motion_.measured(watch.seconds(), double{1} * session.settings().width * session.settings().height);
-  } else if (divisor != 1) {
+  else if (divisor != 1)
     hub_.wait(nap);
-  }
   done_ = divisor == 1 && reached_budget(session);
   if (is_picture_due(session)) send_picture(session);
+  // Iterations of the whole size are of light, too, where the light rests in coarse ones.
+  if (session.iterations() > before && (divisor != 1 || !sessions_.type().info().capabilities.resizes))
+    motion_.measured(watch.seconds(), double{1} * session.settings().width * session.settings().height);
   spent_ += working.seconds();
 }
 
