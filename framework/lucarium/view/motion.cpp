@@ -13,7 +13,7 @@ constexpr uint32_t first_divisor = 4;  // while nothing was measured
 constexpr double newest_share = 0.5;   // of the last measurement in the mean
 // Of the wanted time: what another size may take, so that it need not change again at once; and what one that is there
 // must take at least, else a finer one is looked for.
-constexpr double chosen_share = 0.85, least_share = 0.25;
+constexpr double chosen_share = 0.85, min_share = 0.25;
 
 }  // namespace
 
@@ -29,7 +29,7 @@ double MotionSize::expected_seconds(double pixels) const {
 uint32_t MotionSize::divisor(double pixels, uint32_t present) const {
   if (seconds_per_pixel_ < 0) return present > 1 ? present : first_divisor;
   const auto seconds = [&](uint32_t divisor) { return expected_seconds(pixels / (divisor * divisor)); };
-  if (present > 1 && seconds(present) <= wanted_seconds && seconds(present) >= least_share * wanted_seconds)
+  if (present > 1 && seconds(present) <= wanted_seconds && seconds(present) >= min_share * wanted_seconds)
     return present;
   for (const uint32_t divisor : divisors)
     if (seconds(divisor) <= chosen_share * wanted_seconds) return divisor;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a page sees while it moves the camera: view_motion.py PROGRAM starts viewers of techniques that keep their light,
-and of one that does not. One line per check: "ok …" or "FAILED …", then "end"."""
+"""What a page sees while it moves the camera: view_motion.py PROGRAM starts viewers of techniques that keep their
+light, and of one that does not. One line per check: "ok …" or "FAILED …", then "end"."""
 import json
 import signal
 import subprocess
