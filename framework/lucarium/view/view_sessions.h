@@ -23,6 +23,7 @@ class ViewSessions {
   /// The scene, which others may share, of sessions that are made from now on; those that are there end.
   void set_scene(std::shared_ptr<SceneOnDevice> scene);
 
+  const std::shared_ptr<SceneOnDevice>& scene() const { return scene_; }
   /// Another technique, other parameters. Throws Error where they are refused; all is then as it was before. It needs
   /// the memory of both for a moment; where that does not suffice the old one goes first, and may be lost.
   void change(const TechniqueType& type, const ViewTechnique& technique, const RenderSettings& settings,

@@ -8,6 +8,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/view/film_picture.h"
+#include "lucarium/view/meanwhile.h"
 #include "lucarium/view/status.h"
 
 namespace lucarium {
@@ -77,6 +78,7 @@ void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& tech
     const TechniqueType& type = registry.find(technique.name);
     if (sessions_.empty() || sessions_.technique().name != technique.name) motion_.forget();
     set_preparing(-1, "preparing");
+    if (sessions_.empty()) show_meanwhile(registry, technique);
     const uint32_t divisor = type.info().capabilities.view_independent ? 1 : motion_.divisor(whole_pixels(), 0);
     sessions_.change(type, technique, around_.settings, divisor);
     session_ = nullptr;
@@ -87,6 +89,17 @@ void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& tech
     if (error.error_class() == ErrorClass::interrupted) throw;
     refuse(technique, error);
   }
+}
+
+void ViewSide::show_meanwhile(const TechniqueRegistry& registry, const ViewTechnique& technique) {
+  const auto session =
+      render_meanwhile(around_.device, sessions_.scene(), registry, technique, around_.settings,
+                       [this](double fraction, const std::string& stage) { set_preparing(fraction, stage); });
+  if (!session || session->iterations() == 0) return;
+  meanwhile_ = meanwhile_technique;
+  Film film(session->settings().width, session->settings().height);
+  session->technique().resolve(film);
+  send(*session, film, meanwhile_divisor, session->clocks().iterate);
 }
 
 /// What ran before goes on, where there is anything.
@@ -210,15 +223,8 @@ void ViewSide::send_picture(RenderSession& session) {
   auto film = std::make_unique<Film>(session.settings().width, session.settings().height);
   session.technique().resolve(*film);
   layers_ = layer_names(*film);
-  ordered_json header = describe_progress(session, seconds());
-  header["picture"] = ++around_.picture_number;
-  header["side"] = index_;
-  header["camera_number"] = around_.request.camera_number;
-  header["divisor"] = divisor_;
-  header["layer"] = around_.request.layer;
-  header["time"] = session.scene().time;
-  hub_.set_picture(index_, around_.picture_number,
-                   encode_film(std::move(header), *film, around_.request.layer, around_.exposure));
+  send(session, *film, divisor_, seconds());
+  meanwhile_.clear();
   film_ = std::move(film);
   film_number_ = around_.picture_number;
   sent_divisor_ = divisor_;
@@ -228,10 +234,23 @@ void ViewSide::send_picture(RenderSession& session) {
   since_sent_.restart();
 }
 
+void ViewSide::send(RenderSession& session, const Film& film, uint32_t divisor, double seconds) {
+  ordered_json header = describe_progress(session, seconds);
+  header["picture"] = ++around_.picture_number;
+  header["side"] = index_;
+  header["camera_number"] = around_.request.camera_number;
+  header["divisor"] = divisor;
+  header["layer"] = around_.request.layer;
+  header["time"] = session.scene().time;
+  hub_.set_picture(index_, around_.picture_number,
+                   encode_film(std::move(header), film, around_.request.layer, around_.exposure));
+}
+
 ordered_json ViewSide::status(const std::vector<ViewTechnique>& others) {
   const ViewRequest& request = around_.request;
   ordered_json status = {
       {"stage", stage_name(stage_)}, {"layers", layers_}, {"refusal", refusal_}, {"failure", failure_}};
+  status["meanwhile"] = meanwhile_;
   status["wanted"] = {{"name", request.sides.at(index_).technique},
                       {"parameters", request.sides.at(index_).parameters}};
   if (stage_ == Stage::preparing) {

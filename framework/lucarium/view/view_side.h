@@ -97,7 +97,9 @@ class ViewSide {
   uint32_t choose_divisor() const;
   bool reached_budget(const RenderSession& session) const;
   bool is_picture_due(const RenderSession& session) const;
+  void show_meanwhile(const TechniqueRegistry& registry, const ViewTechnique& technique);
   void send_picture(RenderSession& session);
+  void send(RenderSession& session, const Film& film, uint32_t divisor, double seconds);
   double whole_pixels() const;
   void begin_picture();
 
@@ -122,6 +124,7 @@ class ViewSide {
   std::vector<std::string> layers_;
 
   std::string stage_text_, refusal_, failure_;
+  std::string meanwhile_;  ///< the technique of the picture that is seen until this one's first
   double stage_fraction_ = -1;
   Stage stage_ = Stage::waiting;
 };

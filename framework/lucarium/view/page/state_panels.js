@@ -4,7 +4,8 @@
 function stageText(status) {
   if (status.stage === 'preparing') {
     const {text, fraction} = status.preparing;
-    return fraction >= 0 ? `preparing: ${text}, ${percent(fraction)}` : `preparing: ${text}`;
+    const meanwhile = status.meanwhile ? `; meanwhile a picture by ${status.meanwhile}` : '';
+    return `preparing: ${text}${fraction >= 0 ? `, ${percent(fraction)}` : ''}${meanwhile}`;
   }
   return status.stage;
 }

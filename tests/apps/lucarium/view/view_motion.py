@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a page sees while it moves the camera: view_motion.py PROGRAM starts viewers of techniques that keep their
-light, and of one that does not. One line per check: "ok …" or "FAILED …", then "end"."""
+"""What a page sees while a technique prepares itself, and while the camera moves: view_motion.py PROGRAM starts viewers
+of techniques that keep their light, and of one that does not. One line per check: "ok …" or "FAILED …", then "end"."""
 import json
 import signal
 import subprocess
@@ -56,13 +56,34 @@ def progress_of(side):
     return counters.get('directions', counters.get('lines', 0))
 
 
+def start(program, technique):
+    viewer = subprocess.Popen([program, 'view', 'builtin:cornell', '--size', '192x128', '-t', technique],
+                              stdout=subprocess.PIPE, text=True)
+    address = urllib.parse.urlparse(viewer.stdout.readline().strip())
+    return viewer, Page((address.hostname, address.port), address.path + 'socket')
+
+
+def prepared(program):
+    """Nobody waits for the directions and texels of this one: another picture comes before."""
+    viewer, page = start(program, 'virtual_light_field:dir_n=64,cells=512,texels=1048576,access_rays=4096')
+    try:
+        picture = page.until(lambda m: 'picture' in m.get('binary', {}))['binary']
+        check(f'a coarse picture comes at once {picture["width"]}', picture['divisor'] == 4 and picture['width'] == 48)
+        side = status_where(page, lambda s: s['sides'][0]['meanwhile'])['sides'][0]
+        check(f'by path_tracing, while the technique prepares itself {side["stage"]}',
+              (side['meanwhile'], side['stage']) == ('path_tracing', 'preparing'))
+        begin = time.monotonic()
+        viewer.send_signal(signal.SIGINT)
+        code = viewer.wait(PATIENCE)
+        check(f'Ctrl-C ends it all the same ({time.monotonic() - begin:.2f} s)', code == 0)
+    finally:
+        viewer.kill()
+
+
 def moved(program, technique, options):
     words = f'{technique}{"," if ":" in technique else ":"}{",".join(options)}' if options else technique
-    viewer = subprocess.Popen([program, 'view', 'builtin:cornell', '--size', '192x128', '-t', words],
-                              stdout=subprocess.PIPE, text=True)
+    viewer, page = start(program, words)
     try:
-        address = urllib.parse.urlparse(viewer.stdout.readline().strip())
-        page = Page((address.hostname, address.port), address.path + 'socket')
         before = status_where(page, lambda s: s['sides'][0].get('divisor') == 1 and (
             not options or progress_of(s['sides'][0]) > 0))['camera']['number']
         pictures, states = move(page, bool(options))
@@ -79,7 +100,7 @@ def moved(program, technique, options):
         if options:
             side = status_where(page, lambda s: s['sides'][0].get('divisor') == 1 and
                                 progress_of(s['sides'][0]) > coarse[-1])['sides'][0]
-            check('and the light goes on', side['stage'] == 'rendering')
+            check('and the light goes on', side['stage'] == 'rendering' and not side['meanwhile'])
         viewer.send_signal(signal.SIGINT)
         check('Ctrl-C ends it', viewer.wait(PATIENCE) == 0)
     finally:
@@ -87,6 +108,7 @@ def moved(program, technique, options):
 
 
 def main():
+    prepared(sys.argv[1])
     for technique, options in KEEPING.items():
         moved(sys.argv[1], technique, options)
     moved(sys.argv[1], 'path_tracing', [])

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// lucarium view: what strangers and pages say to it (view_client.py), what a moving camera shows (view_motion.py), its
-// page in a browser (view_browser.py, life_browser.py), and what happens when files change (view_watch.py).
+// lucarium view: what strangers and pages say to it (view_client.py), what there is to see in moments of haste
+// (view_motion.py), its page in a browser (view_browser.py, life_browser.py), and what happens when files change
+// (view_watch.py).
 #include "cli_support.h"
 #include "lucarium/view/server.h"
 
@@ -51,7 +52,7 @@ TEST_CASE("viewer in a browser: an animation, a lost connection, a page that wat
   check_found(found);
 }
 
-TEST_CASE("while the camera moves pictures are coarse where light is kept, and the light rests; then it goes on") {
+TEST_CASE("while a technique prepares itself there is a picture; while the camera moves light that is kept rests") {
   if (!has_viewer()) return skip("libwebsockets");
   check_found(run_program("python3 " + (here() / "view_motion.py").string() + " " + lucarium_program(), 540));
 }
