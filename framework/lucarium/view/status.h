@@ -8,7 +8,7 @@
 
 #include "lucarium/session/session.h"
 #include "lucarium/technique/plugin.h"
-#include "lucarium/view/view_sessions.h"
+#include "lucarium/view/sessions/view_sessions.h"
 
 namespace lucarium {
 

@@ -8,7 +8,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/view/film_picture.h"
-#include "lucarium/view/meanwhile.h"
+#include "lucarium/view/sessions/meanwhile.h"
 #include "lucarium/view/status.h"
 
 namespace lucarium {

@@ -11,8 +11,8 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/view/hub.h"
-#include "lucarium/view/motion.h"
-#include "lucarium/view/view_sessions.h"
+#include "lucarium/view/sessions/motion.h"
+#include "lucarium/view/sessions/view_sessions.h"
 
 namespace lucarium {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sizes of pictures while the camera moves, from what iterations took.
-#include "lucarium/view/motion.h"
+#include "lucarium/view/sessions/motion.h"
 
 #include <doctest/doctest.h>
 

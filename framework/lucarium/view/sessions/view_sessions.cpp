@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/view/view_sessions.h"
+#include "lucarium/view/sessions/view_sessions.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/view/motion.h"
+#include "lucarium/view/sessions/motion.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lucarium/view/meanwhile.h"
+#include "lucarium/view/sessions/meanwhile.h"
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/session/scene_on_device.h"
-#include "lucarium/view/view_sessions.h"
+#include "lucarium/view/sessions/view_sessions.h"
 
 namespace lucarium {
 
