@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures per second while the camera moves: view_moving.py PROGRAM TECHNIQUE... runs `lucarium view` on the atrium at
+"""What there is to see in moments of haste: view_moving.py PROGRAM TECHNIQUE... runs `lucarium view` on the atrium at
 640×360 with a page that takes every picture, lets each technique work for some seconds, and then turns the camera sixty
-times a second. Prints for each the pictures per second after the first second, their sizes (1/N), the longest gap, and
+times a second. Prints for each how long the first picture took once its kernels were there, the pictures per second after the first second, their sizes (1/N), the longest gap, and
 how long after the last move the whole picture came."""
 import collections
 import json
@@ -35,11 +35,26 @@ def turn(page, ended):
         time.sleep(1 / RATE)
 
 
+def first_picture(page):
+    """Seconds to the first picture, since the last kernel of which a state before it says that it is being compiled."""
+    compiled = time.monotonic()
+
+    def take(message):
+        nonlocal compiled
+        preparing = message.get('status', {}).get('sides', [{}])[0].get('preparing', {})
+        if 'kernels' in preparing.get('text', ''):
+            compiled = time.monotonic()
+        return is_picture(message)
+    page.until(take)
+    return time.monotonic() - compiled
+
+
 def measure(program, technique):
     viewer = subprocess.Popen([program, 'view', 'builtin:atrium', '--size', '640x360', '-t', technique],
                               stdout=subprocess.PIPE, text=True)
     address = urllib.parse.urlparse(viewer.stdout.readline().strip())
     page = Page((address.hostname, address.port), address.path + 'socket')
+    first = first_picture(page)
     page.until(lambda m: is_picture(m, 1))
     end = time.monotonic() + WARM
     page.until(lambda m: time.monotonic() > end)
@@ -64,7 +79,7 @@ def measure(program, technique):
     sizes = ', '.join(f'{count} of 1/{divisor}' for divisor, count in
                       sorted(collections.Counter(divisor for _, divisor in later).items()))
     gap = max(after[0] - before[0] for before, after in zip(later, later[1:]))
-    print(f'{technique}: {len(later) / (MOVING - SETTLED):.1f} pictures per second ({sizes}), longest gap {gap:.2f} s, '
+    print(f'{technique}: first picture after {first:.2f} s, {len(later) / (MOVING - SETTLED):.1f} pictures per second ({sizes}), longest gap {gap:.2f} s, '
           f'whole picture after {whole:.2f} s', flush=True)
 
 
