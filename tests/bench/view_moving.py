@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What there is to see in moments of haste: view_moving.py PROGRAM TECHNIQUE... runs `lucarium view` on the atrium at
 640×360 with a page that takes every picture, lets each technique work for some seconds, and then turns the camera sixty
-times a second. Prints for each how long the first picture took once its kernels were there, the pictures per second after the first second, their sizes (1/N), the longest gap, and
-how long after the last move the whole picture came."""
+times a second. Prints for each how long the first picture took once its kernels were there, the pictures per second
+after the first second, their sizes (1/N), the longest gap, and how long after the last move the whole picture came."""
 import collections
 import json
 import math
@@ -79,8 +79,9 @@ def measure(program, technique):
     sizes = ', '.join(f'{count} of 1/{divisor}' for divisor, count in
                       sorted(collections.Counter(divisor for _, divisor in later).items()))
     gap = max(after[0] - before[0] for before, after in zip(later, later[1:]))
-    print(f'{technique}: first picture after {first:.2f} s, {len(later) / (MOVING - SETTLED):.1f} pictures per second ({sizes}), longest gap {gap:.2f} s, '
-          f'whole picture after {whole:.2f} s', flush=True)
+    rate = len(later) / (MOVING - SETTLED)
+    print(f'{technique}: first picture after {first:.2f} s, {rate:.1f} pictures per second ({sizes}), longest gap '
+          f'{gap:.2f} s, whole picture after {whole:.2f} s', flush=True)
 
 
 def main():
