@@ -68,11 +68,11 @@ TEST_CASE("reference: an interrupt leaves its rounds with Slurm, and --extend at
   const FakeSlurm slurm;
   const test::TemporaryFolder folder;
   const fs::path alone = folder.path() / "alone.exr", arrays = folder.path() / "arrays.exr";
-  REQUIRE(test::run_program(reference(alone, "-q --spp 96")).exit_code == 0);
+  REQUIRE(test::run_program(reference(alone, "-q --spp 64")).exit_code == 0);
   REQUIRE(test::run_program(reference(arrays, "-q --spp 32 --executor slurm")).exit_code == 0);
   const size_t before = slurm.calls("sbatch ").size();
   slurm.set("hold", "");
-  const std::string more = reference(arrays, "--spp 96 --extend --executor slurm");
+  const std::string more = reference(arrays, "--spp 64 --extend --executor slurm");
   const test::ProgramResult broken = test::run_program(
       fmt::format("{} & pid=$!; until [ $(grep -c '^sbatch ' {}) -gt {} ]; do kill -0 $pid || exit 99; sleep 0.05; "
                   "done; sleep 0.5; kill -TERM $pid; wait $pid",
