@@ -69,12 +69,14 @@
 // strategies, the choice among candidates (light/candidates.clh), leaving out what costs more than it brings (effort/).
 
 #include <memory>
-#include <optional>
+#include <vector>
 
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/declaration.h"
 #include "bidirectional_vpl/effort/trials.h"
 #include "bidirectional_vpl/iteration/parts.h"
+#include "lucarium/base/error.h"
+#include "lucarium/base/log.h"
 #include "lucarium/services/bvh/bvh.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/technique/technique_base.h"
@@ -85,7 +87,6 @@ namespace {
 using namespace bidirectional;
 
 const char* const kName = "bidirectional_vpl";
-constexpr uint64_t kAdaptAfter = 16;  // samples
 
 class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
  public:
@@ -107,25 +108,28 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     std::map<std::string, double> all = parts_->counters();
     for (const auto& [name, count] : counted_before_) all[name] += count;
     if (!adapted_) return all;
-    all["adapted_light_paths"] = effort_.light_paths ? 1 : 0;
-    all["adapted_splats"] = effort_.light_paths && effort_.splats ? 1 : 0;
-    all["adapted_light_vertices"] = effort_.light_paths ? effort_.light_vertices : 0;
+    const Plan plan = make_plan(parameters_, settings(), effort_);
+    all["adapted_light_paths"] = plan.light_vertices > 0 ? 1 : 0;
+    all["adapted_splats"] = plan.splat ? 1 : 0;
+    all["adapted_light_vertices"] = plan.light_vertices;
     all["adapted_camera_edges"] = effort_.camera_edges;
     return all;
   }
 
  protected:
   void build() override {
+    trials_.reset();
     parts_.reset();  // its memory first
     sums_.reset();
     check_parameters(parameters_, settings());
-    effort_ = whole_effort(parameters_);
-    sums_ = std::make_unique<EyeSums>(device(), make_plan(parameters_, settings()), kName);
-    make_parts();
+    const Plan plan = make_plan(parameters_, settings());
+    adapts_after_ = can_adapt(parameters_, plan) ? Trials::samples_before(settings()) : UINT64_MAX;
+    sums_ = std::make_unique<EyeSums>(device(), plan, kName);
+    make_parts(whole_effort(parameters_));
   }
 
   bool follow(const SceneChange&) override {
-    if (!built() || buffers_replaced() || !parts_->update()) return false;
+    if (!built() || !parts_ || buffers_replaced() || !parts_->update()) return false;
     moves_on_ = true;
     restart_samples();
     return true;
@@ -134,18 +138,16 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   void restart() override {
     // As a new image begins.
     counted_before_.clear();
+    trials_.reset();
     adapted_ = false;
-    if (effort_ != whole_effort(parameters_)) {
-      effort_ = whole_effort(parameters_);
-      make_parts();
-    }
+    if (!parts_ || effort_ != whole_effort(parameters_)) make_parts(whole_effort(parameters_));
     parts_->restart(frame(), moves_on_);
     moves_on_ = false;
   }
 
   bool step() override {
-    if (samples() == kAdaptAfter && !adapted_ && can_adapt(parameters_, make_plan(parameters_, settings())) && !adapt())
-      return false;
+    if (!parts_) make_parts(effort_);  // the last attempt failed
+    if (samples() >= adapts_after_ && !adapted_ && !adapt(samples() - adapts_after_)) return false;
     if (!parts_->trace(static_cast<uint32_t>(samples()))) return false;
     parts_->add(samples() + 1);
     return true;
@@ -157,33 +159,51 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     return result;
   }
 
-  void write(Film& film) override { parts_->write(film); }
+  void write(Film& film) override {
+    if (parts_) parts_->write(film);
+  }
   void warm_up_kernels() override { parts_->warm_up(); }
 
  private:
   PartsContext parts_context() { return {device(), scheduler(), scene_buffers(), bvh(), kName}; }
 
-  void make_parts() {
+  void make_parts(const Effort& effort) {
     parts_.reset();  // its memory first
-    parts_ = std::make_unique<Parts>(parts_context(), make_plan(parameters_, settings(), effort_), frame(), *sums_);
+    parts_ = std::make_unique<Parts>(parts_context(), make_plan(parameters_, settings(), effort), frame(), *sums_);
+    effort_ = effort;
   }
 
-  /// Goes on with what is worth its work, from the same sums. False when cancelled.
-  bool adapt() {
-    const std::optional<Effort> best = Trials(parts_context(), parameters_, settings(), frame()).best();
-    if (!best) return false;
+  /// Does trial number `number`, one with each sample, so that none takes long; behind the last, goes on with what is
+  /// worth its work, from the same sums. Where a trial fails nothing changes. False when cancelled.
+  bool adapt(uint64_t number) {
+    try {
+      if (!trials_) trials_ = std::make_unique<Trials>(parts_context(), parameters_, settings(), frame());
+      if (trials_->done() <= number && !trials_->advance()) return false;
+    } catch (const Error& error) {
+      if (error.error_class() == ErrorClass::interrupted) throw;
+      log_warning("{}: adapt has no effect: {}", kName, error.what());
+      adapted_ = true;
+      return true;
+    }
+    if (!trials_->best()) return true;
+    const Effort best = *trials_->best();
+    programs_ = trials_->programs();
+    trials_.reset();
     adapted_ = true;
-    if (*best == effort_) return true;
+    if (best == effort_) return true;
+    for (const Program& program : parts_->programs()) programs_.push_back(program);
     counted_before_ = parts_->counters();
-    effort_ = *best;
-    make_parts();
+    make_parts(best);
     return true;
   }
 
   std::unique_ptr<EyeSums> sums_;
   std::unique_ptr<Parts> parts_;
-  Effort effort_;         ///< of parts_
-  bool adapted_ = false;  ///< effort_ has been decided
+  std::unique_ptr<Trials> trials_;  ///< while they go on
+  std::vector<Program> programs_;   ///< kept, so that another beginning and its trials need not make them again
+  Effort effort_;                   ///< of parts_
+  uint64_t adapts_after_ = 0;       ///< samples
+  bool adapted_ = false;            ///< effort_ has been decided
   std::map<std::string, double> counted_before_;
   bool moves_on_ = false;  ///< restart() comes with the next frame of a moving picture
 };

@@ -18,7 +18,7 @@ enum class Gloss { none, clamp, vsl, roughness };
 enum class Strategy { all, hit, nee, vpl, splat };
 
 struct BidirectionalParameters {
-  static constexpr int kMaxLightVertices = 16;
+  static constexpr int kMaxLightVertices = 16, kMaxCameraEdges = 64;
   int light_vertices = 4, light_paths = 0, candidates = 32, camera_edges = 2, beta = 1;
   int bundles = 21, bundle_res = 256;
   BundleMode bundle_mode = BundleMode::rays;
@@ -71,7 +71,7 @@ struct BidirectionalParameters {
         "what finds whether a light sample is hidden: rays (mis), or filtered shadow maps of point and spot lights "
         "(maps, biased by texels)");
     v.flag("splat", splat, "connect light paths to the camera; only with jittered pixels");
-    v.number("camera_edges", camera_edges, 1, 64, "scatterings",
+    v.number("camera_edges", camera_edges, 1, kMaxCameraEdges, "scatterings",
              "scatterings of a camera path before roulette, which then ends half of the paths at each one");
     v.choice("directions", directions,
              {{"bsdf", Directions::bsdf}, {"bundle", Directions::bundle}, {"both", Directions::both}},
@@ -112,8 +112,8 @@ struct BidirectionalParameters {
     v.flag("caches", caches,
            "animations: compute indirect light for one sample in four, and reproject the others from the frame before");
     v.flag("adapt", adapt,
-           "after 16 samples, leave out splats, light paths or their later vertices where they cost more than they "
-           "bring, and choose camera_edges (vpl_choice=resample)");
+           "from sample 16 on, leave out splats, light paths or their later vertices where they cost more than they "
+           "bring, and choose camera_edges (vpl_choice=resample, light_paths=0)");
     v.number("beta", beta, 1, 2, "", "exponent of the weights: 1 balance heuristic, 2 power heuristic");
     v.choice("strategy", strategy,
              {{"all", Strategy::all},

@@ -2,7 +2,6 @@
 #include "bidirectional_vpl/effort/efficiency.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "lucarium/base/luminance.h"
@@ -11,10 +10,14 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-// Of times per event in builtin:cornell and builtin:atrium, 320 x 180, on two cores with AVX-512: a shadow ray takes
-// 25 and 50 ns, a camera path's vertex with its closest hit 100 and 250, a connection without candidates 100 and 150,
-// a candidate 3, a light path's vertex 200 and 230, a splat 170 and a path 45.
-constexpr double kVertex = 4.5, kConnection = 3, kCandidate = 0.09, kLightPathVertex = 6, kSplat = 4.5, kPath = 1;
+// Times of events over that of a shadow ray, means of builtin:cornell (where a shadow ray takes 25 ns) and
+// builtin:atrium (50 ns), 320 x 180, on two cores with AVX-512: a camera path's vertex with its closest hit 100 and
+// 250 ns, a connection 100 and 150, each of its candidates 3, a light path's vertex 200 and 230, a splat 170, a
+// path 45.
+constexpr double kVertex = 4.5, kConnection = 3.5, kCandidate = 0.09, kLightPathVertex = 6.3, kSplat = 5.1, kPath = 1.4;
+
+constexpr int kBlur = 2;            // pixels to each side
+constexpr double kSignificant = 4;  // standard errors; there are few samples to tell them from
 
 double count_of(const std::map<std::string, double>& counters, const char* name) {
   const auto found = counters.find(name);
@@ -25,44 +28,91 @@ std::array<double, 3> channels(const float4& v) {
   return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
 }
 
-constexpr double kSignificant = 3;  // standard errors
+struct Estimate {
+  double mean = 0, squared_error = 0;
+};
+
+/// The light of all pixels, as weights see it, of a sample.
+Estimate weighted_light(const TrialImage& image, const PixelWeights& weights) {
+  std::vector<double> totals;
+  double before = 0;
+  for (const std::vector<float4>& sums : image.sums) {
+    double after = 0;
+    for (size_t i = 0; i < sums.size(); ++i) {
+      const auto light = channels(sums[i]);
+      for (size_t c = 0; c < 3; ++c) after += std::sqrt(weights[i][c]) * light[c];
+    }
+    totals.push_back(after - before);
+    before = after;
+  }
+  const double n = image.samples();
+  Estimate result;
+  result.mean = before / n;
+  for (const double total : totals)
+    result.squared_error += (total - result.mean) * (total - result.mean) / (n * (n - 1));
+  return result;
+}
 
 }  // namespace
 
-double work_of(const std::map<std::string, double>& counters, uint32_t candidates) {
+double work_of(const std::map<std::string, double>& counters) {
   return kPath * count_of(counters, "paths") + kVertex * count_of(counters, "camera_rays") +
-         count_of(counters, "light_sample_rays") +
-         (kConnection + kCandidate * candidates) * count_of(counters, "connection_rays") +
-         kLightPathVertex * count_of(counters, "light_path_rays") + kSplat * count_of(counters, "splat_rays");
+         count_of(counters, "light_sample_rays") + kConnection * count_of(counters, "connection_rays") +
+         kCandidate * count_of(counters, "candidates") + kLightPathVertex * count_of(counters, "light_path_rays") +
+         kSplat * count_of(counters, "splat_rays");
 }
 
-double relative_variance(const TrialImage& trial, const TrialImage& reference) {
-  const auto n = static_cast<double>(trial.samples), pixels = static_cast<double>(trial.sums.size());
+PixelWeights pixel_weights(const TrialImage& reference) {
+  const std::vector<float4>& sums = reference.sums.back();
+  const double n = reference.samples();
   double mean_luminance = 0;
-  for (const float4& sum : reference.sums) {
+  for (const float4& sum : sums) {
     const auto [r, g, b] = channels(sum);
-    mean_luminance += luminance(r, g, b) / (reference.samples * pixels);
+    mean_luminance += luminance(r, g, b) / (n * static_cast<double>(sums.size()));
   }
   const double least = std::max(0.01 * mean_luminance * mean_luminance, 1e-30);
-  double variance = 0, missing = 0, missing_variance = 0;
-  for (size_t i = 0; i < trial.sums.size(); ++i) {
-    const auto sums = channels(trial.sums[i]), squares = channels(trial.squares[i]);
-    const auto others = channels(reference.sums[i]), other_squares = channels(reference.squares[i]);
-    for (size_t c = 0; c < sums.size(); ++c) {
-      const auto of_sample = [](double sum, double square, double count) {
-        return std::max(square - sum * sum / count, 0.0) / (count - 1);
-      };
-      const double mean = others[c] / reference.samples;
-      const double weight = 1 / (mean * mean + least);
-      const double ours = weight * of_sample(sums[c], squares[c], n);
-      variance += ours;
-      missing += std::sqrt(weight) * (n * mean - sums[c]);
-      missing_variance +=
-          n * ours + n * n / reference.samples * weight * of_sample(others[c], other_squares[c], reference.samples);
+  const auto width = static_cast<int>(reference.width), height = static_cast<int>(reference.height);
+  PixelWeights weights(sums.size());
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      std::array<double, 3> mean = {};
+      double pixels = 0;
+      for (int v = std::max(y - kBlur, 0); v <= std::min(y + kBlur, height - 1); ++v) {
+        for (int u = std::max(x - kBlur, 0); u <= std::min(x + kBlur, width - 1); ++u, ++pixels) {
+          const auto light = channels(sums[static_cast<size_t>(v * width + u)]);
+          for (size_t c = 0; c < 3; ++c) mean[c] += light[c];
+        }
+      }
+      for (size_t c = 0; c < 3; ++c) {
+        mean[c] /= pixels * n;
+        weights[static_cast<size_t>(y * width + x)][c] = 1 / (mean[c] * mean[c] + least);
+      }
     }
   }
-  const double beyond_noise = std::max(missing - kSignificant * std::sqrt(missing_variance), 0.0);
-  return (variance + beyond_noise * beyond_noise / n) / (3 * pixels);
+  return weights;
+}
+
+size_t lit_pixels(const TrialImage& image) {
+  return static_cast<size_t>(std::count_if(image.sums.back().begin(), image.sums.back().end(),
+                                           [](const float4& sum) { return sum.x + sum.y + sum.z > 0; }));
+}
+
+double relative_variance(const TrialImage& trial, const PixelWeights& weights) {
+  const double n = trial.samples();
+  double variance = 0;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const auto sums = channels(trial.sums.back()[i]), squares = channels(trial.squares[i]);
+    for (size_t c = 0; c < 3; ++c)
+      variance += weights[i][c] * std::max(squares[c] - sums[c] * sums[c] / n, 0.0) / (n - 1);
+  }
+  return variance / (3 * static_cast<double>(weights.size()));
+}
+
+double hidden_variance(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights) {
+  const Estimate found = weighted_light(trial, weights), expected = weighted_light(reference, weights);
+  const double chance = kSignificant * std::sqrt(found.squared_error + expected.squared_error);
+  const double missing = std::max(expected.mean - found.mean - chance, 0.0) * trial.samples();
+  return missing * missing / (trial.samples() * 3 * static_cast<double>(weights.size()));
 }
 
 }  // namespace lucarium::bidirectional

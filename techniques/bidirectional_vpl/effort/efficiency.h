@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What an iteration costs, and how noisy its image is.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -10,22 +11,32 @@
 
 namespace lucarium::bidirectional {
 
-/// Work of what `counters` (Technique::counters) count, in shadow rays; `candidates`: of a connection. The shares are
-/// fixed, so that a decision is the same on every run.
-double work_of(const std::map<std::string, double>& counters, uint32_t candidates);
+/// Work of what `counters` (Technique::counters) count, in shadow rays. The shares are fixed, so that a decision is the
+/// same on every run.
+double work_of(const std::map<std::string, double>& counters);
 
-/// Moments of a trial's image.
+/// A trial's image.
 struct TrialImage {
-  uint32_t samples = 0;
-  std::vector<float4> sums, squares;  ///< per pixel, as effort/trial_moments.cl adds them
+  uint32_t width = 0, height = 0;
+  std::vector<std::vector<float4>> sums;  ///< per pixel [cd/m²], after each sample
+  std::vector<float4> squares;            ///< per pixel sums of the squares of samples, after the last
+
+  double samples() const { return static_cast<double>(sums.size()); }
 };
 
-/// Relative variance of a sample: over pixels and channels the mean of variance / (mean² + 0.01 Y²), Y the mean
-/// luminance, as relMSE weighs errors. Means are those of `reference`, which has the same pixels and all strategies.
-///
-/// A trial may have missed light that it finds too rarely. Where it is darker than the reference by more than noise
-/// explains, what is missing, T of all pixels and samples, would have come in about one event at most: its square
-/// counts, too.
-double relative_variance(const TrialImage& trial, const TrialImage& reference);
+/// What errors of a pixel count in each channel: 1 / (mean² + 0.01 Y²), Y the mean luminance, as in relMSE. Means are
+/// those of the pixels around, so that a pixel's noise does not choose its own weight.
+using PixelWeights = std::vector<std::array<double, 3>>;
+PixelWeights pixel_weights(const TrialImage& reference);
+
+/// Pixels that have any light.
+size_t lit_pixels(const TrialImage& image);
+
+/// Mean over pixels and channels of a sample's weighted variance.
+double relative_variance(const TrialImage& trial, const PixelWeights& weights);
+
+/// Variance that a trial has not shown: where it is darker than the reference by more than chance, it has missed light
+/// that it finds too rarely. All of it would have come in about one sample of one pixel.
+double hidden_variance(const TrialImage& trial, const TrialImage& reference, const PixelWeights& weights);
 
 }  // namespace lucarium::bidirectional

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 const lucarium::EmbeddedSources& bidirectional_vpl_kernels();
 
@@ -10,21 +11,24 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-constexpr uint32_t kSamples = 8;
-// Pixels of a trial: a quarter of the image's, so that small images are not held up; so many suffice.
+constexpr uint32_t kSamples = 8, kTrials = 7;
+// Pixels of a trial: a quarter of the image's within these.
 constexpr uint32_t kMinPixels = 1024, kMaxPixels = 8192;
+constexpr uint64_t kSamplesBefore = 16;  // of the image
 constexpr uint32_t kSeed = 0x74726961u;  // apart from the image's own
+// Fewer pixels with light decide nothing.
+constexpr size_t kMinLitPixels = 64;
 // Products of trials scatter by some percent; without a clear gain, nothing changes.
 constexpr double kClearly = 0.9;
-constexpr int kEndlessEdges = 64;
+constexpr int kEndlessEdges = BidirectionalParameters::kMaxCameraEdges;
 
 }  // namespace
 
 bool can_adapt(const BidirectionalParameters& p, const Plan& plan) {
-  return p.adapt && p.strategy == Strategy::all && plan.choice == VplChoice::resample && plan.vpl && !plan.bundles &&
-         !plan.shows_strategies && plan.two_bounce == TwoBounce::mis && plan.gloss == Gloss::none && !plan.caches &&
-         plan.settings.interleave == 1 && !plan.rsm && !plan.vpl_maps && !plan.direct_maps && !plan.learned &&
-         !plan.punctual_paths;
+  return p.adapt && p.strategy == Strategy::all && plan.choice == VplChoice::resample && p.light_paths == 0 &&
+         plan.vpl && !plan.bundles && !plan.shows_strategies && plan.two_bounce == TwoBounce::mis &&
+         plan.gloss == Gloss::none && !plan.caches && plan.settings.interleave == 1 && !plan.rsm && !plan.vpl_maps &&
+         !plan.direct_maps && !plan.learned && !plan.punctual_paths;
 }
 
 Trials::Trials(const PartsContext& context, const BidirectionalParameters& parameters, const RenderSettings& settings,
@@ -34,79 +38,107 @@ Trials::Trials(const PartsContext& context, const BidirectionalParameters& param
       settings_(trial_settings(settings)),
       frame_(frame),
       program_(
-          make_program(context.device, bidirectional_vpl_kernels(), {"bidirectional_vpl/effort/trial_moments"}, {})),
-      best_(whole_effort(parameters)) {
+          make_program(context.device, bidirectional_vpl_kernels(), {"bidirectional_vpl/effort/trial_moments"}, {})) {
   frame_.width = settings_.width;
   frame_.height = settings_.height;
   frame_.seed ^= kSeed;
-  const double share = static_cast<double>(settings_.width) * settings_.height / settings.width / settings.height;
-  if (parameters_.light_paths > 0)
-    parameters_.light_paths = std::max(1, static_cast<int>(std::lround(parameters_.light_paths * share)));
+  // A trial's pixel shows more of the scene than the image's; what varies within it is no noise.
+  if (settings_.width < settings.width) frame_.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
 }
 
 RenderSettings Trials::trial_settings(const RenderSettings& settings) {
   RenderSettings small = settings;
-  const uint32_t pixels = settings.width * settings.height;
-  const uint32_t wanted = std::clamp(pixels / 4, kMinPixels, kMaxPixels);
-  const double scale = std::min(1.0, std::sqrt(static_cast<double>(wanted) / pixels));
-  const auto scaled = [scale](uint32_t size) { return std::max(1u, static_cast<uint32_t>(std::lround(size * scale))); };
+  const double pixels = static_cast<double>(settings.width) * settings.height;
+  const double scale = std::sqrt(std::clamp(pixels / 4, double{kMinPixels}, double{kMaxPixels}) / pixels);
+  const auto scaled = [scale](uint32_t size) {
+    return std::clamp(static_cast<uint32_t>(std::lround(size * scale)), 1u, kMaxPixels);
+  };
   small.width = scaled(settings.width);
   small.height = scaled(settings.height);
   return small;
 }
 
-std::optional<Effort> Trials::best() {
-  double work = 0;
-  const Plan plan = make_plan(parameters_, settings_, best_);
-  std::optional<TrialImage> image = render(plan, &work);
-  if (!image) return std::nullopt;
-  reference_ = std::move(*image);
-  least_ = relative_variance(reference_, reference_) * work;
-
-  // Strategies.
-  Effort effort = best_;
-  effort.splats = false;
-  if (plan.splat && !try_effort(effort)) return std::nullopt;
-  // Camera paths alone must not be ended early: nothing else finds their light.
-  effort.light_paths = false;
-  effort.camera_edges = kEndlessEdges;
-  if (!try_effort(effort)) return std::nullopt;
-
-  // Lengths of light paths, and of camera paths before roulette.
-  for (int vertices = best_.light_vertices / 2; best_.light_paths && vertices >= 1; vertices /= 2) {
-    effort = best_;
-    effort.light_vertices = vertices;
-    if (!try_effort(effort)) return std::nullopt;
-    if (best_.light_vertices != vertices) break;
-  }
-  if (!best_.light_paths) return best_;
-  const int edges = best_.camera_edges;
-  for (const int other : {2 * edges, edges / 2, kEndlessEdges}) {
-    if (other < 1 || other > kEndlessEdges || other == best_.camera_edges) continue;
-    effort = best_;
-    effort.camera_edges = other;
-    if (!try_effort(effort)) return std::nullopt;
-  }
-  return best_;
+uint64_t Trials::samples_before(const RenderSettings& settings) {
+  const RenderSettings small = trial_settings(settings);
+  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  return std::max(kSamplesBefore, uint64_t{kTrials} * kSamples * small.width * small.height / pixels);
 }
 
-bool Trials::try_effort(const Effort& effort) {
+bool Trials::advance() {
+  Effort effort;
+  decided_ = decide(&effort);
+  if (decided_) return true;
+  const Plan plan = make_plan(parameters_, settings_, effort);
+  TrialImage image;
   double work = 0;
-  const std::optional<TrialImage> image = render(make_plan(parameters_, settings_, effort), &work);
-  if (!image) return false;
-  const double product = relative_variance(*image, reference_) * work;
-  if (product < kClearly * least_) {
-    best_ = effort;
-    least_ = product;
+  if (!render(plan, &image, &work)) return false;
+  if (products_.empty()) {
+    reference_ = image;
+    weights_ = pixel_weights(reference_);
   }
+  const double variance = relative_variance(image, weights_) + hidden_variance(image, reference_, weights_);
+  // Without any noise there is nothing to decide by.
+  products_.emplace_back(effort, variance > 0 ? variance * work : std::numeric_limits<double>::infinity());
+  decided_ = decide(&effort);
   return true;
 }
 
-std::optional<TrialImage> Trials::render(const Plan& plan, double* work) const {
+std::optional<double> Trials::product(const Effort& effort) const {
+  for (const auto& [tried, product] : products_)
+    if (tried == effort) return product;
+  return std::nullopt;
+}
+
+std::optional<Effort> Trials::decide(Effort* missing) const {
+  Effort best = whole_effort(parameters_);
+  *missing = best;
+  std::optional<double> least = product(best);
+  if (!least) return std::nullopt;
+  if (lit_pixels(reference_) < kMinLitPixels) return best;
+  // False where the trial is missing.
+  const auto consider = [&](const Effort& effort) {
+    *missing = effort;
+    const std::optional<double> found = product(effort);
+    if (found && *found < kClearly * *least) {
+      best = effort;
+      least = found;
+    }
+    return found.has_value();
+  };
+
+  // Strategies.
+  const Plan whole = make_plan(parameters_, settings_, best);
+  Effort effort = best;
+  effort.splats = false;
+  if (whole.splat && !consider(effort)) return std::nullopt;
+  // Camera paths alone must not be ended early: nothing else finds their light.
+  effort.light_paths = false;
+  effort.camera_edges = kEndlessEdges;
+  if (!consider(effort)) return std::nullopt;
+  if (!best.light_paths) return best;
+
+  // Lengths of light paths, and of camera paths before roulette.
+  for (uint32_t vertices = whole.light_vertices / 2; vertices >= 1; vertices /= 2) {
+    effort = best;
+    effort.light_vertices = static_cast<int>(vertices);
+    if (!consider(effort)) return std::nullopt;
+    if (best != effort) break;
+  }
+  const int edges = best.camera_edges;
+  for (const int other : {2 * edges, edges / 2, kEndlessEdges}) {
+    if (other < 1 || other > kEndlessEdges || other == best.camera_edges) continue;
+    effort = best;
+    effort.camera_edges = other;
+    if (!consider(effort)) return std::nullopt;
+  }
+  return best;
+}
+
+bool Trials::render(const Plan& plan, TrialImage* image, double* work) {
   const uint32_t pixels = plan.settings.pixels;
   EyeSums sums(context_.device, plan, context_.owner);
   Parts parts(context_, plan, frame_, sums);
-  parts.restart(frame_, false);
+  for (const Program& program : parts.programs()) programs_.push_back(program);
   TypedBuffer<float4> moments(context_.device, context_.owner, "moments of a trial", size_t{pixels} * 2);
   moments.fill_zero();
   ScheduleRecorder recorder = context_.scheduler.record("trial", context_.owner);
@@ -116,22 +148,24 @@ std::optional<TrialImage> Trials::render(const Plan& plan, double* work) const {
       .arg("pixels", pixels)
       .arg("moments", moments);
   Schedule schedule = recorder.compile();
+  image->width = settings_.width;
+  image->height = settings_.height;
   for (uint32_t i = 0; i < kSamples; ++i) {
-    if (!parts.trace(i)) return std::nullopt;
-    if (context_.scheduler.run(schedule) == RunResult::cancelled) return std::nullopt;
+    if (!parts.trace(i)) return false;
+    if (context_.scheduler.run(schedule) == RunResult::cancelled) return false;
     parts.add(i + 1);
+    context_.scheduler.finish();
+    image->sums.push_back(moments.download(0, pixels));
   }
-  context_.scheduler.finish();
-  *work = work_of(parts.counters(), plan.settings.candidates);
-  return TrialImage{kSamples, moments.download(0, pixels), moments.download(pixels, pixels)};
+  image->squares = moments.download(pixels, pixels);
+  *work = work_of(parts.counters());
+  return true;
 }
 
 size_t Trials::estimate_bytes(const BidirectionalParameters& parameters, const Scene& scene,
                               const RenderSettings& settings) {
-  const Plan plan = make_plan(parameters, settings);
-  if (!can_adapt(parameters, plan)) return 0;
-  const RenderSettings small = trial_settings(settings);
-  const Plan trial = make_plan(parameters, small);
+  if (!can_adapt(parameters, make_plan(parameters, settings))) return 0;
+  const Plan trial = make_plan(parameters, trial_settings(settings));
   return Parts::estimate_bytes(trial, scene) + size_t{trial.settings.pixels} * 2 * sizeof(float4);
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "bidirectional_vpl/base/parameters.h"
 #include "bidirectional_vpl/effort/efficiency.h"
@@ -8,21 +10,31 @@
 
 namespace lucarium::bidirectional {
 
-/// Whether there is something to decide (adapt=on): the modes for few samples, maps and bundles stay as they are.
+/// Whether there is something to decide (adapt=on): the modes for few samples, maps and bundles stay as they are, and
+/// so does a number of light paths that is given.
 bool can_adapt(const BidirectionalParameters& parameters, const Plan& plan);
 
-/// Finds out what light paths, splats, longer light paths and longer camera paths are worth (Grittmann et al. 2022,
-/// "Efficiency-Aware Multiple Importance Sampling for Bidirectional Rendering Algorithms": the least product of second
-/// moment and cost). They are measured here, with small images, whose samples are none of the image's: those decide
-/// nothing about themselves, so that its mean is right.
+/// Finds out what light paths, splats, longer light paths and longer camera paths are worth: the least product of a
+/// sample's variance and work (after Grittmann et al. 2022, "Efficiency-Aware Multiple Importance Sampling for
+/// Bidirectional Rendering Algorithms", who estimate it from the image's samples). It is measured here, with small
+/// images, whose samples are none of the image's: those decide nothing about themselves, so that its mean is right.
 class Trials {
  public:
   /// `settings`, `frame`: of the image.
   Trials(const PartsContext& context, const BidirectionalParameters& parameters, const RenderSettings& settings,
          const Frame& frame);
 
-  /// What lowers the error most for its work. Nothing when cancelled.
-  std::optional<Effort> best();
+  /// Does one trial, of some 10 ms to 100 ms. False when cancelled: it is done again then.
+  bool advance();
+  /// Trials so far.
+  size_t done() const { return products_.size(); }
+  /// What lowers the error most for its work, when all trials are done.
+  const std::optional<Effort>& best() const { return decided_; }
+  /// So that further trials of the same plans need not make their programs again.
+  const std::vector<Program>& programs() const { return programs_; }
+
+  /// Samples of the image before trials: 16, and in small images as many as trials cost.
+  static uint64_t samples_before(const RenderSettings& settings);
   /// Settings of the small images.
   static RenderSettings trial_settings(const RenderSettings& settings);
   /// Most device bytes that trials take beside the image.
@@ -30,18 +42,23 @@ class Trials {
                                const RenderSettings& settings);
 
  private:
-  /// Takes `effort` where it is better by more than chance. False when cancelled.
-  bool try_effort(const Effort& effort);
-  std::optional<TrialImage> render(const Plan& plan, double* work) const;
+  /// The decision, or, where a trial is missing, nothing and which.
+  std::optional<Effort> decide(Effort* missing) const;
+  /// Variance times work of a trial that is done.
+  std::optional<double> product(const Effort& effort) const;
+  /// False when cancelled.
+  bool render(const Plan& plan, TrialImage* image, double* work);
 
   PartsContext context_;
   BidirectionalParameters parameters_;
   RenderSettings settings_;
   Frame frame_;
   Program program_;
-  TrialImage reference_;  ///< of the whole effort, which is measured first
-  Effort best_;
-  double least_ = 0;  ///< product of the best
+  TrialImage reference_;  ///< of the whole effort, which is tried first
+  PixelWeights weights_;
+  std::vector<std::pair<Effort, double>> products_;
+  std::optional<Effort> decided_;
+  std::vector<Program> programs_;
 };
 
 }  // namespace lucarium::bidirectional

@@ -118,7 +118,7 @@ std::string binary_of(cl_program program) {
 
 }  // namespace
 
-struct Program::State {
+struct Program::State : std::enable_shared_from_this<Program::State> {
   std::shared_ptr<Device> device;
   std::string name;
   ClProgram program;
@@ -139,6 +139,16 @@ struct Program::State {
   static Registry& registry() {
     static Registry& instance = *new Registry;
     return instance;
+  }
+
+  /// A program that is there already, or null.
+  static std::shared_ptr<State> find(const Device& device, const Hash128& key) {
+    const std::lock_guard lock(registry().mutex);
+    for (State* state : registry().states) {
+      if (state->device.get() != &device || state->key != key) continue;
+      if (std::shared_ptr<State> shared = state->weak_from_this().lock()) return shared;
+    }
+    return nullptr;
   }
 
   ~State() {
@@ -229,25 +239,27 @@ struct Program::State {
   }
 };
 
-Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec)
-    : state_(std::make_shared<State>()) {
+Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec) {
   const Stopwatch watch;
   const double before = processor_seconds();
-  state_->device = device.shared_from_this();
-  state_->name = spec.name;
   const std::string source = preamble(spec) + library.preprocess(spec.files);
-  state_->key = device.program_cache().key(source, build_options(spec));
-  state_->from_cache = state_->load(spec, source);
-  if (!state_->from_cache) {
-    device.compile_progress().build(spec.name);
-    state_->compile(spec, source);
-  }
-  {
+  const Hash128 key = device.program_cache().key(source, build_options(spec));
+  state_ = State::find(device, key);
+  if (!state_) {
+    state_ = std::make_shared<State>();
+    state_->device = device.shared_from_this();
+    state_->name = spec.name;
+    state_->key = key;
+    state_->from_cache = state_->load(spec, source);
+    if (!state_->from_cache) {
+      device.compile_progress().build(spec.name);
+      state_->compile(spec, source);
+    }
+    state_->build_seconds = watch.seconds();
     const std::lock_guard lock(State::registry().mutex);
     State::registry().states.insert(state_.get());
   }
-  state_->build_seconds = watch.seconds();
-  device.add_program_seconds(state_->build_seconds);
+  device.add_program_seconds(watch.seconds());
   all_processor_seconds += processor_seconds() - before;
 }
 

@@ -27,8 +27,8 @@ struct ProgramSpec {
 class Program {
  public:
   Program() = default;
-  /// Compiles or takes from the device's cache. Throws Error{device} whose first line is the compiler's first error
-  /// with file and line; the whole log is in details().
+  /// Shares one of the same source, or compiles, or takes it from the device's cache. Throws Error{device}, first the
+  /// compiler's first error with file and line; the whole log is in details().
   Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec);
 
   explicit operator bool() const { return state_ != nullptr; }

@@ -75,6 +75,16 @@ TEST_CASE("the second build comes from the cache, another define does not") {
   CHECK(entries(folder.path()).size() == 2);
 }
 
+TEST_CASE("a program that is there is shared by all that have its source, on one device") {
+  const TemporaryFolder folder;
+  const auto device = device_with(folder.path()), other = device_with(folder.path());
+  const Program first = build(device);
+  CHECK(build(device).handle() == first.handle());
+  CHECK(build(device, "5").handle() != first.handle());
+  CHECK(build(other).handle() != first.handle());
+  check_results(build(device));
+}
+
 TEST_CASE("with the cache off nothing is read or written") {
   const TemporaryFolder folder;
   build(device_with(folder.path()));
@@ -92,9 +102,11 @@ TEST_CASE("a damaged entry is rebuilt, wherever the damage is") {
   const auto device = device_with(folder.path());
   const auto check_rebuilt = [&](const std::string& damage) {
     CAPTURE(damage);
-    const Program rebuilt = build(device);
-    CHECK(!rebuilt.from_cache());
-    CHECK(launch(rebuilt, "ids", 4, 2) == std::vector<uint32_t>{0, 3, 6, 9});
+    {
+      const Program rebuilt = build(device);
+      CHECK(!rebuilt.from_cache());
+      CHECK(launch(rebuilt, "ids", 4, 2) == std::vector<uint32_t>{0, 3, 6, 9});
+    }
     CHECK(build(device).from_cache());
   };
   check_results(build(device));
