@@ -69,7 +69,6 @@
 // strategies, the choice among candidates (light/candidates.clh), leaving out what costs more than it brings (effort/).
 
 #include <memory>
-#include <vector>
 
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/declaration.h"
@@ -119,6 +118,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
  protected:
   void build() override {
     trials_.reset();
+    whole_parts_.reset();
     parts_.reset();  // its memory first
     sums_.reset();
     check_parameters(parameters_, settings());
@@ -187,11 +187,10 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     }
     if (!trials_->best()) return true;
     const Effort best = *trials_->best();
-    programs_ = trials_->programs();
+    whole_parts_ = trials_->whole_parts();
     trials_.reset();
     adapted_ = true;
     if (best == effort_) return true;
-    for (const Program& program : parts_->programs()) programs_.push_back(program);
     counted_before_ = parts_->counters();
     make_parts(best);
     return true;
@@ -199,11 +198,11 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
 
   std::unique_ptr<EyeSums> sums_;
   std::unique_ptr<Parts> parts_;
-  std::unique_ptr<Trials> trials_;  ///< while they go on
-  std::vector<Program> programs_;   ///< kept, so that another beginning and its trials need not make them again
-  Effort effort_;                   ///< of parts_
-  uint64_t adapts_after_ = 0;       ///< samples
-  bool adapted_ = false;            ///< effort_ has been decided
+  std::unique_ptr<Trials> trials_;           ///< while they go on
+  std::shared_ptr<const void> whole_parts_;  ///< small ones, kept for the programs of another beginning
+  Effort effort_;                            ///< of parts_
+  uint64_t adapts_after_ = 0;                ///< samples
+  bool adapted_ = false;                     ///< effort_ has been decided
   std::map<std::string, double> counted_before_;
   bool moves_on_ = false;  ///< restart() comes with the next frame of a moving picture
 };

@@ -136,9 +136,15 @@ std::optional<Effort> Trials::decide(Effort* missing) const {
 
 bool Trials::render(const Plan& plan, TrialImage* image, double* work) {
   const uint32_t pixels = plan.settings.pixels;
-  EyeSums sums(context_.device, plan, context_.owner);
-  Parts parts(context_, plan, frame_, sums);
-  for (const Program& program : parts.programs()) programs_.push_back(program);
+  struct SmallParts {
+    EyeSums sums;
+    Parts parts;
+    SmallParts(const PartsContext& c, const Plan& plan, const Frame& frame)
+        : sums(c.device, plan, c.owner), parts(c, plan, frame, sums) {}
+  };
+  const auto small = std::make_shared<SmallParts>(context_, plan, frame_);
+  Parts& parts = small->parts;
+  if (products_.empty()) whole_parts_ = small;
   TypedBuffer<float4> moments(context_.device, context_.owner, "moments of a trial", size_t{pixels} * 2);
   moments.fill_zero();
   ScheduleRecorder recorder = context_.scheduler.record("trial", context_.owner);
@@ -166,7 +172,8 @@ size_t Trials::estimate_bytes(const BidirectionalParameters& parameters, const S
                               const RenderSettings& settings) {
   if (!can_adapt(parameters, make_plan(parameters, settings))) return 0;
   const Plan trial = make_plan(parameters, trial_settings(settings));
-  return Parts::estimate_bytes(trial, scene) + size_t{trial.settings.pixels} * 2 * sizeof(float4);
+  // Those of the whole effort are kept beside others.
+  return 2 * Parts::estimate_bytes(trial, scene) + size_t{trial.settings.pixels} * 2 * sizeof(float4);
 }
 
 }  // namespace lucarium::bidirectional

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -30,8 +31,8 @@ class Trials {
   size_t done() const { return products_.size(); }
   /// What lowers the error most for its work, when all trials are done.
   const std::optional<Effort>& best() const { return decided_; }
-  /// So that further trials of the same plans need not make their programs again.
-  const std::vector<Program>& programs() const { return programs_; }
+  /// The parts of the whole effort, small ones: while they are kept, its programs need not be made again.
+  std::shared_ptr<const void> whole_parts() const { return whole_parts_; }
 
   /// Samples of the image before trials: 16, and in small images as many as trials cost.
   static uint64_t samples_before(const RenderSettings& settings);
@@ -58,7 +59,7 @@ class Trials {
   PixelWeights weights_;
   std::vector<std::pair<Effort, double>> products_;
   std::optional<Effort> decided_;
-  std::vector<Program> programs_;
+  std::shared_ptr<const void> whole_parts_;
 };
 
 }  // namespace lucarium::bidirectional

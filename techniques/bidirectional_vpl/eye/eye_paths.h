@@ -59,7 +59,6 @@ class EyePaths {
   void write(Film& film) const;
   /// For Technique::inspect(): what each strategy has brought to a pixel, where its layers are shown.
   InspectedValues describe_strategies(uint32_t pixel) const;
-  const Program& program() const { return program_; }
   const TypedBuffer<float4>& sample() const { return sample_; }
   const TypedBuffer<EyePathState>& states() const { return states_; }
   std::map<std::string, double> counters() const;

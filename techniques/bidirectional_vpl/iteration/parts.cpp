@@ -65,13 +65,6 @@ std::map<std::string, double> Parts::counters() const {
   return all;
 }
 
-std::vector<Program> Parts::programs() const {
-  std::vector<Program> all = {eye_->program()};
-  if (vertices_)
-    for (const Program& program : vertices_->programs()) all.push_back(program);
-  return all;
-}
-
 InspectedValues Parts::inspect(const SeenPoint& point) const {
   InspectedValues rows = eye_->describe_strategies(point.y * frame_.width + point.x);
   for (auto& row : describe_weights(plan_)) rows.push_back(std::move(row));

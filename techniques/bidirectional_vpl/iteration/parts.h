@@ -3,7 +3,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "bidirectional_vpl/base/plan.h"
 #include "bidirectional_vpl/eye/eye_paths.h"
@@ -40,8 +39,6 @@ class Parts {
   std::map<std::string, double> counters() const;
   /// What is held at a pixel (Technique::inspect).
   InspectedValues inspect(const SeenPoint& point) const;
-  /// Those that are made for a plan.
-  std::vector<Program> programs() const;
   const EyePaths& eye() const { return *eye_; }
   void write(Film& film) const { eye_->write(film); }
   static size_t estimate_bytes(const Plan& plan, const Scene& scene);

@@ -3,7 +3,6 @@
 #include <array>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "bidirectional_vpl/base/plan.h"
 #include "lucarium/services/light_paths/light_paths.h"
@@ -31,7 +30,6 @@ class LightVertices {
     if (plan_.learned) scheduler_.warm_up(learn_);
   }
 
-  std::vector<Program> programs() const { return {store_, list_program_, splat_program_, learn_program_}; }
   const TypedBuffer<PathVertex>& vertices() const { return vertices_; }
   const TypedBuffer<float2>& densities() const { return densities_; }  ///< of vertices, by slot (base/gloss.clh)
   const TypedBuffer<float>& table() const { return table_; }

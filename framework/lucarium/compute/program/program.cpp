@@ -42,6 +42,16 @@ std::string preamble(const ProgramSpec& spec) {
   return text;
 }
 
+std::optional<Hash128> request_of(const SourceLibrary& library, const ProgramSpec& spec) {
+  const std::optional<Hash128> sources = library.fingerprint();
+  if (!sources) return std::nullopt;
+  Hasher hasher;
+  hasher.add(*sources).add(spec.name).add(spec.mad_enable).add(static_cast<uint64_t>(spec.files.size()));
+  for (const std::string& file : spec.files) hasher.add(file);
+  for (const auto& [name, value] : spec.defines) hasher.add(name).add(value);
+  return hasher.finish();
+}
+
 std::string build_options(const ProgramSpec& spec) {
   return std::string("-cl-std=CL1.2 -cl-kernel-arg-info") + (spec.mad_enable ? " -cl-mad-enable" : "");
 }
@@ -126,6 +136,7 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
   bool from_cache = false;
   double build_seconds = 0;
 
+  std::optional<Hash128> request;  // of sources and specification; none where sources may change
   Hash128 key;
   std::string driver_program;        // see driver_files.h; empty where there is none to keep
   std::set<std::string> kept_files;  // of the driver, in the cache entry
@@ -141,11 +152,12 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
     return instance;
   }
 
-  /// A program that is there already, or null.
-  static std::shared_ptr<State> find(const Device& device, const Hash128& key) {
+  /// A program that is there already and was asked for in the same words, or null.
+  static std::shared_ptr<State> find(const Device& device, const std::optional<Hash128>& request) {
+    if (!request) return nullptr;
     const std::lock_guard lock(registry().mutex);
     for (State* state : registry().states) {
-      if (state->device.get() != &device || state->key != key) continue;
+      if (state->device.get() != &device || state->request != request) continue;
       if (std::shared_ptr<State> shared = state->weak_from_this().lock()) return shared;
     }
     return nullptr;
@@ -240,26 +252,28 @@ struct Program::State : std::enable_shared_from_this<Program::State> {
 };
 
 Program::Program(Device& device, const SourceLibrary& library, const ProgramSpec& spec) {
+  const std::optional<Hash128> request = request_of(library, spec);
+  state_ = State::find(device, request);
+  if (state_) return;
+  state_ = std::make_shared<State>();
   const Stopwatch watch;
   const double before = processor_seconds();
+  state_->device = device.shared_from_this();
+  state_->name = spec.name;
+  state_->request = request;
   const std::string source = preamble(spec) + library.preprocess(spec.files);
-  const Hash128 key = device.program_cache().key(source, build_options(spec));
-  state_ = State::find(device, key);
-  if (!state_) {
-    state_ = std::make_shared<State>();
-    state_->device = device.shared_from_this();
-    state_->name = spec.name;
-    state_->key = key;
-    state_->from_cache = state_->load(spec, source);
-    if (!state_->from_cache) {
-      device.compile_progress().build(spec.name);
-      state_->compile(spec, source);
-    }
-    state_->build_seconds = watch.seconds();
+  state_->key = device.program_cache().key(source, build_options(spec));
+  state_->from_cache = state_->load(spec, source);
+  if (!state_->from_cache) {
+    device.compile_progress().build(spec.name);
+    state_->compile(spec, source);
+  }
+  {
     const std::lock_guard lock(State::registry().mutex);
     State::registry().states.insert(state_.get());
   }
-  device.add_program_seconds(watch.seconds());
+  state_->build_seconds = watch.seconds();
+  device.add_program_seconds(state_->build_seconds);
   all_processor_seconds += processor_seconds() - before;
 }
 

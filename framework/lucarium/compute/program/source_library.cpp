@@ -252,6 +252,16 @@ SourceLibrary::File SourceLibrary::find(std::string_view virtual_name, std::stri
       .with_details(fmt::format("embedded sources:\n  {}", fmt::join(known, "\n  ")));
 }
 
+std::optional<Hash128> SourceLibrary::fingerprint() const {
+  if (!roots_.empty()) return std::nullopt;
+  Hasher hasher;
+  for (const EmbeddedSources* table : tables_) {
+    hasher.add(static_cast<uint64_t>(table->size()));
+    for (const auto& [name, text] : *table) hasher.add(name).add(text);
+  }
+  return hasher.finish();
+}
+
 std::string SourceLibrary::preprocess(const std::vector<std::string>& entry_files) const {
   Preprocessor preprocessor(*this);
   for (const std::string& file : entry_files) preprocessor.append(file, "", false);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "lucarium/base/files/embedded_files.h"
+#include "lucarium/base/hash.h"
 
 namespace lucarium {
 
@@ -34,6 +36,9 @@ class SourceLibrary {
   /// lines. Knows #if only as "maybe": an include inside #if is resolved where it can be and else left to the compiler
   /// (headers shared with C++ name C++ headers there); outside #if, what cannot be resolved throws Error{device}.
   std::string preprocess(const std::vector<std::string>& entry_files) const;
+
+  /// Of all that preprocess() may find; none where files of LUCARIUM_KERNEL_PATH may change at any time.
+  std::optional<Hash128> fingerprint() const;
 
  private:
   std::vector<const EmbeddedSources*> tables_;
