@@ -17,7 +17,7 @@ namespace {
 constexpr double kVertex = 4.5, kConnection = 3.5, kCandidate = 0.09, kLightPathVertex = 6.3, kSplat = 5.1, kPath = 1.4;
 
 constexpr int kBlur = 2;            // pixels to each side
-constexpr double kSignificant = 4;  // standard errors; there are few samples to tell them from
+constexpr double kSignificant = 4;  // standard errors; a trial has few samples to estimate them from
 
 double count_of(const std::map<std::string, double>& counters, const char* name) {
   const auto found = counters.find(name);
@@ -79,13 +79,13 @@ PixelWeights pixel_weights(const TrialImage& reference) {
       double pixels = 0;
       for (int v = std::max(y - kBlur, 0); v <= std::min(y + kBlur, height - 1); ++v) {
         for (int u = std::max(x - kBlur, 0); u <= std::min(x + kBlur, width - 1); ++u, ++pixels) {
-          const auto light = channels(sums[static_cast<size_t>(v * width + u)]);
+          const auto light = channels(sums[static_cast<size_t>(v) * reference.width + static_cast<size_t>(u)]);
           for (size_t c = 0; c < 3; ++c) mean[c] += light[c];
         }
       }
       for (size_t c = 0; c < 3; ++c) {
         mean[c] /= pixels * n;
-        weights[static_cast<size_t>(y * width + x)][c] = 1 / (mean[c] * mean[c] + least);
+        weights[static_cast<size_t>(y) * reference.width + static_cast<size_t>(x)][c] = 1 / (mean[c] * mean[c] + least);
       }
     }
   }
