@@ -58,15 +58,22 @@ def curve(runs):
 
 
 def curves(results):
-    """One row a point: scene, variant, budget, seconds, relmse, low, high."""
+    """One row a point: scene, variant, budget, seconds, relmse, low, high. Nothing of runs of which a seed has no such
+    time, as on a GPU."""
     pieces = [piece for piece in results['pieces'] if 'failure' not in piece]
     snapshots = pd.json_normalize(pieces, 'snapshots', RUN + ['seed'])
     if time_of(results) not in snapshots:
-        sys.exit('the machines are unlike, and their processor times are not known: there is no time to draw')
-    snapshots = snapshots.assign(seconds=snapshots[time_of(results)]).sort_values('seconds')
+        snapshots[time_of(results)] = np.nan
+    timed = snapshots.dropna(subset=[time_of(results)])
+    timed = timed.assign(seconds=timed[time_of(results)].astype(float)).sort_values('seconds')
+    seeds = snapshots.groupby(RUN)['seed'].nunique()
     tables = []
-    for key, group in snapshots.groupby(RUN):
+    for key, group in timed.groupby(RUN):
+        if group['seed'].nunique() < seeds[key]:
+            continue
         tables.append(curve([run for _, run in group.groupby('seed')]).assign(**dict(zip(RUN, key))))
+    if not tables:
+        sys.exit('the machines are unlike, and their processor times are not known: there is no time to draw')
     return named(pd.concat(tables), results)
 
 
