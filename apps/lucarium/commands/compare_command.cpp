@@ -86,8 +86,10 @@ bool succeeded(const ComparisonResult& result) {
     if (gate.passed) continue;
     fine = false;
     log_message(LogLevel::error,
-                fmt::format("gate {} missed: {} with {} on {}", gate.gate,
-                            std::isnan(gate.value) ? "no result" : fmt::format("{:.4g}", gate.value),
+                fmt::format("gate {} {}: {} with {} on {}", gate.gate, gate.unlike_machines ? "unknown" : "missed",
+                            gate.unlike_machines     ? "the machines differ"
+                            : std::isnan(gate.value) ? "no result"
+                                                     : fmt::format("{:.4g}", gate.value),
                             result.spec.variants[gate.variant].label(), result.scenes[gate.scene].name));
   }
   return fine;

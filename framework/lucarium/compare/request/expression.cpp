@@ -49,7 +49,8 @@ std::vector<std::string> expression_names(const std::string& expression) {
 
 double evaluate_expression(const std::string& expression, const ExpressionScope& scope) {
   for (const std::string& name : expression_names(expression)) {
-    if (!scope.numbers.contains(name)) return NAN;
+    const auto found = scope.numbers.find(name);
+    if (found == scope.numbers.end() || std::isnan(found->second)) return NAN;
   }
   try {
     mu::Parser parser;

@@ -14,7 +14,8 @@ struct ExpressionScope {
 };
 
 /// The value of an arithmetic expression ("1000*iterate_seconds/samples < 12"; a comparison is 1 or 0; muParser's
-/// syntax). NaN when a name is not in the scope. Throws Error{input} when it cannot be parsed.
+/// syntax). NaN when a name is not in the scope, or NaN there: what compares with it says nothing. Throws Error{input}
+/// when it cannot be parsed.
 double evaluate_expression(const std::string& expression, const ExpressionScope& scope);
 
 /// The names that an expression uses, functions aside. Throws Error{input} when it cannot be parsed.

@@ -85,14 +85,21 @@ std::string judge(const ConfidenceInterval& ratio) {
 /// machine: what it changes may be what is asked for.
 bool one_kind_of_machine(const ComparisonResult& result, const json& old) {
   std::set<std::pair<std::string, unsigned>> kinds;
-  for (const PieceResult& piece : result.pieces)
+  std::set<std::string> devices;
+  for (const PieceResult& piece : result.pieces) {
+    if (!piece.failure.empty()) continue;
     if (piece.machine) kinds.insert({piece.machine->machine.cpu, piece.machine->machine.logical_cores});
+    devices.insert(json::parse(piece.render_summary).value("device", ""));
+  }
   for (const json& piece : old.at("pieces")) {
+    if (piece.contains("failure")) continue;
     const auto machine = piece.find("machine");
     if (machine != piece.end())
       kinds.emplace(machine->at("cpu").get<std::string>(), machine->at("logical_cores").get<unsigned>());
+    devices.insert(piece.value("device", old.value("device", "")));  // earlier versions name one for all pieces
   }
-  return kinds.size() < 2 && result.device == old.value("device", result.device);
+  devices.erase("");
+  return kinds.size() < 2 && devices.size() < 2;
 }
 
 json read_results(const std::filesystem::path& folder) {

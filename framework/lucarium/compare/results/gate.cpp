@@ -38,6 +38,8 @@ std::string resolve_metric(const std::string& name, const std::string& text) {
   }
 }
 
+bool is_wall_time(const std::string& metric) { return metric == "seconds" || metric == "prepare_seconds"; }
+
 double value_of(const Summary& summary, const std::string& metric) {
   for (const auto& [resource, value] : resource_values()) {
     if (resource == metric) return summary.seeds > 0 ? value(summary) : NAN;
@@ -79,7 +81,9 @@ std::vector<GateResult> apply_gates(const std::vector<Gate>& gates, const Compar
         for (size_t budget = 0; budget < result.spec.budgets.size(); ++budget) {
           const auto found = result.summaries.find({scene, variant, budget});
           GateResult entry{gate.text, scene, variant, budget, NAN, false};
-          if (found != result.summaries.end()) entry.value = value_of(found->second, gate.metric);
+          entry.unlike_machines = result.scenes[scene].unlike_machines && is_wall_time(gate.metric);
+          if (found != result.summaries.end() && !entry.unlike_machines)
+            entry.value = value_of(found->second, gate.metric);
           entry.passed = gate.below ? entry.value < gate.bar : entry.value > gate.bar;  // NaN passes neither
           results.push_back(entry);
         }

@@ -25,6 +25,7 @@ struct GateResult {
   size_t scene = 0, variant = 0, budget = 0;
   double value = 0;  ///< NaN: there is no result, which fails
   bool passed = false;
+  bool unlike_machines = false;  ///< a bar on seconds of several kinds of machine: unknown, and so not passed
 };
 
 struct ComparisonResult;

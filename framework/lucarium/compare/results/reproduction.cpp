@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
@@ -99,6 +100,30 @@ ExpressionScope quantities(const ComparisonResult& result, const SummaryKey& key
   return scope;
 }
 
+/// Times, as expressions call them.
+bool is_time_name(const std::string& name) {
+  return name == "seconds" || name.ends_with("_seconds") || name.starts_with("pass_") || name.starts_with("fastest_");
+}
+
+/// Of unlike machines nothing is said that compares them: no time, and what a budget of time led to only where it has
+/// no part in it. The names stay, as NaN, and are returned; functions set `asked` when an expression calls them.
+std::set<std::string> forget_times(ExpressionScope& scope, bool budget_of_time, bool& asked) {
+  static const std::set<std::string> same_anywhere = {"triangles", "pixels", "peak_host_bytes", "peak_device_bytes"};
+  std::set<std::string> forgotten;
+  for (auto& [name, number] : scope.numbers) {
+    if (!is_time_name(name) && (!budget_of_time || same_anywhere.contains(name))) continue;
+    number = NAN;
+    forgotten.insert(name);
+  }
+  for (auto& [name, function] : scope.functions) {
+    function = [&asked](double) {
+      asked = true;
+      return NAN;
+    };
+  }
+  return forgotten;
+}
+
 /// Where the variant stands in this comparison, which may be a quick one without it; its size when it is not there.
 size_t find_variant(const ComparisonResult& result, const std::string& label) {
   const std::vector<TechniqueVariant>& variants = result.spec.variants;
@@ -116,6 +141,11 @@ bool compare_images(ExpressionScope& scope, const ComparisonResult& result, cons
   const std::map<std::string, double> errors = pairs.measure(result, key(value.variant), key(value.against));
   for (const auto& [name, error] : errors) scope.numbers[expression_name(name)] = error;
   return !errors.empty();
+}
+
+bool uses_any(const std::string& expression, const std::set<std::string>& names) {
+  const std::vector<std::string> used = expression_names(expression);
+  return std::any_of(used.begin(), used.end(), [&](const std::string& name) { return names.contains(name); });
 }
 
 std::string verdict(double value) {
@@ -137,23 +167,28 @@ Reproduction reproduce(const Experiment& experiment, const ComparisonResult& res
                             {},
                             {}};
   std::map<std::string, double> values;
+  std::set<std::string> unlike;  // values that need machines of one kind
   for (const ExperimentValue& value : experiment.values) {
     ExpressionScope scope;
     if (!value.variant.empty())
       scope = quantities(result, {value.scene, find_variant(result, value.variant), value.budget});
     bool measured = value.variant.empty() || scope.numbers.contains("seconds");
     if (!value.against.empty()) measured = measured && compare_images(scope, result, value, pairs);
+    std::set<std::string> forgotten;
+    bool asked = false;
+    if (scope.numbers.contains("seconds") && result.scenes[value.scene].unlike_machines)
+      forgotten = forget_times(scope, result.spec.budgets[value.budget].seconds > 0, asked);
+    forgotten.insert(unlike.begin(), unlike.end());
     scope.numbers.insert(values.begin(), values.end());
-    const double ours = measured ? evaluate_expression(value.expression, scope) : NAN;
+    double ours = measured ? evaluate_expression(value.expression, scope) : NAN;
+    if (asked) ours = NAN;  // whatever the expression made of it
+    if (measured && (asked || uses_any(value.expression, forgotten))) unlike.insert(value.name);
     values[value.name] = ours;
     reproduction.values.push_back({value.label, value.unit, ours, value.paper});
   }
   for (const ExperimentTrend& trend : experiment.trends) {
-    double holds = NAN;
-    bool known = true;  // a comparison with NaN is false, which is not a verdict
-    for (const std::string& name : expression_names(trend.expression)) known &= !std::isnan(values.at(name));
-    if (known) holds = evaluate_expression(trend.expression, {values, {}});
-    reproduction.trends.push_back({trend.claim, trend.expression, verdict(holds)});
+    const double holds = evaluate_expression(trend.expression, {values, {}});
+    reproduction.trends.push_back({trend.claim, trend.expression, verdict(holds), uses_any(trend.expression, unlike)});
   }
   return reproduction;
 }
@@ -170,7 +205,8 @@ std::string Reproduction::table() const {
                         number_text(value.paper.value_or(NAN)), value.unit);
   }
   for (const Trend& trend : trends)
-    text += fmt::format("  {}: {}  [{}]\n", trend.verdict, trend.claim, trend.expression);
+    text += fmt::format("  {}{}: {}  [{}]\n", trend.verdict, trend.unlike_machines ? ", since the machines differ" : "",
+                        trend.claim, trend.expression);
   return text;
 }
 

@@ -20,7 +20,8 @@ struct Reproduction {
   };
   struct Trend {
     std::string claim, expression;
-    std::string verdict;  ///< holds, fails, unknown (something it needs was not measured)
+    std::string verdict;           ///< holds, fails, unknown (something it needs was not measured)
+    bool unlike_machines = false;  ///< unknown, since it compares times of pieces that ran on several kinds of machine
   };
   std::string id, title, place, claim, differences;
   bool quick = false;

@@ -123,7 +123,7 @@ ordered_json piece_json(const PieceResult& piece) {
   if (piece.machine) json["machine"] = piece_machine_json(*piece.machine);
   const ordered_json summary = ordered_json::parse(piece.render_summary);
   for (const char* key : {"passes", "counters", "warnings"}) json[key] = summary.at(key);
-  for (const char* key : {"planned", "plan"})
+  for (const char* key : {"device", "planned", "plan"})
     if (summary.contains(key)) json[key] = summary[key];
   return json;
 }
@@ -227,7 +227,10 @@ ordered_json reproduction_json(const Reproduction& reproduction) {
   }
   json["trends"] = ordered_json::array();
   for (const Reproduction::Trend& trend : reproduction.trends) {
-    json["trends"].push_back({{"claim", trend.claim}, {"expression", trend.expression}, {"verdict", trend.verdict}});
+    json["trends"].push_back({{"claim", trend.claim},
+                              {"expression", trend.expression},
+                              {"verdict", trend.verdict},
+                              {"unlike_machines", trend.unlike_machines}});
   }
   return json;
 }
@@ -247,11 +250,8 @@ void add_conclusions(ordered_json& json, const ComparisonResult& result) {
   }
   json["gates"] = ordered_json::array();
   for (const GateResult& gate : result.gates) {
-    ordered_json entry = {{"gate", gate.gate},
-                          {"scene", gate.scene},
-                          {"variant", gate.variant},
-                          {"budget", gate.budget},
-                          {"passed", gate.passed}};
+    ordered_json entry = {{"gate", gate.gate},     {"scene", gate.scene},   {"variant", gate.variant},
+                          {"budget", gate.budget}, {"passed", gate.passed}, {"unlike_machines", gate.unlike_machines}};
     put(entry, "value", gate.value);
     json["gates"].push_back(std::move(entry));
   }

@@ -217,6 +217,27 @@ TEST_CASE("gates") {
     CHECK_THROWS_AS(parse_gate(text), Error);
 }
 
+TEST_CASE("of unlike machines, gates on seconds are unknown, whatever their bar") {
+  ComparisonResult result = example();
+  result.scenes[0].unlike_machines = true;
+  for (const char* text : {"seconds<1000", "seconds>0", "prepare_seconds<1000"}) {
+    CAPTURE(text);
+    for (const GateResult& gate : apply_gates({parse_gate(text)}, result)) {
+      CHECK(std::isnan(gate.value));
+      CHECK(gate.unlike_machines);
+      CHECK_FALSE(gate.passed);
+    }
+  }
+  const std::vector<GateResult> others = apply_gates({parse_gate("psnr>31"), parse_gate("peak_host_bytes<1")}, result);
+  REQUIRE(others.size() == 4);
+  for (const GateResult& gate : others) {
+    CHECK(gate.passed);
+    CHECK_FALSE(gate.unlike_machines);
+  }
+  result.gates = apply_gates({parse_gate("seconds<1000")}, result);
+  CHECK(nlohmann::json::parse(result.to_json())["gates"][0]["unlike_machines"] == true);
+}
+
 TEST_CASE("results survive as JSON, and another run is compared with them") {
   const test::TemporaryFolder folder;
   ComparisonResult result = example();
@@ -258,6 +279,35 @@ TEST_CASE("against a baseline of another machine, times are not judged") {
                         std::regex_replace(result.to_json(), std::regex("another kind"), "one kind"));
   CHECK(verdict(0) == "same");  // of equal work it does not matter where
   CHECK(verdict(1) == "unknown");
+}
+
+TEST_CASE("against a baseline, times are not judged where pieces of either ran on several devices") {
+  const test::TemporaryFolder folder;
+  ComparisonResult result = example();
+  const auto put_on = [&](PieceResult& piece, const std::string& device) {
+    nlohmann::json summary = nlohmann::json::parse(piece.render_summary);
+    summary["device"] = device;
+    piece.render_summary = summary.dump();
+  };
+  const auto write = [&] { write_file_atomically(folder.path() / "results.json", result.to_json()); };
+  const auto verdict = [&] { return compare_with_baseline(result, folder.path()).changes.at(1).verdict; };
+  for (PieceResult& piece : result.pieces) put_on(piece, "one device");
+  result.device = "one device";
+  write();
+  CHECK(verdict() == "same");
+  put_on(result.pieces.front(), "another device");  // the device that the results name is still the last piece's
+  CHECK(verdict() == "unknown");
+  write();
+  put_on(result.pieces.front(), "one device");
+  CHECK(verdict() == "unknown");
+  // Earlier versions named the device of all pieces once.
+  nlohmann::json old = nlohmann::json::parse(result.to_json());
+  for (nlohmann::json& piece : old["pieces"]) piece.erase("device");
+  write_file_atomically(folder.path() / "results.json", old.dump());
+  CHECK(verdict() == "same");
+  old["device"] = "another device";
+  write_file_atomically(folder.path() / "results.json", old.dump());
+  CHECK(verdict() == "unknown");
 }
 
 TEST_CASE("Welch's ratio holds the truth as often as it says") {

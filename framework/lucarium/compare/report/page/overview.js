@@ -83,17 +83,20 @@ function overviewConfig(budget) {
 function gateTable() {
   const gates = listOf(results, 'gates');
   if (!gates.length) return null;
-  const rows = gates.map(gate => ({
-                           class: gate.passed ? '' : 'failed',
-                           cells: [
-                             gate.gate, sceneName(gate.scene), variantLabel(gate.variant), budgetLabel(gate.budget),
-                             {value: gate.value, show: number(gate.value)},
-                             {value: gate.passed ? 1 : 0, show: gate.passed ? '✔ passed' : '✘ missed'}
-                           ]
-                         }));
-  const missed = gates.filter(gate => !gate.passed).length;
+  const verdict = gate => gate.passed ? '✔ passed' : gate.unlike_machines ? '? unknown: machines differ' : '✘ missed';
+  const rows =
+      gates.map(gate => ({
+                  class: gate.passed ? '' : 'failed',
+                  cells: [
+                    gate.gate, sceneName(gate.scene), variantLabel(gate.variant), budgetLabel(gate.budget),
+                    {value: gate.value, show: number(gate.value)}, {value: gate.passed ? 1 : 0, show: verdict(gate)}
+                  ]
+                }));
+  const missed = gates.filter(gate => !gate.passed && !gate.unlike_machines).length;
+  const unknown = gates.filter(gate => gate.unlike_machines).length;
   return h(
-      'details', {open: gates.length <= 8}, h('summary', {}, `${missed} of ${gates.length} gates missed`),
+      'details', {open: gates.length <= 8},
+      h('summary', {}, `${missed} of ${gates.length} gates missed${unknown ? `, ${unknown} unknown` : ''}`),
       sortableTable('Gates', ['gate', 'scene', 'technique', 'budget', 'value', 'verdict'].map(name => ({name})), rows));
 }
 

@@ -29,7 +29,9 @@ function reproductionSection() {
                 trend =>
                     h('li', {class: trend.verdict, title: trend.expression},
                       `${marks[trend.verdict]} ${trend.claim}: ${
-                          trend.verdict === 'unknown' ? 'not measured' : trend.verdict}`))),
+                          trend.unlike_machines           ? 'unknown, since the machines differ' :
+                              trend.verdict === 'unknown' ? 'not measured' :
+                                                            trend.verdict}`))),
       rows.length ?
           sortableTable(
               'measured beside the paper', [{name: ''}, {name: 'measured'}, {name: 'paper'}, {name: 'unit'}], rows) :
