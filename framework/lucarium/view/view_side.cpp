@@ -110,6 +110,7 @@ void ViewSide::refuse(const ViewTechnique& technique, const Error& error) {
   if (sessions_.empty()) {
     failed_ = true;
     session_ = nullptr;
+    meanwhile_.clear();
   }
 }
 
@@ -123,6 +124,7 @@ void ViewSide::clear() {
   session_ = nullptr;
   sessions_.clear();
   film_.reset();
+  meanwhile_.clear();
   sent_divisor_ = 0;
   stage_ = Stage::waiting;
 }

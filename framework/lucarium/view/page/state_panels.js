@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewer is doing, what it costs, and the commands that repeat it.
 
+// Another technique's picture is called so until the first one of its own, in whatever stage that comes.
 function stageText(status) {
+  const meanwhile = status.meanwhile ? `; meanwhile a picture by ${status.meanwhile}` : '';
   if (status.stage === 'preparing') {
     const {text, fraction} = status.preparing;
-    const meanwhile = status.meanwhile ? `; meanwhile a picture by ${status.meanwhile}` : '';
     return `preparing: ${text}${fraction >= 0 ? `, ${percent(fraction)}` : ''}${meanwhile}`;
   }
-  return status.stage;
+  return status.stage + meanwhile;
 }
 
 class StateLine {

@@ -60,6 +60,10 @@ at('pointerdown', 0.5); at('pointermove', 0.6); at('pointerup', 0.6);""")
 
 def technique(browser, viewer):
     before = browser.run(PIXELS)
+    script = (pathlib.Path(__file__).parents[4] / 'framework/lucarium/view/page/state_panels.js').read_text()
+    check('a picture by another technique is called so in every stage, until the own one has come', browser.run(
+        script + "return ['path_tracing', ''].map(meanwhile => stageText({stage: 'rendering', meanwhile}));") ==
+          ['rendering; meanwhile a picture by path_tracing', 'rendering'])
     browser.run(SET, '#parameter-estimator', 'bsdf')
     check('a parameter changes the picture', shows(browser, lambda: browser.run(PIXELS) != before))
     other = viewer.render('other.png', '-t', 'path_tracing:estimator=bsdf')
