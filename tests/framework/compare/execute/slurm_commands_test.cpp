@@ -73,10 +73,12 @@ TEST_CASE("reference: an interrupt leaves its rounds with Slurm, and --extend at
   const size_t before = slurm.calls("sbatch ").size();
   slurm.set("hold", "");
   const std::string more = reference(arrays, "--spp 64 --extend --executor slurm");
-  const test::ProgramResult broken = test::run_program(
-      fmt::format("{} & pid=$!; until [ $(grep -c '^sbatch ' {}) -gt {} ]; do kill -0 $pid || exit 99; sleep 0.05; "
-                  "done; sleep 0.5; kill -TERM $pid; wait $pid",
-                  more, (slurm.folder() / "calls.txt").string(), before));
+  // Until the program asks how the new array does: then it knows that Slurm has taken it.
+  const std::string asked =
+      fmt::format("awk '/^sbatch /{{++arrays}} /^squeue / && arrays > {}{{asked = 1}} END{{exit !asked}}' {}", before,
+                  (slurm.folder() / "calls.txt").string());
+  const test::ProgramResult broken = test::run_program(fmt::format(
+      "{} & pid=$!; until {}; do kill -0 $pid || exit 99; sleep 0.05; done; kill -TERM $pid; wait $pid", more, asked));
   CHECK_MESSAGE(broken.exit_code == 6, broken.err);
   CHECK(broken.err.find("go on; --extend attaches to them again") != std::string::npos);
   const size_t submitted = slurm.calls("sbatch ").size();
