@@ -27,6 +27,7 @@ namespace {
 constexpr const char* run_file = "run.txt";
 constexpr std::string_view batch_prefix = "batch";
 constexpr unsigned looks_until_lost = 2;
+constexpr unsigned looks_per_accounting = 10;  // at what is not in the queue
 // A shared folder may show late what a node wrote: NFS keeps what it knows of a folder for up to a minute (acdirmax).
 constexpr double late_files = 90;  // [s]
 constexpr size_t bad_node_failures = 3;
@@ -107,7 +108,7 @@ void ArrayRun::add_batch(size_t number, const std::vector<std::vector<BatchPiece
       piece.state = Piece::State::submitted;
       piece.batch = number;
       piece.index = index;
-      piece.unseen = 0;
+      piece.seen();
       ++piece.attempts;
     }
   }
@@ -261,6 +262,7 @@ void ArrayRun::look() {
   states_ = *states;
   take_ended();  // first, so that nothing that has ended counts as lost
   std::optional<std::map<SlurmTaskId, SlurmTaskState>> accounting;
+  std::set<size_t> renewed;  // batches
   for (size_t i = 0; i < pieces_.size(); ++i) {
     Piece& piece = pieces_[i];
     if (piece.state != Piece::State::submitted) continue;
@@ -269,20 +271,26 @@ void ArrayRun::look() {
     const bool stuck = found != states_.end() && found->second.stuck();
     if (stuck) cancel_task(found->second.id);
     if (found != states_.end() && found->second.active() && !stuck) {
-      piece.unseen = 0;
+      piece.seen();
       continue;
     }
     if (piece.unseen == 0) piece.since_unseen.restart();
     if (!stuck && ++piece.unseen < looks_until_lost) continue;
     const SlurmTaskState* state = found == states_.end() ? nullptr : &found->second;
-    if (!state) {
-      if (!accounting) accounting = query_accounting(names());
-      if (const auto accounted = accounting->find(id); accounted != accounting->end()) state = &accounted->second;
+    if (!state && !piece.accounted && piece.unseen >= piece.next_accounting) {
+      if (!accounting) {
+        const Stopwatch accounts;
+        accounting = query_accounting(names());
+        look_seconds_ += accounts.seconds();
+      }
+      piece.next_accounting = piece.unseen + looks_per_accounting;
+      if (const auto known = accounting->find(id); known != accounting->end()) piece.accounted = known->second;
     }
+    if (!state && piece.accounted) state = &*piece.accounted;
     // Whatever completed has left its files; of what is gone nobody knows.
     const bool may_come = !state || state->state == "COMPLETED";
     if (may_come && piece.since_unseen.seconds() < late_files) {
-      batches_.at(piece.batch).files.renew_view();
+      if (renewed.insert(piece.batch).second) batches_.at(piece.batch).files.renew_view();
       continue;
     }
     lose(i, state);

@@ -23,11 +23,14 @@ class ArrayRun {
   struct Piece {
     enum class State { waiting, submitted, ended } state = State::waiting;
     size_t attempts = 0;
-    size_t batch = 0, index = 0;      ///< of the newest attempt
-    unsigned unseen = 0;              ///< looks at the queue in a row that did not show it
-    Stopwatch since_unseen;           ///< since the first of them
+    size_t batch = 0, index = 0;   ///< of the newest attempt
+    unsigned unseen = 0;           ///< looks at the queue in a row that did not show it
+    Stopwatch since_unseen;        ///< since the first of them
+    unsigned next_accounting = 0;  ///< the unseen look from which accounting is asked again
+    std::optional<SlurmTaskState> accounted;
     std::vector<std::string> notes;   ///< how each attempt failed
     std::set<std::string> failed_on;  ///< nodes
+    void seen() { unseen = next_accounting = 0, accounted.reset(); }
   };
   struct Batch {
     SlurmBatch files;
@@ -70,7 +73,7 @@ class ArrayRun {
   bool silent_ = false;  ///< squeue does not answer
   std::string refusal_;  ///< of sbatch, for the time being
   Stopwatch since_look_, since_submission_;
-  double look_seconds_ = 0;
+  double look_seconds_ = 0;  ///< that the last one cost the site
 };
 
 }  // namespace lucarium
