@@ -166,7 +166,6 @@ void ComparisonRunner::render_missing(std::vector<MissingImage>& missing, PieceE
     }
     if (image.was_cached.exists() && child.exit_code == static_cast<int>(ErrorClass::input)) {
       say("  the cached reference is not usable; rendering it again");
-      remove_unusable(image);
       again.push_back(image);
       return;
     }
@@ -182,7 +181,15 @@ void ComparisonRunner::render_missing(std::vector<MissingImage>& missing, PieceE
   };
   if (!tasks.empty()) executor.run(tasks, events);
   progress_.reset();
-  if (!again.empty() && !interrupt_requested()) render_missing(again, executor);
+  if (again.empty() || interrupt_requested()) return;
+  try {
+    for (const MissingImage& image : again) remove_unusable(image);  // now, as nothing that runs has to wait for it
+  } catch (const Error& error) {
+    if (error.error_class() != ErrorClass::interrupted) throw;
+    set_interrupt_requested(true);
+    return;
+  }
+  render_missing(again, executor);
 }
 
 void ComparisonRunner::keep_rendered(const MissingImage& image, const ChildResult& child) {

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <fstream>
 #include <future>
+#include <optional>
 #include <thread>
 
 #include "lucarium/base/error.h"
@@ -15,6 +16,7 @@
 #include "lucarium/base/files/file_state.h"
 #include "lucarium/base/interrupt.h"
 #include "lucarium/base/json.h"
+#include "lucarium/base/stopwatch.h"
 #include "small_comparison.h"
 
 using namespace lucarium;
@@ -31,6 +33,14 @@ ErrorClass end_of(const test::SmallComparison& comparison) {
   }
   FAIL("it ended without an error");
   return ErrorClass::internal;
+}
+
+fs::path cached_reference(const test::SmallComparison& comparison) {
+  fs::path cached;
+  for (const fs::directory_entry& entry : fs::directory_iterator(comparison.options.cache_dir / "references"))
+    if (entry.path().extension() == ".exr") cached = entry.path();
+  REQUIRE(!cached.empty());
+  return cached;
 }
 
 }  // namespace
@@ -70,10 +80,7 @@ TEST_CASE("Ctrl-C while a resumed comparison renders a reference ended it with a
 TEST_CASE("a damaged reference in the cache was removed although another run had replaced it, without its lock") {
   test::SmallComparison comparison;
   REQUIRE(comparison.run().pieces.size() == 1);
-  fs::path cached;
-  for (const fs::directory_entry& entry : fs::directory_iterator(comparison.options.cache_dir / "references"))
-    if (entry.path().extension() == ".exr") cached = entry.path();
-  REQUIRE(!cached.empty());
+  const fs::path cached = cached_reference(comparison);
   const std::string whole = read_file(cached);
   write_file_atomically(cached, "damaged");
   fs::remove_all(comparison.options.folder);
@@ -87,7 +94,9 @@ TEST_CASE("a damaged reference in the cache was removed although another run had
     other = std::thread([&] {
       const FileLock lock(cached.string() + ".lock", [] {});
       locked.set_value();
-      while (!waited) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const Stopwatch patience;
+      while (!waited && patience.seconds() < 60) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      CHECK(waited);
       CHECK(read_file(cached) == "damaged");
       write_file_atomically(cached, whole);
       replaced = FileState(cached);
@@ -99,6 +108,27 @@ TEST_CASE("a damaged reference in the cache was removed although another run had
   other.join();
   CHECK(result.scenes[0].references[0].failure == "");
   CHECK(FileState(cached) == replaced);
+}
+
+TEST_CASE("Ctrl-C while a damaged reference waits for another run's lock ended the comparison with an error") {
+  test::SmallComparison comparison;
+  REQUIRE(comparison.run().pieces.size() == 1);
+  const fs::path cached = cached_reference(comparison);
+  write_file_atomically(cached, "damaged");
+  fs::remove_all(comparison.options.folder);
+  std::optional<FileLock> other;
+  bool waited = false;
+  comparison.options.progress = [&](const std::string& line) {
+    if (line.find("the cached reference is not usable") != std::string::npos)
+      other.emplace(cached.string() + ".lock", [] {});
+    if (!other || line.find("waiting for another run") == std::string::npos) return;
+    waited = true;
+    set_interrupt_requested(true);
+  };
+  CHECK(comparison.run().interrupted);
+  CHECK(waited);
+  CHECK(read_file(cached) == "damaged");
+  set_interrupt_requested(false);
 }
 
 TEST_CASE("a comparison that is interrupted while it plans left an empty folder with a lock") {
