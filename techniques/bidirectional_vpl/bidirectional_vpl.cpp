@@ -118,12 +118,12 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
  protected:
   void build() override {
     trials_.reset();
-    whole_parts_.reset();
+    kept_.clear();
     parts_.reset();  // its memory first
     sums_.reset();
     check_parameters(parameters_, settings());
     const Plan plan = make_plan(parameters_, settings());
-    adapts_after_ = can_adapt(parameters_, plan) ? Trials::samples_before(settings()) : UINT64_MAX;
+    adapts_after_ = can_adapt(parameters_, plan) ? Trials::samples_before(parameters_, settings()) : UINT64_MAX;
     sums_ = std::make_unique<EyeSums>(device(), plan, kName);
     make_parts(whole_effort(parameters_));
   }
@@ -162,10 +162,17 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   void write(Film& film) override {
     if (parts_) parts_->write(film);
   }
-  void warm_up_kernels() override { parts_->warm_up(); }
+  void warm_up_kernels() override {
+    parts_->warm_up();
+    if (adapts_after_ != UINT64_MAX) make_trials()->warm_up();
+  }
 
  private:
   PartsContext parts_context() { return {device(), scheduler(), scene_buffers(), bvh(), kName}; }
+
+  std::unique_ptr<Trials> make_trials() {
+    return std::make_unique<Trials>(parts_context(), parameters_, settings(), frame(), kept_);
+  }
 
   void make_parts(const Effort& effort) {
     parts_.reset();  // its memory first
@@ -177,17 +184,18 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   /// worth its work, from the same sums. Where a trial fails nothing changes. False when cancelled.
   bool adapt(uint64_t number) {
     try {
-      if (!trials_) trials_ = std::make_unique<Trials>(parts_context(), parameters_, settings(), frame());
+      if (!trials_) trials_ = make_trials();
       if (trials_->done() <= number && !trials_->advance()) return false;
     } catch (const Error& error) {
       if (error.error_class() == ErrorClass::interrupted) throw;
       log_warning("{}: adapt has no effect: {}", kName, error.what());
-      adapted_ = true;
+      adapts_after_ = UINT64_MAX;
+      trials_.reset();
+      kept_.clear();
       return true;
     }
     if (!trials_->best()) return true;
     const Effort best = *trials_->best();
-    whole_parts_ = trials_->whole_parts();
     trials_.reset();
     adapted_ = true;
     if (best == effort_) return true;
@@ -198,11 +206,11 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
 
   std::unique_ptr<EyeSums> sums_;
   std::unique_ptr<Parts> parts_;
-  std::unique_ptr<Trials> trials_;           ///< while they go on
-  std::shared_ptr<const void> whole_parts_;  ///< small ones, kept for the programs of another beginning
-  Effort effort_;                            ///< of parts_
-  uint64_t adapts_after_ = 0;                ///< samples
-  bool adapted_ = false;                     ///< effort_ has been decided
+  KeptParts kept_;
+  std::unique_ptr<Trials> trials_;  ///< while they go on
+  Effort effort_;                   ///< of parts_
+  uint64_t adapts_after_ = 0;       ///< samples
+  bool adapted_ = false;            ///< effort_ has been decided
   std::map<std::string, double> counted_before_;
   bool moves_on_ = false;  ///< restart() comes with the next frame of a moving picture
 };

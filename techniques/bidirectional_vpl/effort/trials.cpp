@@ -11,7 +11,7 @@ namespace lucarium::bidirectional {
 
 namespace {
 
-constexpr uint32_t kSamples = 8, kTrials = 7;
+constexpr uint32_t kSamples = 8;
 // Pixels of a trial: a quarter of the image's within these.
 constexpr uint32_t kMinPixels = 1024, kMaxPixels = 8192;
 constexpr uint64_t kSamplesBefore = 16;  // of the image
@@ -21,6 +21,21 @@ constexpr size_t kMinLitPixels = 64;
 // Products of trials scatter by some percent; without a clear gain, nothing changes.
 constexpr double kClearly = 0.9;
 constexpr int kEndlessEdges = BidirectionalParameters::kMaxCameraEdges;
+
+/// Camera paths alone. They must not be ended early: nothing else finds their light.
+Effort camera_effort(const BidirectionalParameters& parameters) {
+  Effort effort = whole_effort(parameters);
+  effort.light_paths = effort.splats = false;
+  effort.camera_edges = kEndlessEdges;
+  return effort;
+}
+
+/// The whole, no splats, camera paths alone, three lengths of camera paths, and those of light paths.
+uint32_t max_trials(const BidirectionalParameters& parameters) {
+  uint32_t trials = 6;
+  for (int vertices = parameters.light_vertices / 2; vertices >= 1; vertices /= 2) ++trials;
+  return trials;
+}
 
 }  // namespace
 
@@ -32,13 +47,14 @@ bool can_adapt(const BidirectionalParameters& p, const Plan& plan) {
 }
 
 Trials::Trials(const PartsContext& context, const BidirectionalParameters& parameters, const RenderSettings& settings,
-               const Frame& frame)
+               const Frame& frame, KeptParts& kept)
     : context_(context),
       parameters_(parameters),
       settings_(trial_settings(settings)),
       frame_(frame),
       program_(
-          make_program(context.device, bidirectional_vpl_kernels(), {"bidirectional_vpl/effort/trial_moments"}, {})) {
+          make_program(context.device, bidirectional_vpl_kernels(), {"bidirectional_vpl/effort/trial_moments"}, {})),
+      kept_(kept) {
   frame_.width = settings_.width;
   frame_.height = settings_.height;
   frame_.seed ^= kSeed;
@@ -58,27 +74,29 @@ RenderSettings Trials::trial_settings(const RenderSettings& settings) {
   return small;
 }
 
-uint64_t Trials::samples_before(const RenderSettings& settings) {
+uint64_t Trials::samples_before(const BidirectionalParameters& parameters, const RenderSettings& settings) {
   const RenderSettings small = trial_settings(settings);
   const uint64_t pixels = uint64_t{settings.width} * settings.height;
-  return std::max(kSamplesBefore, uint64_t{kTrials} * kSamples * small.width * small.height / pixels);
+  return std::max(kSamplesBefore, uint64_t{max_trials(parameters)} * kSamples * small.width * small.height / pixels);
+}
+
+std::shared_ptr<SmallParts> Trials::small_parts(const Effort& effort) const {
+  if (std::shared_ptr<SmallParts> kept = kept_.find(effort)) return kept;
+  auto parts = std::make_shared<SmallParts>(context_, make_plan(parameters_, settings_, effort), frame_);
+  if (effort == whole_effort(parameters_) || effort == camera_effort(parameters_)) kept_.keep(effort, parts);
+  return parts;
+}
+
+void Trials::warm_up() {
+  for (const Effort& effort : {whole_effort(parameters_), camera_effort(parameters_)})
+    small_parts(effort)->parts().warm_up();
 }
 
 bool Trials::advance() {
   Effort effort;
   decided_ = decide(&effort);
   if (decided_) return true;
-  const Plan plan = make_plan(parameters_, settings_, effort);
-  TrialImage image;
-  double work = 0;
-  if (!render(plan, &image, &work)) return false;
-  if (products_.empty()) {
-    reference_ = image;
-    weights_ = pixel_weights(reference_);
-  }
-  const double variance = relative_variance(image, weights_) + hidden_variance(image, reference_, weights_);
-  // Without any noise there is nothing to decide by.
-  products_.emplace_back(effort, variance > 0 ? variance * work : std::numeric_limits<double>::infinity());
+  if (!render(effort)) return false;
   decided_ = decide(&effort);
   return true;
 }
@@ -94,7 +112,8 @@ std::optional<Effort> Trials::decide(Effort* missing) const {
   *missing = best;
   std::optional<double> least = product(best);
   if (!least) return std::nullopt;
-  if (lit_pixels(reference_) < kMinLitPixels) return best;
+  // Without noise, or with hardly any light, there is nothing to decide by.
+  if (lit_pixels(reference_) < kMinLitPixels || *least == 0) return best;
   // False where the trial is missing.
   const auto consider = [&](const Effort& effort) {
     *missing = effort;
@@ -106,19 +125,20 @@ std::optional<Effort> Trials::decide(Effort* missing) const {
     return found.has_value();
   };
 
-  // Strategies.
+  // Strategies. What takes too little of the work cannot pay; of light paths halving saves a half at most.
   const Plan whole = make_plan(parameters_, settings_, best);
+  const double work = work_of(counters_);
+  const double splats = work_of({{"splat_rays", counters_.at("splat_rays")}}) / work;
+  const double light_paths = work_of({{"light_path_rays", counters_.at("light_path_rays")}}) / work + splats;
   Effort effort = best;
   effort.splats = false;
-  if (whole.splat && !consider(effort)) return std::nullopt;
-  // Camera paths alone must not be ended early: nothing else finds their light.
-  effort.light_paths = false;
-  effort.camera_edges = kEndlessEdges;
-  if (!consider(effort)) return std::nullopt;
+  if (whole.splat && splats > 1 - kClearly && !consider(effort)) return std::nullopt;
+  if (!consider(camera_effort(parameters_))) return std::nullopt;
   if (!best.light_paths) return best;
 
   // Lengths of light paths, and of camera paths before roulette.
   for (uint32_t vertices = whole.light_vertices / 2; vertices >= 1; vertices /= 2) {
+    if (light_paths / 2 <= 1 - kClearly) break;
     effort = best;
     effort.light_vertices = static_cast<int>(vertices);
     if (!consider(effort)) return std::nullopt;
@@ -134,17 +154,11 @@ std::optional<Effort> Trials::decide(Effort* missing) const {
   return best;
 }
 
-bool Trials::render(const Plan& plan, TrialImage* image, double* work) {
-  const uint32_t pixels = plan.settings.pixels;
-  struct SmallParts {
-    EyeSums sums;
-    Parts parts;
-    SmallParts(const PartsContext& c, const Plan& plan, const Frame& frame)
-        : sums(c.device, plan, c.owner), parts(c, plan, frame, sums) {}
-  };
-  const auto small = std::make_shared<SmallParts>(context_, plan, frame_);
-  Parts& parts = small->parts;
-  if (products_.empty()) whole_parts_ = small;
+bool Trials::render(const Effort& effort) {
+  const uint32_t pixels = settings_.width * settings_.height;
+  const std::shared_ptr<SmallParts> small = small_parts(effort);
+  Parts& parts = small->parts();
+  parts.restart(frame_, false);
   TypedBuffer<float4> moments(context_.device, context_.owner, "moments of a trial", size_t{pixels} * 2);
   moments.fill_zero();
   ScheduleRecorder recorder = context_.scheduler.record("trial", context_.owner);
@@ -154,17 +168,27 @@ bool Trials::render(const Plan& plan, TrialImage* image, double* work) {
       .arg("pixels", pixels)
       .arg("moments", moments);
   Schedule schedule = recorder.compile();
-  image->width = settings_.width;
-  image->height = settings_.height;
+  TrialImage image;
+  image.width = settings_.width;
+  image.height = settings_.height;
   for (uint32_t i = 0; i < kSamples; ++i) {
     if (!parts.trace(i)) return false;
     if (context_.scheduler.run(schedule) == RunResult::cancelled) return false;
     parts.add(i + 1);
     context_.scheduler.finish();
-    image->sums.push_back(moments.download(0, pixels));
+    image.sums.push_back(moments.download(0, pixels));
   }
-  image->squares = moments.download(pixels, pixels);
-  *work = work_of(parts.counters());
+  image.squares = moments.download(pixels, pixels);
+  if (products_.empty()) {
+    reference_ = image;
+    weights_ = pixel_weights(reference_);
+    counters_ = parts.counters();
+  }
+  const double variance = relative_variance(image, weights_) + hidden_variance(image, reference_, weights_);
+  // A trial without noise has found nothing.
+  const bool found = variance > 0 || products_.empty();
+  products_.emplace_back(effort,
+                         found ? variance * work_of(parts.counters()) : std::numeric_limits<double>::infinity());
   return true;
 }
 
@@ -172,8 +196,8 @@ size_t Trials::estimate_bytes(const BidirectionalParameters& parameters, const S
                               const RenderSettings& settings) {
   if (!can_adapt(parameters, make_plan(parameters, settings))) return 0;
   const Plan trial = make_plan(parameters, trial_settings(settings));
-  // Those of the whole effort are kept beside others.
-  return 2 * Parts::estimate_bytes(trial, scene) + size_t{trial.settings.pixels} * 2 * sizeof(float4);
+  // Those of the whole effort and of camera paths alone are kept beside others.
+  return 3 * Parts::estimate_bytes(trial, scene) + size_t{trial.settings.pixels} * 2 * sizeof(float4);
 }
 
 }  // namespace lucarium::bidirectional

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "bidirectional_vpl/base/parameters.h"
 #include "bidirectional_vpl/effort/efficiency.h"
-#include "bidirectional_vpl/iteration/parts.h"
+#include "bidirectional_vpl/effort/small_parts.h"
 
 namespace lucarium::bidirectional {
 
@@ -21,9 +23,12 @@ bool can_adapt(const BidirectionalParameters& parameters, const Plan& plan);
 /// images, whose samples are none of the image's: those decide nothing about themselves, so that its mean is right.
 class Trials {
  public:
-  /// `settings`, `frame`: of the image.
+  /// `settings`, `frame`: of the image. `kept`: for the next trials of this scene and size; must outlive this.
   Trials(const PartsContext& context, const BidirectionalParameters& parameters, const RenderSettings& settings,
-         const Frame& frame);
+         const Frame& frame, KeptParts& kept);
+
+  /// Makes what is kept, and launches every kernel of it once.
+  void warm_up();
 
   /// Does one trial, of some 10 ms to 100 ms. False when cancelled: it is done again then.
   bool advance();
@@ -31,11 +36,8 @@ class Trials {
   size_t done() const { return products_.size(); }
   /// What lowers the error most for its work, when all trials are done.
   const std::optional<Effort>& best() const { return decided_; }
-  /// The parts of the whole effort, small ones: while they are kept, its programs need not be made again.
-  std::shared_ptr<const void> whole_parts() const { return whole_parts_; }
-
   /// Samples of the image before trials: 16, and in small images as many as trials cost.
-  static uint64_t samples_before(const RenderSettings& settings);
+  static uint64_t samples_before(const BidirectionalParameters& parameters, const RenderSettings& settings);
   /// Settings of the small images.
   static RenderSettings trial_settings(const RenderSettings& settings);
   /// Most device bytes that trials take beside the image.
@@ -48,7 +50,8 @@ class Trials {
   /// Variance times work of a trial that is done.
   std::optional<double> product(const Effort& effort) const;
   /// False when cancelled.
-  bool render(const Plan& plan, TrialImage* image, double* work);
+  bool render(const Effort& effort);
+  std::shared_ptr<SmallParts> small_parts(const Effort& effort) const;
 
   PartsContext context_;
   BidirectionalParameters parameters_;
@@ -59,7 +62,8 @@ class Trials {
   PixelWeights weights_;
   std::vector<std::pair<Effort, double>> products_;
   std::optional<Effort> decided_;
-  std::shared_ptr<const void> whole_parts_;
+  KeptParts& kept_;
+  std::map<std::string, double> counters_;  ///< of the whole effort's trial
 };
 
 }  // namespace lucarium::bidirectional
