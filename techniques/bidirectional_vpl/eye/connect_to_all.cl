@@ -70,5 +70,5 @@ __kernel void connect_to_all(LUCARIUM_SCENE_PARAMETERS uint seed, const Bidirect
   connection_rays[i] = ray;
   LUCARIUM_STORE_RAY_ENDS(connection_ends, i, ends);
   connections[i] = (float4)(light, connection_path(&walk, &vertex));
-  connection_paths[i] = vertex_index / LIGHT_VERTICES;
+  connection_paths[i] = vertex_index / max((uint)LIGHT_VERTICES, 1u);  // none: never launched
 }
