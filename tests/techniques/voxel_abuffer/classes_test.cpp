@@ -24,7 +24,8 @@ TEST_CASE("classes: MASK, BLEND and double-sided closed components stay in parit
       CHECK(classes.exact_triangles == 0);
       CHECK(classes.open_components == 0);
       AbufferRig rig(scene_of(bodies, material));
-      const auto& s = rig.make({.abuffer_size = 256}).statistics();
+      const auto abuffer = rig.make({.abuffer_size = 256});
+      const auto& s = abuffer.statistics();
       CHECK(s.parity_triangles == bodies.triangles.size());
       CHECK(s.unbalanced_columns == 0);
     }

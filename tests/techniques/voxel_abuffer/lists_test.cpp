@@ -63,7 +63,8 @@ std::vector<std::vector<uint32_t>> contents(const VoxelAbuffer& structure) {
 TEST_CASE("conservative lists hold a fragment where a triangle touches a pixel of its dominant axis, not more") {
   // Width and height beside the area (Minkowski sum), in one view each.
   AbufferRig rig(scene_of(rough_sphere(60, 80, 5)));
-  const auto& s = rig.make({.abuffer_size = 700, .intersect = Intersect::exact}).statistics();
+  const auto abuffer = rig.make({.abuffer_size = 700, .intersect = Intersect::exact});
+  const auto& s = abuffer.statistics();
   const auto found = static_cast<double>(s.exact_fragments);
   CHECK(found >= 0.999 * s.expected_exact_fragments);
   CHECK(found <= 1.02 * s.expected_exact_fragments);
