@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # archive.sh BUILD CPACK: packs the archive of a build, unpacks it in a folder with a blank in its name, and renders; then
-# moves it and renders again, through a symbolic link and from another folder. Nothing in it may know where it was built.
+# moves it and renders again, through a symbolic link and from another folder. Nothing in it may know where it was built. Ends
+# with 77, skipped, where the build has sanitizers.
 set -euo pipefail
 build=$(realpath "$1")
 cpack=$2
@@ -10,10 +11,16 @@ folder=$(mktemp -d -t lucarium-archive-XXXXXX)
 trap 'rm -rf "$folder"' EXIT
 unset LUCARIUM_TECHNIQUE_PATH LUCARIUM_KERNEL_PATH LD_LIBRARY_PATH
 
+skip() {
+  echo "Skipped: $1"
+  exit 77
+}
 fail() {
   echo "failed: $1" >&2
   exit 1
 }
+grep -q '^LUCARIUM_SANITIZE:STRING=.' "$build/CMakeCache.txt" &&
+  skip "what is built with sanitizers loads their libraries, which no package names: it runs where it was built only"
 
 "$cpack" -G TGZ --config "$build/CPackConfig.cmake" -B "$folder/packages" >"$folder/cpack.log" 2>&1 ||
   { cat "$folder/cpack.log" >&2; fail "cpack"; }
