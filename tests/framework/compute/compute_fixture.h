@@ -13,28 +13,10 @@
 #include "lucarium/compute/device/buffer.h"
 #include "lucarium/compute/device/cl_handle.h"
 #include "lucarium/compute/program/program.h"
+#include "scoped_variable.h"
 #include "test_support.h"
 
 namespace lucarium::test {
-
-/// Sets an environment variable for one scope.
-class ScopedVariable {
- public:
-  ScopedVariable(const char* name, const std::string& value) : name_(name) {
-    if (const char* old = std::getenv(name)) old_ = old;
-    setenv(name, value.c_str(), 1);
-  }
-  ~ScopedVariable() {
-    if (old_.empty())
-      unsetenv(name_);
-    else
-      setenv(name_, old_.c_str(), 1);
-  }
-
- private:
-  const char* name_;
-  std::string old_;
-};
 
 /// The Error that `action` throws; class check_failed when it throws none.
 inline Error error_of(const std::function<void()>& action) {

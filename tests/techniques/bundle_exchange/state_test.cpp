@@ -53,6 +53,25 @@ void rewrite(const std::filesystem::path& file, const std::function<void(StateHe
   });
 }
 
+/// A coarse picture of a view that moves: light is seen, and rests at `found` directions.
+void check_coarse(RenderSession& run, uint32_t width, int iterations, double found) {
+  run.set_view(camera_at(run.scene(), width), width, 11, true);
+  for (int i = 0; i < iterations; ++i) run.iterate();
+  const Film film = run.resolve();
+  CHECK(film.width() == width);
+  CHECK(mean(film.find("indirect")->pixels) > 0);
+  CHECK(directions(run) == found);
+}
+
+/// The picture has the bits of a session that has had no other camera than that of the walk at `seconds`.
+void check_alone(RenderSession& run, const Options& options, double seconds) {
+  Scene alone = run.scene();
+  alone.cameras.front() = camera_at(alone, seconds);
+  const auto other = session("bundle_exchange", alone, -1, options);
+  other->finish_light();
+  CHECK(picture(*other) == picture(run));
+}
+
 }  // namespace
 
 TEST_CASE("every frame of a walk has the bits of that camera alone") {
@@ -75,11 +94,7 @@ TEST_CASE("every frame of a walk has the bits of that camera alone") {
       const std::vector<float> image = picture(*walk);
       CHECK(directions(*walk) == found);
       CHECK(image != before);
-      Scene alone = scene;
-      alone.cameras.front() = camera_at(scene, t);
-      const auto other = session("bundle_exchange", alone, -1, options);
-      other->finish_light();
-      CHECK(picture(*other) == image);
+      check_alone(*walk, options, t);
       before = image;
     }
   }
@@ -94,22 +109,11 @@ TEST_CASE("a coarse picture of a moving view lets the exchange rest, and loses n
     while (directions(*run) == 0) run->iterate();
     const double found = directions(*run);
     REQUIRE(found < 96);
-    for (const uint32_t width : {12u, 12u, 7u}) {
-      run->set_view(camera_at(scene, width), width, 11, true);
-      for (int i = 0; i < 3; ++i) run->iterate();
-      const Film film = run->resolve();
-      CHECK(film.width() == width);
-      CHECK(mean(film.find("indirect")->pixels) > 0);
-      CHECK(directions(*run) == found);
-    }
+    for (const uint32_t width : {12u, 12u, 7u}) check_coarse(*run, width, 3, found);
     run->set_view(camera_at(scene, 1.3), 24, 24, false);
     CHECK_FALSE(run->finish_light());
     CHECK(directions(*run) == 96);
-    Scene alone = scene;
-    alone.cameras.front() = camera_at(scene, 1.3);
-    const auto other = session("bundle_exchange", alone, -1, options);
-    other->finish_light();
-    CHECK(picture(*other) == picture(*run));
+    check_alone(*run, options, 1.3);
   }
 }
 
@@ -130,23 +134,12 @@ TEST_CASE("pixels that gather along bundles let the exchange rest, too, once the
   for (int i = 0; i < 20; ++i) run->iterate();
   const double found = directions(*run);
   CHECK(found <= begun + 64);
-  for (const uint32_t width : {12u, 7u}) {
-    run->set_view(camera_at(scene, width), width, 11, true);
-    for (int i = 0; i < 5; ++i) run->iterate();
-    const Film film = run->resolve();
-    CHECK(film.width() == width);
-    CHECK(mean(film.find("indirect")->pixels) > 0);
-    CHECK(directions(*run) == found);
-  }
+  for (const uint32_t width : {12u, 7u}) check_coarse(*run, width, 5, found);
   run->set_view(camera_at(scene, 1.3), 24, 24, false);
   CHECK_FALSE(run->finish_light());
   CHECK(directions(*run) == 480);
   run->set_camera(camera_at(scene, 1.3));
-  Scene alone = scene;
-  alone.cameras.front() = camera_at(scene, 1.3);
-  const auto other = session("bundle_exchange", alone, -1, options);
-  other->finish_light();
-  CHECK(picture(*other) == picture(*run));
+  check_alone(*run, options, 1.3);
 }
 
 TEST_CASE("texels=0 are those of the whole picture, though the scene changes while it is coarse") {

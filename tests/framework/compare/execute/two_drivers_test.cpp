@@ -12,6 +12,7 @@
 #include "lucarium/base/json.h"
 #include "lucarium/film/image_io.h"
 #include "lucarium/metrics/metrics.h"
+#include "scoped_variable.h"
 #include "small_comparison.h"
 
 using namespace lucarium;
@@ -27,28 +28,6 @@ std::string use_both() {
   if (!fs::exists(folder / "installed.txt") || !fs::exists("/etc/OpenCL/vendors/pocl.icd")) return "";
   return fmt::format("eval \"$('{}/tools/drivers/intel.sh' '{}' --beside-pocl)\"; ", source.string(), folder.string());
 }
-
-/// A variable for the children of this process.
-class ChildVariable {
- public:
-  ChildVariable(const char* name, const std::string& value) : name_(name) {
-    if (const char* old = std::getenv(name)) old_ = old;
-    setenv(name, value.c_str(), 1);
-  }
-  ~ChildVariable() {
-    if (old_) {
-      setenv(name_, old_->c_str(), 1);
-    } else {
-      unsetenv(name_);
-    }
-  }
-  ChildVariable(const ChildVariable&) = delete;
-  ChildVariable& operator=(const ChildVariable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> old_;
-};
 
 std::string value_of(const std::string& variable) {
   const test::ProgramResult shell = test::run_program(use_both() + "printf %s \"$" + variable + "\"");
@@ -75,8 +54,8 @@ TEST_CASE("PoCL and Intel's driver share a comparison, and their pixels agree up
     comparison->spec.max_bounces = 2;
   }
   const ComparisonResult expected = alone.run();
-  const ChildVariable vendors("OCL_ICD_VENDORS", value_of("OCL_ICD_VENDORS"));
-  const ChildVariable libraries("LD_LIBRARY_PATH", value_of("LD_LIBRARY_PATH"));
+  const test::ScopedVariable vendors("OCL_ICD_VENDORS", value_of("OCL_ICD_VENDORS"));
+  const test::ScopedVariable libraries("LD_LIBRARY_PATH", value_of("LD_LIBRARY_PATH"));
   shared.options.executor.devices = {"Portable", "Intel"};
   const ComparisonResult got = shared.run();
   REQUIRE(expected.pieces.size() == 8);
