@@ -228,12 +228,17 @@ TEST_CASE("of unlike machines, gates on seconds are unknown, whatever their bar"
       CHECK_FALSE(gate.passed);
     }
   }
+  result.spec.budgets[0] = {0, 4, 0, 0};  // iterations
   const std::vector<GateResult> others = apply_gates({parse_gate("psnr>31"), parse_gate("peak_host_bytes<1")}, result);
   REQUIRE(others.size() == 4);
   for (const GateResult& gate : others) {
     CHECK(gate.passed);
     CHECK_FALSE(gate.unlike_machines);
   }
+  // What was reached in a time is no more comparable than the time.
+  result.spec.budgets[0] = {4, 0, 0, 0};
+  for (const GateResult& gate : apply_gates({parse_gate("psnr>31")}, result)) CHECK(gate.unlike_machines);
+  for (const GateResult& gate : apply_gates({parse_gate("peak_host_bytes<1")}, result)) CHECK(gate.passed);
   result.gates = apply_gates({parse_gate("seconds<1000")}, result);
   CHECK(nlohmann::json::parse(result.to_json())["gates"][0]["unlike_machines"] == true);
 }
