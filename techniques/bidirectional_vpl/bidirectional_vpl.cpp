@@ -122,9 +122,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     parts_.reset();  // its memory first
     sums_.reset();
     check_parameters(parameters_, settings());
-    const Plan plan = make_plan(parameters_, settings());
-    adapts_after_ = can_adapt(parameters_, plan) ? Trials::samples_before(parameters_, settings()) : UINT64_MAX;
-    sums_ = std::make_unique<EyeSums>(device(), plan, kName);
+    sums_ = std::make_unique<EyeSums>(device(), make_plan(parameters_, settings()), kName);
     make_parts(whole_effort(parameters_));
   }
 
@@ -140,6 +138,9 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
     counted_before_.clear();
     trials_.reset();
     adapted_ = false;
+    adapts_after_ = UINT64_MAX;
+    if (can_adapt(parameters_, make_plan(parameters_, settings())))
+      adapts_after_ = Trials::samples_before(parameters_, settings());
     if (!parts_ || effort_ != whole_effort(parameters_)) make_parts(whole_effort(parameters_));
     parts_->restart(frame(), moves_on_);
     moves_on_ = false;
@@ -164,7 +165,7 @@ class BidirectionalVpl : public TechniqueBase<BidirectionalParameters> {
   }
   void warm_up_kernels() override {
     parts_->warm_up();
-    if (adapts_after_ != UINT64_MAX) make_trials()->warm_up();
+    if (adapts_after_ != UINT64_MAX) make_trials()->warm_up();  // so that no kernel is compiled while iterating
   }
 
  private:

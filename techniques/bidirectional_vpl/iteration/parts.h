@@ -26,7 +26,7 @@ class Parts {
   /// `sums` must be of the same plan's pixels and layers, and outlive this.
   Parts(const PartsContext& context, const Plan& plan, const Frame& frame, EyeSums& sums);
 
-  /// Computes the sample of iteration `index`. False when cancelled: nothing has changed then.
+  /// Computes the sample of iteration `index`. False when cancelled. The sums stay as they are.
   bool trace(uint32_t index);
   /// Adds it to the sums, `iterations` with it.
   void add(uint64_t iterations);
