@@ -27,6 +27,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # GCC 12 sees bytes beyond a std::string's inline buffer copied where a longer literal goes to the heap.
     target_compile_options(lucarium_build_flags INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-array-bounds>)
+  else()
+    # A reference to something else than a temporary argument; a vector that GCC 14 takes for another one.
+    target_compile_options(lucarium_build_flags INTERFACE
+      $<$<COMPILE_LANGUAGE:CXX>:-Wno-dangling-reference;-Wno-free-nonheap-object>)
   endif()
 endif()
 

@@ -34,7 +34,7 @@ std::vector<LocalPose> local_poses(const Scene& scene, const Animation* animatio
     } else if (channel.path == AnimationPath::rotation) {
       if (v.size() == 4) pose.rotation = glm::quat(v[3], v[0], v[1], v[2]);
     } else if (v.size() == 3) {
-      (channel.path == AnimationPath::translation ? pose.translation : pose.scale) = {v[0], v[1], v[2]};
+      (channel.path == AnimationPath::translation ? pose.translation : pose.scale) = glm::vec3(v[0], v[1], v[2]);
     }
   }
   return poses;
