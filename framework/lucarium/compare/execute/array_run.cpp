@@ -29,7 +29,8 @@ constexpr std::string_view batch_prefix = "batch";
 constexpr unsigned looks_until_lost = 2;
 constexpr unsigned looks_per_accounting = 10;  // at what is not in the queue
 // A shared folder may show late what a node wrote: NFS keeps what it knows of a folder for up to a minute (acdirmax).
-constexpr double late_files = 90;  // [s]
+constexpr double late_files = 90;   // [s]
+constexpr unsigned late_looks = 5;  // at least: each asks the folder again
 constexpr size_t bad_node_failures = 3;
 
 // Looking at the queue costs the site's controller: a fiftieth of its time at most.
@@ -289,7 +290,7 @@ void ArrayRun::look() {
     if (!state && piece.accounted) state = &*piece.accounted;
     // Whatever completed has left its files; of what is gone nobody knows.
     const bool may_come = !state || state->state == "COMPLETED";
-    if (may_come && piece.since_unseen.seconds() < late_files) {
+    if (may_come && (piece.since_unseen.seconds() < late_files || piece.unseen < late_looks)) {
       if (renewed.insert(piece.batch).second) batches_.at(piece.batch).files.renew_view();
       continue;
     }

@@ -8,8 +8,8 @@ calls.txt (one line per call). What goes wrong is said by files there:
   bad_node    its text is a node on which no task even starts
   lost_index  its text is the index of a task that is killed whenever it runs, after it said its last words
   hold        nothing starts while it is there
-  early       its text is how often squeue is asked before a task, which it calls COMPLETED already, does anything: its
-              files come late, as in a shared folder"""
+  early       its text is how often squeue is asked, after it calls a task COMPLETED, before its files come: late, as
+              in a shared folder"""
 import json
 import os
 import subprocess
@@ -46,6 +46,18 @@ def set_state(job, index, state, node=''):
         save(job)
 
 
+def private_copy(shared, name):
+    """A folder of an array as a node sees it that does not share what it writes."""
+    copy = os.path.join(ROOT, 'nodes', name, 'batch')
+    for folder in 'images', 'ended', 'log':
+        os.makedirs(os.path.join(copy, folder))
+    with open(os.path.join(shared, 'tasks.jsonl'), encoding='utf8') as tasks:
+        lines = tasks.read()
+    with open(os.path.join(copy, 'tasks.jsonl'), 'w', encoding='utf8') as tasks:
+        tasks.write(lines.replace(shared, copy))
+    return copy
+
+
 def run_task(job, index, node):
     set_state(job, index, 'RUNNING', node)
     with open(job['output'].replace('%a', str(index)), 'a', encoding='utf8') as log:
@@ -56,15 +68,20 @@ def run_task(job, index, node):
             log.write('it smells of smoke here\n')
             set_state(job, index, 'OUT_OF_MEMORY', node)
             return
-        if text('early') is not None:
-            set_state(job, index, 'COMPLETED', node)
-            wanted = count_looks() + int(text('early'))
-            while count_looks() < wanted:
-                time.sleep(0.05)
         environment = dict(os.environ, SLURM_ARRAY_TASK_ID=str(index), SLURM_JOB_ID=str(job['id']),
                            SLURMD_NODENAME=node)
-        code = subprocess.run(['/bin/sh', '-c', job['script']], env=environment, stdout=log, stderr=log).returncode
+        shared = os.path.dirname(os.path.dirname(job['output']))
+        written = shared if text('early') is None else private_copy(shared, f'{job["id"]}_{index}')
+        script = job['script'].replace(shared, written)
+        code = subprocess.run(['/bin/sh', '-c', script], env=environment, stdout=log, stderr=log).returncode
     set_state(job, index, 'FAILED' if code else 'COMPLETED', node)
+    if written != shared:
+        wanted = count_looks() + int(text('early'))
+        while count_looks() < wanted:
+            time.sleep(0.05)
+        for folder in 'images', 'ended':  # what has ended has its image
+            for file in os.listdir(os.path.join(written, folder)):
+                os.rename(os.path.join(written, folder, file), os.path.join(shared, folder, file))
 
 
 def run_array(job):
