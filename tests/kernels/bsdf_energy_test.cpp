@@ -208,7 +208,8 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
   const BsdfProbe probe({{"mirror", metal(0.8f, 0.02f)},
                          {"volume", glass(1, 0, 1, true)},
                          {"thin", glass(0.5f, 0, 1, false)},
-                         {"lambert only", dielectric(0.5f, 0.f)}});
+                         {"lambert only", dielectric(0.5f, 0.f)},
+                         {"lambert only, transmissive", glass(0.7f, 0, 0.6f, false)}});
   const glm::vec3 view = direction_at(0.6, 0.2);
   const double schlick = std::pow(0.4, 5);
   const auto mirror = probe.sample(0, view, 64, 1);
@@ -261,11 +262,16 @@ TEST_CASE("ideal lobes: mirrors reflect, glass branches by Fresnel and scales ra
   tinted.add("thin wall", estimate(thin.weights), fresnel + 0.5 * (1 - fresnel));
   tinted.check(2e-3);
 
-  // The option for secondary vertices keeps the diffuse lobe as it is: no ideal events, no specular light.
-  const auto lambert = probe.sample(3, view, 64, 5, 1, 1);
-  for (uint i = 0; i < 64; ++i) {
-    CHECK(static_cast<int>(lambert.weights[i].w) == 0);
-    CHECK(lambert.weights[i].y == test::relative(0.5 * (1 - (0.04 * (1 - 1.0 / 21) + 1.0 / 21)), 1e-4));
+  // The option for secondary vertices keeps the diffuse lobe as it is: no ideal events, no specular light, nothing
+  // transmitted.
+  const double below_coat = 1 - (0.04 * (1 - 1.0 / 21) + 1.0 / 21);
+  for (const auto& [material, albedo] : {std::pair{3u, 0.5}, std::pair{4u, 0.4 * 0.7}}) {
+    CAPTURE(material);
+    const auto lambert = probe.sample(material, view, 64, 5, 1, 1);
+    for (uint i = 0; i < 64; ++i) {
+      CHECK(static_cast<int>(lambert.weights[i].w) == 0);
+      CHECK(lambert.weights[i].y == test::relative(albedo * below_coat, 1e-4));
+    }
   }
 }
 

@@ -11,6 +11,7 @@ enum class VplVisibility { rays, map };
 enum class Direct { mis, maps };
 enum class Directions { bsdf, bundle, both };
 enum class DirectionPdf { uniform, environment };
+enum class BundleSides { two, one };
 enum class Reuse { per_depth, distinct, shared };
 enum class BundleMode { rays, raster, linked_list, exact };
 enum class TwoBounce { mis, compensate, clamp };
@@ -24,6 +25,7 @@ struct BidirectionalParameters {
   BundleMode bundle_mode = BundleMode::rays;
   Directions directions = Directions::bsdf;
   DirectionPdf dir_pdf = DirectionPdf::uniform;
+  BundleSides bundle_sides = BundleSides::two;
   Reuse reuse = Reuse::per_depth;
   VplChoice vpl_choice = VplChoice::resample;
   LightChoice light_choice = LightChoice::power;
@@ -82,6 +84,9 @@ struct BidirectionalParameters {
              "pair)");
     v.choice("dir_pdf", dir_pdf, {{"uniform", DirectionPdf::uniform}, {"env", DirectionPdf::environment}},
              "density of shared directions: uniform, or mostly by the luminance of the environment (env)");
+    v.choice("bundle_sides", bundle_sides, {{"two", BundleSides::two}, {"one", BundleSides::one}},
+             "surfaces that a shared direction serves: all, each on its own side (two), or those that it leaves in "
+             "front (one, as a shadow map of the direction would)");
     v.choice(
         "reuse", reuse, {{"per_depth", Reuse::per_depth}, {"distinct", Reuse::distinct}, {"shared", Reuse::shared}},
         "shared directions at later scatterings: from a set per depth, distinct independent ones, or the first set "

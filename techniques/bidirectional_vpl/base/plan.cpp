@@ -56,6 +56,7 @@ Plan make_plan(const BidirectionalParameters& parameters, const RenderSettings& 
   plan.bundles = parameters.directions != Directions::bsdf;
   plan.bundles_and_bsdf = parameters.directions == Directions::both;
   plan.bundles_follow_sky = plan.bundles && parameters.dir_pdf == DirectionPdf::environment;
+  plan.bundles_one_sided = plan.bundles && parameters.bundle_sides == BundleSides::one;
   if (plan.bundles) plan.bundle_mode = parameters.bundle_mode;
   plan.bundle_res = static_cast<uint32_t>(parameters.bundle_res);
   plan.choice = parameters.vpl_choice;
@@ -115,6 +116,7 @@ std::map<std::string, std::string> plan_defines(const Plan& plan) {
   if (plan.bundles) defines["EYE_BUNDLES"] = "1";
   if (plan.bundles_and_bsdf) defines["EYE_BUNDLES_AND_BSDF"] = "1";
   if (plan.bundles_follow_sky) defines["EYE_BUNDLES_FOLLOW_SKY"] = "1";
+  if (plan.bundles_one_sided) defines["EYE_BUNDLES_ONE_SIDED"] = "1";
   if (plan.stores_bundles()) defines["EYE_BUNDLES_STORED"] = "1";
   if (plan.gloss != Gloss::none) {
     const char* const names[] = {"", "GLOSS_CLAMP", "GLOSS_VSL", "GLOSS_ROUGHNESS"};

@@ -16,10 +16,10 @@ struct Plan {
   BidirectionalSettings settings{};
   uint32_t light_vertices = 0;  ///< of a light path; 0: no light paths
   uint32_t beta = 1;
-  bool bundles = false, bundles_follow_sky = false;  ///< directions of camera paths
-  bool bundles_and_bsdf = false;                     ///< both, at first surfaces
-  BundleMode bundle_mode = BundleMode::rays;         ///< rays where there are no bundles
-  uint32_t bundle_res = 0;                           ///< pixels per axis of a rasterized bundle
+  bool bundles = false, bundles_follow_sky = false, bundles_one_sided = false;  ///< directions of camera paths
+  bool bundles_and_bsdf = false;                                                ///< both, at first surfaces
+  BundleMode bundle_mode = BundleMode::rays;                                    ///< rays where there are no bundles
+  uint32_t bundle_res = 0;  ///< pixels per axis of a rasterized bundle
   VplChoice choice = VplChoice::resample;
   TwoBounce two_bounce = TwoBounce::mis;
   Gloss gloss = Gloss::none;

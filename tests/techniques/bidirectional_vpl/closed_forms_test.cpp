@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closed forms by virtual lights alone: a closed sphere, where every connection brings the same.
+// Closed forms by one strategy alone: virtual lights in a closed sphere, where every connection brings the same, and
+// ray-bundles under a sky.
 #include "bidirectional_rig.h"
 #include "tolerance.h"
 
@@ -34,4 +35,42 @@ TEST_CASE("in a sphere, virtual lights alone give each bounce albedo^k I / R^2, 
     }
   }
   table.check(0.01);
+}
+
+TEST_CASE("a bundle that serves both sides of surfaces has half the second moment of one that serves one side") {
+  // Under a sky of radiance 1 a sample of a floor is rho cos / pi over the density: 2 rho cos with 1 / 2 pi; 4 rho cos
+  // with 1 / 4 pi, and nothing in the other hemisphere. The mean of cos^2 is 1/3.
+  const float albedo = 0.8f;
+  Scene scene;
+  scene.source = "test:floor";
+  add_triangles(scene, {{-9, 0, 9}, {9, 0, 9}, {9, 0, -9}, {-9, 0, 9}, {9, 0, -9}, {-9, 0, -9}},
+                add_material(scene, lambert(albedo)));
+  scene.environment = Environment{};
+  SceneCamera camera;
+  camera.yfov = 0.5f;
+  camera.world_from_camera = glm::inverse(glm::lookAt(glm::vec3(0, 2, 0), glm::vec3(0), {0, 0, -1}));
+  scene.cameras.push_back(camera);
+  Picture picture;
+  picture.width = picture.height = 64;
+  picture.max_bounces = 0;
+  picture.iterations = 1;
+  ClosedForms table;
+  for (const auto& [sides, second_moment] : {std::pair{"two", 4.0 / 3}, std::pair{"one", 8.0 / 3}}) {
+    std::vector<double> means, squares;
+    for (uint32_t i = 0; i < 8; ++i) {
+      picture.seed = 20 + i;
+      const Film film =
+          render(scene, "bidirectional_vpl", picture,
+                 {{"strategy", "hit"}, {"directions", "bundle"}, {"bundles", "4096"}, {"bundle_sides", sides}});
+      std::vector<float> values = film.find("direct")->pixels;
+      means.push_back(mean_of(values));
+      for (float& value : values) value *= value;
+      squares.push_back(mean_of(values));
+    }
+    const double rho = double{albedo};
+    table.add(std::string("mean, sides served: ") + sides, estimate_of(means), rho, 1e-4);
+    table.add(std::string("second moment, sides served: ") + sides, estimate_of(squares), second_moment * rho * rho,
+              1e-4);
+  }
+  table.check(0.02);
 }

@@ -98,6 +98,8 @@ TEST_CASE("camera paths along ray-bundles agree with path tracing, uniform and a
   Scene open = load_scene("builtin:cornell");
   open.environment = Environment{};
   check_agreement("sky", open, picture, {{"directions", "bundle"}, {"dir_pdf", "env"}}, {}, kSeeds);
+  check_agreement("one-sided", open, picture, {{"directions", "bundle"}, {"dir_pdf", "env"}, {"bundle_sides", "one"}},
+                  {}, 2 * kSeeds);
 }
 
 TEST_CASE("camera paths along ray-bundles and the BSDF in turn agree with path tracing, after odd numbers of samples") {

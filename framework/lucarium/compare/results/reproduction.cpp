@@ -39,9 +39,12 @@ void add_counters(const std::vector<const PieceResult*>& pieces, std::map<std::s
     for (const auto& [name, value] : summary.at("counters").items()) {
       if (value.is_number()) numbers["counter_" + expression_name(name)] += share * value.get<double>();
     }
-    std::map<std::string, double> passes;  // of several schedules
-    for (const json& pass : summary.at("passes"))
-      passes["pass_" + expression_name(pass.at("name"))] += pass.at("device_seconds").get<double>();
+    std::map<std::string, double> passes;  // of several schedules, and the sums of these
+    for (const json& pass : summary.at("passes")) {
+      const double seconds = pass.at("device_seconds").get<double>();
+      passes["pass_" + expression_name(pass.at("name"))] += seconds;
+      passes["schedule_" + expression_name(pass.at("schedule"))] += seconds;
+    }
     for (const auto& [name, seconds] : passes) {
       numbers[name] += share * seconds;
       lower(numbers, "fastest_" + name, seconds);
@@ -102,7 +105,8 @@ ExpressionScope quantities(const ComparisonResult& result, const SummaryKey& key
 
 /// Times, as expressions call them.
 bool is_time_name(const std::string& name) {
-  return name == "seconds" || name.ends_with("_seconds") || name.starts_with("pass_") || name.starts_with("fastest_");
+  return name == "seconds" || name.ends_with("_seconds") || name.starts_with("pass_") ||
+         name.starts_with("schedule_") || name.starts_with("fastest_");
 }
 
 /// Of unlike machines nothing is said that compares them: no time, and what a budget of time led to only where it has

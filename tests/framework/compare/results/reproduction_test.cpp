@@ -23,8 +23,10 @@ ComparisonResult example(const ComparisonBudget& budget) {
   result.variants.resize(1);
   result.scenes.resize(1);
   PieceResult piece;
-  piece.render_summary =
-      R"({"passes": [{"name": "gather", "device_seconds": 3}], "counters": {"rays": 7}, "warnings": []})";
+  piece.render_summary = R"({"passes": [{"schedule": "first bounce", "name": "gather", "device_seconds": 3},
+    {"schedule": "first bounce", "name": "sort rays", "device_seconds": 0.5},
+    {"schedule": "later bounces", "name": "gather", "device_seconds": 1}],
+    "counters": {"rays": 7}, "warnings": []})";
   piece.iterations = 8;
   piece.iterate_seconds = 4;
   result.pieces.push_back(piece);
@@ -62,8 +64,10 @@ const std::vector<std::string> times = {"seconds",
                                         "device_seconds",
                                         "reached_seconds",
                                         "pass_gather",
+                                        "schedule_first_bounce",
                                         "fastest_iterate_seconds",
                                         "fastest_pass_gather",
+                                        "fastest_schedule_later_bounces",
                                         "seconds_to(0.2)",
                                         "relmse_at(2)",
                                         "seconds_to(0.2) < 3",
@@ -82,6 +86,16 @@ TEST_CASE("of like machines, times have values and trends a verdict") {
   CHECK(found.values[0].ours == test::relative(2));
   CHECK(found.trends[0].verdict == "holds");
   CHECK_FALSE(found.trends[0].unlike_machines);
+}
+
+TEST_CASE("passes are summed over schedules of one name each, schedules over their passes") {
+  const ComparisonResult result = example({0, 8, 0, 0});
+  const Reproduction found = reproduce_with(
+      result, {"pass_gather", "pass_sort_rays", "schedule_first_bounce", "schedule_later_bounces"}, "x0 > x2");
+  CHECK(found.values[0].ours == test::relative(4));
+  CHECK(found.values[1].ours == test::relative(0.5));
+  CHECK(found.values[2].ours == test::relative(3.5));
+  CHECK(found.values[3].ours == test::relative(1));
 }
 
 TEST_CASE("of unlike machines, no time has a value, and no trend that uses one a verdict") {
