@@ -23,6 +23,7 @@ TechniqueInfo technique_info() {
   info.capabilities.lights = all_kinds<LightKind>();
   info.capabilities.materials = all_kinds<MaterialKind>();
   info.capabilities.changes = all_kinds<ChangeKind>();
+  info.capabilities.resizes = true;
   info.capabilities.bias = 0.02;
   info.capabilities.pixel_sampling = {};
   for (uint32_t mode = 0; mode <= 16; ++mode) info.capabilities.pixel_sampling.push_back(mode);

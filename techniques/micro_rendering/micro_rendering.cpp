@@ -83,6 +83,7 @@ namespace {
 using namespace micro;
 
 const char* const kName = "micro_rendering";
+constexpr int kMovingStep = 4;  // of gathers, in pixels, while the camera moves
 
 class MicroRendering : public TechniqueBase<MicroParameters> {
  public:
@@ -131,6 +132,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   /// points takes several iterations, the first frame's direct light comes with the first of them: there is something
   /// to see then.
   bool step() override {
+    if (light_rests() && !virtual_lights_) return see_moving();
     if (!light_points()) return false;
     if (!points_lit()) {
       if (frame_index() == 0) see_directly();
@@ -151,12 +153,13 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
 
   void write(Film& film) override {
     eye_light_->write(film);
-    if (pixels_) pixels_->resolve(film);
+    if (pixels_) pixels_->resolve(film, parameters_.gather_step > 1);
   }
 
   void restart() override {
     batch_ = 0;
     seen_ = false;
+    if (!fits_view()) make_view();
     eye_light_->set_frame(frame());
     if (!pixels_) return;
     pixels_->set_camera(frame().camera);
@@ -190,8 +193,10 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     const bool keeps_forest = std::exchange(keeps_forest_, false);
     if (forest_ && !keeps_forest) forest_->make();
     transmits_ = transmits(scene());
-    make_eye_light();
-    if (forest_) make_gathers(*forest_->get());
+    if (forest_)
+      leaf_light_ = std::make_unique<LeafLight>(device(), scheduler(), scene(), scene_buffers(), bvh(), *forest_->get(),
+                                                node_gather_, parameters_, bounces(), kName);
+    make_view();
   }
 
   void warm_up_kernels() override {
@@ -238,6 +243,18 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     return true;
   }
 
+  /// A frame for a camera that moves, in the light that points have, of whatever frame; until they have any, direct
+  /// light alone. False when cancelled: the sums are as before.
+  bool see_moving() {
+    const uint32_t index = frame_index();
+    const bool gathers = pixels_ && leaf_light_->shines();
+    if (!eye_light_->see(index) || (gathers && !pixels_->gather(0, index, seed())) || !eye_light_->sample(index))
+      return false;
+    eye_light_->commit();
+    if (gathers) pixels_->add(0, index);
+    return true;
+  }
+
   /// The light of all virtual lights at the pixels, once a frame. False when cancelled.
   bool show_virtual_lights() {
     if (batch_ > 0) return true;
@@ -249,6 +266,34 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     return true;
   }
 
+  bool fits_view() const {
+    return eye_light_ && view_width_ == settings().width && view_height_ == settings().height &&
+           view_moves_ == light_rests();
+  }
+
+  /// All that depends on the image's size. What was there goes before.
+  void make_view() {
+    if (pixels_)
+      for (const auto& [name, count] : pixels_->counters()) counted_before_[name] += count;
+    virtual_lights_.reset();
+    pixels_.reset();
+    eye_light_.reset();
+    view_width_ = settings().width;
+    view_height_ = settings().height;
+    view_moves_ = light_rests();
+    make_eye_light();
+    if (forest_) make_gathers(*forest_->get());
+  }
+
+  /// While the camera moves few pixels gather, and all others are interpolated from them.
+  MicroParameters view_parameters() const {
+    MicroParameters parameters = parameters_;
+    if (!light_rests() || parameters.shows_virtual_lights()) return parameters;
+    parameters.gather_step = std::max(parameters.gather_step, kMovingStep);
+    parameters.upsample_fail = 0;
+    return parameters;
+  }
+
   void make_eye_light() {
     const bool gathers_sky = forest_ && parameters_.gather_env;
     const uint32_t kinds =
@@ -258,11 +303,9 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   }
 
   void make_gathers(const PointForest& forest) {
-    leaf_light_ = std::make_unique<LeafLight>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
-                                              node_gather_, parameters_, bounces(), kName);
     pixels_ = std::make_unique<PixelGather>(device(), scheduler(), scene_buffers(), eye_light_->points(),
                                             settings().width, settings().height, forest, gather_,
-                                            leaf_light_->shading(), parameters_, transmits_, kName);
+                                            leaf_light_->shading(), view_parameters(), transmits_, kName);
     if (parameters_.shows_virtual_lights())
       virtual_lights_ = std::make_unique<PathLight>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
                                                     parameters_, bounces() + 1, pixels_->irradiance(),
@@ -285,10 +328,12 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     return all;
   }
 
-  uint32_t batch_ = 0;         ///< of the frame, the next one
-  bool seen_ = false;          ///< see_directly() is done, the gathers are not begun
-  bool transmits_ = false;     ///< some surface is rough and lets light through
-  bool keeps_forest_ = false;  ///< build() follows a change that the forest could follow
+  uint32_t batch_ = 0;                         ///< of the frame, the next one
+  bool seen_ = false;                          ///< see_directly() is done, the gathers are not begun
+  bool transmits_ = false;                     ///< some surface is rough and lets light through
+  uint32_t view_width_ = 0, view_height_ = 0;  ///< of the image that eye_light_ and pixels_ were made for
+  bool view_moves_ = false;                    ///< they were made for a camera that moves
+  bool keeps_forest_ = false;                  ///< build() follows a change that the forest could follow
   std::map<std::string, double> counted_before_;
   GatherPass gather_, node_gather_;
   std::unique_ptr<SceneForest> forest_;  ///< null without indirect light

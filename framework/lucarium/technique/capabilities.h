@@ -55,7 +55,8 @@ struct Capabilities {
   int max_bounces = -1;             ///< most it can do; -1: unlimited
   bool progressive = true;          ///< iterations converge; false: one iteration is the result
   bool view_independent = false;    ///< a camera change keeps its data
-  bool resizes = false;             ///< then another image size may come with it (RenderSession::set_view)
+  bool resizes = false;             ///< another image size may come with one, and keeps what does not depend on it
+                                    ///< (RenderSession::set_view)
   bool uses_bvh = true;             ///< may call context.bvh(); if not, none is counted in the memory that is needed
   double bias = 0;                  ///< upper bound of its systematic error: root mean square over 8×8 pixel blocks,
                                     ///< relative to the image's; 0: none. `lucarium check` holds it to that. Where it

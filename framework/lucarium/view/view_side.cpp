@@ -8,7 +8,6 @@
 #include "lucarium/base/log.h"
 #include "lucarium/technique/plugin.h"
 #include "lucarium/view/film_picture.h"
-#include "lucarium/view/sessions/meanwhile.h"
 #include "lucarium/view/status.h"
 
 namespace lucarium {
@@ -23,6 +22,7 @@ constexpr double serving_share = 0.03;        // of the time, for pictures
 constexpr double serving_at_first = 0.25;     // [s] for a new picture, beside that share
 constexpr double shortest_interval = 0.04;    // [s] between pictures while nothing moves
 constexpr double patience_without_page = 60;  // [s] then rendering waits
+constexpr double tried_again = 30;            // [s] after another stood in for a technique that was too slow
 constexpr std::chrono::milliseconds nap{50};
 
 double seconds_since(std::chrono::steady_clock::time_point time) {
@@ -53,7 +53,8 @@ ViewSide::ViewSide(ViewSurroundings& around, ViewHub& hub, uint32_t index, std::
       preparing_(std::move(preparing)),
       sessions_(
           around.device, [this](double fraction, const std::string& stage) { set_preparing(fraction, stage); },
-          std::move(unwanted)) {}
+          std::move(unwanted)),
+      stand_in_(around.device, [this](double fraction, const std::string& stage) { set_preparing(fraction, stage); }) {}
 
 void ViewSide::set_preparing(double fraction, const std::string& stage) {
   stage_ = Stage::preparing;
@@ -64,22 +65,30 @@ void ViewSide::set_preparing(double fraction, const std::string& stage) {
 
 void ViewSide::set_scene(std::shared_ptr<SceneOnDevice> scene) {
   session_ = nullptr;
+  stand_in_.set_scene(scene);
   sessions_.set_scene(std::move(scene));
 }
 
 void ViewSide::follow_camera() {
   sessions_.set_camera(around_.settings.camera);
+  stand_in_.follow_camera();
   begin_picture();
 }
 
 void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& technique) {
   failure_.clear();
+  registry_ = &registry;
   try {
     const TechniqueType& type = registry.find(technique.name);
-    if (sessions_.empty() || sessions_.technique().name != technique.name) motion_.forget();
+    const Capabilities& can = type.info().capabilities;
+    if (sessions_.empty() || sessions_.technique().name != technique.name)
+      motion_.forget();
+    else
+      motion_.doubt();
     set_preparing(-1, "preparing");
-    if (sessions_.empty()) show_meanwhile(registry, technique);
-    const uint32_t divisor = type.info().capabilities.view_independent ? 1 : motion_.divisor(whole_pixels(), 0);
+    if (sessions_.empty() && stand_in_.is_wanted_for(type, technique, around_.settings)) show_stand_in();
+    stage_ = Stage::preparing;
+    const uint32_t divisor = can.view_independent || can.resizes ? 1 : motion_.divisor(whole_pixels(), 0);
     sessions_.change(type, technique, around_.settings, divisor);
     session_ = nullptr;
     failed_ = false;
@@ -91,15 +100,32 @@ void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& tech
   }
 }
 
-void ViewSide::show_meanwhile(const TechniqueRegistry& registry, const ViewTechnique& technique) {
-  const auto session =
-      render_meanwhile(around_.device, sessions_.scene(), registry, technique, around_.settings,
-                       [this](double fraction, const std::string& stage) { set_preparing(fraction, stage); });
-  if (!session || session->iterations() == 0) return;
-  meanwhile_ = meanwhile_technique;
-  Film film(session->settings().width, session->settings().height);
-  session->technique().resolve(film);
-  send(*session, film, meanwhile_divisor, session->clocks().iterate);
+/// While the camera moves faster than the technique's own pictures come, at the coarsest size. Now and then it is tried
+/// again: the machine may have been busy.
+bool ViewSide::stands_in() {
+  if (!moves() || sessions_.technique().name == StandIn::technique) return false;
+  const bool slow = motion_.is_too_slow();
+  if (!slow) since_found_too_slow_.restart();
+  if (since_found_too_slow_.seconds() > tried_again) motion_.doubt();
+  return slow;
+}
+
+bool ViewSide::show_stand_in() {
+  const Stopwatch watch;
+  RenderSession* const session = stand_in_.render(*registry_, around_.settings);
+  if (!session) return false;
+  standing_in_ = true;
+  // One for each camera, and then as it gets better.
+  const bool is_new = session->iterations() == 1 || since_sent_.seconds() >= shortest_interval;
+  if (is_new && session->last().samples > 0 && hub_.wants_picture()) {
+    since_sent_.restart();
+    meanwhile_ = StandIn::technique;
+    Film film(session->settings().width, session->settings().height);
+    session->technique().resolve(film);
+    send(*session, film, stand_in_.divisor(), session->clocks().iterate, {StandIn::technique, {}});
+  }
+  stand_in_.measured(watch.seconds());
+  return true;
 }
 
 /// What ran before goes on, where there is anything.
@@ -123,6 +149,7 @@ void ViewSide::restart() {
 void ViewSide::clear() {
   session_ = nullptr;
   sessions_.clear();
+  stand_in_.clear();
   film_.reset();
   meanwhile_.clear();
   sent_divisor_ = 0;
@@ -139,7 +166,7 @@ void ViewSide::fail(const std::string& why) {
 double ViewSide::whole_pixels() const { return double{1} * around_.settings.width * around_.settings.height; }
 
 void ViewSide::begin_picture() {
-  done_ = false;
+  done_ = standing_in_ = false;
   sent_divisor_ = 0;
   serving_seconds_ = 0;
   spent_ = 0;
@@ -152,13 +179,14 @@ bool ViewSide::has_work() const {
   return !around_.request.paused || sent_divisor_ != 1;
 }
 
+bool ViewSide::moves() const { return seconds_since(around_.request.camera_time) < settled_seconds; }
+
 uint32_t ViewSide::choose_divisor() const {
   const Capabilities& can = sessions_.type().info().capabilities;
   if (can.view_independent && !can.resizes) return 1;
   const uint32_t coarse = motion_.divisor(whole_pixels(), divisor_);
-  const bool moves = seconds_since(around_.request.camera_time) < settled_seconds;
-  if (can.resizes) return moves ? std::max(coarse, 2u) : 1;  // at the whole size its light would not rest
-  if (moves) return coarse;
+  if (can.resizes) return moves() ? std::max(coarse, 2u) : 1;  // at the whole size its light would not rest
+  if (moves()) return coarse;
   const double seconds = motion_.expected_seconds(whole_pixels());
   return sent_divisor_ == 0 && (seconds < 0 || seconds > quick_seconds) ? coarse : 1;
 }
@@ -172,13 +200,21 @@ bool ViewSide::reached_budget(const RenderSession& session) const {
 
 void ViewSide::work() {
   const Stopwatch working;
+  if (!stands_in() || !show_stand_in()) iterate();
+  stage_ = Stage::rendering;
+  spent_ += working.seconds();
+}
+
+void ViewSide::iterate() {
   const uint32_t divisor = choose_divisor();
   session_ = nullptr;
   RenderSession& session = sessions_.at(divisor);
   session_ = &session;
+  standing_in_ = false;
+  if (divisor != divisor_) unseen_seconds_ = 0;
   divisor_ = divisor;
   stage_ = Stage::rendering;
-  const uint64_t before = session.iterations();
+  const uint64_t before = session.iterations(), samples_before = session.last().samples;
   const Stopwatch watch;
   if (!reached_budget(session))
     session.iterate();
@@ -187,26 +223,30 @@ void ViewSide::work() {
   done_ = divisor == 1 && reached_budget(session);
   if (is_picture_due(session)) send_picture(session);
   // Iterations of the whole size are of light, too, where the light rests in coarse ones.
-  if (session.iterations() > before && (divisor != 1 || !sessions_.type().info().capabilities.resizes))
-    motion_.measured(watch.seconds(), double{1} * session.settings().width * session.settings().height);
-  spent_ += working.seconds();
+  if (session.iterations() == before || (divisor == 1 && sessions_.type().info().capabilities.resizes)) return;
+  unseen_seconds_ += watch.seconds();
+  const IterationResult last = session.last();
+  if (last.samples == samples_before && (divisor == 1 || !last.visible)) return;  // a part of a picture
+  motion_.measured(unseen_seconds_, double{1} * session.settings().width * session.settings().height, divisor_);
+  unseen_seconds_ = 0;
 }
 
 bool ViewSide::rest() {
   stage_ = failed_ ? Stage::failed : done_ ? Stage::done : around_.request.paused ? Stage::paused : Stage::waiting;
-  if (!session_ || !is_picture_due(*session_)) return false;
+  if (!session_ || standing_in_ || !is_picture_due(*session_)) return false;
   send_picture(*session_);
   return true;
 }
 
 bool ViewSide::set_time(double seconds) {
   session_ = nullptr;
+  stand_in_.clear();  // its scene moves
   if (!sessions_.set_time(seconds)) return false;
   begin_picture();
   return true;
 }
 
-RenderSession* ViewSide::whole() { return session_ && divisor_ == 1 ? session_ : nullptr; }
+RenderSession* ViewSide::whole() { return session_ && divisor_ == 1 && !standing_in_ ? session_ : nullptr; }
 
 /// Pictures get a small share of the time, except for the first of each state; nobody's picture is not made.
 bool ViewSide::is_picture_due(const RenderSession& session) const {
@@ -225,7 +265,7 @@ void ViewSide::send_picture(RenderSession& session) {
   auto film = std::make_unique<Film>(session.settings().width, session.settings().height);
   session.technique().resolve(*film);
   layers_ = layer_names(*film);
-  send(session, *film, divisor_, seconds());
+  send(session, *film, divisor_, seconds(), sessions_.technique());
   meanwhile_.clear();
   film_ = std::move(film);
   film_number_ = around_.picture_number;
@@ -236,10 +276,12 @@ void ViewSide::send_picture(RenderSession& session) {
   since_sent_.restart();
 }
 
-void ViewSide::send(RenderSession& session, const Film& film, uint32_t divisor, double seconds) {
+void ViewSide::send(RenderSession& session, const Film& film, uint32_t divisor, double seconds,
+                    const ViewTechnique& by) {
   ordered_json header = describe_progress(session, seconds);
   header["picture"] = ++around_.picture_number;
   header["side"] = index_;
+  header["by"] = {{"name", by.name}, {"parameters", by.parameters}};
   header["camera_number"] = around_.request.camera_number;
   header["divisor"] = divisor;
   header["layer"] = around_.request.layer;
@@ -261,6 +303,10 @@ ordered_json ViewSide::status(const std::vector<ViewTechnique>& others) {
   }
   if (!session_) return status;
   status["running"] = describe_running(sessions_.technique(), *session_);
+  if (standing_in_) {
+    status["divisor"] = stand_in_.divisor();
+    return status;
+  }
   status["progress"] = describe_progress(*session_, seconds());
   status["machine"] = describe_machine(*session_);
   status["divisor"] = divisor_;

@@ -12,6 +12,7 @@
 #include "lucarium/base/stopwatch.h"
 #include "lucarium/view/hub.h"
 #include "lucarium/view/sessions/motion.h"
+#include "lucarium/view/sessions/stand_in.h"
 #include "lucarium/view/sessions/view_sessions.h"
 
 namespace lucarium {
@@ -45,7 +46,8 @@ struct ViewSurroundings {
   uint64_t picture_number = 0;  ///< of the last one sent, of any side
 };
 
-/// One technique at work: brings its sessions to what is wanted, decides how coarse, and which pictures to send.
+/// One technique at work: brings its sessions to what is wanted, decides how coarse, and which pictures to send. Where
+/// its own come too late, another's stand in.
 class ViewSide {
  public:
   enum class Stage { preparing, rendering, done, paused, waiting, failed };
@@ -97,9 +99,13 @@ class ViewSide {
   uint32_t choose_divisor() const;
   bool reached_budget(const RenderSession& session) const;
   bool is_picture_due(const RenderSession& session) const;
-  void show_meanwhile(const TechniqueRegistry& registry, const ViewTechnique& technique);
+  bool stands_in();
+  /// Sends the next sample of another technique's picture. False where there is none.
+  bool show_stand_in();
+  void iterate();
+  bool moves() const;
   void send_picture(RenderSession& session);
-  void send(RenderSession& session, const Film& film, uint32_t divisor, double seconds);
+  void send(RenderSession& session, const Film& film, uint32_t divisor, double seconds, const ViewTechnique& by);
   double whole_pixels() const;
   void begin_picture();
 
@@ -111,6 +117,11 @@ class ViewSide {
   RenderSession* session_ = nullptr;  ///< that worked last
   uint32_t divisor_ = 0;              ///< of that
   MotionSize motion_;
+  double unseen_seconds_ = 0;  ///< of iterations since the last one with a picture
+  const TechniqueRegistry* registry_ = nullptr;
+  StandIn stand_in_;
+  bool standing_in_ = false;  ///< the last work() showed that
+  Stopwatch since_found_too_slow_;
   bool done_ = false, failed_ = false;
   double spent_ = 0;
 
@@ -124,7 +135,7 @@ class ViewSide {
   std::vector<std::string> layers_;
 
   std::string stage_text_, refusal_, failure_;
-  std::string meanwhile_;  ///< the technique of the picture that is seen until this one's first
+  std::string meanwhile_;  ///< the technique of the picture that is seen until this one's next
   double stage_fraction_ = -1;
   Stage stage_ = Stage::waiting;
 };

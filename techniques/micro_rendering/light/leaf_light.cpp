@@ -146,6 +146,7 @@ void LeafLight::record_bounce() {
 
 void LeafLight::changed(bool surfaces) {
   stage_ = Stage::none;
+  shines_ = false;
   if (!surfaces) return;
   lobes_known_ = false;
   if (nodes_) nodes_->geometry_changed();
@@ -224,6 +225,7 @@ bool LeafLight::pull() {
     pull_schedule_.set(choice_seed_, indexed_seed(seed_, frame_));
   }
   if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
+  shines_ = true;
   if (nodes_) nodes_->list();
   part_ = 0;
   bounce_ = 1;

@@ -22,6 +22,8 @@ class LeafLight {
 
   /// Whether the nodes shine with samples that belong to `frame`.
   bool lit(uint32_t frame, uint32_t seed) const { return stage_ == Stage::done && frame_ == frame && seed_ == seed; }
+  /// Whether nodes shine with samples of any frame, though their further bounces may be on their way.
+  bool shines() const { return shines_ && (!dynamic() || stage_ >= Stage::gather); }
   /// The next step towards lit(); starts over for another frame or seed, and when cancelled (false).
   bool step(uint32_t frame, uint32_t seed);
   /// What the last step was worth [gathers].
@@ -76,7 +78,7 @@ class LeafLight {
   std::unique_ptr<NodeGather> nodes_;
   std::unique_ptr<PathLight> paths_;
   uint64_t gathers_ = 0;
-  bool lobes_known_ = false;
+  bool lobes_known_ = false, shines_ = false;
   Stage stage_ = Stage::none;
   uint32_t frame_ = 0, seed_ = 0;  ///< of the light that is there or on its way
   uint32_t part_ = 0;              ///< of the stage: light sample, virtual light, or node

@@ -254,7 +254,7 @@ void PixelGather::warm_up() {
   for (Schedule* schedule : {&gather_schedule_, &add_schedule_, &keep_schedule_}) scheduler_.warm_up(*schedule);
 }
 
-void PixelGather::resolve(Film& film) const {
+void PixelGather::resolve(Film& film, bool failures) const {
   scheduler_.finish();
   const std::vector<float4> indirect = indirect_.download(), inspected = inspected_.download();
   const std::vector<float4> sky = parameters_.gather_env ? sky_.download() : std::vector<float4>();
@@ -263,7 +263,7 @@ void PixelGather::resolve(Film& film) const {
   FilmLayer& level = film.layer("cut_level", {"Y"});
   FilmLayer& listed = film.layer("list_length", {"Y"});
   FilmLayer& visits = film.layer("node_visits", {"Y"});
-  FilmLayer* const failures = interpolates() ? &film.layer("upsampling_failed", {"Y"}) : nullptr;
+  FilmLayer* const failed = failures ? &film.layer("upsampling_failed", {"Y"}) : nullptr;
   for (uint32_t y = 0; y < height_; ++y) {
     for (uint32_t x = 0; x < width_; ++x) {
       const size_t pixel = size_t{y} * width_ + x;
@@ -276,7 +276,7 @@ void PixelGather::resolve(Film& film) const {
       level.pixels[pixel] = scale * sums.x;
       listed.pixels[pixel] = scale * sums.y;
       visits.pixels[pixel] = scale * sums.z;
-      if (failures) failures->pixels[pixel] = scale * sums.w;
+      if (failed) failed->pixels[pixel] = scale * sums.w;
     }
   }
   if (inspect_ != LUCARIUM_NONE) resolve_micro_buffer(film);

@@ -35,9 +35,9 @@ class PixelGather {
   void restart();
   void warm_up();
   /// Adds what gathers have seen of the environment to the layer `direct`, which exists; writes the layers `indirect`,
-  /// `cut_level`, `list_length`, `node_visits`, `upsampling_failed` where pixels are interpolated, and `micro_buffer`
-  /// where a pixel is inspected. Pixels that no batch has reached yet show the nearest of the sub-images before.
-  void resolve(Film& film) const;
+  /// `cut_level`, `list_length`, `node_visits`, with `failures` `upsampling_failed`, and `micro_buffer` where a pixel
+  /// is inspected. Pixels that no batch has reached yet show the nearest of the sub-images before.
+  void resolve(Film& film, bool failures) const;
   const std::map<std::string, double>& counters() const { return counters_; }
   static size_t estimate_bytes(uint32_t width, uint32_t height, const MicroParameters& parameters, bool transmits);
 

@@ -15,7 +15,7 @@ uint32_t divisor_of(MotionSize& motion, double seconds, uint32_t present = 0) {
   for (int i = 0; i < 20; ++i) {
     present = motion.divisor(pixels, present);
     const double share = 1.0 / (present * present);
-    motion.measured(seconds * share, pixels * share);
+    motion.measured(seconds * share, pixels * share, present);
   }
   return present;
 }
@@ -46,4 +46,25 @@ TEST_CASE("what becomes slower gets coarser, what becomes much faster finer, and
   CHECK(divisor_of(motion, 1e6, 2) == 8);  // there is none coarser
   motion.forget();
   CHECK(motion.divisor(pixels, 0) == 4);
+}
+
+TEST_CASE("what does not keep the rate at the coarsest size is too slow once that was measured twice, until in doubt") {
+  const double wanted = MotionSize::wanted_seconds, coarsest = pixels / 64;
+  MotionSize motion;
+  for (int i = 0; i < 5; ++i) motion.measured(100 * wanted, pixels / 36, 6);
+  CHECK_FALSE(motion.is_too_slow());  // there is a coarser one
+  motion.measured(9 * wanted, coarsest, 8);
+  CHECK_FALSE(motion.is_too_slow());  // once is no rule
+  motion.measured(9 * wanted, coarsest, 8);
+  CHECK(motion.is_too_slow());
+  for (int i = 0; i < 20; ++i) motion.measured(wanted, pixels, 1);
+  CHECK(motion.is_too_slow());  // the whole size says nothing of what each size costs
+  motion.doubt();
+  CHECK_FALSE(motion.is_too_slow());
+  for (int i = 0; i < 5; ++i) motion.measured(1.1 * wanted, coarsest, 8);
+  CHECK_FALSE(motion.is_too_slow());  // nearly
+  for (int i = 0; i < 5; ++i) motion.measured(1.4 * wanted, coarsest, 8);
+  CHECK(motion.is_too_slow());
+  motion.forget();
+  CHECK_FALSE(motion.is_too_slow());
 }

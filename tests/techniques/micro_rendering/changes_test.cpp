@@ -52,6 +52,61 @@ class CountedSession {
 
 }  // namespace
 
+TEST_CASE("pictures of a moving view are coarse, gather at few pixels, and lose nothing of points and light") {
+  for (const Parameters& more : {Parameters{}, Parameters{{"node_shading", "dynamic"}, {"gather_env", "on"}},
+                                 Parameters{{"cut_error", "0.1"}}, Parameters{{"gather_step", "2"}}}) {
+    CAPTURE(more.empty() ? std::string("default") : more.front().first);
+    const Scene scene = load_scene("builtin:room");
+    const RenderSettings settings = settings_for(scene, 48, 2);
+    RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings, with(small, more));
+    session.run({.iterations = 1});
+    const double sampled = session.technique().counters().at("sampling seconds");
+    SceneCamera camera = settings.camera;
+    camera.world_from_camera[3].x -= 0.1f;
+    RenderSettings moved = settings;
+    moved.camera = camera;
+    RenderSession alone(Device::open(), scene, registry().find("micro_rendering"), moved, with(small, more));
+    alone.run({.iterations = 1});
+    const double gathers = session.technique().counters().at("gathers");
+    for (const uint32_t size : {24u, 24u, 15u}) {
+      session.set_view(camera, size, size, true);
+      session.run({.iterations = 2});
+      CHECK(session.last().samples == 2);  // whatever frame the light at the points is of
+      const Film film = session.resolve();
+      CHECK(film.width() == size);
+      CHECK((film.find("upsampling_failed") != nullptr) == (more.size() == 1 && more.front().first == "gather_step"));
+      RenderSettings coarse = moved;
+      coarse.width = coarse.height = size;
+      RenderSession all(Device::open(), scene, registry().find("micro_rendering"), coarse, with(small, more));
+      all.run({.iterations = 2});
+      const double share = mean(film.find("indirect")->pixels) / mean(all.resolve().find("indirect")->pixels);
+      CAPTURE(size);
+      CHECK(share > 0.9);
+      CHECK(share < 1.1);
+    }
+    CHECK(session.technique().counters().at("gathers") < gathers + 6 * 6 * 6 + 1);
+    CHECK(session.technique().counters().at("sampling seconds") == sampled);  // no points were placed again
+    session.set_view(camera, 48, 48, false);
+    session.run({.iterations = 1});
+    CHECK(session.resolve().find("indirect")->pixels == alone.resolve().find("indirect")->pixels);
+    CHECK(session.resolve().find("direct")->pixels == alone.resolve().find("direct")->pixels);
+  }
+}
+
+TEST_CASE("a view that moves before points have light shows direct light, and the light comes with rest") {
+  const Scene scene = load_scene("builtin:room");
+  const RenderSettings settings = settings_for(scene, 24, 2);
+  RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings, small);
+  session.set_view(settings.camera, 12, 12, true);
+  session.run({.iterations = 2});
+  const Film coarse = session.resolve();
+  CHECK(mean(coarse.find("direct")->pixels) > 0);
+  CHECK(mean(coarse.find("indirect")->pixels) == 0);
+  session.set_view(settings.camera, 24, 24, false);
+  session.run({.iterations = 1});
+  CHECK(session.resolve().find("indirect")->pixels == indirect_light(scene, "micro_rendering", 24, 2, 1, small));
+}
+
 TEST_CASE("a camera that moves costs gathers alone") {
   CountedSession counted(load_scene("builtin:room"), 2);
   SceneCamera camera = counted.session().settings().camera;

@@ -8,7 +8,7 @@ const besideModes = [
 
 class BesidePanel {
   constructor(picture, connection, chooseSide) {
-    Object.assign(this, {picture, connection, chooseSide});
+    Object.assign(this, {picture, connection, chooseSide, sides: []});
     this.mode = h('select', {id: 'beside', onchange: () => this.setMode(this.mode.value)},
       besideModes.map(([value, text]) => h('option', {value}, text)));
     this.tabs = [0, 1].map(side => h('button', {type: 'button', id: `side-${side}`, 'aria-pressed': String(!side),
@@ -82,8 +82,11 @@ class BesidePanel {
     const {picture} = this, shown = picture.mode === 'split', outer = picture.canvas.offsetParent;
     this.handle.hidden = !shown;
     const named = picture.mode === 'split' || picture.mode === 'blink';
-    this.labels.forEach((label, side) => label.hidden = !named || (picture.mode === 'blink' && picture.blink !== side));
-    if (!outer || !named) return;
+    this.labels.forEach((label, side) => {
+      label.textContent = this.labelText(side, named);
+      label.hidden = !label.textContent || (picture.mode === 'blink' && picture.blink !== side);
+    });
+    if (!outer || this.labels.every(label => label.hidden)) return;
     const box = this.box(), origin = outer.getBoundingClientRect();
     const left = box.left - origin.left, top = box.top - origin.top;
     Object.assign(this.handle.style, {left: `${left + picture.split * box.width}px`, top: `${top}px`,
@@ -91,6 +94,20 @@ class BesidePanel {
     this.handle.setAttribute('aria-valuenow', String(Math.round(100 * picture.split)));
     Object.assign(this.labels[0].style, {left: `${left}px`, top: `${top}px`});
     Object.assign(this.labels[1].style, {right: `${origin.width - left - box.width}px`, top: `${top}px`});
+  }
+
+  // Two techniques are named. What is seen is not always what is wanted: another technique stands in, or nothing has come
+  // of a change yet; then it says whose picture it is.
+  labelText(side, named) {
+    const status = this.sides[side], by = this.picture.images[side]?.header.by;
+    if (!status) return '';
+    const wanted = status.wanted, shown = by && nameOf(by) !== nameOf(wanted) ? `picture by ${nameOf(by)}` : '';
+    if (!named) return side === 0 ? shown : '';
+    // Two of one name differ in their parameters.
+    const alike = this.sides[0].wanted.name === this.sides[1]?.wanted.name;
+    const state = shown || (status.stage === 'failed' ? 'failed' :
+        status.progress ? `${number(status.progress.samples)} samples` : '');
+    return [alike ? nameOf(wanted) : wanted.name, state].filter(Boolean).join(' · ');
   }
 
   showLegend() {
@@ -111,17 +128,12 @@ class BesidePanel {
     this.mode.value = this.picture.mode;
     this.tabRow.hidden = !two;
     const [a, b] = status.sides, alike = b && a.wanted.name === b.wanted.name;
-    status.sides.forEach((side, i) => {
-      // Two of one name differ in their parameters.
-      const name = [side.wanted.name, alike && parameterText(side.wanted.parameters)].filter(Boolean).join(' ');
-      this.tabs[i].textContent = `${i ? 'Second' : 'First'}: ${name}`;
-      this.labels[i].textContent = name + (side.stage === 'failed' ? ' (failed)' :
-          side.progress ? ` · ${number(side.progress.samples)} samples` : '');
-    });
+    this.sides = status.sides;
+    status.sides.forEach(({wanted}, i) =>
+      this.tabs[i].textContent = `${i ? 'Second' : 'First'}: ${alike ? nameOf(wanted) : wanted.name}`);
     const flip = this.picture.images[flipSlot]?.header.flip;
     if (this.mean && flip !== undefined) this.mean.textContent = `mean ${number(flip)}`;
-    if (two !== this.two) this.place();
-    this.two = two;
+    this.place();
   }
 
   settled() {

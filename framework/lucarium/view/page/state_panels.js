@@ -22,7 +22,10 @@ class StateLine {
     this.lamp.textContent = stageText(status);
     this.node.dataset.stage = status.stage;
     const p = status.progress;
-    if (!p) return;
+    if (!p) {
+      this.numbers.textContent = '';  // those before are of another picture
+      return;
+    }
     const rate = p.seconds > 0 ? `${number(p.iterations / p.seconds)} iterations/s` : '';
     const coarse = status.divisor > 1 ? `coarse, 1/${status.divisor}` : '';
     const progress = p.progress > 0 && p.progress < 1 ? percent(p.progress) : '';

@@ -107,3 +107,5 @@ function pathText({light, paths}) {
 }
 
 const parameterText = parameters => parameters.map(([key, value]) => `${key}=${value}`).join(',');
+
+const nameOf = ({name, parameters}) => [name, parameterText(parameters)].filter(Boolean).join(' ');

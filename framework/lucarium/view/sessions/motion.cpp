@@ -14,12 +14,17 @@ constexpr double newest_share = 0.5;   // of the last measurement in the mean
 // Of the wanted time: what another size may take, so that it need not change again at once; and what one that is there
 // must take at least, else a finer one is looked for.
 constexpr double chosen_share = 0.85, min_share = 0.25;
+constexpr double slow_share = 1.25;  // of the wanted time, at the coarsest size: too slow
+constexpr int decisive = 2;          // measurements of that; the first one may have met cold caches
 
 }  // namespace
 
-void MotionSize::measured(double seconds, double pixels) {
+void MotionSize::measured(double seconds, double pixels, uint32_t divisor) {
   const double now = seconds / std::max(pixels, 1.0);
   seconds_per_pixel_ = seconds_per_pixel_ < 0 ? now : newest_share * now + (1 - newest_share) * seconds_per_pixel_;
+  if (divisor < divisors.back()) return;
+  coarsest_seconds_ = coarsest_count_ == 0 ? seconds : newest_share * seconds + (1 - newest_share) * coarsest_seconds_;
+  ++coarsest_count_;
 }
 
 double MotionSize::expected_seconds(double pixels) const {
@@ -34,6 +39,10 @@ uint32_t MotionSize::divisor(double pixels, uint32_t present) const {
   for (const uint32_t divisor : divisors)
     if (seconds(divisor) <= chosen_share * wanted_seconds) return divisor;
   return divisors.back();
+}
+
+bool MotionSize::is_too_slow() const {
+  return coarsest_count_ >= decisive && coarsest_seconds_ > slow_share * wanted_seconds;
 }
 
 }  // namespace lucarium

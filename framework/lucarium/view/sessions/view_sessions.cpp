@@ -31,9 +31,11 @@ ViewSessions::Sized ViewSessions::make(const TechniqueType& type, const ViewTech
   sized.camera_number = camera_number_;
   sized.session = std::make_unique<RenderSession>(device_, scene_, type, divided_size(settings, divisor),
                                                   technique.parameters, on_preparing_);
-  // Light that does not depend on the camera is kept: an iteration of it is never in vain.
+  // Light that does not depend on the camera is kept: an iteration of it is never in vain. Nor is a coarse picture: the
+  // next camera comes before most of them are done.
   if (divisor == 1 && !type.info().capabilities.view_independent)
-    sized.session->scheduler().set_cancel([this] { return interrupt_requested() || cancel_(); });
+    sized.session->scheduler().set_cancel(
+        [this] { return interrupt_requested() || (whole_.divisor == 1 && cancel_()); });
   return sized;
 }
 

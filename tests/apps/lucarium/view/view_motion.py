@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a page sees while a technique prepares itself, and while the camera moves: view_motion.py PROGRAM starts viewers
-of techniques that keep their light, and of one that does not. One line per check: "ok …" or "FAILED …", then "end"."""
+"""What a page sees while a technique prepares itself, and while the camera moves: view_motion.py PROGRAM WORD... starts
+viewers of techniques that keep their light, of one that does not, and of one that is too slow, which `WORD...` choose
+and which has a parameter `sleep`. One line per check: "ok …" or "FAILED …", then "end"."""
+import contextlib
 import json
 import signal
 import subprocess
@@ -22,23 +24,33 @@ KEEPING = {'bundle_exchange': ['texels=2048', 'directions=65536', 'stop_error=0'
            'virtual_light_field': ['dir_n=32', 'cells=64', 'texels=2048']}
 
 
-def move(page, coarse):
-    """Turns the camera for a while. Returns what the pictures and states of that time say, and how long each move was
-    the last one, at most. `coarse`: waits until some of the states are."""
-    moving, sent = threading.Event(), []
+@contextlib.contextmanager
+def turning(page):
+    """Turns the camera meanwhile. Gives a list that gets begin and end of each message."""
+    ended, sent = threading.Event(), []
 
     def turn():
         step = 0
-        while not moving.is_set():
+        while not ended.is_set():
             step += 1
             begin = time.monotonic()
             page.send(json.dumps({'do': 'camera', 'eye': [0.1 + 0.002 * step, 0.3, 0.9], 'target': [0, 0.25, 0],
                                   'vfov': 40}))
             sent.append((begin, time.monotonic()))
             time.sleep(PERIOD)
-    pictures, states = [], []
     thread = threading.Thread(target=turn)
     thread.start()
+    try:
+        yield sent
+    finally:
+        ended.set()
+        thread.join()
+
+
+def move(page, coarse):
+    """Turns the camera for a while. Returns what the pictures and states of that time say, and how long each move was
+    the last one, at most. `coarse`: waits until some of the states are."""
+    pictures, states = [], []
     end = time.monotonic() + MOVING
 
     def take(message):
@@ -48,11 +60,8 @@ def move(page, coarse):
             states.append({**message['status']['sides'][0], 'number': message['status']['camera']['number']})
         enough = len(pictures) > 4 and sum(state['divisor'] > 1 or not coarse for state in states) > 4
         return enough and time.monotonic() > end
-    try:
+    with turning(page) as sent:
         page.until(take)
-    finally:
-        moving.set()
-        thread.join()
     ends = [end for _, end in sent[1:]] + [time.monotonic()]
     return pictures, states, [end - begin for (begin, _), end in zip(sent, ends)]
 
@@ -73,8 +82,8 @@ def resting(states, long_moves):
     return [part[1:] for part in parts.values() if len(part) > 1]  # a batch may have ended before the first
 
 
-def start(program, technique):
-    viewer = subprocess.Popen([program, 'view', 'builtin:cornell', '--size', '192x128', '-t', technique],
+def start(program, *words):
+    viewer = subprocess.Popen([program, 'view', 'builtin:cornell', *words, '--size', '192x128'],
                               stdout=subprocess.PIPE, text=True)
     address = urllib.parse.urlparse(viewer.stdout.readline().strip())
     return viewer, Page((address.hostname, address.port), address.path + 'socket')
@@ -82,7 +91,7 @@ def start(program, technique):
 
 def prepared(program):
     """Nobody waits for the directions and texels of this one: another picture comes before."""
-    viewer, page = start(program, 'virtual_light_field:dir_n=64,cells=512,texels=1048576,access_rays=4096')
+    viewer, page = start(program, '-t', 'virtual_light_field:dir_n=64,cells=512,texels=1048576,access_rays=4096')
     try:
         picture = page.until(lambda m: 'picture' in m.get('binary', {}))['binary']
         check(f'a coarse picture comes at once {picture["width"]}', picture['divisor'] == 4 and picture['width'] == 48)
@@ -99,7 +108,7 @@ def prepared(program):
 
 def moved(program, technique, options):
     words = f'{technique}{"," if ":" in technique else ":"}{",".join(options)}' if options else technique
-    viewer, page = start(program, words)
+    viewer, page = start(program, '-t', words)
     try:
         before = status_where(page, lambda s: s['sides'][0].get('divisor') == 1 and (
             not options or progress_of(s['sides'][0]) > 0))['camera']['number']
@@ -128,11 +137,67 @@ def moved(program, technique, options):
         viewer.kill()
 
 
+def is_move(header):
+    return 'picture' in header and header['divisor'] > 1
+
+
+def too_slow(program, words):
+    """Another technique's pictures, while the camera moves, in place of those that come too late."""
+    viewer, page = start(program, *words)
+    try:
+        status_where(page, lambda s: s['sides'][0].get('divisor') == 1)
+        pictures, seen = 0, None
+
+        def take(message):
+            nonlocal pictures, seen
+            header = message.get('binary', {})
+            pictures += is_move(header) and header['by']['name'] == 'path_tracing'
+            side = message.get('status', {}).get('sides', [{}])[0]
+            if side.get('meanwhile'):
+                seen = side
+            return pictures > 9 and seen
+        with turning(page):
+            page.until(take)
+        check(f'too slow: path_tracing stands in while the camera moves {seen["stage"]}',
+              (seen['meanwhile'], seen['stage']) == ('path_tracing', 'rendering') and seen['divisor'] > 1)
+        own = seen['running']['name']
+        check(f'and the panels show what runs {own}', own == 'constant' and 'repeat' not in seen)
+        begin = status_where(page, lambda s: s['sides'][0].get('divisor') == 1 and not s['sides'][0]['meanwhile'])
+        check(f'once it rests its own picture comes {begin["sides"][0]["progress"]}', begin['sides'][0]['running'][
+            'name'] == own and begin['sides'][0]['progress']['samples'] > 0)
+        header = page.until(lambda m: m.get('binary', {}).get('divisor') == 1)['binary']
+        check(f'whole, and of the last camera {header["by"]}',
+              (header['width'], header['by']['name']) == (192, own) and
+              header['camera_number'] == begin['camera']['number'])
+        first = None
+
+        def take_first(message):
+            nonlocal first
+            header = message.get('binary', {})
+            first = header if is_move(header) else None
+            return first
+        with turning(page):
+            page.until(take_first)
+        check(f'the next time it stands in at once {first["by"]}', first['by']['name'] == 'path_tracing')
+        page.send(json.dumps({'do': 'technique', 'name': own, 'parameters': [['sleep', '0']]}))
+        last = status_where(page, lambda s: s['sides'][0].get('running', {}).get('parameters') == [['sleep', '0']])
+        with turning(page):
+            by = [page.until(lambda m: m.get('binary', {}).get('camera_number', 0) > last['camera']['number'])[
+                'binary']['by']['name'] for _ in range(9)]
+        check(f'quick enough it shows itself {by}', set(by) == {own})
+        viewer.send_signal(signal.SIGINT)
+        check('Ctrl-C ends it', viewer.wait(PATIENCE) == 0)
+    finally:
+        viewer.kill()
+
+
 def main():
     prepared(sys.argv[1])
     for technique, options in KEEPING.items():
         moved(sys.argv[1], technique, options)
-    moved(sys.argv[1], 'path_tracing', [])
+    for technique in ('path_tracing', 'micro_rendering:points_log2=12,jacobi_level=6'):
+        moved(sys.argv[1], technique, [])
+    too_slow(sys.argv[1], sys.argv[2:])
     print('end')
 
 

@@ -54,7 +54,9 @@ TEST_CASE("viewer in a browser: an animation, a lost connection, a page that wat
 
 TEST_CASE("while a technique prepares itself there is a picture; while the camera moves light that is kept rests") {
   if (!has_viewer()) return skip("libwebsockets");
-  check_found(run_program("python3 " + (here() / "view_motion.py").string() + " " + lucarium_program(), 540));
+  check_found(run_program("python3 " + (here() / "view_motion.py").string() + " " + lucarium_program() + " " +
+                              constant_technique("sleep=300"),
+                          540));
 }
 
 TEST_CASE("a watching viewer starts again when a kernel changes, and shows what the compiler says of it") {
