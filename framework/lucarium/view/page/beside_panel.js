@@ -96,18 +96,20 @@ class BesidePanel {
     Object.assign(this.labels[1].style, {right: `${origin.width - left - box.width}px`, top: `${top}px`});
   }
 
-  // Two techniques are named. What is seen is not always what is wanted: another technique stands in, or nothing has come
-  // of a change yet; then it says whose picture it is.
+  // Two techniques are named. What is seen is not always what is wanted: another technique stands in, or a change has
+  // failed, or brought nothing yet. Then it says whose picture it is.
   labelText(side, named) {
-    const status = this.sides[side], by = this.picture.images[side]?.header.by;
+    const status = this.sides[side], header = this.picture.images[side]?.header;
     if (!status) return '';
-    const wanted = status.wanted, shown = by && nameOf(by) !== nameOf(wanted) ? `picture by ${nameOf(by)}` : '';
+    const {wanted} = status, failed = status.stage === 'failed';
+    const old = header && failed && header.camera_number !== this.camera ? ', from an earlier camera' : '';
+    const other = header && (failed || nameOf(header.by) !== nameOf(wanted));
+    const shown = other ? `picture by ${nameOf(header.by)}${old}` : '';
     if (!named) return side === 0 ? shown : '';
     // Two of one name differ in their parameters.
     const alike = this.sides[0].wanted.name === this.sides[1]?.wanted.name;
-    const state = shown || (status.stage === 'failed' ? 'failed' :
-        status.progress ? `${number(status.progress.samples)} samples` : '');
-    return [alike ? nameOf(wanted) : wanted.name, state].filter(Boolean).join(' · ');
+    const samples = !shown && status.progress ? `${number(status.progress.samples)} samples` : '';
+    return [alike ? nameOf(wanted) : wanted.name, failed && 'failed', shown, samples].filter(Boolean).join(' · ');
   }
 
   showLegend() {
@@ -129,6 +131,7 @@ class BesidePanel {
     this.tabRow.hidden = !two;
     const [a, b] = status.sides, alike = b && a.wanted.name === b.wanted.name;
     this.sides = status.sides;
+    this.camera = status.camera.number;
     status.sides.forEach(({wanted}, i) =>
       this.tabs[i].textContent = `${i ? 'Second' : 'First'}: ${alike ? nameOf(wanted) : wanted.name}`);
     const flip = this.picture.images[flipSlot]?.header.flip;

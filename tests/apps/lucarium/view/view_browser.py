@@ -15,6 +15,14 @@ from viewer_page import (CLICK, DATA, ITERATIONS, LUMINANCE, PIXELS, SET, SIZE, 
                          largest_difference, png_pixels, shows)
 from browser import Browser, check, wait
 
+SEEN_LABEL = """const label = document.querySelector('.side-label.side-0');
+return label.hidden ? '' : label.textContent;"""
+# After a failure, before and after the camera has moved; and without one.
+LABELS = """const by = {name: 'constant', parameters: [['red', '1']]};
+const text = (stage, camera) => BesidePanel.prototype.labelText.call({camera, sides: [{stage, wanted: by}],
+  picture: {images: [{header: {by, camera_number: 7}}]}}, 0, false);
+return [text('failed', 7), text('failed', 8), text('rendering', 8)];"""
+
 
 def picture(browser, viewer):
     check('the whole picture comes', shows(browser, lambda: True))
@@ -60,10 +68,14 @@ at('pointerdown', 0.5); at('pointermove', 0.6); at('pointerup', 0.6);""")
 
 def technique(browser, viewer):
     before = browser.run(PIXELS)
-    script = (pathlib.Path(__file__).parents[4] / 'framework/lucarium/view/page/state_panels.js').read_text()
+    page = pathlib.Path(__file__).parents[4] / 'framework/lucarium/view/page'
+    script = (page / 'state_panels.js').read_text()
     check('a picture by another technique is called so in every stage, until the own one has come', browser.run(
         script + "return ['path_tracing', ''].map(meanwhile => stageText({stage: 'rendering', meanwhile}));") ==
           ['rendering; meanwhile a picture by path_tracing', 'rendering'])
+    script = ''.join((page / name).read_text() for name in ('technique_panel.js', 'beside_panel.js'))
+    check('a picture that is seen after a failure says whose it is', browser.run(
+        script + LABELS) == ['picture by constant red=1', 'picture by constant red=1, from an earlier camera', ''])
     browser.run(SET, '#parameter-estimator', 'bsdf')
     check('a parameter changes the picture', shows(browser, lambda: browser.run(PIXELS) != before))
     other = viewer.render('other.png', '-t', 'path_tracing:estimator=bsdf')
@@ -72,10 +84,13 @@ def technique(browser, viewer):
     browser.run(SET, '#parameter-roulette_start', '9999')
     check('a value out of range is refused, with the range', wait(
         lambda: 'outside' in browser.run(TEXT, '.refusal')))
+    check('the picture says whose it is', wait(
+        lambda: browser.run(SEEN_LABEL) == 'picture by path_tracing estimator=bsdf'))
     check('and what ran before still runs', shows(browser, lambda: largest_difference(browser.run(PIXELS), other) <= 1))
     browser.run(CLICK, '.refusal button')
     check('one goes back to it', wait(lambda: browser.run(TEXT, '.refusal') == '' and
                                       browser.run(VALUE, 'parameter-estimator') == 'bsdf'))
+    check('whose picture it is need not be said then', wait(lambda: browser.run(SEEN_LABEL) == ''))
     browser.run(CLICK, '[aria-label="named at the start"] button')
     check('techniques of the command line are at hand', shows(browser, lambda: browser.run(PIXELS) == before))
 

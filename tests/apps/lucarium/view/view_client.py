@@ -211,6 +211,12 @@ def failures(page):
     failed = side('constant', [['failure', 'exception'], ['fail_at', '1']], lambda s: s['stage'] == 'failed')
     check(f'a technique that throws shows its message {failed["failure"]}',
           'an exception that is no Error' in failed['failure'])
+    page.send('{"do": "layer", "name": "direct"}')
+    page.send(json.dumps({'do': 'technique', 'name': 'constant', 'parameters': [['blue', '0.5']]}))
+    by = page.until(lambda m: m.get('binary', {}).get('layer') == 'direct')['binary']['by']
+    check(f'pictures say whose they are {by}', by == {'name': 'constant', 'parameters': [['blue', '0.5']]})
+    page.send('{"do": "layer", "name": ""}')
+    side('constant', [['failure', 'exception'], ['fail_at', '1']], lambda s: s['stage'] == 'failed')
     refused = side('no_such', [], lambda s: 'no_such' in s['refusal'])
     check(f'which is gone when the next one is refused {refused["failure"]}', refused['failure'] == '')
     running = side('constant', [['blue', '0.25']], lambda s: s['stage'] == 'rendering' and 'running' in s)

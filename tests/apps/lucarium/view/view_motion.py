@@ -153,7 +153,7 @@ def too_slow(program, words):
             header = message.get('binary', {})
             pictures += is_move(header) and header['by']['name'] == 'path_tracing'
             side = message.get('status', {}).get('sides', [{}])[0]
-            if side.get('meanwhile'):
+            if side.get('meanwhile') and side['stage'] == 'rendering':  # its kernels are there
                 seen = side
             return pictures > 9 and seen
         with turning(page):
