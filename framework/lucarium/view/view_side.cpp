@@ -86,7 +86,9 @@ void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& tech
     else
       motion_.doubt();
     set_preparing(-1, "preparing");
-    if (sessions_.empty() && stand_in_.is_wanted_for(type, technique, around_.settings)) show_stand_in();
+    if (sessions_.empty() && stand_in_.is_wanted_for(type, technique, around_.settings)) {
+      show_stand_in(true);  // also for pages that come
+    }
     stage_ = Stage::preparing;
     const uint32_t divisor = can.view_independent || can.resizes ? 1 : motion_.divisor(whole_pixels(), 0);
     sessions_.change(type, technique, around_.settings, divisor);
@@ -110,14 +112,14 @@ bool ViewSide::stands_in() {
   return slow;
 }
 
-bool ViewSide::show_stand_in() {
+bool ViewSide::show_stand_in(bool wanted) {
   const Stopwatch watch;
   RenderSession* const session = stand_in_.render(*registry_, around_.settings);
   if (!session) return false;
   standing_in_ = true;
   // One for each camera, and then as it gets better.
   const bool is_new = session->iterations() == 1 || since_sent_.seconds() >= shortest_interval;
-  if (is_new && session->last().samples > 0 && hub_.wants_picture()) {
+  if (wanted && is_new && session->last().samples > 0) {
     since_sent_.restart();
     meanwhile_ = StandIn::technique;
     Film film(session->settings().width, session->settings().height);
@@ -200,7 +202,7 @@ bool ViewSide::reached_budget(const RenderSession& session) const {
 
 void ViewSide::work() {
   const Stopwatch working;
-  if (!stands_in() || !show_stand_in()) iterate();
+  if (!stands_in() || !show_stand_in(hub_.wants_picture())) iterate();
   stage_ = Stage::rendering;
   spent_ += working.seconds();
 }

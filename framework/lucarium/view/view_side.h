@@ -100,8 +100,8 @@ class ViewSide {
   bool reached_budget(const RenderSession& session) const;
   bool is_picture_due(const RenderSession& session) const;
   bool stands_in();
-  /// Sends the next sample of another technique's picture. False where there is none.
-  bool show_stand_in();
+  /// The next sample of another technique's picture, which is sent where it is wanted. False where there is none.
+  bool show_stand_in(bool wanted);
   void iterate();
   bool moves() const;
   void send_picture(RenderSession& session);

@@ -82,19 +82,22 @@ def resting(states, long_moves):
     return [part[1:] for part in parts.values() if len(part) > 1]  # a batch may have ended before the first
 
 
-def start(program, *words):
+def start(program, *words, late=0):
+    """A viewer, and a page that comes so late [s]."""
     viewer = subprocess.Popen([program, 'view', 'builtin:cornell', *words, '--size', '192x128'],
                               stdout=subprocess.PIPE, text=True)
     address = urllib.parse.urlparse(viewer.stdout.readline().strip())
+    time.sleep(late)
     return viewer, Page((address.hostname, address.port), address.path + 'socket')
 
 
 def prepared(program):
     """Nobody waits for the directions and texels of this one: another picture comes before."""
-    viewer, page = start(program, '-t', 'virtual_light_field:dir_n=64,cells=512,texels=1048576,access_rays=4096')
+    technique = 'virtual_light_field:dir_n=64,cells=512,texels=1048576,access_rays=4096'
+    viewer, page = start(program, '-t', technique, late=2)
     try:
         picture = page.until(lambda m: 'picture' in m.get('binary', {}))['binary']
-        check(f'a coarse picture comes at once {picture["width"]}', picture['divisor'] == 4 and picture['width'] == 48)
+        check(f'a coarse picture is there, made before there was a page {picture["width"]}', picture['divisor'] == 4 and picture['width'] == 48)
         side = status_where(page, lambda s: s['sides'][0]['meanwhile'])['sides'][0]
         check(f'by path_tracing, while the technique prepares itself {side["stage"]}',
               (side['meanwhile'], side['stage']) == ('path_tracing', 'preparing'))
