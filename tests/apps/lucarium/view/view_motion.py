@@ -97,7 +97,8 @@ def prepared(program):
     viewer, page = start(program, '-t', technique, late=2)
     try:
         picture = page.until(lambda m: 'picture' in m.get('binary', {}))['binary']
-        check(f'a coarse picture is there, made before there was a page {picture["width"]}', picture['divisor'] == 4 and picture['width'] == 48)
+        check(f'a coarse picture is there, made before there was a page {picture["width"]}',
+              picture['divisor'] == 4 and picture['width'] == 48)
         side = status_where(page, lambda s: s['sides'][0]['meanwhile'])['sides'][0]
         check(f'by path_tracing, while the technique prepares itself {side["stage"]}',
               (side['meanwhile'], side['stage']) == ('path_tracing', 'preparing'))
