@@ -22,8 +22,8 @@ class StateLine {
     this.lamp.textContent = stageText(status);
     this.node.dataset.stage = status.stage;
     const p = status.progress;
-    if (!p) {
-      this.numbers.textContent = '';  // those before are of another picture
+    if (!p) {  // those before stay while the scene moves on, unless they are of another technique's picture
+      if (status.stage !== 'rendering' || status.meanwhile) this.numbers.textContent = '';
       return;
     }
     const rate = p.seconds > 0 ? `${number(p.iterations / p.seconds)} iterations/s` : '';
