@@ -34,8 +34,19 @@ TEST_CASE("the error of an unbiased picture is its noise and the reference's own
   CHECK(reference->measured_samples() == 0);
   while (reference->measured_samples() < grown) reference->work();
   while (session.last().samples < 128) session.iterate();
+  // Few samples: a pixel that has caught much light is off by much, and it is not for its brightness that this is
+  // little.
+  RenderSession few(test::test_device(), scene, type, settings, {{"replicates", "16"}});
+  while (few.last().samples < 16) few.iterate();
+  const Film early = few.resolve();
+  const double early_noise = reference->noise(early.find("Variance")->pixels);
+  CHECK(reference->relmse(early.image()) == test::relative(early_noise + reference->own_relmse(), 0.3));
+  ErrorHistory history;
+  history.keep({"path_tracing", {}}, "", 1, 16, early);
+  CHECK(history.measure_one("", *reference));
+  CHECK(history.describe()[0]["points"][0]["noise"] == early_noise);
   const Film film = session.resolve();
-  const double noise = GrowingReference::noise_of(film), own = reference->own_relmse();
+  const double noise = reference->noise(film.find("Variance")->pixels), own = reference->own_relmse();
   CHECK(noise > 0);
   CHECK(own < 0.2 * noise);
   // 576 pixels of three channels: the sum of their squares is within a tenth or so of what is expected.
@@ -60,7 +71,8 @@ TEST_CASE("a reference has the bounces that the technique has, though more are a
   while (session.last().samples < 64) session.iterate();
   const Film film = session.resolve();
   // Indirect light would make it thousands of times as much.
-  CHECK(reference->relmse(film.image()) < 3 * (GrowingReference::noise_of(film) + reference->own_relmse()));
+  CHECK(reference->relmse(film.image()) <
+        3 * (reference->noise(film.find("Variance")->pixels) + reference->own_relmse()));
 }
 
 TEST_CASE("errors of all that was tried stay, and are measured again when the reference is better") {

@@ -38,8 +38,9 @@ void ErrorHistory::keep(const ViewTechnique& technique, const std::string& paths
     if (curves_.size() >= max_curves) curves_.erase(curves_.begin());
     curves_.push_back({technique, paths, {}});
   }
-  Point point{seconds, samples, GrowingReference::noise_of(film), 0, 0, 0, film.image()};
-  make_room(point.image.size() * sizeof(float));
+  const FilmLayer* const variance = film.find("Variance");
+  Point point{seconds, samples, NAN, 0, 0, 0, film.image(), variance ? variance->pixels : std::vector<float>()};
+  make_room(point.bytes());
   const_cast<Curve*>(find(technique))->points.push_back(std::move(point));
 }
 
@@ -50,12 +51,12 @@ void ErrorHistory::forget(const ViewTechnique& technique) {
 /// Of the oldest curve first: its errors stay as they were measured last.
 void ErrorHistory::make_room(size_t bytes) {
   for (const Curve& curve : curves_)
-    for (const Point& point : curve.points) bytes += point.image.size() * sizeof(float);
+    for (const Point& point : curve.points) bytes += point.bytes();
   for (Curve& curve : curves_) {
     for (Point& point : curve.points) {
       if (bytes <= max_bytes) return;
-      bytes -= point.image.size() * sizeof(float);
-      point.image = {};
+      bytes -= point.bytes();
+      point.image = point.variance = {};
     }
   }
 }
@@ -68,6 +69,7 @@ bool ErrorHistory::measure_one(const std::string& paths, const GrowingReference&
     for (auto point = curve->points.rbegin(); point != curve->points.rend(); ++point) {
       if (point->measured == present || point->image.empty()) continue;
       point->relmse = reference.relmse(point->image);
+      if (!point->variance.empty()) point->noise = reference.noise(point->variance);
       point->flip = reference.flip(point->image);
       point->measured = present;
       return true;

@@ -33,8 +33,10 @@ class ErrorHistory {
     double seconds = 0;
     uint64_t samples = 0;
     double noise = 0, relmse = 0, flip = 0;
-    uint64_t measured = 0;     ///< samples of the reference then; 0: never
-    std::vector<float> image;  ///< empty: let go
+    uint64_t measured = 0;        ///< samples of the reference then; 0: never
+    std::vector<float> image;     ///< empty: let go
+    std::vector<float> variance;  ///< of its pixels; empty: unknown, or let go
+    size_t bytes() const { return (image.size() + variance.size()) * sizeof(float); }
   };
   struct Curve {
     ViewTechnique technique;

@@ -50,11 +50,12 @@ void GrowingReference::work() {
 
 void GrowingReference::replace_image() {
   const Film film = session_.resolve();
-  const std::vector<float> image = film.image();
-  metrics_ = std::make_unique<MetricReference>(film.width(), film.height(), image, MetricOptions{0, false});
-  const FlipView view{automatic_exposure(image), false};
-  flip_ = std::make_unique<FlipReference>(film.width(), film.height(), image, std::vector<FlipView>{view});
-  own_relmse_ = noise_of(film);
+  image_ = film.image();
+  metrics_ = std::make_unique<MetricReference>(film.width(), film.height(), image_, MetricOptions{0, false});
+  const FlipView view{automatic_exposure(image_), false};
+  flip_ = std::make_unique<FlipReference>(film.width(), film.height(), image_, std::vector<FlipView>{view});
+  ReferenceError own;
+  own_relmse_ = estimate_reference_error(film, own) ? own.relmse : NAN;
   measured_samples_ = samples();
 }
 
@@ -65,9 +66,11 @@ double GrowingReference::flip(const std::vector<float>& image) const {
   return std::accumulate(map.begin(), map.end(), 0.0) / static_cast<double>(map.size());
 }
 
-double GrowingReference::noise_of(const Film& film) {
-  ReferenceError own;
-  return estimate_reference_error(film, own) ? own.relmse : NAN;
+/// A picture that is off by one standard deviation everywhere has the expected squared error.
+double GrowingReference::noise(const std::vector<float>& variance) const {
+  std::vector<float> off = image_;
+  for (size_t i = 0; i < off.size(); ++i) off[i] += std::sqrt(variance[i]);
+  return relmse(off);
 }
 
 }  // namespace lucarium

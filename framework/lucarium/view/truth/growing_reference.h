@@ -30,8 +30,9 @@ class GrowingReference {
   double relmse(const std::vector<float>& image) const;
   /// Mean LDR-FLIP, at the reference's exposure.
   double flip(const std::vector<float>& image) const;
-  /// relMSE that the variance of a film's pixels makes, by its layer "Variance"; NaN where it has none.
-  static double noise_of(const Film& film);
+  /// relMSE that pixels of that variance make. Relative to the reference, as relmse(): a picture of few samples has its
+  /// noise where it is brightest.
+  double noise(const std::vector<float>& variance) const;
 
  private:
   void replace_image();
@@ -39,6 +40,7 @@ class GrowingReference {
   RenderSession session_;
   uint64_t measured_samples_ = 0;
   double own_relmse_;
+  std::vector<float> image_;
   std::unique_ptr<MetricReference> metrics_;
   std::unique_ptr<FlipReference> flip_;
 };
