@@ -61,6 +61,9 @@ TEST_CASE("what does not keep the rate at the coarsest size is too slow once tha
   CHECK(motion.is_too_slow());  // the whole size says nothing of what each size costs
   motion.doubt();
   CHECK_FALSE(motion.is_too_slow());
+  motion.measured(2 * wanted, coarsest, 8);
+  CHECK(motion.is_too_slow());  // one is enough then
+  motion.doubt();
   for (int i = 0; i < 5; ++i) motion.measured(1.1 * wanted, coarsest, 8);
   CHECK_FALSE(motion.is_too_slow());  // nearly
   for (int i = 0; i < 5; ++i) motion.measured(1.4 * wanted, coarsest, 8);

@@ -23,7 +23,8 @@ void MotionSize::measured(double seconds, double pixels, uint32_t divisor) {
   const double now = seconds / std::max(pixels, 1.0);
   seconds_per_pixel_ = seconds_per_pixel_ < 0 ? now : newest_share * now + (1 - newest_share) * seconds_per_pixel_;
   if (divisor < divisors.back()) return;
-  coarsest_seconds_ = coarsest_count_ == 0 ? seconds : newest_share * seconds + (1 - newest_share) * coarsest_seconds_;
+  coarsest_seconds_ = in_doubt_ ? seconds : newest_share * seconds + (1 - newest_share) * coarsest_seconds_;
+  in_doubt_ = false;
   ++coarsest_count_;
 }
 
@@ -42,7 +43,13 @@ uint32_t MotionSize::divisor(double pixels, uint32_t present) const {
 }
 
 bool MotionSize::is_too_slow() const {
-  return coarsest_count_ >= decisive && coarsest_seconds_ > slow_share * wanted_seconds;
+  return !in_doubt_ && coarsest_count_ >= decisive && coarsest_seconds_ > slow_share * wanted_seconds;
+}
+
+void MotionSize::doubt() {
+  if (!is_too_slow()) return;
+  coarsest_count_ = decisive - 1;
+  in_doubt_ = true;
 }
 
 }  // namespace lucarium

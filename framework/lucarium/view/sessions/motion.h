@@ -19,14 +19,15 @@ class MotionSize {
   uint32_t divisor(double pixels, uint32_t present) const;
   /// Whether iterations are too slow for the rate even at the coarsest size, clearly so, and not once.
   bool is_too_slow() const;
-  /// Two more measurements decide that: the machine may have been busy.
-  void doubt() { coarsest_count_ = 0; }
+  /// Of what was too slow the next measurement decides that again: the machine may have been busy.
+  void doubt();
   void forget() { *this = {}; }
 
  private:
   double seconds_per_pixel_ = -1;
   double coarsest_seconds_ = 0;
   int coarsest_count_ = 0;
+  bool in_doubt_ = true;
 };
 
 }  // namespace lucarium
