@@ -49,15 +49,18 @@ BundleEdges::BundleEdges(Device& device, KernelScheduler& scheduler, const Scene
       raster_(scheduler, scene, raster_options(plan), owner),
       generation_(raster_.generation()),
       program_(make_program(device, bidirectional_vpl_kernels(),
-                            {"bidirectional_vpl/bundles/bundle_views", "bidirectional_vpl/bundles/look_up_bundle"},
+                            {"bidirectional_vpl/bundles/bundle_views", "bidirectional_vpl/bundles/keep_bundle",
+                             "bidirectional_vpl/bundles/look_up_bundle"},
                             bundle_defines(plan))),
       views_(device, owner, "views of bundles", plan.settings.bundles, "lower bundles"),
       keys_(device, owner, "bundles of rays", plan.settings.pixels, remedies::lower_size),
       order_(device, owner, "rays by bundle", plan.settings.pixels, remedies::lower_size),
       starts_(device, owner, "first rays of bundles", plan.settings.bundles + 1),
       ranges_(plan.settings.bundles + 1) {
+  if (plan.keeps_bundles()) kept_.emplace(device, plan, owner);
   record_prepare(rays);
-  record_look_up(rays);
+  record_bundle(rays);
+  if (kept_) record_again(rays);
 }
 
 void BundleEdges::record_prepare(const BundleRays& rays) {
@@ -102,7 +105,7 @@ void BundleEdges::record_prepare(const BundleRays& rays) {
       .arg("depth", depth_)
       .arg("side", plan_.bundle_res)
       .arg("bounds", bounds)
-      .arg("chunks", chunks)
+      .arg("chunks", kept_ ? 0u : chunks)  // what is kept has to show all of the scene
       .arg("views", views_);
   recorder.read_back("first rays of bundles", starts_, [this](std::span<const std::byte> bytes) {
     std::memcpy(ranges_.data(), bytes.data(), bytes.size());
@@ -110,17 +113,17 @@ void BundleEdges::record_prepare(const BundleRays& rays) {
   prepare_ = recorder.compile();
 }
 
-void BundleEdges::record_look_up(const BundleRays& rays) {
-  ScheduleRecorder recorder = scheduler_.record("bundle", owner_);
-  number_ = recorder.variable("bundle", 0u);
-  const LayeredRaster::Stored stored =
-      raster_.record_stored(recorder, "bundles", {views_, number_}, store_options(plan_));
+template <class Base>
+void BundleEdges::add_look_up(ScheduleRecorder& recorder, const BundleRays& rays, const Variable<uint32_t>& number,
+                              const LayeredRaster::Stored& stored, const Base& start, const Base& fragment) {
   PassBuilder look_up = recorder.pass("shading.look_up", program_, "look_up_bundle");
   scene_.bind(look_up);
   look_up.global(divide_up(plan_.settings.pixels, kLookUpChunk))
       .slice(kSlice / kLookUpChunk)
-      .arg("number", number_)
+      .arg("number", number)
       .arg("chunk", kLookUpChunk)
+      .arg("start_base", start)
+      .arg("fragment_base", fragment)
       .arg("starts", starts_)
       .arg("order", order_)
       .arg("views", views_)
@@ -130,6 +133,19 @@ void BundleEdges::record_look_up(const BundleRays& rays) {
       .arg("queue", rays.queue)
       .arg("states", rays.states)
       .arg("hits", rays.hits);
+}
+
+void BundleEdges::record_bundle(const BundleRays& rays) {
+  ScheduleRecorder recorder = scheduler_.record("bundle", owner_);
+  number_ = recorder.variable("bundle", 0u);
+  const LayeredRaster::Stored stored =
+      raster_.record_stored(recorder, "bundles", {views_, number_}, store_options(plan_));
+  add_look_up(recorder, rays, number_, stored, 0u, 0u);
+  if (kept_) {
+    entry_ = recorder.variable("entry", 0u);
+    first_ = recorder.variable("first", 0u);
+    kept_->record_keep(recorder, program_, stored, entry_, first_);
+  }
   const BufferRef total = recorder.transient<uint32_t>("number of fragments", 1);
   recorder.pass("bundles.total", program_, "count_fragments")
       .global(1)
@@ -140,28 +156,58 @@ void BundleEdges::record_look_up(const BundleRays& rays) {
       .arg("total", total);
   recorder.read_back("number of fragments", total,
                      [this](std::span<const std::byte> bytes) { std::memcpy(&total_, bytes.data(), sizeof total_); });
-  look_up_ = recorder.compile();
+  bundle_ = recorder.compile();
+}
+
+void BundleEdges::record_again(const BundleRays& rays) {
+  ScheduleRecorder recorder = scheduler_.record("kept bundle", owner_);
+  again_number_ = recorder.variable("bundle", 0u);
+  again_start_ = recorder.variable("start", 0u);
+  again_fragment_ = recorder.variable("fragment", 0u);
+  add_look_up(recorder, rays, again_number_, {kept_->starts(), kept_->fragments(), {}}, again_start_, again_fragment_);
+  again_ = recorder.compile();
+}
+
+/// What the rays of bundle k meet.
+bool BundleEdges::look_up(uint32_t k) {
+  if (kept_) {
+    if (const std::optional<KeptBundles::Place> place = kept_->find(k)) {
+      again_.set(again_number_, k);
+      again_.set(again_start_, place->entry * (plan_.bundle_res * plan_.bundle_res + 1));
+      again_.set(again_fragment_, place->first);
+      if (scheduler_.run(again_) == RunResult::cancelled) return false;
+      ++new_.again;
+      return true;
+    }
+    bundle_.set(entry_, kept_->next().entry);
+    bundle_.set(first_, kept_->next().first);
+  }
+  bundle_.set(number_, k);
+  if (scheduler_.run(bundle_) == RunResult::cancelled) return false;
+  if (kept_) kept_->stored(k, total_);
+  ++new_.bundles;
+  new_.fragments += total_;
+  return true;
 }
 
 bool BundleEdges::trace(uint32_t seed, uint32_t sample, uint32_t depth) {
-  if (depth == 0) new_bundles_ = new_fragments_ = 0;
+  if (depth == 0) {
+    new_ = {};
+    if (kept_) kept_->clear();
+  }
   prepare_.set(seed_, seed);
   prepare_.set(sample_, sample);
-  prepare_.set(depth_, depth);
+  prepare_.set(depth_, kept_ ? 0u : depth);  // of all depths the same views
   if (scheduler_.run(prepare_) == RunResult::cancelled) return false;
-  for (uint32_t k = 0; k < plan_.settings.bundles; ++k) {
-    if (ranges_[k] == ranges_[k + 1]) continue;
-    look_up_.set(number_, k);
-    if (scheduler_.run(look_up_) == RunResult::cancelled) return false;
-    ++new_bundles_;
-    new_fragments_ += total_;
-  }
+  for (uint32_t k = 0; k < plan_.settings.bundles; ++k)
+    if (ranges_[k] != ranges_[k + 1] && !look_up(k)) return false;
   return true;
 }
 
 void BundleEdges::complete() {
-  bundles_ += new_bundles_;
-  fragments_ += new_fragments_;
+  totals_.bundles += new_.bundles;
+  totals_.fragments += new_.fragments;
+  totals_.again += new_.again;
 }
 
 bool BundleEdges::update() {
@@ -171,13 +217,15 @@ bool BundleEdges::update() {
 
 void BundleEdges::warm_up() {
   scheduler_.warm_up(prepare_);
-  scheduler_.warm_up(look_up_);
+  scheduler_.warm_up(bundle_);
+  if (kept_) scheduler_.warm_up(again_);
 }
 
 size_t BundleEdges::estimate_bytes(const Plan& plan, size_t triangles) {
   // Sorting takes as much again.
   return size_t{plan.settings.pixels} * 4 * sizeof(uint32_t) + plan.settings.bundles * sizeof(LayeredView) +
-         LayeredRaster::estimate_bytes(triangles, raster_options(plan), store_options(plan));
+         LayeredRaster::estimate_bytes(triangles, raster_options(plan), store_options(plan)) +
+         (plan.keeps_bundles() ? KeptBundles::estimate_bytes(plan) : 0);
 }
 
 }  // namespace lucarium::bidirectional

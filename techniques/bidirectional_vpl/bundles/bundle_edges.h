@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bidirectional_vpl/base/plan.h"
+#include "bidirectional_vpl/bundles/kept_bundles.h"
 #include "lucarium/services/layered_raster/layered_raster.h"
 #include "lucarium/services/primitives/primitives.h"
 #include "lucarium/shared/ray.h"
@@ -24,6 +25,7 @@ struct BundleRays {
 ///             bounds          box of the points that look, and a view for each bundle
 ///   bundles   LayeredRaster   all fragments of the view of one bundle
 ///   look up   look_up_bundle  its rays -> hits
+///   keep      keep_bundle     the same for later depths (reuse=shared), which look up alone
 class BundleEdges {
  public:
   /// `scene` must outlive this; `owner` pays for the memory.
@@ -37,14 +39,27 @@ class BundleEdges {
   void warm_up();
   /// Counts the iteration, once it is complete.
   void complete();
-  /// Of complete iterations since clear_counters(): bundles that were rasterized, and their fragments.
-  std::map<std::string, double> counters() const { return {{"bundles", bundles_}, {"bundle_fragments", fragments_}}; }
-  void clear_counters() { bundles_ = fragments_ = 0; }
+  /// Of complete iterations since clear_counters(): bundles that were rasterized, their fragments, and bundles that
+  /// were looked up again instead.
+  std::map<std::string, double> counters() const {
+    return {{"bundles", totals_.bundles}, {"bundle_fragments", totals_.fragments}, {"bundles_again", totals_.again}};
+  }
+  void clear_counters() { totals_ = {}; }
   static size_t estimate_bytes(const Plan& plan, size_t triangles);
 
  private:
+  struct Counts {
+    double bundles = 0, fragments = 0, again = 0;
+  };
+
   void record_prepare(const BundleRays& rays);
-  void record_look_up(const BundleRays& rays);
+  void record_bundle(const BundleRays& rays);
+  void record_again(const BundleRays& rays);
+  /// `start`, `fragment`: where the bundle begins in `stored`.
+  template <class Base>
+  void add_look_up(ScheduleRecorder& recorder, const BundleRays& rays, const Variable<uint32_t>& number,
+                   const LayeredRaster::Stored& stored, const Base& start, const Base& fragment);
+  bool look_up(uint32_t k);
 
   KernelScheduler& scheduler_;
   const SceneBuffers& scene_;
@@ -56,11 +71,14 @@ class BundleEdges {
   Program program_;
   TypedBuffer<LayeredView> views_;
   TypedBuffer<uint32_t> keys_, order_, starts_;
-  Schedule prepare_, look_up_;
-  Variable<uint32_t> seed_, sample_, depth_, number_;
-  std::vector<uint32_t> ranges_;  ///< starts_ of this depth, read back
-  uint32_t total_ = 0;            ///< fragments of the last bundle
-  double bundles_ = 0, fragments_ = 0, new_bundles_ = 0, new_fragments_ = 0;
+  std::optional<KeptBundles> kept_;  ///< reuse=shared
+  Schedule prepare_, bundle_, again_;
+  Variable<uint32_t> seed_, sample_, depth_;
+  Variable<uint32_t> number_, entry_, first_;                       ///< of bundle_
+  Variable<uint32_t> again_number_, again_start_, again_fragment_;  ///< of again_
+  std::vector<uint32_t> ranges_;                                    ///< starts_ of this depth, read back
+  uint32_t total_ = 0;                                              ///< fragments of the last bundle
+  Counts totals_, new_;                                             ///< new_: of this iteration
 };
 
 }  // namespace lucarium::bidirectional

@@ -66,10 +66,11 @@ Hit look_up(const Scene* scene, const FragmentList* list, Ray ray, uint left) {
 
 #endif
 
-// The rays order[starts[number]] to order[starts[number + 1]], `chunk` to a work-item.
-__kernel void look_up_bundle(LUCARIUM_SCENE_PARAMETERS uint number, uint chunk, __global const uint* restrict starts,
-                             __global const uint* restrict order, __global const LayeredView* restrict views,
-                             __global const uint* restrict pixel_start,
+// The rays order[starts[number]] to order[starts[number + 1]], `chunk` to a work-item. The bundle begins at start_base
+// of pixel_start and fragment_base of fragments.
+__kernel void look_up_bundle(LUCARIUM_SCENE_PARAMETERS uint number, uint chunk, uint start_base, uint fragment_base,
+                             __global const uint* restrict starts, __global const uint* restrict order,
+                             __global const LayeredView* restrict views, __global const uint* restrict pixel_start,
                              __global const LayeredFragment* restrict fragments, __global const Ray* restrict rays,
                              __global const uint* restrict queue, __global const EyePathState* restrict states,
                              __global Hit* restrict hits, uint slice_base) {
@@ -77,7 +78,7 @@ __kernel void look_up_bundle(LUCARIUM_SCENE_PARAMETERS uint number, uint chunk, 
   const uint end = min(first + chunk, starts[number + 1u]);
   if (first >= end) return;
   LUCARIUM_SCENE_BIND(scene);
-  const FragmentList list = {views + number, pixel_start, fragments};
+  const FragmentList list = {views + number, pixel_start + start_base, fragments + fragment_base};
   for (uint k = first; k < end; ++k) {
     const uint i = order[k];
     hits[i] = look_up(&scene, &list, rays[i], states[queue[i]].left);

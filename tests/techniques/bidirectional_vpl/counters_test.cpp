@@ -85,6 +85,31 @@ TEST_CASE("counters of connections to all: every virtual light has its ray") {
   CHECK(found.count("candidates") == 0);
 }
 
+TEST_CASE("counters of bundles: the same set at later depths is looked up again, others are rasterized") {
+  const Scene scene = closed_box(false);
+  const auto count = [&](const char* reuse, const char* bundles, const char* resolution) {
+    Picture picture = small_picture(2, 3);
+    picture.width = picture.height = 48;
+    return counters(scene, picture,
+                    {{"directions", "bundle"},
+                     {"bundle_mode", "raster"},
+                     {"bundle_res", resolution},
+                     {"bundles", bundles},
+                     {"reuse", reuse},
+                     {"camera_edges", "3"}});
+  };
+  // Three edges of camera paths; 2304 paths take all of 4 bundles at each.
+  const auto shared = count("shared", "4", "32"), apart = count("per_depth", "4", "32");
+  CHECK(shared.at("bundles") == 3 * 4);
+  CHECK(shared.at("bundles_again") == 3 * 4 * 2);
+  CHECK(apart.at("bundles") == 3 * 4 * 3);
+  CHECK(apart.at("bundles_again") == 0);
+  // There is memory for 512 MiB / 36 B / 2048^2 = 3 of them.
+  const auto some = count("shared", "4", "2048");
+  CHECK(some.at("bundles") == 3 * (4 + 2));
+  CHECK(some.at("bundles_again") == 3 * 3 * 2);
+}
+
 TEST_CASE("counters of limits: paths caught between mirrors are counted, before and behind the first other surface") {
   SceneMaterial mirror;
   mirror.roughness = 0;

@@ -46,8 +46,8 @@ double relative_difference(const std::vector<float>& a, const std::vector<float>
 TEST_CASE("stored bundles with all triangles of a pixel show what rays show, BLEND, mirrors and sky included") {
   const Scene scene = mixed_room();
   const Picture picture = bundle_picture(4);
-  for (const char* reuse : {"per_depth", "distinct"}) {
-    const Parameters more = {{"bundles", "5"}, {"bundle_res", "64"}, {"reuse", reuse}};
+  for (const char* reuse : {"per_depth", "distinct", "shared"}) {
+    const Parameters more = {{"bundles", "5"}, {"bundle_res", "128"}, {"reuse", reuse}};
     const std::vector<float> rays = image(scene, picture, "rays", more), exact = image(scene, picture, "exact", more);
     // A ray that meets an edge may take either side of it.
     size_t different = 0;
