@@ -38,7 +38,7 @@ void KeptBundles::record_keep(ScheduleRecorder& recorder, const Program& program
       .arg("pixels", pixels_)
       .arg("entries", entries_)
       .arg("capacity", capacity_)
-      .arg("entry", entry)
+      .arg("slot", entry)
       .arg("first", first)
       .arg("pixel_start", stored.pixel_start)
       .arg("fragments", stored.fragments)
