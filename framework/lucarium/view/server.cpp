@@ -55,6 +55,12 @@ struct ViewServer::State {
   std::array<lws_protocols, 3> protocols{};
 
   explicit State(ViewHub& h) : hub(h) {}
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  /// Here, so that a server that cannot listen leaves nothing behind.
+  ~State() {
+    if (context) lws_context_destroy(context);
+  }
   static State& of(lws* wsi) { return *static_cast<State*>(lws_context_user(lws_get_context(wsi))); }
 
   /// The part of "/TOKEN/NAME" behind the token; nullopt where the token is missing or the host is a stranger's.
@@ -233,11 +239,7 @@ ViewServer::ViewServer(ViewHub& hub, const ViewServerOptions& options) : state_(
   hub.on_news([context = state.context] { lws_cancel_service(context); });
 }
 
-ViewServer::~ViewServer() {
-  if (!state_->context) return;
-  state_->hub.on_news({});
-  lws_context_destroy(state_->context);
-}
+ViewServer::~ViewServer() { state_->hub.on_news({}); }
 
 const std::string& ViewServer::url() const { return state_->url; }
 int ViewServer::port() const { return state_->port; }
