@@ -36,10 +36,15 @@ fi
 
 echo "Installing ${#missing[@]} packages: ${missing[*]}"
 # A fresh machine has no package index, an old one may name versions that are gone.
-"${as_root[@]}" apt-get update -qq </dev/null || echo "lucarium: apt-get update failed; using the index at hand" >&2
+only_for_tests() { awk -v name="$1" '$1 == name { found = 1 } END { exit !found }' <<<"$for_tests"; }
+updated=yes
+"${as_root[@]}" apt-get update -qq </dev/null || {
+  echo "lucarium: apt-get update failed; using the index at hand" >&2
+  updated=no
+}
 found=()
 for package in "${missing[@]}"; do
-  if apt-cache show "$package" >/dev/null 2>&1 || ! grep -q "^$package\b" <<<"$for_tests"; then
+  if [ $updated = no ] || apt-cache show "$package" >/dev/null 2>&1 || ! only_for_tests "$package"; then
     found+=("$package")
   else
     echo "lucarium: this system has no package $package; tests that need it are skipped" >&2

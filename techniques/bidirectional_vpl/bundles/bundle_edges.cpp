@@ -57,7 +57,7 @@ BundleEdges::BundleEdges(Device& device, KernelScheduler& scheduler, const Scene
       order_(device, owner, "rays by bundle", plan.settings.pixels, remedies::lower_size),
       starts_(device, owner, "first rays of bundles", plan.settings.bundles + 1),
       ranges_(plan.settings.bundles + 1) {
-  if (plan.keeps_bundles()) kept_.emplace(device, plan, owner);
+  if (plan.keeps_bundles() && KeptBundles::estimate_bytes(plan) > 0) kept_.emplace(device, plan, owner);
   record_prepare(rays);
   record_bundle(rays);
   if (kept_) record_again(rays);
@@ -208,6 +208,7 @@ void BundleEdges::complete() {
   totals_.bundles += new_.bundles;
   totals_.fragments += new_.fragments;
   totals_.again += new_.again;
+  new_ = {};  // an iteration whose paths all end at first hits traces none
 }
 
 bool BundleEdges::update() {

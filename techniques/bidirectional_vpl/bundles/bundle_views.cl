@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The views in which an iteration's bundles are rasterized: orthographic, along each bundle's direction, turned about
-// it and shifted at random, just large enough for the points that look along it.
+// it and shifted at random, just large enough for the points that look along it, or for the scene where they are kept.
 #include "bidirectional_vpl/base/eye_directions.clh"
 #include "bidirectional_vpl/bundles/bundle_set.clh"
 #include "lucarium/scene.clh"

@@ -25,10 +25,9 @@ KeptBundles::KeptBundles(Device& device, const Plan& plan, const std::string& ow
     : pixels_(static_cast<uint32_t>(pixels_of(plan))),
       entries_(static_cast<uint32_t>(entries_of(plan))),
       capacity_(static_cast<uint32_t>(entries_of(plan) * kSurfaces * pixels_of(plan))),
-      starts_(device, owner, "first fragments of kept bundles", std::max<size_t>(1, size_t{entries_} * (pixels_ + 1)),
+      starts_(device, owner, "first fragments of kept bundles", size_t{entries_} * (pixels_ + 1),
               "lower bundles or bundle_res, or set another reuse"),
-      fragments_(device, owner, "kept bundles", std::max<size_t>(1, capacity_),
-                 "lower bundles or bundle_res, or set another reuse"),
+      fragments_(device, owner, "kept bundles", capacity_, "lower bundles or bundle_res, or set another reuse"),
       places_(plan.settings.bundles) {}
 
 void KeptBundles::record_keep(ScheduleRecorder& recorder, const Program& program, const LayeredRaster::Stored& stored,

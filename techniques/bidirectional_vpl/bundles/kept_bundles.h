@@ -18,7 +18,7 @@ class KeptBundles {
     uint32_t entry = 0, first = 0;
   };
 
-  /// `owner` pays for the memory.
+  /// `owner` pays for the memory; of a plan of which estimate_bytes() says that something fits.
   KeptBundles(Device& device, const Plan& plan, const std::string& owner);
 
   /// Copies what was just stored to `entry` and `first`, where it fits.
@@ -36,6 +36,7 @@ class KeptBundles {
   /// Nothing where bundle k is not kept.
   std::optional<Place> find(uint32_t k) const { return places_[k]; }
 
+  /// 0 where not even one bundle fits.
   static size_t estimate_bytes(const Plan& plan);
 
  private:
