@@ -107,6 +107,20 @@ struct MetricReference::Prepared {
     if (flip.empty()) throw_error(ErrorClass::internal, "this reference was prepared without FLIP");
     return flip[index].error_map(test);
   }
+
+  /// Those of measure_differences(). `excluded` gets the pixels that are not finite.
+  ImageMetrics differences(const std::vector<float>& test, std::vector<bool>& excluded) const {
+    if (test.size() != reference.size()) {
+      throw_error(ErrorClass::input, "images of different size cannot be compared: {} and {} values for {}×{} pixels",
+                  test.size(), reference.size(), width, height);
+    }
+    excluded = nonfinite_pixels(test);
+    ImageMetrics m;
+    m.nonfinite = static_cast<uint64_t>(std::count(excluded.begin(), excluded.end(), true));
+    if (m.nonfinite == excluded.size()) throw_error(ErrorClass::input, "no pixel of the image is finite");
+    measure_differences(test, reference, excluded, m);
+    return m;
+  }
 };
 
 MetricReference::MetricReference(uint32_t width, uint32_t height, std::vector<float> reference,
@@ -145,17 +159,15 @@ std::vector<float> MetricReference::hdr_flip_map(const std::vector<float>& test)
 
 const HdrFlipExposures& MetricReference::hdr_exposures() const { return prepared_->exposures; }
 
+double MetricReference::relmse(const std::vector<float>& test) const {
+  std::vector<bool> excluded;
+  return prepared_->differences(test, excluded).relmse;
+}
+
 ImageMetrics MetricReference::measure(const std::vector<float>& test) const {
   const Prepared& p = *prepared_;
-  if (test.size() != p.reference.size()) {
-    throw_error(ErrorClass::input, "images of different size cannot be compared: {} and {} values for {}×{} pixels",
-                test.size(), p.reference.size(), p.width, p.height);
-  }
-  const std::vector<bool> excluded = nonfinite_pixels(test);
-  ImageMetrics m;
-  m.nonfinite = static_cast<uint64_t>(std::count(excluded.begin(), excluded.end(), true));
-  if (m.nonfinite == excluded.size()) throw_error(ErrorClass::input, "no pixel of the image is finite");
-  measure_differences(test, p.reference, excluded, m);
+  std::vector<bool> excluded;
+  ImageMetrics m = p.differences(test, excluded);
 
   Encoded encoded = encode(test, p.options.exposure_stops);
   m.psnr = -10 * std::log10(mean_without(excluded, 3, [&](size_t i) {

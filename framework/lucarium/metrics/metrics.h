@@ -58,6 +58,8 @@ class MetricReference {
 
   /// `test`: RGB floats of the same size. Throws Error{input} when sizes differ or no pixel is finite.
   ImageMetrics measure(const std::vector<float>& test) const;
+  /// ImageMetrics::relmse, in a fraction of the time that all of them take. Throws like measure().
+  double relmse(const std::vector<float>& test) const;
   /// FLIP of every pixel, in [0,1]. Throws Error{internal} when FLIP was not asked for, otherwise like measure().
   std::vector<float> ldr_flip_map(const std::vector<float>& test) const;
   std::vector<float> hdr_flip_map(const std::vector<float>& test) const;

@@ -112,6 +112,13 @@ TEST_CASE("without FLIP, its values are not numbers and the others the same") {
   CHECK(all.ldr_flip > 0);
 }
 
+TEST_CASE("relMSE can be had alone, and is refused as all are") {
+  const std::vector<float> r(16 * 16 * 3, .5f), x(16 * 16 * 3, .6f);
+  const MetricReference reference(16, 16, r);
+  CHECK(reference.relmse(x) == reference.measure(x).relmse);
+  CHECK_THROWS_AS(reference.relmse({1, 2, 3}), Error);
+}
+
 TEST_CASE("an image too small for SSIM's window has none") {
   CHECK(std::isnan(compute_metrics(10, 11, std::vector<float>(330, .5f), std::vector<float>(330, .6f)).ssim));
 }

@@ -107,12 +107,18 @@ TEST_CASE("errors of all that was tried stay, and are measured again when the re
   CHECK(curves[1]["points"].empty());  // other paths: another reference
   CHECK(curves[0]["points"][0]["relmse"] == reference->relmse(film.image()));
   CHECK(curves[0]["points"][0]["noise"].is_null());
+  const double own = reference->own_relmse();
+  CHECK(curves[0]["points"][0]["own"] == own);
 
   const uint64_t before = reference->measured_samples();
   while (reference->measured_samples() == before) reference->work();
   CHECK(reference->measured_samples() == 2 * before);
+  CHECK(reference->own_relmse() < own);
+  curves = history.describe();
+  CHECK(curves[0]["points"][0]["own"] == own);  // not yet measured again: that of the reference which it met
   CHECK(history.measure_one("paths", *reference));
   CHECK(history.measure_one("paths", *reference));
   curves = history.describe();
   CHECK(curves[0]["points"][0]["relmse"] == reference->relmse(film.image()));
+  CHECK(curves[0]["points"][0]["own"] == reference->own_relmse());
 }

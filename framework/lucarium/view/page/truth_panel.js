@@ -52,8 +52,8 @@ class TruthPanel {
       h('thead', {}, h('tr', {}, ['technique', 'time', 'relMSE', 'noise', 'bias²', 'FLIP'].map(
         text => h('th', {scope: 'col'}, text)))),
       h('tbody', {}, measured.map(({curve, i, point}) => {
-        const own = truth.references.find(r => r.paths === curve.paths)?.relmse ?? 0;
-        const bias = point.noise === null ? undefined : point.relmse - point.noise - own;
+        // The reference's own error is that of the image which the picture was measured against.
+        const bias = point.noise === null ? undefined : point.relmse - point.noise - (point.own ?? 0);
         return h('tr', {'data-technique': curve.technique},
           h('th', {scope: 'row'}, marker(i), this.label(curve)),
           [seconds(point.seconds), number(point.relmse), point.noise === null ? '–' : number(point.noise, 2),

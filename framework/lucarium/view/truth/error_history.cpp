@@ -39,7 +39,7 @@ void ErrorHistory::keep(const ViewTechnique& technique, const std::string& paths
     curves_.push_back({technique, paths, {}});
   }
   const FilmLayer* const variance = film.find("Variance");
-  Point point{seconds, samples, NAN, 0, 0, 0, film.image(), variance ? variance->pixels : std::vector<float>()};
+  Point point{seconds, samples, NAN, 0, 0, 0, 0, film.image(), variance ? variance->pixels : std::vector<float>()};
   make_room(point.bytes());
   const_cast<Curve*>(find(technique))->points.push_back(std::move(point));
 }
@@ -71,6 +71,7 @@ bool ErrorHistory::measure_one(const std::string& paths, const GrowingReference&
       point->relmse = reference.relmse(point->image);
       if (!point->variance.empty()) point->noise = reference.noise(point->variance);
       point->flip = reference.flip(point->image);
+      point->own = reference.own_relmse();
       point->measured = present;
       return true;
     }
@@ -88,7 +89,8 @@ ordered_json ErrorHistory::describe() const {
                         {"samples", point.samples},
                         {"relmse", number_or_null(point.relmse)},
                         {"flip", number_or_null(point.flip)},
-                        {"noise", number_or_null(point.noise)}});
+                        {"noise", number_or_null(point.noise)},
+                        {"own", number_or_null(point.own)}});
     }
     curves.push_back({{"technique", curve.technique.name},
                       {"parameters", curve.technique.parameters},

@@ -24,8 +24,8 @@ class ErrorHistory {
   /// Measures the newest image of those light paths that has not met the reference's present image. Returns whether
   /// there was one.
   bool measure_one(const std::string& paths, const GrowingReference& reference);
-  /// [{"technique", "parameters", "paths", "points": [{"seconds", "samples", "relmse", "flip", "noise"}]}], measured
-  /// ones; null where a number is not known.
+  /// [{"technique", "parameters", "paths", "points": [{"seconds", "samples", "relmse", "flip", "noise", "own"}]}],
+  /// measured ones; "own" is the reference's relMSE then; null where a number is not known.
   nlohmann::ordered_json describe() const;
 
  private:
@@ -33,6 +33,7 @@ class ErrorHistory {
     double seconds = 0;
     uint64_t samples = 0;
     double noise = 0, relmse = 0, flip = 0;
+    double own = 0;               ///< relMSE of the reference then
     uint64_t measured = 0;        ///< samples of the reference then; 0: never
     std::vector<float> image;     ///< empty: let go
     std::vector<float> variance;  ///< of its pixels; empty: unknown, or let go

@@ -59,7 +59,7 @@ void GrowingReference::replace_image() {
   measured_samples_ = samples();
 }
 
-double GrowingReference::relmse(const std::vector<float>& image) const { return metrics_->measure(image).relmse; }
+double GrowingReference::relmse(const std::vector<float>& image) const { return metrics_->relmse(image); }
 
 double GrowingReference::flip(const std::vector<float>& image) const {
   const std::vector<float> map = flip_->error_map(image);
