@@ -179,7 +179,7 @@ void ViewHub::change_request(const ViewMessage& message) {
     }
     case Kind::time:
       request_.edits.seconds = message.edits.seconds;
-      request_.camera_time = Clock::now();
+      request_.scene_time = Clock::now();
       ++request_.scene_number;
       break;
     case Kind::pause: request_.paused = message.on; break;

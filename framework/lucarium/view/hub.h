@@ -35,7 +35,8 @@ struct ViewRequest {
   uint32_t scene_camera = 0;
   std::optional<CameraKey> camera;  ///< instead of the scene's
   uint64_t camera_number = 0;
-  std::chrono::steady_clock::time_point camera_time{};  ///< of the last change
+  /// Of the last move of the camera, and of the last change of the animation's time.
+  std::chrono::steady_clock::time_point camera_time{}, scene_time{};
   std::string layer;
   uint64_t layer_number = 0;
   uint64_t restart_number = 0;

@@ -22,6 +22,7 @@ constexpr double serving_share = 0.03;        // of the time, for pictures
 constexpr double serving_at_first = 0.25;     // [s] for a new picture, beside that share
 constexpr double shortest_interval = 0.04;    // [s] between pictures while nothing moves
 constexpr double patience_without_page = 60;  // [s] then rendering waits
+constexpr double longest_wait = 0.5;          // [s] between pictures while time moves, for all of their light
 constexpr double tried_again = 30;            // [s] after another stood in for a technique that was too slow
 constexpr std::chrono::milliseconds nap{50};
 
@@ -67,12 +68,15 @@ void ViewSide::set_scene(std::shared_ptr<SceneOnDevice> scene) {
   session_ = nullptr;
   stand_in_.set_scene(scene);
   sessions_.set_scene(std::move(scene));
+  scene_moved_ = time_moves();
 }
 
 void ViewSide::follow_camera() {
   sessions_.set_camera(around_.settings.camera);
   stand_in_.follow_camera();
+  const double unseen = camera_moves() ? unseen_seconds_ : 0;
   begin_picture();
+  unseen_seconds_ = unseen;
 }
 
 void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& technique) {
@@ -84,12 +88,11 @@ void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& tech
     if (sessions_.empty() || sessions_.technique().name != technique.name)
       motion_.forget();
     else
-      motion_.doubt();
+      motion_.forget_slow();
     set_preparing(-1, "preparing");
-    if (sessions_.empty() && stand_in_.is_wanted_for(type, technique, around_.settings)) {
+    if (sessions_.empty() && stand_in_.is_wanted_for(type, technique, around_.settings))
       show_stand_in(true);  // also for pages that come
-    }
-    stage_ = Stage::preparing;
+    stand_in_.clear();      // the memory is for what is wanted
     const uint32_t divisor = can.view_independent || can.resizes ? 1 : motion_.divisor(whole_pixels(), 0);
     sessions_.change(type, technique, around_.settings, divisor);
     session_ = nullptr;
@@ -171,6 +174,7 @@ void ViewSide::begin_picture() {
   done_ = standing_in_ = false;
   sent_divisor_ = 0;
   serving_seconds_ = 0;
+  unseen_seconds_ = 0;
   spent_ = 0;
   since_picture_began_.restart();
 }
@@ -181,14 +185,20 @@ bool ViewSide::has_work() const {
   return !around_.request.paused || sent_divisor_ != 1;
 }
 
-bool ViewSide::moves() const { return seconds_since(around_.request.camera_time) < settled_seconds; }
+bool ViewSide::camera_moves() const { return seconds_since(around_.request.camera_time) < settled_seconds; }
+bool ViewSide::time_moves() const { return seconds_since(around_.request.scene_time) < settled_seconds; }
+
+/// While the camera alone moves: another time takes the light away, which then has to come back.
+bool ViewSide::light_rests() const {
+  return camera_moves() && !time_moves() && !scene_moved_ && sessions_.type().info().capabilities.resizes;
+}
 
 uint32_t ViewSide::choose_divisor() const {
   const Capabilities& can = sessions_.type().info().capabilities;
   if (can.view_independent && !can.resizes) return 1;
   const uint32_t coarse = motion_.divisor(whole_pixels(), divisor_);
-  if (can.resizes) return moves() ? std::max(coarse, 2u) : 1;  // at the whole size its light would not rest
-  if (moves()) return coarse;
+  if (moves() || (can.resizes && scene_moved_ && sent_divisor_ == 0)) return coarse;
+  if (can.resizes) return 1;
   const double seconds = motion_.expected_seconds(whole_pixels());
   return sent_divisor_ == 0 && (seconds < 0 || seconds > quick_seconds) ? coarse : 1;
 }
@@ -208,9 +218,10 @@ void ViewSide::work() {
 }
 
 void ViewSide::iterate() {
-  const uint32_t divisor = choose_divisor();
+  const bool light_rests = this->light_rests();
+  const uint32_t divisor = light_rests ? std::max(choose_divisor(), 2u) : choose_divisor();
   session_ = nullptr;
-  RenderSession& session = sessions_.at(divisor);
+  RenderSession& session = sessions_.at(divisor, light_rests);
   session_ = &session;
   standing_in_ = false;
   if (divisor != divisor_) unseen_seconds_ = 0;
@@ -223,12 +234,14 @@ void ViewSide::iterate() {
   else if (divisor != 1)
     hub_.wait(nap);
   done_ = divisor == 1 && reached_budget(session);
+  if (session.last().samples > 0 && !light_rests) scene_moved_ = false;
   if (is_picture_due(session)) send_picture(session);
-  // Iterations of the whole size are of light, too, where the light rests in coarse ones.
-  if (session.iterations() == before || (divisor == 1 && sessions_.type().info().capabilities.resizes)) return;
+  // Where light can rest, iterations in which it does not are of light, too.
+  if (session.iterations() == before || (!light_rests && sessions_.type().info().capabilities.resizes)) return;
   unseen_seconds_ += watch.seconds();
   const IterationResult last = session.last();
-  if (last.samples == samples_before && (divisor == 1 || !last.visible)) return;  // a part of a picture
+  const bool is_part = last.samples == samples_before && (divisor == 1 || !last.visible);
+  if (is_part && !MotionSize::is_slow(unseen_seconds_, divisor)) return;  // the next camera may come before the rest
   motion_.measured(unseen_seconds_, double{1} * session.settings().width * session.settings().height, divisor_);
   unseen_seconds_ = 0;
 }
@@ -245,6 +258,7 @@ bool ViewSide::set_time(double seconds) {
   stand_in_.clear();  // its scene moves
   if (!sessions_.set_time(seconds)) return false;
   begin_picture();
+  scene_moved_ = true;
   return true;
 }
 
@@ -254,6 +268,8 @@ RenderSession* ViewSide::whole() { return session_ && divisor_ == 1 && !standing
 bool ViewSide::is_picture_due(const RenderSession& session) const {
   const IterationResult last = session.last();
   if (last.samples == 0 && !last.visible) return false;
+  // A player asks for the next time once there is a picture: without this none would ever have all of its light.
+  if (last.samples == 0 && scene_moved_ && since_sent_.seconds() < longest_wait) return false;
   if (sent_divisor_ == divisor_ && sent_iterations_ == session.iterations()) return false;
   if (!hub_.wants_picture()) return false;
   if (sent_divisor_ == 0 || (sent_divisor_ != 1 && divisor_ == 1) || stage_ != Stage::rendering) return true;

@@ -58,8 +58,8 @@ class ViewSide {
 
   void set_scene(std::shared_ptr<SceneOnDevice> scene);
   void follow_camera();
-  /// Builds its session, whose first picture is coarse unless the whole one comes as quickly. What is refused leaves
-  /// what ran before.
+  /// Builds its session. Its first picture is coarse unless the whole one comes as quickly, or light is kept from size
+  /// to size. What is refused leaves what ran before.
   void take(const TechniqueRegistry& registry, const ViewTechnique& technique);
   void restart();
   void show_again() { sent_iterations_ = UINT64_MAX, serving_seconds_ = 0; }
@@ -103,7 +103,10 @@ class ViewSide {
   /// The next sample of another technique's picture, which is sent where it is wanted. False where there is none.
   bool show_stand_in(bool wanted);
   void iterate();
-  bool moves() const;
+  bool camera_moves() const;
+  bool time_moves() const;
+  bool moves() const { return camera_moves() || time_moves(); }
+  bool light_rests() const;
   void send_picture(RenderSession& session);
   void send(RenderSession& session, const Film& film, uint32_t divisor, double seconds, const ViewTechnique& by);
   double whole_pixels() const;
@@ -117,7 +120,8 @@ class ViewSide {
   RenderSession* session_ = nullptr;  ///< that worked last
   uint32_t divisor_ = 0;              ///< of that
   MotionSize motion_;
-  double unseen_seconds_ = 0;  ///< of iterations since the last one with a picture
+  double unseen_seconds_ = 0;  ///< of iterations since the last one with a picture, or since that was too long
+  bool scene_moved_ = false;   ///< since then no picture had all of its light
   const TechniqueRegistry* registry_ = nullptr;
   StandIn stand_in_;
   bool standing_in_ = false;  ///< the last work() showed that

@@ -71,3 +71,28 @@ TEST_CASE("what does not keep the rate at the coarsest size is too slow once tha
   motion.forget();
   CHECK_FALSE(motion.is_too_slow());
 }
+
+TEST_CASE("one slow measurement is no rule, however slow: caches were cold, parameters are others") {
+  const double wanted = MotionSize::wanted_seconds, coarsest = pixels / 64;
+  MotionSize motion;
+  motion.measured(12 * wanted, coarsest, 8);
+  motion.measured(0.6 * wanted, coarsest, 8);
+  CHECK_FALSE(motion.is_too_slow());
+  motion.measured(12 * wanted, coarsest, 8);
+  CHECK_FALSE(motion.is_too_slow());
+  motion.measured(12 * wanted, coarsest, 8);
+  CHECK(motion.is_too_slow());
+  motion.forget_slow();
+  motion.measured(12 * wanted, coarsest, 8);
+  CHECK_FALSE(motion.is_too_slow());
+  motion.doubt();  // of what is not too slow there is no doubt
+  CHECK_FALSE(motion.is_too_slow());
+  motion.measured(12 * wanted, coarsest, 8);
+  CHECK(motion.is_too_slow());
+}
+
+TEST_CASE("slow is what misses the rate clearly at a size that has none coarser") {
+  CHECK(MotionSize::is_slow(1.3 * MotionSize::wanted_seconds, 8));
+  CHECK_FALSE(MotionSize::is_slow(1.2 * MotionSize::wanted_seconds, 8));
+  CHECK_FALSE(MotionSize::is_slow(100 * MotionSize::wanted_seconds, 6));
+}

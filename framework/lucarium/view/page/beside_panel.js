@@ -105,7 +105,8 @@ class BesidePanel {
     const old = header && failed && header.camera_number !== this.camera ? ', from an earlier camera' : '';
     const other = header && (failed || nameOf(header.by) !== nameOf(wanted));
     const shown = other ? `picture by ${nameOf(header.by)}${old}` : '';
-    if (!named) return side === 0 ? shown : '';
+    if (this.picture.mode === 'first') return side === 0 ? shown : '';
+    if (!named) return shown && `${side ? 'second' : 'first'}: ${shown}`;  // what is compared
     // Two of one name differ in their parameters.
     const alike = this.sides[0].wanted.name === this.sides[1]?.wanted.name;
     const samples = !shown && status.progress ? `${number(status.progress.samples)} samples` : '';

@@ -44,6 +44,16 @@ class MachinePanel {
   constructor() {
     this.body = h('div', {});
     this.node = h('details', {class: 'panel'}, h('summary', {}, 'Inside the machine'), this.body);
+    this.first = {};  // counters of the session, as they were seen first
+  }
+
+  // Those that have grown count something that goes on: only of them a rate says anything.
+  grows(status, name, count) {
+    const key = JSON.stringify([status.running, status.divisor]);
+    if (key !== this.key) this.first = {};
+    this.key = key;
+    this.first[name] ??= count;
+    return count > this.first[name];
   }
 
   update(status) {
@@ -57,7 +67,7 @@ class MachinePanel {
       table(passes.map(p => [p.name, seconds(p.seconds / p.count), percent(p.seconds / total)])),
       h('h3', {}, 'Device memory'), table(Object.entries(memory).map(([owner, size]) => [owner, bytes(size)])),
       h('h3', {}, 'Counters'), table(Object.entries(counters).map(
-        ([name, count]) => [name, number(count), `${number(count / time)}/s`])));
+        ([name, count]) => [name, number(count), this.grows(status, name, count) ? `${number(count / time)}/s` : ''])));
   }
 }
 

@@ -15,17 +15,18 @@ constexpr double newest_share = 0.5;   // of the last measurement in the mean
 // must take at least, else a finer one is looked for.
 constexpr double chosen_share = 0.85, min_share = 0.25;
 constexpr double slow_share = 1.25;  // of the wanted time, at the coarsest size: too slow
-constexpr int decisive = 2;          // measurements of that; the first one may have met cold caches
+constexpr int decisive = 2;          // measurements of that in a row; one may have met cold caches
 
 }  // namespace
 
 void MotionSize::measured(double seconds, double pixels, uint32_t divisor) {
   const double now = seconds / std::max(pixels, 1.0);
   seconds_per_pixel_ = seconds_per_pixel_ < 0 ? now : newest_share * now + (1 - newest_share) * seconds_per_pixel_;
-  if (divisor < divisors.back()) return;
-  coarsest_seconds_ = in_doubt_ ? seconds : newest_share * seconds + (1 - newest_share) * coarsest_seconds_;
-  in_doubt_ = false;
-  ++coarsest_count_;
+  if (divisor >= divisors.back()) slow_count_ = is_slow(seconds, divisor) ? slow_count_ + 1 : 0;
+}
+
+bool MotionSize::is_slow(double seconds, uint32_t divisor) {
+  return divisor >= divisors.back() && seconds > slow_share * wanted_seconds;
 }
 
 double MotionSize::expected_seconds(double pixels) const {
@@ -42,14 +43,8 @@ uint32_t MotionSize::divisor(double pixels, uint32_t present) const {
   return divisors.back();
 }
 
-bool MotionSize::is_too_slow() const {
-  return !in_doubt_ && coarsest_count_ >= decisive && coarsest_seconds_ > slow_share * wanted_seconds;
-}
+bool MotionSize::is_too_slow() const { return slow_count_ >= decisive; }
 
-void MotionSize::doubt() {
-  if (!is_too_slow()) return;
-  coarsest_count_ = decisive - 1;
-  in_doubt_ = true;
-}
+void MotionSize::doubt() { slow_count_ = std::min(slow_count_, decisive - 1); }
 
 }  // namespace lucarium

@@ -17,17 +17,19 @@ class MotionSize {
   /// The divisor for pictures of that many pixels at their whole size. Stays at `present` (0: none) while that is about
   /// right, since another size costs a session.
   uint32_t divisor(double pixels, uint32_t present) const;
-  /// Whether iterations are too slow for the rate even at the coarsest size, clearly so, and not once.
+  /// Whether that is too slow for the rate at that size, clearly so, and there is none coarser.
+  static bool is_slow(double seconds, uint32_t divisor);
+  /// Whether the last measurements of the coarsest size were all slow, and more than one.
   bool is_too_slow() const;
   /// Of what was too slow the next measurement decides that again: the machine may have been busy.
   void doubt();
+  /// What was slow may not be: it has other parameters. What is known of sizes is a beginning.
+  void forget_slow() { slow_count_ = 0; }
   void forget() { *this = {}; }
 
  private:
   double seconds_per_pixel_ = -1;
-  double coarsest_seconds_ = 0;
-  int coarsest_count_ = 0;
-  bool in_doubt_ = true;
+  int slow_count_ = 0;  ///< of measurements in a row
 };
 
 }  // namespace lucarium

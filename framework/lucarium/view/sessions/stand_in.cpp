@@ -52,7 +52,8 @@ RenderSession* StandIn::render(const TechniqueRegistry& registry, const RenderSe
   if (fails_) return nullptr;
   try {
     const uint32_t divisor = std::max(motion_.divisor(pixels_of(settings), divisor_), 2u);  // coarse in any case
-    if (!session_ || divisor != divisor_) make(registry, settings, divisor);
+    has_made_ = !session_ || divisor != divisor_;
+    if (has_made_) make(registry, settings, divisor);
     if (seen_number_ != camera_number_) session_->set_camera(settings.camera);
     seen_number_ = camera_number_;
     session_->iterate();
@@ -67,7 +68,7 @@ RenderSession* StandIn::render(const TechniqueRegistry& registry, const RenderSe
 }
 
 void StandIn::measured(double seconds) {
-  if (session_) motion_.measured(seconds, pixels_of(session_->settings()), divisor_);
+  if (session_ && !has_made_) motion_.measured(seconds, pixels_of(session_->settings()), divisor_);
 }
 
 }  // namespace lucarium

@@ -27,7 +27,7 @@ class StandIn {
   /// path_tracing cannot render this; it is not tried again on that scene.
   RenderSession* render(const TechniqueRegistry& registry, const RenderSettings& settings);
   uint32_t divisor() const { return divisor_; }
-  /// What the last render() took, with its picture.
+  /// What the last render() took, with its picture; says nothing of the next where it has made a session.
   void measured(double seconds);
 
  private:
@@ -40,6 +40,7 @@ class StandIn {
   MotionSize motion_;
   uint32_t divisor_ = 0;
   uint64_t camera_number_ = 0, seen_number_ = 0;
+  bool has_made_ = false;  ///< the last render() made a session
   bool fails_ = false;
 };
 

@@ -56,20 +56,23 @@ void ViewSessions::change(const TechniqueType& type, const ViewTechnique& techni
   slot(divisor) = std::move(made);
 }
 
-RenderSession& ViewSessions::at(uint32_t divisor) {
+RenderSession& ViewSessions::at(uint32_t divisor, bool light_rests) {
   Sized& sized = slot(divisor);
   if (!sized.session || (sized.divisor != divisor && !resizes())) {
     sized = {};
     sized = make(*type_, technique_, settings_, resizes() ? 1 : divisor);  // what it plans is for the whole size
   }
-  if (sized.divisor != divisor) sized.camera_number = camera_number_ + 1;  // it has to follow
+  light_rests = light_rests && resizes();
+  if (sized.divisor != divisor || sized.light_rests != light_rests)
+    sized.camera_number = camera_number_ + 1;  // it has to follow
   if (sized.camera_number != camera_number_) {
     const RenderSettings size = divided_size(settings_, divisor);
     if (resizes())
-      sized.session->set_view(settings_.camera, size.width, size.height, divisor != 1);
+      sized.session->set_view(settings_.camera, size.width, size.height, light_rests);
     else
       sized.session->set_camera(settings_.camera);
     sized.divisor = divisor;
+    sized.light_rests = light_rests;
     sized.camera_number = camera_number_;
     sized.before = 0;  // clocks count from there
     if (type_->info().capabilities.view_independent) sized.fresh = false;

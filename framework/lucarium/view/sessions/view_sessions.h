@@ -13,8 +13,7 @@ namespace lucarium {
 
 /// The sessions of one technique on one scene: one of the whole size, and beside it a coarse one for moments in which a
 /// picture matters more than its pixels. Both stay, so that a move of the camera builds nothing again. Where the
-/// technique keeps its light from size to size (Capabilities::resizes) there is one, which changes its size; while it
-/// is coarse its light rests.
+/// technique keeps its light from size to size (Capabilities::resizes) there is one, which changes its size.
 class ViewSessions {
  public:
   /// `cancel`: asked between passes of an iteration of the whole size; true where its picture is no longer wanted.
@@ -32,8 +31,9 @@ class ViewSessions {
   const TechniqueType& type() const { return *type_; }
   const ViewTechnique& technique() const { return technique_; }
 
-  /// The session whose size is the whole one divided by that, brought to the camera.
-  RenderSession& at(uint32_t divisor);
+  /// The session whose size is the whole one divided by that, brought to the camera. `light_rests`: where the technique
+  /// keeps its light from size to size, that does not go on.
+  RenderSession& at(uint32_t divisor, bool light_rests = false);
   void set_camera(const SceneCamera& camera);
   /// Moves the scene to a time of its animation, in place, with the session of the whole size alone. Returns false, and
   /// has changed nothing, where there is none or its technique cannot follow.
@@ -53,6 +53,7 @@ class ViewSessions {
     uint32_t divisor = 0;
     uint64_t camera_number = 0;
     bool fresh = true;
+    bool light_rests = false;
     double before = 0;  ///< iterating clock when it was restarted [s]
   };
   Sized make(const TechniqueType& type, const ViewTechnique& technique, const RenderSettings& settings,

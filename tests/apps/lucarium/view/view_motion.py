@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What a page sees while a technique prepares itself, and while the camera moves: view_motion.py PROGRAM WORD... starts
-viewers of techniques that keep their light, of one that does not, and of one that is too slow, which `WORD...` choose
-and which has a parameter `sleep`. One line per check: "ok …" or "FAILED …", then "end"."""
+"""What a page sees while a technique prepares itself, and while camera or scene move: view_motion.py PROGRAM WORD...
+starts viewers of techniques that keep their light, of one that does not, and of one that is too slow, which `WORD...`
+choose and which has a parameter `sleep`. One line per check: "ok …" or "FAILED …", then "end"."""
 import contextlib
 import json
 import signal
@@ -82,9 +82,9 @@ def resting(states, long_moves):
     return [part[1:] for part in parts.values() if len(part) > 1]  # a batch may have ended before the first
 
 
-def start(program, *words, late=0):
+def start(program, *words, late=0, scene='builtin:cornell'):
     """A viewer, and a page that comes so late [s]."""
-    viewer = subprocess.Popen([program, 'view', 'builtin:cornell', *words, '--size', '192x128'],
+    viewer = subprocess.Popen([program, 'view', scene, *words, '--size', '192x128'],
                               stdout=subprocess.PIPE, text=True)
     address = urllib.parse.urlparse(viewer.stdout.readline().strip())
     time.sleep(late)
@@ -135,6 +135,28 @@ def moved(program, technique, options):
             side = status_where(page, lambda s: s['sides'][0].get('divisor') == 1 and
                                 progress_of(s['sides'][0]) > light)['sides'][0]
             check('and the light goes on', side['stage'] == 'rendering' and not side['meanwhile'])
+        viewer.send_signal(signal.SIGINT)
+        check('Ctrl-C ends it', viewer.wait(PATIENCE) == 0)
+    finally:
+        viewer.kill()
+
+
+def played(program):
+    """The pictures of an animation have the light of their time, as those of a scene at rest."""
+    viewer, page = start(program, '-t', 'micro_rendering:points_log2=12,jacobi_level=6', scene='builtin:statue')
+    try:
+        status_where(page, lambda s: s['sides'][0].get('divisor') == 1)
+        page.send(json.dumps({'do': 'layer', 'name': 'indirect'}))
+        page.until(lambda m: m.get('binary', {}).get('layer') == 'indirect')
+        pictures = []
+        for step in range(1, 9):
+            page.send(json.dumps({'do': 'time', 'seconds': step / 8}))
+            pictures.append(page.until(lambda m: abs(m.get('binary', {}).get('time', -1) - step / 8) < 1e-6)['binary'])
+        # Black ones have no exponent.
+        lit = [(p['by']['name'], p['divisor'], p['exponent']) for p in pictures]
+        check(f'an animation is played with its indirect light {lit}', all(p['exponent'] for p in pictures))
+        whole = page.until(lambda m: m.get('binary', {}).get('divisor') == 1)['binary']
+        check('then the whole picture comes, of the last time', whole['time'] == 1 and whole['width'] == 192)
         viewer.send_signal(signal.SIGINT)
         check('Ctrl-C ends it', viewer.wait(PATIENCE) == 0)
     finally:
@@ -201,6 +223,7 @@ def main():
         moved(sys.argv[1], technique, options)
     for technique in ('path_tracing', 'micro_rendering:points_log2=12,jacobi_level=6'):
         moved(sys.argv[1], technique, [])
+    played(sys.argv[1])
     too_slow(sys.argv[1], sys.argv[2:])
     print('end')
 
