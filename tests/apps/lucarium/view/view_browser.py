@@ -19,9 +19,11 @@ SEEN_LABEL = """const label = document.querySelector('.side-label.side-0');
 return label.hidden ? '' : label.textContent;"""
 # After a failure, before and after the camera has moved; and without one.
 LABELS = """const by = {name: 'constant', parameters: [['red', '1']]};
-const text = (stage, camera) => BesidePanel.prototype.labelText.call({camera, sides: [{stage, wanted: by}],
-  picture: {images: [{header: {by, camera_number: 7}}]}}, 0, false);
-return [text('failed', 7), text('failed', 8), text('rendering', 8)];"""
+const side = stage => ({stage, wanted: by}), image = {header: {by, camera_number: 7}};
+const text = (stage, camera, mode = 'first', at = 0) => BesidePanel.prototype.labelText.call({camera,
+  sides: [side('rendering'), side(stage)].slice(1 - at), picture: {mode, images: [image, image].slice(1 - at)}}, at,
+  false);
+return [text('failed', 7), text('failed', 8), text('rendering', 8), text('failed', 7, 'difference', 1)];"""
 
 
 def picture(browser, viewer):
@@ -75,7 +77,8 @@ def technique(browser, viewer):
           ['rendering; meanwhile a picture by path_tracing', 'rendering'])
     script = ''.join((page / name).read_text() for name in ('technique_panel.js', 'beside_panel.js'))
     check('a picture that is seen after a failure says whose it is', browser.run(
-        script + LABELS) == ['picture by constant red=1', 'picture by constant red=1, from an earlier camera', ''])
+        script + LABELS) == ['picture by constant red=1', 'picture by constant red=1, from an earlier camera', '',
+                             'second: picture by constant red=1'])
     browser.run(SET, '#parameter-estimator', 'bsdf')
     check('a parameter changes the picture', shows(browser, lambda: browser.run(PIXELS) != before))
     other = viewer.render('other.png', '-t', 'path_tracing:estimator=bsdf')
