@@ -309,7 +309,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     if (parameters_.shows_virtual_lights())
       virtual_lights_ = std::make_unique<PathLight>(device(), scheduler(), scene(), scene_buffers(), bvh(), forest,
                                                     parameters_, bounces() + 1, pixels_->irradiance(),
-                                                    leaf_light_->shading(), kName, &eye_light_->points());
+                                                    TypedBuffer<MicroLeafLight>(), kName, &eye_light_->points());
   }
 
   void drop_gathers() {

@@ -19,15 +19,17 @@ __kernel void store_leaf_lobes(LUCARIUM_SCENE_PARAMETERS __global const MicroLea
   leaf_lobes[i] = lobe;
 }
 
-// Work-item i: leaf i of one tree chooses itself.
-__kernel void choose_leaves(__global const MicroLeafLight* restrict leaf_lights,
-                            __global const MicroTree* restrict trees, uint tree, uint count,
+// Work-item i: leaf i of one tree takes the light that has arrived, and chooses itself.
+__kernel void choose_leaves(__global const MicroLeafLight* restrict arriving, __global const MicroTree* restrict trees,
+                            uint tree, uint count, __global MicroLeafLight* restrict leaf_lights,
                             __global MicroNodeChoice* restrict choices) {
   const uint i = get_global_id(0);
   if (i >= count) return;
   MicroNodeChoice choice;
   choice.leaf = trees[tree].first_node / 2u + i;
-  choice.luminance = leaf_lights[choice.leaf].direction.w;
+  const MicroLeafLight light = arriving[choice.leaf];
+  leaf_lights[choice.leaf] = light;
+  choice.luminance = light.direction.w;
   choices[trees[tree].first_node + count + i] = choice;
 }
 

@@ -42,11 +42,12 @@ LeafLight::LeafLight(Device& device, KernelScheduler& scheduler, const Scene& ho
   direct_ = TypedBuffer<float4>(device, owner, "direct light at leaves", leaves, kFewerPoints);
   if (dynamic()) {
     shading_ = DynamicShading(device, owner, leaves);
+    arriving_ = TypedBuffer<MicroLeafLight>(device, owner, "arriving light samples of leaves", leaves, kFewerPoints);
     record_lobes();
   }
   if (parameters.multibounce != MultiBounce::jacobi) {
     paths_ = std::make_unique<PathLight>(device, scheduler, host_scene, scene, intersector, forest, parameters, bounces,
-                                         direct_, shading_, owner);
+                                         direct_, arriving_, owner);
   } else if (bounces > 1) {
     irradiance_ = TypedBuffer<float4>(device, owner, "light at leaves", leaves, kFewerPoints);
     nodes_ = std::make_unique<NodeGather>(device, scheduler, scene, forest, gather, shading_, parameters, owner);
@@ -63,7 +64,7 @@ void LeafLight::record_direct() {
   light_seed_ = recorder.variable("seed", 0u);
   const float weight = 1.f / static_cast<float>(parameters_.light_samples);
   light_at_points(device_, scene_, intersector_, forest_, {}, parameters_, owner_)
-      .record_samples(recorder, sample_, light_seed_, bind_light_sums(parameters_, weight, direct_, shading_));
+      .record_samples(recorder, sample_, light_seed_, bind_light_sums(parameters_, weight, direct_, arriving_));
   direct_schedule_ = recorder.compile();
 }
 
@@ -102,17 +103,18 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
   if (choose) add_choices(recorder, extremes);
 }
 
-/// The leaf that every node stands for where glossy lobes are asked for.
+/// What has arrived at leaves, and the leaf that every node stands for where glossy lobes are asked for.
 void LeafLight::add_choices(ScheduleRecorder& recorder, const BufferRef& extremes) {
   choice_seed_ = recorder.variable("seed", 0u);
   for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
     const ForestTree& tree = forest_.trees()[t];
     recorder.pass("choose leaves", program_, "choose_leaves")
         .global(tree.leaves())
-        .arg("leaf_lights", shading_.leaf_lights)
+        .arg("arriving", arriving_)
         .arg("trees", forest_.tree_records)
         .arg("tree", t)
         .arg("count", tree.leaves())
+        .arg("leaf_lights", shading_.leaf_lights)
         .arg("choices", shading_.choices);
     forest_.add_level_passes(recorder, "pull choices", program_, "pull_choices", t, [&](PassBuilder& pass) {
       pass.arg("seed", choice_seed_).arg("extremes", extremes).arg("choices", shading_.choices);
@@ -155,7 +157,7 @@ void LeafLight::changed(bool surfaces) {
 void LeafLight::begin(uint32_t frame, uint32_t seed) {
   scheduler_.finish();
   direct_.fill_zero();
-  if (dynamic()) shading_.leaf_lights.fill_zero();
+  if (dynamic()) arriving_.fill_zero();
   frame_ = frame;
   seed_ = seed;
   part_ = 0;
@@ -166,9 +168,7 @@ void LeafLight::begin(uint32_t frame, uint32_t seed) {
 bool LeafLight::step(uint32_t frame, uint32_t seed) {
   if (stage_ == Stage::none || frame_ != frame || seed_ != seed) begin(frame, seed);
   last_work_ = 0;
-  if (stage_ == Stage::done || advance()) return true;
-  stage_ = Stage::none;
-  return false;
+  return advance();
 }
 
 bool LeafLight::receive(uint32_t frame, uint32_t seed) {
@@ -202,6 +202,7 @@ bool LeafLight::advance() {
   return true;
 }
 
+/// Its last pass alone adds something: one that was cancelled has added nothing.
 bool LeafLight::sample() {
   direct_schedule_.set(light_seed_, seed_);
   direct_schedule_.set(sample_, frame_ * static_cast<uint32_t>(parameters_.light_samples) + part_);
@@ -212,19 +213,23 @@ bool LeafLight::sample() {
 }
 
 bool LeafLight::add_path_light() {
-  if (!paths_->add(part_)) return false;
+  if (!paths_->add(part_)) {
+    if (!paths_->adds_whole_parts()) stage_ = Stage::none;
+    return false;
+  }
   last_work_ = forest_.leaf_count() / kLeavesPerGather;
   if (++part_ == paths_->parts()) stage_ = Stage::pull;
   return true;
 }
 
+/// To its end: cancelled between levels of a tree it would leave nodes in units that do not belong together.
 bool LeafLight::pull() {
   if (dynamic()) {
     if (!lobes_known_) scheduler_.run_to_end(lobes_schedule_);
     lobes_known_ = true;
     pull_schedule_.set(choice_seed_, indexed_seed(seed_, frame_));
   }
-  if (scheduler_.run(pull_schedule_) == RunResult::cancelled) return false;
+  scheduler_.run_to_end(pull_schedule_);
   shines_ = true;
   if (nodes_) nodes_->list();
   part_ = 0;
@@ -242,7 +247,7 @@ bool LeafLight::gather() {
   last_work_ = made;
   part_ += made;
   if (part_ < nodes_->count()) return true;
-  if (scheduler_.run(bounce_schedule_) == RunResult::cancelled) return false;
+  scheduler_.run_to_end(bounce_schedule_);  // as pull()
   part_ = 0;
   if (++bounce_ == bounces_) stage_ = Stage::done;
   return true;
@@ -257,7 +262,9 @@ void LeafLight::warm_up() {
 
 size_t LeafLight::estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces) {
   const size_t transient = LightAtPoints::estimate_bytes(leaves) + leaves * (2 * sizeof(uint32_t) + 2 * sizeof(float4));
-  const size_t shading = parameters.node_shading == NodeShading::dynamic ? DynamicShading::estimate_bytes(leaves) : 0;
+  const size_t shading = parameters.node_shading == NodeShading::dynamic
+                             ? DynamicShading::estimate_bytes(leaves) + leaves * sizeof(MicroLeafLight)
+                             : 0;
   if (parameters.multibounce != MultiBounce::jacobi)
     return shading + leaves * sizeof(float4) + 2 * transient + PathLight::estimate_bytes(parameters, leaves, bounces);
   return shading + leaves * sizeof(float4) + 2 * transient +

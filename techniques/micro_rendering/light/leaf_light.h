@@ -22,9 +22,10 @@ class LeafLight {
 
   /// Whether the nodes shine with samples that belong to `frame`.
   bool lit(uint32_t frame, uint32_t seed) const { return stage_ == Stage::done && frame_ == frame && seed_ == seed; }
-  /// Whether nodes shine with samples of any frame, though their further bounces may be on their way.
-  bool shines() const { return shines_ && (!dynamic() || stage_ >= Stage::gather); }
-  /// The next step towards lit(); starts over for another frame or seed, and when cancelled (false).
+  /// Whether nodes shine with samples of any frame, though further bounces or another frame's may be on their way.
+  bool shines() const { return shines_; }
+  /// The next step towards lit(); starts over for another frame or seed. When cancelled (false) nodes shine as before,
+  /// and the next call repeats the step; where it was that of photons it starts over.
   bool step(uint32_t frame, uint32_t seed);
   /// What the last step was worth [gathers].
   double last_work() const { return last_work_; }
@@ -73,6 +74,7 @@ class LeafLight {
   TypedBuffer<float4> direct_;      ///< irradiance of leaves by direct light and paths [lx]
   TypedBuffer<float4> irradiance_;  ///< the same with what nodes have gathered
   DynamicShading shading_;
+  TypedBuffer<MicroLeafLight> arriving_;  ///< shading_.leaf_lights of a frame on its way: nodes still stand for those
   Schedule direct_schedule_, pull_schedule_, bounce_schedule_, lobes_schedule_;
   Variable<uint32_t> sample_, light_seed_, choice_seed_;
   std::unique_ptr<NodeGather> nodes_;

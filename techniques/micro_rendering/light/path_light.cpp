@@ -69,8 +69,9 @@ LightAtPoints light_at_points(Device& device, const SceneBuffers& scene, const I
 }
 
 LightAtPoints::Bind bind_light_sums(const MicroParameters& parameters, float weight,
-                                    const TypedBuffer<float4>& irradiance, const DynamicShading& shading) {
-  return [keeps = keeps_samples(parameters), weight, irradiance, lights = shading.leaf_lights](PassBuilder& pass) {
+                                    const TypedBuffer<float4>& irradiance,
+                                    const TypedBuffer<MicroLeafLight>& leaf_lights) {
+  return [keeps = keeps_samples(parameters), weight, irradiance, lights = leaf_lights](PassBuilder& pass) {
     pass.arg("weight", weight).arg("irradiance", irradiance);
     if (keeps) pass.arg("leaf_lights", lights);
   };
@@ -78,7 +79,7 @@ LightAtPoints::Bind bind_light_sums(const MicroParameters& parameters, float wei
 
 PathLight::PathLight(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
                      const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters,
-                     int bounces, const TypedBuffer<float4>& irradiance, const DynamicShading& shading,
+                     int bounces, const TypedBuffer<float4>& irradiance, const TypedBuffer<MicroLeafLight>& leaf_lights,
                      const std::string& owner, const TypedBuffer<GBufferPoint>* points)
     : device_(device),
       scheduler_(scheduler),
@@ -98,31 +99,31 @@ PathLight::PathLight(Device& device, KernelScheduler& scheduler, const Scene& sc
   paths_.record_virtual_lights(recorder, frame_, seed_, lights_, first, virtual_lights());
   paths_schedule_ = recorder.compile();
   if (virtual_lights())
-    record_virtual_light(points ? *points : TypedBuffer<GBufferPoint>(), irradiance, shading);
+    record_virtual_light(points ? *points : TypedBuffer<GBufferPoint>(), irradiance, leaf_lights);
   else
-    record_density(irradiance, shading);
+    record_density(irradiance, leaf_lights);
 }
 
 /// The light of one virtual light at all leaves, or at all visible points.
 void PathLight::record_virtual_light(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& irradiance,
-                                     const DynamicShading& shading) {
+                                     const TypedBuffer<MicroLeafLight>& leaf_lights) {
   ScheduleRecorder recorder = scheduler_.record("virtual light", owner_);
   max_geometry_ = recorder.variable("max_geometry", 0.f);
   light_ = recorder.variable("light", 0u);
   shadow_seed_ = recorder.variable("seed", 0u);
   light_at_points(device_, buffers_, intersector_, forest_, points, parameters_, owner_)
       .record_virtual_light(recorder, lights_, light_, shadow_seed_, max_geometry_,
-                            bind_light_sums(parameters_, 1, irradiance, shading));
+                            bind_light_sums(parameters_, 1, irradiance, leaf_lights));
   light_schedule_ = recorder.compile();
 }
 
 /// Density of the photons about every leaf.
-void PathLight::record_density(const TypedBuffer<float4>& irradiance, const DynamicShading& shading) {
+void PathLight::record_density(const TypedBuffer<float4>& irradiance, const TypedBuffer<MicroLeafLight>& leaf_lights) {
   ScheduleRecorder recorder = scheduler_.record("photon map", owner_);
   cell_ = recorder.variable("cell", 1.f);
   light_at_points(device_, buffers_, intersector_, forest_, {}, parameters_, owner_)
       .record_photon_density(recorder, lights_, cell_, static_cast<uint32_t>(parameters_.photon_k),
-                             bind_light_sums(parameters_, 1, irradiance, shading));
+                             bind_light_sums(parameters_, 1, irradiance, leaf_lights));
   light_schedule_ = recorder.compile();
 }
 

@@ -14,7 +14,8 @@ LightAtPoints light_at_points(Device& device, const SceneBuffers& scene, const I
                               const PointForest& forest, const TypedBuffer<GBufferPoint>& points,
                               const MicroParameters& parameters, const std::string& owner);
 LightAtPoints::Bind bind_light_sums(const MicroParameters& parameters, float weight,
-                                    const TypedBuffer<float4>& irradiance, const DynamicShading& shading);
+                                    const TypedBuffer<float4>& irradiance,
+                                    const TypedBuffer<MicroLeafLight>& leaf_lights);
 
 /// Light of several bounces at the leaves by paths from the lights: virtual point lights, or a photon map ("Multiple
 /// Bounces with Instant Radiosity" and "Photon Mapping" of Ritschel et al. 2009, section 4). Or at visible points, by
@@ -24,8 +25,8 @@ class PathLight {
   /// `bounces` as for LeafLight. `points`: of a G-buffer, which get the light instead of leaves; null: leaves do.
   PathLight(Device& device, KernelScheduler& scheduler, const Scene& scene, const SceneBuffers& buffers,
             const Intersector& intersector, const PointForest& forest, const MicroParameters& parameters, int bounces,
-            const TypedBuffer<float4>& irradiance, const DynamicShading& shading, const std::string& owner,
-            const TypedBuffer<GBufferPoint>* points = nullptr);
+            const TypedBuffer<float4>& irradiance, const TypedBuffer<MicroLeafLight>& leaf_lights,
+            const std::string& owner, const TypedBuffer<GBufferPoint>* points = nullptr);
 
   /// Traces the paths of a frame. False when cancelled.
   bool trace(uint32_t frame, uint32_t seed);
@@ -34,8 +35,10 @@ class PathLight {
   uint32_t parts() const {
     return !paths_schedule_ ? 0 : virtual_lights() ? static_cast<uint32_t>(lights_.count()) : 1;
   }
-  /// Adds a part to the irradiance. False when cancelled: it may have been added to some leaves.
+  /// Adds a part to the irradiance. False when cancelled: nothing has been added, or with adds_whole_parts() false
+  /// perhaps to some leaves.
   bool add(uint32_t part);
+  bool adds_whole_parts() const { return virtual_lights(); }  ///< by a last pass; photons come in slices of leaves
   void warm_up();
   static size_t estimate_bytes(const MicroParameters& parameters, size_t leaves, int bounces);
 
@@ -43,8 +46,8 @@ class PathLight {
   bool virtual_lights() const { return parameters_.multibounce == MultiBounce::instant_radiosity; }
   float photon_cell() const;
   void record_virtual_light(const TypedBuffer<GBufferPoint>& points, const TypedBuffer<float4>& irradiance,
-                            const DynamicShading& shading);
-  void record_density(const TypedBuffer<float4>& irradiance, const DynamicShading& shading);
+                            const TypedBuffer<MicroLeafLight>& leaf_lights);
+  void record_density(const TypedBuffer<float4>& irradiance, const TypedBuffer<MicroLeafLight>& leaf_lights);
 
   Device& device_;
   KernelScheduler& scheduler_;
