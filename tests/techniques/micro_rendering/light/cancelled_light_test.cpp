@@ -102,7 +102,8 @@ TEST_CASE("light that is cancelled wherever it can be has the bits of undisturbe
 
 TEST_CASE("light of photons that is cancelled has the bits of undisturbed light") {
   const Scene scene = load_scene("builtin:room");
-  const MicroParameters parameters = parameters_of(MultiBounce::photon_map, NodeShading::dynamic);
+  MicroParameters parameters = parameters_of(MultiBounce::photon_map, NodeShading::dynamic);
+  parameters.points_log2 = 13;  // two slices, between which light has been added to some leaves
   LeafRig calm(scene, parameters), rig(scene, parameters);
   LeafLight expected = calm.light(bounces), light = rig.light(bounces);
   REQUIRE(expected.receive(0, seed));
