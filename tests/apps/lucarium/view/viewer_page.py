@@ -91,4 +91,5 @@ def is_whole(browser):
 
 
 def shows(browser, holds):
-    return wait(lambda: is_whole(browser) and holds())
+    # Whole before may have been the last picture, and coarse what was seen between.
+    return wait(lambda: is_whole(browser) and holds() and is_whole(browser))
