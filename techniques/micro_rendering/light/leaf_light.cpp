@@ -82,20 +82,23 @@ void LeafLight::add_pull(ScheduleRecorder& recorder, const BufferRef& irradiance
       .arg("brightness", brightness);
   primitives_.record_reduce(recorder, "brightest leaf", Primitives::Reduction::max_float, brightness, brightest,
                             leaves);
+  recorder.pass("unit of radiance", program_, "store_radiance_unit")
+      .global(1)
+      .arg("brightest", brightest)
+      .arg("radiance_unit", forest_.radiance_unit);
   for (uint32_t t = 0; t < forest_.trees().size(); ++t) {
     const ForestTree& tree = forest_.trees()[t];
     recorder.pass("store radiance", program_, "store_radiance")
         .global(tree.leaves())
         .arg("irradiance", irradiance)
         .arg("leaf_albedo", forest_.leaf_albedo)
-        .arg("brightest", brightest)
+        .arg("radiance_unit", forest_.radiance_unit)
         .arg("trees", forest_.tree_records)
         .arg("tree", t)
         .arg("nodes", forest_.nodes)
         .arg("count", tree.leaves())
         .arg("radiance", forest_.radiance)
-        .arg("extremes", extremes)
-        .arg("radiance_unit", forest_.radiance_unit);
+        .arg("extremes", extremes);
     forest_.add_level_passes(recorder, "pull", program_, "pull_radiance", t, [&](PassBuilder& pass) {
       pass.arg("radiance", forest_.radiance).arg("extremes", extremes);
     });

@@ -18,16 +18,19 @@ float radiance_unit_of(float brightest) {
   return exp2(clamp(ceil(log2(brightest)), -100.0f, 100.0f) - 14.0f);
 }
 
+// Once for all leaves: logarithm and exponential take longer than all else that a leaf needs.
+__kernel void store_radiance_unit(__global const float* restrict brightest, __global float* restrict radiance_unit) {
+  radiance_unit[0] = radiance_unit_of(brightest[0]);
+}
+
 // Work-item i: leaf i of one tree. extremes, per node: x lowest, y highest brightest channel [units], z weight (area).
 __kernel void store_radiance(__global const float4* restrict irradiance, __global const half* restrict leaf_albedo,
-                             __global const float* restrict brightest, __global const MicroTree* restrict trees,
+                             __global const float* restrict radiance_unit, __global const MicroTree* restrict trees,
                              uint tree, __global const uint4* restrict nodes, uint count,
-                             __global half* restrict radiance, __global float4* restrict extremes,
-                             __global float* restrict radiance_unit) {
+                             __global half* restrict radiance, __global float4* restrict extremes) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  const float unit = radiance_unit_of(brightest[0]);
-  if (i == 0u) radiance_unit[0] = unit;
+  const float unit = radiance_unit[0];
   const uint leaf = trees[tree].first_node / 2u + i, node = trees[tree].first_node + count + i;
   const float3 value = vload_half4(leaf, leaf_albedo).xyz * irradiance[leaf].xyz * (M_1_PI_F / unit);
   const float highest = max_component(value), radius = unpack_node(nodes[node]).radius;
