@@ -211,6 +211,10 @@ void BundleEdges::complete() {
   new_ = {};  // an iteration whose paths all end at first hits traces none
 }
 
+std::map<std::string, double> BundleEdges::counters() const {
+  return {{"bundles", totals_.bundles}, {"bundle_fragments", totals_.fragments}, {"bundles_again", totals_.again}};
+}
+
 bool BundleEdges::update() {
   raster_.update();
   return raster_.generation() == generation_;

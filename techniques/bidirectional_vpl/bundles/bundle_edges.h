@@ -41,9 +41,7 @@ class BundleEdges {
   void complete();
   /// Of complete iterations since clear_counters(): bundles that were rasterized, their fragments, and bundles that
   /// were looked up again instead.
-  std::map<std::string, double> counters() const {
-    return {{"bundles", totals_.bundles}, {"bundle_fragments", totals_.fragments}, {"bundles_again", totals_.again}};
-  }
+  std::map<std::string, double> counters() const;
   void clear_counters() { totals_ = {}; }
   static size_t estimate_bytes(const Plan& plan, size_t triangles);
 
