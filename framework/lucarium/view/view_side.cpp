@@ -64,16 +64,18 @@ void ViewSide::set_preparing(double fraction, const std::string& stage) {
   preparing_();
 }
 
-void ViewSide::set_scene(std::shared_ptr<SceneOnDevice> scene) {
+void ViewSide::set_scene(std::shared_ptr<SceneOnDevice> scene, bool moved) {
+  scene_moved_ = moved && !sessions_.empty();
   session_ = nullptr;
   stand_in_.set_scene(scene);
   sessions_.set_scene(std::move(scene));
-  scene_moved_ = time_moves();
 }
 
 void ViewSide::follow_camera() {
   sessions_.set_camera(around_.settings.camera);
   stand_in_.follow_camera();
+  // Who drags after a picture of the new time was seen wants many: the light that is there rests.
+  if (camera_moves() && !time_moves() && sent_divisor_ != 0) scene_moved_ = false;
   const double unseen = camera_moves() ? unseen_seconds_ : 0;
   begin_picture();
   unseen_seconds_ = unseen;
@@ -85,14 +87,17 @@ void ViewSide::take(const TechniqueRegistry& registry, const ViewTechnique& tech
   try {
     const TechniqueType& type = registry.find(technique.name);
     const Capabilities& can = type.info().capabilities;
-    if (sessions_.empty() || sessions_.technique().name != technique.name)
+    if (sessions_.empty() || sessions_.technique().name != technique.name) {
       motion_.forget();
-    else
+      scene_moved_ = time_moves();
+    } else {
       motion_.forget_slow();
+    }
     set_preparing(-1, "preparing");
     if (sessions_.empty() && stand_in_.is_wanted_for(type, technique, around_.settings))
       show_stand_in(true);  // also for pages that come
     stand_in_.clear();      // the memory is for what is wanted
+    standing_in_ = false;
     const uint32_t divisor = can.view_independent || can.resizes ? 1 : motion_.divisor(whole_pixels(), 0);
     sessions_.change(type, technique, around_.settings, divisor);
     session_ = nullptr;
@@ -158,6 +163,7 @@ void ViewSide::clear() {
   film_.reset();
   meanwhile_.clear();
   sent_divisor_ = 0;
+  scene_moved_ = false;
   stage_ = Stage::waiting;
 }
 
@@ -197,7 +203,10 @@ uint32_t ViewSide::choose_divisor() const {
   const Capabilities& can = sessions_.type().info().capabilities;
   if (can.view_independent && !can.resizes) return 1;
   const uint32_t coarse = motion_.divisor(whole_pixels(), divisor_);
-  if (moves() || (can.resizes && scene_moved_ && sent_divisor_ == 0)) return coarse;
+  if (moves() || (can.resizes && scene_moved_ && sent_divisor_ == 0)) {
+    // What was measured of those is a picture whose light rests.
+    return can.resizes ? std::max(coarse, 2u) : coarse;
+  }
   if (can.resizes) return 1;
   const double seconds = motion_.expected_seconds(whole_pixels());
   return sent_divisor_ == 0 && (seconds < 0 || seconds > quick_seconds) ? coarse : 1;
@@ -219,7 +228,7 @@ void ViewSide::work() {
 
 void ViewSide::iterate() {
   const bool light_rests = this->light_rests();
-  const uint32_t divisor = light_rests ? std::max(choose_divisor(), 2u) : choose_divisor();
+  const uint32_t divisor = choose_divisor();
   session_ = nullptr;
   RenderSession& session = sessions_.at(divisor, light_rests);
   session_ = &session;

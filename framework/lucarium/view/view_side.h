@@ -56,7 +56,8 @@ class ViewSide {
   ViewSide(ViewSurroundings& around, ViewHub& hub, uint32_t index, std::function<void()> preparing,
            std::function<bool()> unwanted);
 
-  void set_scene(std::shared_ptr<SceneOnDevice> scene);
+  /// `moved`: to another time.
+  void set_scene(std::shared_ptr<SceneOnDevice> scene, bool moved);
   void follow_camera();
   /// Builds its session. Its first picture is coarse unless the whole one comes as quickly, or light is kept from size
   /// to size. What is refused leaves what ran before.
@@ -121,7 +122,7 @@ class ViewSide {
   uint32_t divisor_ = 0;              ///< of that
   MotionSize motion_;
   double unseen_seconds_ = 0;  ///< of iterations since the last one with a picture, or since that was too long
-  bool scene_moved_ = false;   ///< since then no picture had all of its light
+  bool scene_moved_ = false;   ///< since then no picture had a whole sample
   const TechniqueRegistry* registry_ = nullptr;
   StandIn stand_in_;
   bool standing_in_ = false;  ///< the last work() showed that

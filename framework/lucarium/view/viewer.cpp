@@ -37,7 +37,7 @@ Viewer::Viewer(std::shared_ptr<Device> device, Scene scene, const TechniqueRegis
     sides_[index] = std::make_unique<ViewSide>(
         around_, hub, index, [this] { report(false); }, [this] { return stopped_ || hub_.changes() != changes_; });
   }
-  replace_scene(std::move(scene));
+  replace_scene(std::move(scene), false);
   hub_.set_request([this](ViewRequest& request) {
     for (uint32_t index = 0; index < view_sides; ++index) {
       const ViewTechnique& technique = named_[std::min<size_t>(index, named_.size() - 1)];
@@ -156,8 +156,9 @@ void Viewer::follow_scene() {
         running[index] =
             sides_[index]->empty() ? ViewTechnique{wanted.technique, wanted.parameters} : sides_[index]->technique();
       }
+      const bool moved = edits.seconds != around_.edits.seconds;
       around_.edits = edits;
-      replace_scene(std::move(scene));
+      replace_scene(std::move(scene), moved);
       for (uint32_t index = 0; index < sides(); ++index)
         attempt(*sides_[index], [&] { sides_[index]->take(registry_, running[index]); });
     }
@@ -187,11 +188,11 @@ bool Viewer::move_scene(double seconds) {
   return true;
 }
 
-void Viewer::replace_scene(Scene scene) {
+void Viewer::replace_scene(Scene scene, bool moved) {
   take_scene(scene);
   scene_ = share_scene(std::move(scene));
   truth_.begin(scene_);
-  for (const auto& side : sides_) side->set_scene(scene_);
+  for (const auto& side : sides_) side->set_scene(scene_, moved);
 }
 
 void Viewer::take_scene(const Scene& scene) {

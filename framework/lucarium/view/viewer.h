@@ -44,7 +44,7 @@ class Viewer {
   void follow_scene();
   void take_back_edits();
   void end_truth();
-  void replace_scene(Scene scene);
+  void replace_scene(Scene scene, bool moved);
   void take_scene(const Scene& scene);
   void take_cameras(const Scene& scene);
   bool move_scene(double seconds);

@@ -52,7 +52,7 @@ class MachinePanel {
     const key = JSON.stringify([status.running, status.divisor]);
     if (key !== this.key) this.first = {};
     this.key = key;
-    this.first[name] ??= count;
+    if (!(this.first[name] <= count)) this.first[name] = count;  // they may begin again
     return count > this.first[name];
   }
 
