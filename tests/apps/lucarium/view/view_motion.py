@@ -163,6 +163,25 @@ def played(program):
         viewer.kill()
 
 
+def played_and_turned(program):
+    """A camera that moves long before the light of another time has come to its end."""
+    technique = 'virtual_light_field'
+    viewer, page = start(program, '-t', f'{technique}:{",".join(KEEPING[technique])}', scene='builtin:statue:levels=2')
+    try:
+        status_where(page, lambda s: s['sides'][0].get('divisor') == 1 and progress_of(s['sides'][0]) > 0)
+        page.send(json.dumps({'do': 'time', 'seconds': 0.5}))
+        page.until(lambda m: m.get('binary', {}).get('time') == 0.5)
+        before = status_where(page, lambda s: s['sides'][0].get('divisor') == 1)['camera']['number']
+        _, states, lasted = move(page, True)
+        coarse = resting(states, [index for index, s in enumerate(lasted, before + 1) if s > LATE])
+        check(f'at another time light rests for a camera that moves {coarse}',
+              len(coarse) > 0 and all(len(set(light)) == 1 for light in coarse))
+        viewer.send_signal(signal.SIGINT)
+        check('Ctrl-C ends it', viewer.wait(PATIENCE) == 0)
+    finally:
+        viewer.kill()
+
+
 def is_move(header):
     return 'picture' in header and header['divisor'] > 1
 
@@ -224,6 +243,7 @@ def main():
     for technique in ('path_tracing', 'micro_rendering:points_log2=12,jacobi_level=6'):
         moved(sys.argv[1], technique, [])
     played(sys.argv[1])
+    played_and_turned(sys.argv[1])
     too_slow(sys.argv[1], sys.argv[2:])
     print('end')
 
