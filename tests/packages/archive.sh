@@ -37,7 +37,7 @@ done
 if grep -rlF "$build" "$tree"; then fail "these files know the build folder $build"; fi
 # Pages and comments may name the sources' folders, but not where they lay.
 # Where that is /lucarium, framework/lucarium/ is another one.
-pattern="(^|[^[:alnum:]_./-])$(sed 's/[][\.*^$+?(){}|]/\\&/g' <<<"$source")/"
+pattern="(^|[^[:alnum:]_./})-])$(sed 's/[][\.*^$+?(){}|]/\\&/g' <<<"$source")/"
 if grep -rlE -- "$pattern" "$tree"; then fail "these files know the sources' folder $source"; fi
 
 render() {  # PROGRAM FILE
