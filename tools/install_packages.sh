@@ -35,8 +35,8 @@ if [ "$(id -u)" -ne 0 ]; then
 fi
 
 echo "Installing ${#missing[@]} packages: ${missing[*]}"
-# A fresh machine has no package index, an old one may name versions that are gone.
 only_for_tests() { awk -v name="$1" '$1 == name { found = 1 } END { exit !found }' <<<"$for_tests"; }
+# A fresh machine has no package index, an old one may name versions that are gone.
 updated=yes
 "${as_root[@]}" apt-get update -qq </dev/null || {
   echo "lucarium: apt-get update failed; using the index at hand" >&2

@@ -36,9 +36,13 @@ for file in bin/lucarium share/man/man1/lucarium-render.1 share/bash-completion/
 done
 if grep -rlF "$build" "$tree"; then fail "these files know the build folder $build"; fi
 # Pages and comments may name the sources' folders, but not where they lay.
-# Where that is /lucarium, framework/lucarium/ is another one.
-pattern="(^|[^[:alnum:]_./})-])$(sed 's/[][\.*^$+?(){}|]/\\&/g' <<<"$source")/"
-if grep -rlE -- "$pattern" "$tree"; then fail "these files know the sources' folder $source"; fi
+if [[ $source == /*/* ]]; then
+  known=$(grep -rlF "$source/" "$tree" || true)
+else
+  # In a folder of the root, as /lucarium: framework/lucarium/ and ${VARIABLE}/lucarium/ are others.
+  known=$(grep -rlE -- "(^|[^[:alnum:]_./})-])$source/" "$tree" || true)
+fi
+if [ -n "$known" ]; then echo "$known"; fail "these files know the sources' folder $source"; fi
 
 render() {  # PROGRAM FILE
   (cd / && "$1" -q render builtin:cornell -t bundle_exchange --size 32x24 --iterations 1 -o "$2") || fail "rendering by $1"

@@ -13,10 +13,13 @@ constexpr size_t kCopyItems = 4096;  // work-items of a copy
 
 size_t pixels_of(const Plan& plan) { return size_t{plan.bundle_res} * plan.bundle_res; }
 
+size_t bytes_of_entry(const Plan& plan) {
+  return (pixels_of(plan) + 1) * sizeof(uint32_t) + kSurfaces * pixels_of(plan) * sizeof(LayeredFragment);
+}
+
 /// Bundles for which there is memory.
 size_t entries_of(const Plan& plan) {
-  const size_t bytes = (pixels_of(plan) + 1) * sizeof(uint32_t) + kSurfaces * pixels_of(plan) * sizeof(LayeredFragment);
-  return std::min<size_t>(plan.settings.bundles, kKeptBytes / bytes);
+  return std::min<size_t>(plan.settings.bundles, kKeptBytes / bytes_of_entry(plan));
 }
 
 }  // namespace
@@ -58,9 +61,6 @@ void KeptBundles::stored(uint32_t k, uint32_t fragments) {
   next_.first += fragments;
 }
 
-size_t KeptBundles::estimate_bytes(const Plan& plan) {
-  const size_t entries = entries_of(plan);
-  return entries * ((pixels_of(plan) + 1) * sizeof(uint32_t) + kSurfaces * pixels_of(plan) * sizeof(LayeredFragment));
-}
+size_t KeptBundles::estimate_bytes(const Plan& plan) { return entries_of(plan) * bytes_of_entry(plan); }
 
 }  // namespace lucarium::bidirectional
