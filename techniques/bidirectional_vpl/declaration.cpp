@@ -94,6 +94,14 @@ bool has_lights(const Scene& scene, bool directional) {
                      [&](const SceneLight& light) { return directional || light.type != LightType::directional; });
 }
 
+/// Whether there may be something that shines and can be hit.
+bool has_emitters(const Scene& scene) {
+  return scene.environment ||
+         std::any_of(scene.instances.begin(), scene.instances.end(), [&](const SceneInstance& instance) {
+           return scene.materials[static_cast<size_t>(instance.material)].emits();
+         });
+}
+
 void list_map_limitations(const Plan& plan, const BidirectionalParameters& parameters, const Scene& scene,
                           std::vector<std::string>& list) {
   const bool cubes = has_lights(scene, false);
@@ -127,6 +135,8 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
   const Plan plan = make_plan(parameters, settings);
   if (parameters.strategy != Strategy::all && parameters.strategy != Strategy::hit && ideal)
     list.push_back("one strategy alone misses most light that mirrors and glass pass on (strategy)");
+  if (parameters.strategy == Strategy::hit && !has_emitters(scene))
+    list.push_back("strategy=hit finds nothing: there is no lamp and no environment");
   if (parameters.splat && parameters.strategy == Strategy::all && settings.pixel_sampling != LUCARIUM_PIXEL_JITTER)
     list.push_back("splat has no effect: light paths are connected to the camera with jittered pixels only");
   if (plan.two_bounce == TwoBounce::mis && plan.light_vertices > 0 &&

@@ -208,3 +208,23 @@ TEST_CASE("direct light: the back of a single-sided surface neither emits nor re
   add_horizontal(shaded, 0, 1, 0, 4, 4, false, add_material(shaded, lambert(0.f)));
   CHECK(estimate(shaded, patch(0, 0), direct_only(), {16, 4, 4}).mean == 0);
 }
+
+TEST_CASE("direct light: lamps that lie in a ceiling shine into the room, whatever rounding makes of its plane") {
+  // Level or tilted, at a height that is a float or not.
+  const SceneCamera camera = look_orthographic({0, 1, 0}, {0, 0, 0}, 2);
+  for (const float slope : {0.f, 0.37f}) {
+    for (const float height : {2.f, 2.71f}) {
+      CAPTURE(slope);
+      CAPTURE(height);
+      Scene scene = floor_scene(0.5f);
+      const auto ceiling = [&](float x, float z) { return glm::vec3(x, height + slope * x, z); };
+      add_light(scene, LightType::point, 100, ceiling(0.3f, -0.7f), {0, 0, 0});
+      add_light(scene, LightType::spot, 100, ceiling(-0.9f, 0.1f), ceiling(-0.9f, 0.1f) - glm::vec3(0, 1, 0));
+      const double bare = estimate(scene, camera, direct_only(), {32, 4, 16}).mean;
+      CHECK(bare > 1);
+      add_polygon(scene, {ceiling(-3, 3), ceiling(-3, -3), ceiling(3, -3), ceiling(3, 3)},
+                  add_material(scene, lambert(0.5f)));
+      CHECK(estimate(scene, camera, direct_only(), {32, 4, 16}).mean == test::relative(bare));
+    }
+  }
+}

@@ -109,6 +109,25 @@ TEST_CASE("lights in a surface, triangles without area and coverage everywhere b
   }
 }
 
+TEST_CASE("light paths and light samples see the same from lights that lie in a ceiling, in a pane and at a corner") {
+  Scene scene;
+  add_box(scene, glm::vec3(-1), glm::vec3(1), true, add_material(scene, lambert(0.5f)));
+  SceneMaterial pane = lambert(0.5f);
+  pane.double_sided = true;
+  add_horizontal(scene, 0, -0.5f, 0, 0.6f, 0.6f, true, add_material(scene, pane));
+  for (const glm::vec3& place : {glm::vec3(0.1f, 1, 0.2f), glm::vec3(0.05f, -0.5f, 0), glm::vec3(1, 1, -1)})
+    add_light(scene, LightType::point, 1, place, {0, -1, 0});
+  scene.cameras = {look_perspective({0, 0, 0.9f}, {0, 0, 0}, 1.2f)};
+  Picture picture = small_picture();
+  picture.iterations = 64;
+  const double expected = mean_of(image_of(render(scene, "path_tracing", picture)));
+  for (const Parameters& parameters : variants()) {
+    CAPTURE(parameters.size());
+    const std::vector<float> image = image_of(render(scene, "bidirectional_vpl", picture, parameters));
+    CHECK(mean_of(image) == doctest::Approx(expected).epsilon(0.03));
+  }
+}
+
 TEST_CASE("scenes of 10^6 m and of huge intensities scale, and do not overflow") {
   // A scene that is s times as large has 1 / s^2 of the irradiance of a point light.
   const auto mean = [](float metres, float intensity) {
@@ -148,6 +167,23 @@ TEST_CASE("combinations of parameters that find nothing, or do not fit, are refu
   picture.pixel_sampling = LUCARIUM_PIXEL_JITTER;
   CHECK(refused(picture, {{"light_paths", "4194304"}, {"light_vertices", "16"}, {"show_strategies", "on"}})
             .find("light_paths") != std::string::npos);
+}
+
+TEST_CASE("what one strategy cannot find in a scene is said") {
+  const auto says = [](const Scene& scene, const char* strategy) {
+    const auto technique = registry().find("bidirectional_vpl").create();
+    technique->parameters().set("strategy", strategy);
+    for (const std::string& line : technique->limitations(scene, RenderSettings()))
+      if (line.find("strategy=hit finds nothing") != std::string::npos) return true;
+    return false;
+  };
+  Scene scene = floor_scene();
+  add_light(scene, LightType::point, 1, {0, 0.6f, 0}, {0, 0, 0});
+  CHECK(says(scene, "hit"));
+  CHECK_FALSE(says(scene, "nee"));
+  set_environment(scene, 1);
+  CHECK_FALSE(says(scene, "hit"));
+  CHECK_FALSE(says(load_scene("builtin:cornell"), "hit"));
 }
 
 TEST_CASE("punctual light behind glass is named as left out where the glass is clear, not where it is rough") {
