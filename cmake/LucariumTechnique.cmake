@@ -24,7 +24,13 @@ function(lucarium_add_technique NAME)
     PREFIX "" OUTPUT_NAME ${NAME} CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     INSTALL_RPATH "$ORIGIN/../.."
     LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib/lucarium/techniques)
-  # Papers are folders of data: experiments/PAPER/*.json, found beside the plug-in (`lucarium reproduce`).
+  lucarium_add_experiments()
+  install(TARGETS lucarium_${NAME} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lucarium/techniques)
+endfunction()
+
+# Puts the papers of the calling folder, experiments/PAPER/*.json, beside the plug-ins, where `lucarium reproduce` finds
+# them. lucarium_add_technique() does so for those of the technique.
+function(lucarium_add_experiments)
   set(technique_folder ${CMAKE_BINARY_DIR}/lib/lucarium/techniques)
   file(GLOB papers CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/experiments/*/paper.json)
   foreach(paper IN LISTS papers)
@@ -34,5 +40,4 @@ function(lucarium_add_technique NAME)
     file(CREATE_LINK ${folder} ${technique_folder}/experiments/${name} SYMBOLIC)
     install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_LIBDIR}/lucarium/techniques/experiments)
   endforeach()
-  install(TARGETS lucarium_${NAME} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/lucarium/techniques)
 endfunction()

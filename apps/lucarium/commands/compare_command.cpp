@@ -6,6 +6,7 @@
 #include "lucarium/base/error.h"
 #include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
+#include "lucarium/compare/results/winners.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
 #include "options/executor_arguments.h"
@@ -112,6 +113,7 @@ int compare(CompareArguments arguments, const Messages& messages) {
   if (messages.json) {
     print_result("{}", result.to_json());
   } else {
+    print_result("{}", describe_winners(result));
     if (result.baseline) print_result("{}", result.baseline->table(result));
     if (fs::path page = options.folder / "report.html"; fs::exists(page)) print_result("report: {}\n", page.string());
   }

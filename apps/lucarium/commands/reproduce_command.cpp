@@ -9,6 +9,7 @@
 #include "lucarium/base/log.h"
 #include "lucarium/base/terminal.h"
 #include "lucarium/base/text/nearest_name.h"
+#include "lucarium/compare/results/winners.h"
 #include "lucarium/compare/run/comparison.h"
 #include "lucarium/compare/run/dry_run.h"
 #include "lucarium/technique/technique_folders.h"
@@ -62,10 +63,10 @@ ordered_json list_json(const std::vector<Paper>& papers) {
       const Experiment experiment = read_experiment(paper, name, false);
       experiments.push_back({{"id", experiment.id()}, {"title", experiment.title}, {"place", experiment.place}});
     }
-    list.push_back({{"name", paper.name},
-                    {"citation", paper.citation},
-                    {"technique", paper.technique},
-                    {"experiments", experiments}});
+    ordered_json entry = {{"name", paper.name}, {"citation", paper.citation}};
+    if (!paper.technique.empty()) entry["technique"] = paper.technique;
+    entry["experiments"] = experiments;
+    list.push_back(std::move(entry));
   }
   return {{"schema", "lucarium-papers-1"}, {"papers", list}};
 }
@@ -73,7 +74,8 @@ ordered_json list_json(const std::vector<Paper>& papers) {
 void print_list(const std::vector<Paper>& papers) {
   if (papers.empty()) print_result("no technique brings experiments\n");
   for (const Paper& paper : papers) {
-    print_result("{}  ({})\n  {}\n", paper.name, paper.technique, paper.citation);
+    print_result("{}  ({})\n  {}\n", paper.name, paper.technique.empty() ? "of no paper" : paper.technique,
+                 paper.citation);
     size_t width = 0;
     for (const std::string& name : paper.experiments) width = std::max(width, paper.name.size() + 1 + name.size());
     for (const std::string& name : paper.experiments) {
@@ -170,7 +172,8 @@ int reproduce_wanted(ReproduceArguments arguments, const Messages& messages) {
                         {"report", (folder / "report.html").string()}});
     if (result.reproduction) finished.back()["reproduction"] = ordered_json::parse(result.to_json()).at("reproduction");
     if (result.reproduction && !messages.json)
-      print_result("{}  report: {}\n\n", result.reproduction->table(), (folder / "report.html").string());
+      print_result("{}{}  report: {}\n\n", result.reproduction->table(), describe_winners(result),
+                   (folder / "report.html").string());
   }
   print_finished();
   return complete ? 0 : static_cast<int>(ErrorClass::check_failed);

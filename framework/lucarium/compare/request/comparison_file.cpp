@@ -2,6 +2,8 @@
 // Reading a comparison file; every complaint names file, line and key.
 #include "lucarium/compare/request/comparison_file.h"
 
+#include <tuple>
+
 #include "lucarium/base/error.h"
 #include "lucarium/base/request_limits.h"
 #include "lucarium/compare/request/comparison_spec.h"
@@ -31,12 +33,12 @@ class ComparisonReader {
     each("techniques",
          [&](const json& value, const std::string& at) { spec.variants.push_back(technique(value, at)); });
     each("budgets", [&](const json& value, const std::string& at) { spec.budgets.push_back(budget(value, at)); });
-    if (root.contains("seeds")) spec.seeds = static_cast<uint32_t>(bounded("seeds", 1, 1000));
-    if (root.contains("size")) read_size(root["size"], spec);
+    if (root.contains("seeds")) spec.seeds = static_cast<uint32_t>(bounded(root, "seeds", pointer_, 1, 1000));
+    if (root.contains("size")) std::tie(spec.width, spec.height) = size(root["size"], place("size"));
     if (root.contains("max_bounces"))
-      spec.max_bounces = static_cast<int>(bounded("max_bounces", -1, PathSet::kMaxBounces));
+      spec.max_bounces = static_cast<int>(bounded(root, "max_bounces", pointer_, -1, PathSet::kMaxBounces));
     if (root.contains("pixel_sampling"))
-      spec.pixel_sampling = static_cast<uint32_t>(bounded("pixel_sampling", 0, finest_pixel_grid));
+      spec.pixel_sampling = static_cast<uint32_t>(bounded(root, "pixel_sampling", pointer_, 0, finest_pixel_grid));
     if (root.contains("reference")) spec.reference = reference(root["reference"]);
     if (root.contains("walk")) spec.walk = walk(root["walk"]);
     if (root.contains("fallback_environment")) {
@@ -68,10 +70,11 @@ class ComparisonReader {
     for (size_t i = 0; i < object_[key].size(); ++i) visit(object_[key][i], fmt::format("{}/{}", place(key), i));
   }
 
-  int64_t bounded(const std::string& key, int64_t low, int64_t high) const {
-    const json& value = object_[key];
+  int64_t bounded(const json& object, const std::string& key, const std::string& pointer, int64_t low,
+                  int64_t high) const {
+    const json& value = object[key];
     if (!value.is_number_integer() || value.get<int64_t>() < low || value.get<int64_t>() > high) {
-      file_.fail(place(key), fmt::format("must be a whole number from {} to {}", low, high));
+      file_.fail(pointer + "/" + key, fmt::format("must be a whole number from {} to {}", low, high));
     }
     return value.get<int64_t>();
   }
@@ -102,7 +105,7 @@ class ComparisonReader {
       return result;
     }
     std::vector<std::string> keys = override_keys();
-    keys.insert(keys.end(), {"scene", "name", "sidecar", "texture_size", "optional"});
+    keys.insert(keys.end(), {"scene", "name", "sidecar", "texture_size", "optional", "size", "max_bounces", "threads"});
     file_.check_keys(value, pointer, keys);
     if (!value.contains("scene")) file_.fail(pointer, "\"scene\" is missing");
     result.source = source(value["scene"], pointer + "/scene");
@@ -110,6 +113,11 @@ class ComparisonReader {
     if (value.contains("name")) result.name = file_.text(value["name"], pointer + "/name");
     if (value.contains("sidecar")) result.overrides.use_sidecar = flag(value, "sidecar", pointer);
     if (value.contains("optional")) result.optional = flag(value, "optional", pointer);
+    if (value.contains("size")) result.size = size(value["size"], pointer + "/size");
+    if (value.contains("max_bounces"))
+      result.max_bounces = static_cast<int>(bounded(value, "max_bounces", pointer, -1, PathSet::kMaxBounces));
+    if (value.contains("threads"))
+      result.threads = static_cast<int>(bounded(value, "threads", pointer, 1, max_threads));
     const std::string& named = file_.text(value["scene"], pointer + "/scene");
     if (result.optional && !fs::exists(result.source) && fs::exists(named)) result.source = named;
     if (value.contains("texture_size")) {
@@ -174,14 +182,13 @@ class ComparisonReader {
     return result;
   }
 
-  void read_size(const json& value, ComparisonSpec& spec) const {
-    if (!value.is_array() || value.size() != 2) file_.fail(place("size"), "must be [width, height]");
-    const uint64_t width = file_.count(value[0], place("size/0")), height = file_.count(value[1], place("size/1"));
+  std::pair<uint32_t, uint32_t> size(const json& value, const std::string& pointer) const {
+    if (!value.is_array() || value.size() != 2) file_.fail(pointer, "must be [width, height]");
+    const uint64_t width = file_.count(value[0], pointer + "/0"), height = file_.count(value[1], pointer + "/1");
     if (width < 1 || height < 1 || width > largest_image_side || height > largest_image_side) {
-      file_.fail(place("size"), fmt::format("must be from 1 to {} pixels a side", largest_image_side));
+      file_.fail(pointer, fmt::format("must be from 1 to {} pixels a side", largest_image_side));
     }
-    spec.width = static_cast<uint32_t>(width);
-    spec.height = static_cast<uint32_t>(height);
+    return {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
   }
 
   ReferenceRequest reference(const json& value) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <tuple>
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
@@ -56,6 +57,9 @@ ordered_json scene_json(const ComparisonScene& scene) {
     json["texture_size"] = scene.import.max_texture_size;
   if (!scene.name.empty()) json["name"] = scene.name;
   if (scene.optional) json["optional"] = true;
+  if (scene.size) json["size"] = {scene.size->first, scene.size->second};
+  if (scene.max_bounces) json["max_bounces"] = *scene.max_bounces;
+  if (scene.threads > 0) json["threads"] = scene.threads;
   if (json.empty()) return scene.source;
   json["scene"] = scene.source;
   return json;
@@ -92,6 +96,14 @@ void check_different(const List& list, const char* what, Label&& label) {
 }
 
 }  // namespace
+
+SceneSettings ComparisonSpec::settings_of(const ComparisonScene& scene) const {
+  SceneSettings settings{width, height, scene.max_bounces.value_or(max_bounces), device_arguments};
+  if (scene.size) std::tie(settings.width, settings.height) = *scene.size;
+  const std::vector<std::string> words = write_device_arguments("", scene.threads, "", "");
+  settings.device_arguments.insert(settings.device_arguments.end(), words.begin(), words.end());  // the last one counts
+  return settings;
+}
 
 std::string ComparisonSpec::to_json() const {
   ordered_json json;

@@ -38,6 +38,10 @@ struct ComparisonScene {
   ImportOptions import;
   std::string name;       ///< in tables; empty: the source
   bool optional = false;  ///< left out where there is no such file
+  // In place of the comparison's, where given: what a cost depends on can vary from scene to scene.
+  std::optional<std::pair<uint32_t, uint32_t>> size;
+  std::optional<int> max_bounces;
+  int threads = 0;  ///< of the device; 0: not given
   const std::string& label() const { return name.empty() ? source : name; }
 };
 
@@ -54,6 +58,13 @@ struct WalkRequest {
   uint32_t references = 0;  ///< frames, evenly, that have one
 };
 
+/// With what the pictures of one scene are rendered: what it says of its own, else what the comparison says.
+struct SceneSettings {
+  uint32_t width = 0, height = 0;
+  int max_bounces = -1;
+  std::vector<std::string> device_arguments;  ///< words; read_device_arguments() understands them
+};
+
 /// Everything that defines a comparison: scenes × variants × budgets × seeds against references (docs/comparisons.md).
 struct ComparisonSpec {
   std::vector<ComparisonScene> scenes;
@@ -67,6 +78,8 @@ struct ComparisonSpec {
   std::optional<WalkRequest> walk;
   std::string fallback_environment;           ///< for scenes without any light; empty: such a scene is an error
   std::vector<std::string> device_arguments;  ///< words; read_device_arguments() understands them
+
+  SceneSettings settings_of(const ComparisonScene& scene) const;
 
   /// JSON (schema lucarium-comparison-1) that is kept with the results; parse_comparison() is its inverse.
   std::string to_json() const;

@@ -3,6 +3,7 @@
 
 #include <muParser.h>
 
+#include <cctype>
 #include <cmath>
 
 #include "lucarium/base/error.h"
@@ -29,6 +30,13 @@ bool is_expression_name(const std::string& name) {
     if (!letter(c) && !(c >= '0' && c <= '9')) return false;
   }
   return !name.empty() && letter(name.front());
+}
+
+std::string expression_name(std::string label) {
+  for (char& c : label) {
+    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+  }
+  return label;
 }
 
 std::vector<std::string> expression_names(const std::string& expression) {

@@ -23,4 +23,7 @@ std::vector<std::string> expression_names(const std::string& expression);
 
 bool is_expression_name(const std::string& name);
 
+/// A label as a part of a name in expressions: what is neither letter nor digit becomes _.
+std::string expression_name(std::string label);
+
 }  // namespace lucarium

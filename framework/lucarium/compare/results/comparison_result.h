@@ -88,7 +88,7 @@ struct SceneVariant {
 
 struct SceneResult {
   std::string name;
-  uint64_t triangles = 0;
+  uint64_t triangles = 0, emissive_triangles = 0;
   std::string hash;
   float exposure = 0;     ///< [stops]
   std::string failure;    ///< the scene could not be had

@@ -7,6 +7,7 @@
 
 #include "lucarium/base/error.h"
 #include "lucarium/base/json.h"
+#include "lucarium/compare/request/device_arguments.h"
 #include "lucarium/compare/request/expression.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/compare/results/error_curve.h"
@@ -17,14 +18,6 @@ namespace lucarium {
 using nlohmann::json;
 
 namespace {
-
-/// A name as expressions can use it.
-std::string expression_name(std::string name) {
-  for (char& c : name) {
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  }
-  return name;
-}
 
 void lower(std::map<std::string, double>& numbers, const std::string& name, double value) {
   const auto [entry, is_new] = numbers.try_emplace(name, value);
@@ -51,6 +44,20 @@ void add_counters(const std::vector<const PieceResult*>& pieces, std::map<std::s
     }
     lower(numbers, "fastest_iterate_seconds", piece->iterate_seconds);
   }
+}
+
+/// What the scene is rendered with. Unlimited bounces are no number.
+void add_settings(const ComparisonResult& result, size_t scene, const PieceResult& piece,
+                  std::map<std::string, double>& numbers) {
+  const SceneSettings settings = result.spec.settings_of(result.spec.scenes[scene]);
+  numbers["pixels"] = static_cast<double>(settings.width) * settings.height;
+  if (settings.max_bounces >= 0) numbers["max_bounces"] = settings.max_bounces;
+  DeviceOptions device;
+  read_device_arguments(settings.device_arguments, device);
+  if (device.threads > 0)
+    numbers["threads"] = device.threads;
+  else if (piece.machine)
+    numbers["threads"] = piece.machine->machine.logical_cores;
 }
 
 std::vector<CurvePoint> mean_curve(const Summary& summary) {
@@ -83,7 +90,9 @@ ExpressionScope quantities(const ComparisonResult& result, const SummaryKey& key
                    {"peak_host_bytes", static_cast<double>(summary.peak_host_bytes)},
                    {"peak_device_bytes", static_cast<double>(summary.peak_device_bytes)},
                    {"triangles", static_cast<double>(result.scenes[std::get<0>(key)].triangles)},
-                   {"pixels", static_cast<double>(result.spec.width) * result.spec.height}};
+                   {"emissive_triangles", static_cast<double>(result.scenes[std::get<0>(key)].emissive_triangles)}};
+  add_settings(result, std::get<0>(key), *pieces.front(), scope.numbers);
+  if (summary.processor_seconds) scope.numbers["processor_seconds"] = *summary.processor_seconds;
   if (summary.reached_seconds) scope.numbers["reached_seconds"] = summary.reached_seconds->mean;
   if (summary.walk) {
     scope.numbers["walk_min_seconds"] = summary.walk->min_seconds;
@@ -112,7 +121,8 @@ bool is_time_name(const std::string& name) {
 /// Of unlike machines nothing is said that compares them: no time, and what a budget of time led to only where it has
 /// no part in it. The names stay, as NaN, and are returned; functions set `asked` when an expression calls them.
 std::set<std::string> forget_times(ExpressionScope& scope, bool budget_of_time, bool& asked) {
-  static const std::set<std::string> same_anywhere = {"triangles", "pixels", "peak_host_bytes", "peak_device_bytes"};
+  static const std::set<std::string> same_anywhere = {
+      "triangles", "emissive_triangles", "pixels", "max_bounces", "threads", "peak_host_bytes", "peak_device_bytes"};
   std::set<std::string> forgotten;
   for (auto& [name, number] : scope.numbers) {
     if (!is_time_name(name) && (!budget_of_time || same_anywhere.contains(name))) continue;
@@ -157,38 +167,76 @@ std::string verdict(double value) {
   return value != 0 ? "holds" : "fails";
 }
 
-std::string number_text(double value) { return std::isnan(value) ? "–" : fmt::format("{:.4g}", value); }
+/// What an expression may use of a variant, and the names that say nothing since the machines differ.
+struct VariantScope {
+  ExpressionScope scope;
+  std::set<std::string> forgotten;
+  bool measured() const { return scope.numbers.contains("seconds"); }
+};
+
+/// `asked` is set when an expression calls a function of times that were forgotten.
+void forget_unlike(VariantScope& variant, const ComparisonResult& result, size_t scene, size_t budget, bool& asked) {
+  if (variant.measured() && result.scenes[scene].unlike_machines)
+    variant.forgotten = forget_times(variant.scope, result.spec.budgets[budget].seconds > 0, asked);
+}
+
+/// One line of a plot. `unlike`: a point is missing since the machines differ.
+Reproduction::Line plot_line(const ExperimentPlot& plot, const std::string& variant, const ComparisonResult& result,
+                             bool& unlike) {
+  Reproduction::Line line{variant, {}};
+  for (const size_t scene : plot.scenes) {
+    bool asked = false;
+    VariantScope of{quantities(result, {scene, find_variant(result, variant), plot.budget}), {}};
+    if (!of.measured()) continue;
+    forget_unlike(of, result, scene, plot.budget, asked);
+    const Reproduction::Point point{evaluate_expression(plot.x, of.scope), evaluate_expression(plot.y, of.scope)};
+    if (asked || uses_any(plot.x, of.forgotten) || uses_any(plot.y, of.forgotten))
+      unlike = true;
+    else if (std::isfinite(point.x) && std::isfinite(point.y))
+      line.points.push_back(point);
+  }
+  if (!unlike) line.slope = loglog_slope(line.points);
+  return line;
+}
 
 }  // namespace
 
 Reproduction reproduce(const Experiment& experiment, const ComparisonResult& result, ImagePairs& pairs) {
-  Reproduction reproduction{experiment.id(),
-                            experiment.title,
-                            experiment.place,
-                            experiment.claim,
-                            experiment.differences,
-                            experiment.quick,
-                            {},
-                            {}};
+  Reproduction reproduction;
+  reproduction.id = experiment.id();
+  reproduction.title = experiment.title;
+  reproduction.place = experiment.place;
+  reproduction.claim = experiment.claim;
+  reproduction.differences = experiment.differences;
+  reproduction.quick = experiment.quick;
+  reproduction.own = experiment.own;
   std::map<std::string, double> values;
   std::set<std::string> unlike;  // values that need machines of one kind
   for (const ExperimentValue& value : experiment.values) {
-    ExpressionScope scope;
-    if (!value.variant.empty())
-      scope = quantities(result, {value.scene, find_variant(result, value.variant), value.budget});
-    bool measured = value.variant.empty() || scope.numbers.contains("seconds");
-    if (!value.against.empty()) measured = measured && compare_images(scope, result, value, pairs);
-    std::set<std::string> forgotten;
+    VariantScope variant;
     bool asked = false;
-    if (scope.numbers.contains("seconds") && result.scenes[value.scene].unlike_machines)
-      forgotten = forget_times(scope, result.spec.budgets[value.budget].seconds > 0, asked);
-    forgotten.insert(unlike.begin(), unlike.end());
-    scope.numbers.insert(values.begin(), values.end());
-    double ours = measured ? evaluate_expression(value.expression, scope) : NAN;
+    if (!value.variant.empty())
+      variant.scope = quantities(result, {value.scene, find_variant(result, value.variant), value.budget});
+    bool measured = value.variant.empty() || variant.measured();
+    if (!value.against.empty()) measured = measured && compare_images(variant.scope, result, value, pairs);
+    forget_unlike(variant, result, value.scene, value.budget, asked);
+    variant.forgotten.insert(unlike.begin(), unlike.end());
+    variant.scope.numbers.insert(values.begin(), values.end());
+    double ours = measured ? evaluate_expression(value.expression, variant.scope) : NAN;
     if (asked) ours = NAN;  // whatever the expression made of it
-    if (measured && (asked || uses_any(value.expression, forgotten))) unlike.insert(value.name);
+    if (measured && (asked || uses_any(value.expression, variant.forgotten))) unlike.insert(value.name);
     values[value.name] = ours;
     reproduction.values.push_back({value.label, value.unit, ours, value.paper});
+  }
+  for (const ExperimentPlot& plot : experiment.plots) {
+    Reproduction::Plot made{plot.title, plot.x_label, plot.y_label, {}};
+    for (const std::string& variant : plot.variants) {
+      bool differ = false;
+      made.lines.push_back(plot_line(plot, variant, result, differ));
+      values[plot.slope_name(variant)] = made.lines.back().slope;
+      if (differ) unlike.insert(plot.slope_name(variant));
+    }
+    reproduction.plots.push_back(std::move(made));
   }
   for (const ExperimentTrend& trend : experiment.trends) {
     const double holds = evaluate_expression(trend.expression, {values, {}});
@@ -197,21 +245,20 @@ Reproduction reproduce(const Experiment& experiment, const ComparisonResult& res
   return reproduction;
 }
 
-std::string Reproduction::table() const {
-  std::string text =
-      fmt::format("{} ({}{}): {}\n  paper: {}\n", id, place, quick ? ", quick setting" : "", title, claim);
-  if (!differences.empty()) text += fmt::format("  here:  {}\n", differences);
-  size_t width = 0;
-  for (const Value& value : values) width = std::max(width, value.label.size());
-  if (!values.empty()) text += fmt::format("  {:{}}  {:>12}  {:>12}\n", "", width, "measured", "paper");
-  for (const Value& value : values) {
-    text += fmt::format("  {:{}}  {:>12}  {:>12}  {}\n", value.label, width, number_text(value.ours),
-                        number_text(value.paper.value_or(NAN)), value.unit);
+double loglog_slope(const std::vector<Reproduction::Point>& points) {
+  double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+  const auto count = static_cast<double>(points.size());
+  for (const Reproduction::Point& point : points) {
+    if (!(point.x > 0 && point.y > 0)) return NAN;
+    mean_x += std::log(point.x) / count;
+    mean_y += std::log(point.y) / count;
   }
-  for (const Trend& trend : trends)
-    text += fmt::format("  {}{}: {}  [{}]\n", trend.verdict, trend.unlike_machines ? ", since the machines differ" : "",
-                        trend.claim, trend.expression);
-  return text;
+  for (const Reproduction::Point& point : points) {
+    const double dx = std::log(point.x) - mean_x;
+    xx += dx * dx;
+    xy += dx * (std::log(point.y) - mean_y);
+  }
+  return xx > 1e-12 ? xy / xx : NAN;
 }
 
 }  // namespace lucarium

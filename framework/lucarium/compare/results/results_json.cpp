@@ -7,6 +7,7 @@
 #include "lucarium/compare/results/baseline.h"
 #include "lucarium/compare/results/comparison_result.h"
 #include "lucarium/compare/results/summary.h"
+#include "lucarium/compare/results/winners.h"
 #include "lucarium/metrics/metrics.h"
 
 namespace lucarium {
@@ -58,9 +59,13 @@ ordered_json reference_json(const ReferenceResult& reference) {
 }
 
 ordered_json scene_json(const SceneResult& scene) {
-  ordered_json json = {{"name", scene.name},         {"triangles", scene.triangles},
-                       {"hash", scene.hash},         {"exposure_stops", scene.exposure},
-                       {"warnings", scene.warnings}, {"unlike_machines", scene.unlike_machines}};
+  ordered_json json = {{"name", scene.name},
+                       {"triangles", scene.triangles},
+                       {"emissive_triangles", scene.emissive_triangles},
+                       {"hash", scene.hash},
+                       {"exposure_stops", scene.exposure},
+                       {"warnings", scene.warnings},
+                       {"unlike_machines", scene.unlike_machines}};
   if (!scene.failure.empty()) {
     json["failure"] = scene.failure;
     return json;
@@ -214,10 +219,26 @@ ordered_json baseline_json(const BaselineComparison& baseline) {
   return json;
 }
 
+ordered_json plot_json(const Reproduction::Plot& plot) {
+  ordered_json json = {{"title", plot.title}, {"x_label", plot.x_label}, {"y_label", plot.y_label}};
+  json["lines"] = ordered_json::array();
+  for (const Reproduction::Line& line : plot.lines) {
+    ordered_json entry = {{"label", line.label}, {"points", ordered_json::array()}};
+    for (const Reproduction::Point& point : line.points) entry["points"].push_back({{"x", point.x}, {"y", point.y}});
+    put(entry, "slope", line.slope);
+    json["lines"].push_back(std::move(entry));
+  }
+  return json;
+}
+
 ordered_json reproduction_json(const Reproduction& reproduction) {
-  ordered_json json = {{"id", reproduction.id},       {"title", reproduction.title},
-                       {"place", reproduction.place}, {"claim", reproduction.claim},
-                       {"quick", reproduction.quick}, {"differences", reproduction.differences}};
+  ordered_json json = {{"id", reproduction.id},
+                       {"title", reproduction.title},
+                       {"place", reproduction.place},
+                       {"claim", reproduction.claim},
+                       {"quick", reproduction.quick},
+                       {"own", reproduction.own},
+                       {"differences", reproduction.differences}};
   json["values"] = ordered_json::array();
   for (const Reproduction::Value& value : reproduction.values) {
     ordered_json entry = {{"label", value.label}, {"unit", value.unit}};
@@ -225,6 +246,8 @@ ordered_json reproduction_json(const Reproduction& reproduction) {
     if (value.paper) entry["paper"] = *value.paper;
     json["values"].push_back(std::move(entry));
   }
+  json["plots"] = ordered_json::array();
+  for (const Reproduction::Plot& plot : reproduction.plots) json["plots"].push_back(plot_json(plot));
   json["trends"] = ordered_json::array();
   for (const Reproduction::Trend& trend : reproduction.trends) {
     json["trends"].push_back({{"claim", trend.claim},
@@ -247,6 +270,16 @@ void add_conclusions(ordered_json& json, const ComparisonResult& result) {
                              {"metric", pair.metric},
                              {"ratio", mean_json(pair.ratio)},
                              {"different", pair.different()}});
+  }
+  json["winners"] = ordered_json::array();
+  for (const Winner& winner : find_winners(result)) {
+    json["winners"].push_back({{"scene", winner.scene},
+                               {"budget", winner.budget},
+                               {"best", winner.best},
+                               {"next", winner.next},
+                               {"metric", winner.metric},
+                               {"ratio", mean_json(winner.ratio)},
+                               {"different", winner.difference_shown()}});
   }
   json["gates"] = ordered_json::array();
   for (const GateResult& gate : result.gates) {

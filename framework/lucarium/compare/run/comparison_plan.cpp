@@ -17,11 +17,12 @@ namespace lucarium {
 namespace fs = std::filesystem;
 namespace {
 
-RenderSettings settings_of(const ComparisonSpec& spec, const Scene& scene) {
+RenderSettings settings_of(const ComparisonSpec& spec, const ComparisonScene& request, const Scene& scene) {
+  const SceneSettings own = spec.settings_of(request);
   RenderSettings settings;
-  settings.width = spec.width;
-  settings.height = spec.height;
-  settings.max_bounces = spec.max_bounces;
+  settings.width = own.width;
+  settings.height = own.height;
+  settings.max_bounces = own.max_bounces;
   settings.pixel_sampling = spec.pixel_sampling;
   settings.camera = scene.cameras.front();
   return settings;
@@ -96,6 +97,14 @@ void plan_walk(const WalkRequest& request, const Scene& scene, ScenePlan& plan) 
     plan.walk_cameras.push_back(camera_text(walk_camera(*scene.camera_path, frame, request.frames)));
 }
 
+uint64_t emissive_triangles(const Scene& scene) {
+  uint64_t count = 0;
+  for (const SceneInstance& instance : scene.instances) {
+    if (scene.materials[instance.material].emits()) count += scene.meshes[instance.mesh].triangles.size();
+  }
+  return count;
+}
+
 }  // namespace
 
 void set_parameters(Technique& technique, const TechniqueVariant& variant) {
@@ -119,11 +128,12 @@ ScenePlan plan_scene(const ComparisonSpec& spec, const ComparisonScene& request,
   try {
     const Scene scene = load(spec, request, plan);
     entry.triangles = scene.triangle_count();
+    entry.emissive_triangles = emissive_triangles(scene);
     entry.hash = scene.hash().hex();
     plan.automatic_exposure = is_automatic(scene.exposure);
     entry.exposure = plan.automatic_exposure ? 0 : scene.exposure;
     entry.warnings = scene.warnings;
-    const RenderSettings settings = settings_of(spec, scene);
+    const RenderSettings settings = settings_of(spec, request, scene);
     if (spec.walk) plan_walk(*spec.walk, scene, plan);
     for (const TechniqueVariant& variant : spec.variants) {
       entry.variants.push_back(plan_variant(variant, scene, settings, registry, plan));
@@ -143,12 +153,13 @@ Job scene_job(const ComparisonSpec& spec, const ComparisonScene& scene, const Sc
   job.scene = scene.source;
   job.overrides = plan.overrides;
   job.import = scene.import;
-  job.width = spec.width;
-  job.height = spec.height;
+  const SceneSettings own = spec.settings_of(scene);
+  job.width = own.width;
+  job.height = own.height;
   job.pixel_sampling = spec.pixel_sampling;
-  job.max_bounces = spec.max_bounces;
+  job.max_bounces = own.max_bounces;
   job.seed = seed;
-  if (const auto mistake = read_device_arguments(spec.device_arguments, job.device))
+  if (const auto mistake = read_device_arguments(own.device_arguments, job.device))
     throw_error(ErrorClass::usage, "device_arguments/{}: {}", mistake->index, mistake->what);
   job.device.cache_dir = options.cache_dir;
   job.device.use_cache = options.use_cache;

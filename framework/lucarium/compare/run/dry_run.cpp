@@ -115,9 +115,8 @@ class DryRun {
     }
     std::vector<std::string> budgets;
     for (const ComparisonBudget& budget : spec_.budgets) budgets.push_back(budget.label());
-    text_ += fmt::format("{} ({} at {}×{} pixels, {} each), about {}{}\n", counted(runs_, "run"),
-                         fmt::join(budgets, "; "), spec_.width, spec_.height, counted(spec_.seeds, "seed"),
-                         format_duration(seconds_), open_ended_ ? " at most" : "");
+    text_ += fmt::format("{} ({} {}, {} each), about {}{}\n", counted(runs_, "run"), fmt::join(budgets, "; "), sizes(),
+                         counted(spec_.seeds, "seed"), format_duration(seconds_), open_ended_ ? " at most" : "");
     return text_;
   }
 
@@ -134,7 +133,9 @@ class DryRun {
       text_ += fmt::format("{}\n  cannot be used: {}\n", entry.name, entry.failure);
       return;
     }
-    text_ += fmt::format("{}\n  {}\n", entry.name, counted(entry.triangles, "triangle"));
+    const SceneSettings own = spec_.settings_of(scene);
+    text_ += fmt::format("{}\n  {}{}\n", entry.name, counted(entry.triangles, "triangle"),
+                         scene.size ? fmt::format(", {}×{} pixels", own.width, own.height) : "");
     for (const std::string& warning : entry.warnings) text_ += fmt::format("  warning: {}\n", warning);
     if (spec_.reference.file && !entry.references.empty()) {
       check_one_reference(entry);
@@ -142,6 +143,12 @@ class DryRun {
     }
     for (size_t i = 0; i < entry.references.size(); ++i) add_reference(scene, plan, i);
     for (size_t variant = 0; variant < spec_.variants.size(); ++variant) add_variant(scene, plan, variant);
+  }
+
+  std::string sizes() const {
+    const auto own = [](const ComparisonScene& scene) { return scene.size.has_value(); };
+    if (std::any_of(spec_.scenes.begin(), spec_.scenes.end(), own)) return "in the scenes' sizes";
+    return fmt::format("at {}×{} pixels", spec_.width, spec_.height);
   }
 
   /// The longest budget of time, for which parameters are planned as in a run; 0: none.

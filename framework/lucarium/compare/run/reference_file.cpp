@@ -42,9 +42,10 @@ void check_one_reference(const SceneResult& scene) {
 Film read_reference_file(const ComparisonSpec& spec, const SceneResult& scene, const ReferenceResult& wanted) {
   const fs::path& file = *spec.reference.file;
   Film film = read_reference_image(file);
-  if (film.width() != spec.width || film.height() != spec.height) {
+  const SceneSettings own = spec.settings_of(spec.scenes.front());  // a file is for one scene only
+  if (film.width() != own.width || film.height() != own.height) {
     throw_error(ErrorClass::input, "{} is {}×{}, the comparison {}×{}; give --size {}x{}", file.string(), film.width(),
-                film.height(), spec.width, spec.height, film.width(), film.height());
+                film.height(), own.width, own.height, film.width(), film.height());
   }
   check_reference(film, file, wanted, scene);
   return film;

@@ -171,6 +171,93 @@ TEST_CASE("mistakes in experiments name file, line and key") {
   refuse("/quick", {{"seds", 1}}, "quick");
 }
 
+namespace {
+
+/// Rows that are stated once for several techniques and scenes; the quick setting has one of each.
+json experiment_for_each() {
+  json experiment = known_experiment();
+  experiment["values"] = json::parse(R"json([
+    {"each": {"scene": "all", "technique": ["near", "far"]}, "name": "mse_{scene}_{technique}",
+     "label": "{scene}: MSE of {technique}", "value": "MSE"},
+    {"each": {"scene": ["builtin:furnace"]}, "name": "ratio_{scene}",
+     "value": "mse_{scene}_far/mse_{scene}_near"}])json");
+  experiment["plots"] = json::parse(R"json([
+    {"name": "grow", "title": "Errors", "x": "pixels", "y": "MSE", "x_label": "pixels", "y_label": "MSE"}])json");
+  experiment["trends"] = json::parse(R"json([
+    {"each": {"scene": "all"}, "claim": "{scene}: near is nearer", "holds": "ratio_{scene} > 1"},
+    {"each": {"technique": ["near", "far"]}, "claim": "{technique} is off",
+     "holds": "mse_builtin_furnace_{technique} > 0"},
+    {"claim": "errors do not grow", "holds": "abs(grow_near) < 1"}])json");
+  return experiment;
+}
+
+}  // namespace
+
+TEST_CASE("values and trends are stated once for each scene and technique") {
+  const PaperFolder paper(experiment_for_each());
+  REQUIRE(run_lucarium(paper.arguments("author2026 --full -o " + paper.output().string())).exit_code == 0);
+  const json reproduction = results_of(paper.output()).at("reproduction");
+  const json& values = reproduction.at("values");
+  REQUIRE(values.size() == 3);
+  CHECK(values[0].at("label") == "builtin:furnace: MSE of near");
+  CHECK(values[0].at("ours").get<double>() == lucarium::test::relative(0.0625));
+  CHECK(values[1].at("label") == "builtin:furnace: MSE of far");
+  CHECK(values[1].at("ours").get<double>() == lucarium::test::relative(0.25));
+  CHECK(values[2].at("ours").get<double>() == lucarium::test::relative(4));
+  const json& trends = reproduction.at("trends");
+  REQUIRE(trends.size() == 4);
+  CHECK(trends[0].at("claim") == "builtin:furnace: near is nearer");
+  for (size_t i = 0; i < 3; ++i) CHECK(trends[i].at("verdict") == "holds");
+  CHECK(trends[3].at("verdict") == "unknown");  // one scene has no slope
+  const json& lines = reproduction.at("plots").at(0).at("lines");
+  CHECK(lines[1].at("label") == "far");
+  CHECK(lines[1].at("points").at(0).at("x").get<double>() == 128);
+  CHECK(lines[1].at("points").at(0).at("y").get<double>() == lucarium::test::relative(0.25));
+  CHECK_FALSE(lines[1].contains("slope"));
+}
+
+TEST_CASE("rows for what the quick setting leaves out are left out") {
+  const PaperFolder paper(experiment_for_each());
+  REQUIRE(run_lucarium(paper.arguments("author2026 -o " + paper.output().string())).exit_code == 0);
+  const json reproduction = results_of(paper.output()).at("reproduction");
+  REQUIRE(reproduction.at("values").size() == 2);
+  CHECK(reproduction.at("values")[0].at("label") == "builtin:furnace: MSE of near");
+  CHECK_FALSE(reproduction.at("values")[1].contains("ours"));  // far is not there
+  REQUIRE(reproduction.at("trends").size() == 3);
+  CHECK(reproduction.at("trends")[0].at("verdict") == "unknown");
+  CHECK(reproduction.at("trends")[1].at("claim") == "near is off");
+}
+
+TEST_CASE("mistakes in rows for each scene name file, line and key") {
+  const auto refuse = [](const char* pointer, const json& value, const std::string& part) {
+    json experiment = experiment_for_each();
+    experiment[json::json_pointer(pointer)] = value;
+    const PaperFolder paper(experiment);
+    check_refused(paper.arguments("author2026 --full -o " + paper.output().string()), 3, part);
+  };
+  refuse("/values/0/each/technique/1", "fra", "no technique has the label 'fra'; did you mean 'far'?");
+  refuse("/values/0/each/budget", "some", "values/0/each/budget: must be \"all\" or an array of labels");
+  refuse("/values/0/each/budgets", "all", "did you mean 'budget'?");
+  refuse("/values/0/technique", "near", "values/0/technique: stands in \"each\", too");
+  refuse("/values/1/label", "{technique}", "values/1/label: {technique} has no list in \"each\"");
+  refuse("/values/0/name", "mse_{scene}", "'mse_builtin_furnace' is given twice");
+  refuse("/values/1/scene", "builtin:furnice", "values/1/scene: stands in");
+  refuse("/values/1/budget", "2 iterations", "no budget has the label '2 iterations'");
+  refuse("/plots/0/scenes", json::array({"x"}), "no scene has the label 'x'");
+  refuse("/plots/0/techniques", 3, "plots/0/techniques: must be \"all\"");
+  refuse("/plots/0/y", "MSE +", "plots/0/y");
+  refuse("/plots/0/name", "1", "plots/0/name: must be letters");
+  refuse("/trends/0/holds", "ratio_{scene}s > 1", "no value is called 'ratio_builtin_furnaces'");
+}
+
+TEST_CASE("experiments of no paper compare techniques for their own sake") {
+  const ProgramResult result = run_lucarium("reproduce lucarium --list");
+  CHECK(contains(result.out, "lucarium  (of no paper)"));
+  CHECK(contains(result.out, "lucarium/equal_time "));
+  const json listed = json::parse(run_lucarium("reproduce lucarium --list --json").out);
+  CHECK_FALSE(listed.at("papers").at(0).contains("technique"));
+}
+
 TEST_CASE("papers and experiments that are not there") {
   const PaperFolder paper(known_experiment());
   check_refused(paper.arguments("author2025 -o x"), 2, "no paper is called 'author2025'; did you mean 'author2026'?");

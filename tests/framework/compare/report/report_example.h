@@ -113,6 +113,31 @@ inline nlohmann::ordered_json example_piece(const std::filesystem::path& folder,
           {"converged", false}};
 }
 
+/// An experiment of no paper with a plot, whose second line has the hostile label and whose third has no point.
+inline nlohmann::ordered_json example_reproduction(const ReportExample& example) {
+  using nlohmann::ordered_json;
+  ordered_json lines = ordered_json::array();
+  for (size_t v = 0; v < 3; ++v) {
+    ordered_json points = ordered_json::array();
+    for (const double x : {1e3, 1e4, 1e5}) {
+      if (v < 2) points.push_back({{"x", x}, {"y", 1e-4 * x}});
+    }
+    lines.push_back({{"label", v == 1 ? example.hostile : fmt::format("technique_{}", v + 1)}, {"points", points}});
+    if (v < 2) lines.back()["slope"] = 1;
+  }
+  return {
+      {"id", "lucarium/growth"},
+      {"title", example.hostile},
+      {"place", "slopes"},
+      {"claim", example.hostile},
+      {"differences", ""},
+      {"quick", true},
+      {"own", true},
+      {"values", {{{"label", example.hostile}, {"unit", "s"}, {"ours", 2}}, {{"label", "not there"}, {"unit", ""}}}},
+      {"plots", {{{"title", "Growth"}, {"x_label", "triangles"}, {"y_label", "time [s]"}, {"lines", lines}}}},
+      {"trends", {{{"claim", example.hostile}, {"expression", "1 < 2"}, {"verdict", "holds"}}}}};
+}
+
 /// Writes the whole folder: seed 2 of the last variant fails, the first scene refuses the last variant when there are
 /// two scenes, and the last scene, after the others, cannot be loaded.
 inline void write_report_example(const std::filesystem::path& folder, const ReportExample& example = {}) {
@@ -129,7 +154,7 @@ inline void write_report_example(const std::filesystem::path& folder, const Repo
   results["budgets"] = ordered_json::array({{{"label", "4 s"}, {"seconds", 4}}});
   results["metrics"] = {{{"name", "relMSE"}, {"formula", "<(x-r)^2/(r^2+.01Y^2)>"}, {"unit", ""}, {"better", "lower"}},
                         {{"name", "FLIP"}, {"formula", "Andersson et al. 2020"}, {"unit", ""}, {"better", "lower"}}};
-  for (const char* key : {"variants", "scenes", "pieces", "summaries", "pairs", "gates"})
+  for (const char* key : {"variants", "scenes", "pieces", "summaries", "pairs", "winners", "gates"})
     results[key] = ordered_json::array();
   for (size_t v = 0; v < example.variants; ++v) {
     results["variants"].push_back({{"label", v == 1 ? example.hostile : fmt::format("technique_{}", v + 1)},
@@ -186,12 +211,22 @@ inline void write_report_example(const std::filesystem::path& folder, const Repo
                                     {"ratio", {{"mean", 3.0}, {"low", 2.0}, {"high", 4.5}}},
                                     {"different", true}});
       }
+      if (v == 1) {
+        results["winners"].push_back({{"scene", s},
+                                      {"budget", 0},
+                                      {"best", 1},
+                                      {"next", 0},
+                                      {"metric", "relMSE"},
+                                      {"ratio", {{"mean", 3.0}, {"low", 0.9}, {"high", 4.5}}},
+                                      {"different", s > 0}});
+      }
       results["gates"].push_back(
           {{"gate", "relMSE<0.01"}, {"scene", s}, {"variant", v}, {"budget", 0}, {"value", 0.02}, {"passed", v > 0}});
     }
     results["scenes"].push_back(std::move(scene));
   }
   results["scenes"].push_back({{"name", "broken.glb"}, {"failure", "no such file: " + example.hostile}});
+  results["reproduction"] = example_reproduction(example);
   results["baseline"] = {{"folder", "old"},
                          {"version", "0.0.9"},
                          {"missing", ordered_json::array()},

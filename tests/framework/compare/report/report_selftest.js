@@ -83,8 +83,7 @@
     press('ArrowLeft', {shiftKey: true});
     check(
         'the inspector has a row per picture',
-        await until(
-            () => document.querySelectorAll('.inspector tbody tr').length === select('Left').options.length));
+        await until(() => document.querySelectorAll('.inspector tbody tr').length === select('Left').options.length));
     check('and numbers', !/NaN|undefined/.test(document.querySelector('.inspector').textContent));
     press('Escape');
     check('windows are chosen', await until(() => document.querySelectorAll('.crops .crop').length >= 3));
@@ -101,8 +100,22 @@
         'refused and failed are named',
         /refused/.test(document.getElementById('overview').innerText) &&
             /killed by signal/.test(document.getElementById('overview').innerText));
+    const tables = [...document.querySelectorAll('#overview table')].map(table => table.innerText);
+    check(
+        'the best of each scene is named, and by how much',
+        /^Best on each scene: .* 2 of 2/.test(tables[0]) &&
+            /technique_1 has 3 times its relMSE, no difference/.test(tables[0]));
+    const own = document.getElementById('reproduction');
+    check('what is of no paper has no column for it', !/paper/i.test(own.innerText) && /Claim: /.test(own.innerText));
+    check(
+        'a plot has its numbers beside it',
+        own.querySelectorAll('.plot canvas[aria-label="Growth: time [s] over triangles"]').length === 1 &&
+            own.querySelectorAll('.plot tbody tr').length === 3 &&
+            /0\.1\s+1\s+10\s+1\s/.test(own.querySelector('.plot table').innerText + '\n'));
     const parameters = document.querySelector('#provenance dl.parameters');
-    check('parameters that were given are bold', parameters.querySelectorAll('strong').length === 2 &&
+    check(
+        'parameters that were given are bold',
+        parameters.querySelectorAll('strong').length === 2 &&
             parameters.querySelector('dt strong').textContent === 'name');
     check('what a budget lowered is said', /64 \(for a budget of time: 16\)/.test(parameters.textContent));
     check('a refused technique has a row', Boolean(document.querySelector('#scene td.obstacle')));
@@ -111,8 +124,9 @@
                              .map(c => c.getAttribute('aria-label'))
                              .filter(label => label.startsWith('relMSE over '));
     check('curves are drawn over both times', /over seconds .*over processor seconds/.test(curves().join()));
-    check('there are tables of both',
-          /Seconds to reach a relMSE/.test(sections()) && /Processor seconds to reach a relMSE/.test(sections()));
+    check(
+        'there are tables of both',
+        /Seconds to reach a relMSE/.test(sections()) && /Processor seconds to reach a relMSE/.test(sections()));
     check('the best is bold', Boolean(document.querySelector('#scene tr.best')));
     document.querySelector('#scene thead button').click();
     check('tables sort', Boolean(document.querySelector('#scene th[aria-sort]')));
@@ -131,13 +145,16 @@
     check('another scene is shown', document.querySelector('#scene h2').textContent === tabs[1].textContent);
     check('unlike machines are said', /machines of several kinds/.test(sections()));
     check('their wall time is not drawn', curves().length === 1 && curves()[0].startsWith('relMSE over processor'));
-    check('nor in a table',
-          !/(^|\n)Seconds to reach/.test(sections()) && /Processor seconds to reach/.test(sections()));
-    check('and nothing is ranked', !document.querySelector('#scene .best, #scene .leading, #scene .better') &&
+    check(
+        'nor in a table', !/(^|\n)Seconds to reach/.test(sections()) && /Processor seconds to reach/.test(sections()));
+    check(
+        'and nothing is ranked',
+        !document.querySelector('#scene .best, #scene .leading, #scene .better') &&
             /unlike machines/.test(document.getElementById('overview').innerText));
     const shown = name => select(name).selectedOptions[0].textContent;
-    check('a technique stands beside its own reference',
-          shown('Left').endsWith('reference 2') && shown('Right').endsWith('technique_1'));
+    check(
+        'a technique stands beside its own reference',
+        shown('Left').endsWith('reference 2') && shown('Right').endsWith('technique_1'));
     [...document.querySelectorAll('nav button')].pop().click();
     check('a scene that failed says why', /no such file/.test(document.getElementById('scene').innerText));
     document.querySelectorAll('nav button')[0].click();

@@ -31,6 +31,9 @@ ComparisonSpec example_spec() {
   spec.scenes[1].overrides.materials = {"wall*:roughness=0.5"};
   spec.scenes[1].overrides.use_sidecar = false;
   spec.scenes[1].import.max_texture_size = 512;
+  spec.scenes[1].size = {32, 18};
+  spec.scenes[1].max_bounces = 0;
+  spec.scenes[1].threads = 2;
   spec.variants = {{"path_tracing", {{"estimator", "mis"}, {"replicates", "4"}}, ""}, {"path_tracing", {}, "plain"}};
   spec.budgets = {{2.5, 0, 0, 0}, {0, 64, 0, 0}, {0, 0, 0.001, 60}, {0, 0, 0, 0, 16}};
   spec.width = 8;
@@ -81,6 +84,25 @@ TEST_CASE("a comparison survives its file") {
   CHECK(again.budgets[3].samples == 16);
   CHECK(again.scenes[0].overrides.camera_path == spec.scenes[0].overrides.camera_path);
   CHECK(again.walk->references == 3);
+  CHECK(again.scenes[1].size == spec.scenes[1].size);
+}
+
+TEST_CASE("a scene's own size, bounces and threads take the place of the comparison's") {
+  ComparisonSpec spec = example_spec();
+  spec.device_arguments = {"--threads", "1", "--memory-limit", "1G"};
+  const SceneSettings common = spec.settings_of(spec.scenes[0]), own = spec.settings_of(spec.scenes[1]);
+  CHECK(common.width == 8);
+  CHECK(common.height == 4);
+  CHECK(common.max_bounces == 3);
+  CHECK(own.width == 32);
+  CHECK(own.height == 18);
+  CHECK(own.max_bounces == 0);
+  DeviceOptions device;
+  REQUIRE_FALSE(read_device_arguments(common.device_arguments, device));
+  CHECK(device.threads == 1);
+  REQUIRE_FALSE(read_device_arguments(own.device_arguments, device));
+  CHECK(device.threads == 2);
+  CHECK(device.memory_limit_bytes == size_t{1} << 30);
 }
 
 TEST_CASE("file names in a comparison file are meant from its folder") {
@@ -110,6 +132,17 @@ TEST_CASE("mistakes in a comparison file are named with line and key") {
         "my.json:6: size: must be [width, height]");
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"seeds\": 0")) ==
         "my.json:4: seeds: must be a whole number from 1 to 1000");
+  const auto scene = [](const std::string& members) {
+    return complaint(
+        "{\"schema\": \"lucarium-comparison-1\", \"techniques\": [\"path_tracing\"],\n\"budgets\": "
+        "[{\"seconds\": 1}], \"scenes\": [{\"scene\": \"builtin:cornell\", " +
+        members + "}]}");
+  };
+  CHECK(scene("\"size\": [16, 9], \"max_bounces\": 2, \"threads\": 1") == "accepted");
+  CHECK(scene("\"size\": [16]") == "my.json:2: scenes/0/size: must be [width, height]");
+  CHECK(contains(scene("\"size\": [16, 0]"), "my.json:2: scenes/0/size: must be from 1 to"));
+  CHECK(contains(scene("\"max_bounces\": -2"), "my.json:2: scenes/0/max_bounces: must be a whole number from -1"));
+  CHECK(contains(scene("\"threads\": 0"), "my.json:2: scenes/0/threads: must be a whole number from 1"));
   CHECK(complaint("{\"scenes\": []}") == "my.json:1: schema: must be \"lucarium-comparison-1\"");
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}, {\"seconds\": 1.0}]")) == "the budget 1 s is given twice");
   CHECK(complaint(with("\"budgets\": [{\"seconds\": 1}], \"reference\": {\"file\": \"a.exr\", \"samples\": 64}")) ==

@@ -141,3 +141,116 @@ TEST_CASE("what was not measured is unknown, whatever the machines") {
   CHECK(found.trends[0].verdict == "unknown");
   CHECK_FALSE(found.trends[0].unlike_machines);
 }
+
+TEST_CASE("slopes are those of power laws") {
+  CHECK(loglog_slope({{1, 2}, {10, 20}, {100, 200}}) == test::relative(1));
+  CHECK(loglog_slope({{4, 3}, {16, 1.5}}) == test::relative(-0.5));
+  // Least squares over log2: the points (0, 0), (1, 1), (2, 0) lie about a level line.
+  CHECK(std::abs(loglog_slope({{1, 1}, {2, 2}, {4, 1}})) < 1e-12);
+  CHECK(std::isnan(loglog_slope({{1, 2}})));
+  CHECK(std::isnan(loglog_slope({{3, 2}, {3, 4}})));
+  CHECK(std::isnan(loglog_slope({{1, 2}, {10, 0}})));
+}
+
+namespace {
+
+/// Two scenes of 100 and 400 triangles, in which `a` takes 4 and 8 seconds.
+ComparisonResult two_scenes() {
+  ComparisonResult result = example({0, 8, 0, 0});
+  result.spec.scenes.resize(2);
+  result.scenes.resize(2);
+  result.spec.scenes[1].size = {20, 10};
+  result.spec.scenes[1].max_bounces = 5;
+  result.spec.scenes[1].threads = 3;
+  result.scenes[0].triangles = 100;
+  result.scenes[1].triangles = 400;
+  result.scenes[1].emissive_triangles = 7;
+  result.pieces.push_back(result.pieces.front());
+  result.pieces.back().scene = 1;
+  Summary summary = result.summaries.at({0, 0, 0});
+  summary.iterate_seconds = 8;
+  summary.processor_seconds = 16;
+  result.summaries[{1, 0, 0}] = summary;
+  return result;
+}
+
+Experiment with_plot(const std::string& y) {
+  Experiment experiment;
+  ExperimentPlot plot;
+  plot.name = "cost";
+  plot.title = "Cost";
+  plot.x_label = "triangles";
+  plot.y_label = "time [s]";
+  plot.x = "triangles";
+  plot.y = y;
+  plot.variants = {"a", "b"};
+  plot.scenes = {0, 1};
+  experiment.plots = {plot};
+  experiment.trends = {{"it is the root", "abs(cost_a - 0.5) < 1e-9"}, {"b is known", "cost_b > 0"}};
+  return experiment;
+}
+
+}  // namespace
+
+TEST_CASE("a plot has a point for each scene, and its slopes are values of trends") {
+  const ComparisonResult result = two_scenes();
+  ImagePairs pairs("nowhere");
+  const Reproduction found = reproduce(with_plot("iterate_seconds"), result, pairs);
+  REQUIRE(found.plots.size() == 1);
+  REQUIRE(found.plots[0].lines.size() == 2);
+  const Reproduction::Line& line = found.plots[0].lines[0];
+  REQUIRE(line.points.size() == 2);
+  CHECK(line.points[1].x == 400);
+  CHECK(line.points[1].y == test::relative(8));
+  CHECK(line.slope == test::relative(0.5));
+  CHECK(found.plots[0].lines[1].points.empty());
+  CHECK(found.trends[0].verdict == "holds");
+  CHECK(found.trends[1].verdict == "unknown");
+  CHECK(found.table().find("Cost: time [s] over triangles") != std::string::npos);
+  CHECK(found.table().find("0.50") != std::string::npos);
+}
+
+TEST_CASE("of unlike machines, a plot of times has no slope and says so, and one of memory has") {
+  ComparisonResult result = two_scenes();
+  result.scenes[1].unlike_machines = true;
+  ImagePairs pairs("nowhere");
+  const Reproduction times = reproduce(with_plot("iterate_seconds"), result, pairs);
+  CHECK(times.plots[0].lines[0].points.size() == 1);
+  CHECK(std::isnan(times.plots[0].lines[0].slope));
+  CHECK(times.trends[0].verdict == "unknown");
+  CHECK(times.trends[0].unlike_machines);
+  CHECK(reproduce(with_plot("peak_host_bytes"), result, pairs).plots[0].lines[0].points.size() == 2);
+}
+
+TEST_CASE("expressions know what a scene is rendered with") {
+  const ComparisonResult result = two_scenes();
+  Experiment experiment;
+  for (const char* name : {"pixels", "max_bounces", "threads", "emissive_triangles", "processor_seconds"}) {
+    ExperimentValue value;
+    value.name = value.expression = name;
+    value.variant = "a";
+    value.scene = 1;
+    experiment.values.push_back(value);
+  }
+  ImagePairs pairs("nowhere");
+  std::vector<double> found;
+  for (const Reproduction::Value& value : reproduce(experiment, result, pairs).values) found.push_back(value.ours);
+  CHECK(found == std::vector<double>{200, 5, 3, 7, 16});
+}
+
+TEST_CASE("what the quick setting leaves out is not measured, and what is of no paper has no column for one") {
+  const ComparisonResult result = two_scenes();
+  Experiment experiment;
+  ExperimentValue value;
+  value.name = value.expression = "relMSE";
+  value.variant = "a";
+  value.scene = no_position;
+  experiment.values = {value};
+  experiment.claim = "So it is.";
+  experiment.own = true;
+  ImagePairs pairs("nowhere");
+  const Reproduction found = reproduce(experiment, result, pairs);
+  CHECK(std::isnan(found.values[0].ours));
+  CHECK(found.table().find("paper") == std::string::npos);
+  CHECK(found.table().find("claim: So it is.") != std::string::npos);
+}

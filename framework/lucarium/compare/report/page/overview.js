@@ -20,6 +20,34 @@ function heat(ratio) {
                           'background:color-mix(in srgb, var(--cool) 35%, transparent);font-weight:700';
 }
 
+// Who is best on each scene within each budget, and how far the next one is behind.
+function winnersTable() {
+  const winners = listOf(results, 'winners');
+  if (!winners.length) return null;
+  const columns = [{name: 'scene'}, ...budgets.map((b, i) => ({name: budgetLabel(i)}))];
+  const cellOf = winner => {
+    if (!winner) return {show: '–'};
+    const seedsShown = winner.ratio.low !== undefined;
+    const doubt = winner.different ? '' : seedsShown ? ', no difference shown' : ', one seed';
+    return {
+      value: winner.ratio.mean,
+      show: [
+        marker(winner.best), variantLabel(winner.best),
+        h('div', {class: 'note'},
+          `${variantLabel(winner.next)} has ${number(winner.ratio.mean)} times its ${winner.metric}${doubt}`)
+      ]
+    };
+  };
+  const rows = scenes.map(
+      (scene, s) => (
+          {cells: [scene.name, ...budgets.map((b, i) => cellOf(winners.find(w => w.scene === s && w.budget === i)))]}));
+  const wins = variants.map((entry, v) => [entry.label, winners.filter(w => w.best === v).length])
+                   .filter(([label, count]) => count > 0)
+                   .sort((a, b) => b[1] - a[1])
+                   .map(([label, count]) => `${label} ${count}`);
+  return sortableTable(`Best on each scene: ${wins.join(', ')} of ${winners.length}`, columns, rows);
+}
+
 function overviewTable(budget, open) {
   const columns = [
     {name: 'technique'}, {name: 'all scenes', title: 'geometric mean; only over the scenes that it ran on'},
@@ -135,7 +163,7 @@ function overviewSection(budget, open) {
                           h('summary', {}, `${failures.length} refused or failed`),
                           h('ul', {}, failures.map(text => h('li', {}, text)))) :
                         null,
-      overviewTable(budget, open),
+      winnersTable(), overviewTable(budget, open),
       scenes.length > 1 ? h('figure', {}, addChart('relMSE by scene', 320, () => overviewConfig(budget))) : null,
       gateTable(), baselineTable());
 }

@@ -1,5 +1,69 @@
 // SPDX-License-Identifier: Apache-2.0
-// An experiment of a paper: its numbers beside ours, and whether its trends hold.
+// An experiment of a paper, or of the project itself: its numbers beside ours, whether its trends hold, and its plots.
+
+const variantIndex = line => variants.findIndex(entry => entry.label === line.label);
+
+// The colours and points of a line are those of its technique in all other plots.
+function plotConfig(plot) {
+  const sets = listOf(plot, 'lines').filter(line => line.points.length).map(line => {
+    const style = variantStyle(variantIndex(line));
+    return {
+      label: line.label,
+      data: line.points,
+      borderColor: style.color,
+      backgroundColor: style.color,
+      borderDash: style.dash,
+      borderWidth: 2,
+      pointStyle: style.point,
+      pointRadius: 4
+    };
+  });
+  const points = sets.flatMap(set => set.data);
+  return {
+    type: 'line',
+    data: {datasets: sets},
+    options: {
+      maintainAspectRatio: false,
+      parsing: false,
+      scales: {
+        x: logAxis(plot.x_label, logRange(points.map(p => p.x))),
+        y: logAxis(plot.y_label, logRange(points.map(p => p.y)))
+      },
+      plugins: {
+        legend: {position: 'bottom', labels: {usePointStyle: true}},
+        tooltip: {
+          callbacks:
+              {title: () => '', label: item => `${item.dataset.label}: ${number(item.raw.y)} at ${number(item.raw.x)}`}
+        }
+      }
+    }
+  };
+}
+
+// The plot, and its numbers as a table: a column for each place on the horizontal axis.
+function scalingPlot(plot) {
+  const lines = listOf(plot, 'lines');
+  const places = [...new Set(lines.flatMap(line => line.points.map(p => p.x)))].sort((a, b) => a - b);
+  const rows = lines.map(line => {
+    const at = x => (line.points.find(p => p.x === x) || {}).y;
+    return {
+      cells: [
+        labelCell(variantIndex(line)), ...places.map(x => ({value: at(x), show: number(at(x))})),
+        {value: line.slope, show: number(line.slope, 2)}
+      ]
+    };
+  });
+  const columns = [
+    {name: 'technique'}, ...places.map(x => ({name: number(x), title: `${plot.x_label}: ${x}`})),
+    {name: 'slope', title: 'of log over log, least squares: 1 is proportional, 0 does not grow'}
+  ];
+  return h(
+      'div', {class: 'plot'}, h('h3', {}, plot.title),
+      places.length ? h('figure', {},
+                        addChart(`${plot.title}: ${plot.y_label} over ${plot.x_label}`, 320, () => plotConfig(plot))) :
+                      h('p', {class: 'hint'}, 'Nothing of it was measured.'),
+      places.length ? sortableTable(`${plot.y_label} over ${plot.x_label}`, columns, rows) : null);
+}
 
 function reproductionSection() {
   const reproduction = results.reproduction;
@@ -14,14 +78,17 @@ function reproductionSection() {
                      value: value.ours,
                      title: value.ours === undefined ? 'not measured' : String(value.ours)
                    },
-                   {show: value.paper === undefined ? '–' : number(value.paper), value: value.paper}, value.unit
+                   ...(reproduction.own ?
+                           [] :
+                           [{show: value.paper === undefined ? '–' : number(value.paper), value: value.paper}]),
+                   value.unit
                  ]
                }));
   const marks = {holds: '✓', fails: '✗', unknown: '?'};
   return section(
       'reproduction', `${reproduction.title} (${reproduction.place})`,
       h('p', {class: 'hint'}, `${reproduction.id}, ${setting}`),
-      h('p', {}, h('b', {}, 'The paper: '), reproduction.claim),
+      h('p', {}, h('b', {}, reproduction.own ? 'Claim: ' : 'The paper: '), reproduction.claim),
       reproduction.differences ? h('p', {}, h('b', {}, 'Here: '), reproduction.differences) : null,
       h('ul', {class: 'trends'},
         listOf(reproduction, 'trends')
@@ -32,8 +99,9 @@ function reproductionSection() {
                           trend.unlike_machines           ? 'unknown, since the machines differ' :
                               trend.verdict === 'unknown' ? 'not measured' :
                                                             trend.verdict}`))),
-      rows.length ?
-          sortableTable(
-              'measured beside the paper', [{name: ''}, {name: 'measured'}, {name: 'paper'}, {name: 'unit'}], rows) :
-          null);
+      rows.length ? sortableTable(
+                        reproduction.own ? 'measured' : 'measured beside the paper',
+                        ['', 'measured', ...(reproduction.own ? [] : ['paper']), 'unit'].map(name => ({name})), rows) :
+                    null,
+      listOf(reproduction, 'plots').map(scalingPlot));
 }

@@ -33,7 +33,9 @@ function applyTheme() {
 
 function subtitle() {
   const c = results.comparison || {};
-  const size = Array.isArray(c.size) ? c.size.join('×') : '';
+  const size = listOf(c, 'scenes').some(scene => scene.size) ? 'several sizes' :
+      Array.isArray(c.size)                                  ? c.size.join('×') :
+                                                               '';
   const seedCount = c.seeds ? `${c.seeds} seed${c.seeds > 1 ? 's' : ''} each` : '';
   return [
     `${scenes.length} scene${scenes.length === 1 ? '' : 's'}, ${variants.length} techniques`, size, seedCount,

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who is best on a scene within a budget, on results made by hand.
+#include "lucarium/compare/results/winners.h"
+
+#include <doctest/doctest.h>
+
+#include "lucarium/base/json.h"
+#include "test_support.h"
+#include "tolerance.h"
+
+using namespace lucarium;
+
+namespace {
+
+/// One scene; the variants a, b, c have 3, 1 and 2 times a relMSE that varies from seed to seed by `spread`.
+ComparisonResult example(const ComparisonBudget& budget, uint32_t seeds, double spread = 1) {
+  ComparisonResult result;
+  result.spec.scenes.resize(1);
+  result.spec.variants = {{"a", {}, ""}, {"b", {}, ""}, {"c", {}, ""}};
+  result.spec.budgets = {budget};
+  result.variants.resize(3);
+  result.scenes.resize(1);
+  result.scenes[0].name = "box";
+  const double errors[] = {0.3, 0.1, 0.2};
+  for (size_t variant = 0; variant < 3; ++variant) {
+    for (uint32_t seed = 1; seed <= seeds; ++seed) {
+      PieceResult piece{0, variant, 0, seed};
+      piece.metrics["relMSE"] = errors[variant] * (seed % 2 == variant % 2 ? spread : 1 / spread);
+      piece.reached_seconds = 1 / errors[variant];
+      piece.render_summary = R"({"passes": [], "counters": {}, "warnings": []})";
+      result.pieces.push_back(piece);
+    }
+    Summary& summary = result.summaries[{0, variant, 0}];
+    summary.seeds = seeds;
+    summary.metrics["relMSE"].mean = errors[variant];
+    if (budget.relmse > 0) summary.reached_seconds.emplace().mean = 1 / errors[variant];
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the lowest relMSE is best, and the next one has a factor of it") {
+  const std::vector<Winner> winners = find_winners(example({4, 0, 0, 0}, 3));
+  REQUIRE(winners.size() == 1);
+  CHECK(winners[0].best == 1);
+  CHECK(winners[0].next == 2);
+  CHECK(winners[0].ratio.mean == test::relative(2));
+  CHECK(winners[0].difference_shown());
+  CHECK(describe_winners(example({4, 0, 0, 0}, 3)) == "best:\n  box, 4 s: b; c has 2 times its relMSE\n");
+}
+
+TEST_CASE("with a budget of relMSE, who gets there first is best") {
+  const std::vector<Winner> winners = find_winners(example({0, 0, 0.1, 60}, 3));
+  REQUIRE(winners.size() == 1);
+  CHECK(winners[0].best == 0);
+  CHECK(winners[0].next == 2);
+  CHECK(winners[0].metric == "seconds");
+  CHECK(winners[0].ratio.mean == test::relative(1.5));
+}
+
+TEST_CASE("what seeds do not show is not said") {
+  CHECK(describe_winners(example({4, 0, 0, 0}, 1)).find("(one seed)") != std::string::npos);
+  const ComparisonResult doubtful = example({4, 0, 0, 0}, 4, 3);
+  CHECK_FALSE(find_winners(doubtful)[0].difference_shown());
+  CHECK(describe_winners(doubtful).find("(no difference shown)") != std::string::npos);
+}
+
+TEST_CASE("nobody wins alone, nor by time where the machines were unlike") {
+  ComparisonResult result = example({4, 0, 0, 0}, 3);
+  result.scenes[0].unlike_machines = true;
+  CHECK(find_winners(result).empty());
+  CHECK(describe_winners(result).empty());
+  ComparisonResult equal_work = example({0, 8, 0, 0}, 3);
+  equal_work.scenes[0].unlike_machines = true;
+  CHECK(find_winners(equal_work).size() == 1);
+  equal_work.summaries.erase({0, 1, 0});
+  equal_work.summaries.erase({0, 2, 0});
+  CHECK(find_winners(equal_work).empty());
+}
+
+TEST_CASE("winners stand in the results") {
+  const nlohmann::json winners = nlohmann::json::parse(example({4, 0, 0, 0}, 3).to_json()).at("winners");
+  REQUIRE(winners.size() == 1);
+  CHECK(winners[0].at("best") == 1);
+  CHECK(winners[0].at("metric") == "relMSE");
+  CHECK(winners[0].at("different") == true);
+  CHECK(winners[0].at("ratio").at("mean").get<double>() == test::relative(2));
+}
