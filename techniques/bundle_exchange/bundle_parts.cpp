@@ -65,8 +65,8 @@ void BundleParts::make_transfer(const TechniqueContext& c, const Parameters& p) 
 }
 
 void BundleParts::make_debug(const TechniqueContext& c) {
-  debug = std::make_unique<DebugLayers>(*c.device, c.scheduler, c.scene_buffers, *atlas, means, preview.get(),
-                                        side_state.get(), *camera);
+  debug =
+      std::make_unique<DebugLayers>(*c.device, c.scheduler, *atlas, means, preview.get(), side_state.get(), *camera);
 }
 
 bool BundleParts::set_frame(const TechniqueContext& c, const Parameters& p, uint32_t seed) {

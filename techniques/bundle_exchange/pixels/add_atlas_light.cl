@@ -9,8 +9,7 @@
 // is not known. gathered: light of chains that begin at the pixels, scattered once and more often; they bring all there
 // is where they are `whole`. bundled: the same, sums over the directions whose number is in w. exchanged: direct light
 // that bundles have carried.
-__kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                              __global const AtlasTriangle* restrict atlas_triangles,
+__kernel void add_atlas_light(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                               __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                               __global const GBufferPoint* restrict points, uint count, float atlas_weight, uint whole,
                               __global const float4* restrict shown, __global const float4* restrict shown_direct,
@@ -18,7 +17,6 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global float4* restrict exchanged, __global float4* restrict indirect) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  LUCARIUM_SCENE_BIND(scene);
   const GBufferPoint point = points[i];
   // Add what the pixel has gathered: by rays, and as a mean over directions by bundles.
   float3 once = gathered[2u * i].xyz, reflected = gathered[2u * i + 1u].xyz;
@@ -28,7 +26,7 @@ __kernel void add_atlas_light(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     reflected += bundled[2u * i + 1u].xyz / directions;
   }
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE)
-    add_looked_up(&scene, atlas_info, atlas_triangles, atlas_table, atlas_links, &point, shown, shown_direct, &once,
+    add_looked_up(atlas_info, atlas_triangles, atlas_table, atlas_links, &point, shown, shown_direct, &once,
                   &reflected);
   exchanged[i] = mix_sample(exchanged[i], once, atlas_weight);
   indirect[i] = mix_sample(indirect[i], reflected, atlas_weight);

@@ -5,8 +5,7 @@
 #include "lucarium/services/layer_sums/layer_sums.clh"
 
 // The light of add_atlas_light(), part by part, with the same arguments and the same weight of the sample.
-__kernel void add_light_parts(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
-                              __global const AtlasTriangle* restrict atlas_triangles,
+__kernel void add_light_parts(AtlasInfo atlas_info, __global const AtlasTriangle* restrict atlas_triangles,
                               __global const uint* restrict atlas_table, __global const uchar* restrict atlas_links,
                               __global const GBufferPoint* restrict points, uint count, float atlas_weight, uint whole,
                               __global const float4* restrict shown, __global const float4* restrict shown_direct,
@@ -15,11 +14,10 @@ __kernel void add_light_parts(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
                               __global float4* restrict specular_chains, __global float4* restrict bundle_gather) {
   const uint i = get_global_id(0);
   if (i >= count) return;
-  LUCARIUM_SCENE_BIND(scene);
   const GBufferPoint point = points[i];
   float3 once = (float3)(0.0f), reflected = (float3)(0.0f), by_bundles = (float3)(0.0f);
   if (!whole && point.state == LUCARIUM_GBUFFER_SURFACE)
-    add_looked_up(&scene, atlas_info, atlas_triangles, atlas_table, atlas_links, &point, shown, shown_direct, &once,
+    add_looked_up(atlas_info, atlas_triangles, atlas_table, atlas_links, &point, shown, shown_direct, &once,
                   &reflected);
   const float directions = bundled[2u * i].w;
   if (directions > 0.0f) by_bundles = (bundled[2u * i].xyz + bundled[2u * i + 1u].xyz) / directions;

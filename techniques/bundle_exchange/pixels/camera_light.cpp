@@ -38,7 +38,7 @@ CameraLight::CameraLight(Device& device, KernelScheduler& scheduler, const Progr
                                             means.diffuse_shown(), chains);
     record_chains(program, scene);
   }
-  record(program, scene, atlas, means, preview);
+  record(program, atlas, means, preview);
 }
 
 size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview) {
@@ -49,20 +49,20 @@ size_t CameraLight::estimate_bytes(uint32_t width, uint32_t height, FinalGather 
          LayerSums::estimate_bytes(pixels, preview ? 4 : 2);
 }
 
-void CameraLight::record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-                         const SideMeans& means, const SidePreview* preview) {
+void CameraLight::record(const Program& program, const SurfaceAtlas& atlas, const SideMeans& means,
+                         const SidePreview* preview) {
   ScheduleRecorder recorder = scheduler_->record("add light of the atlas", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
-  record_atlas_light(recorder, program, scene, atlas, means.shown(), means.shown_direct(), atlas_light_);
-  if (preview)
-    record_atlas_light(recorder, program, scene, atlas, preview->shown(), preview->shown_direct(), smooth_light_);
+  record_atlas_light(recorder, program, atlas, means.shown(), means.shown_direct(), atlas_light_);
+  if (preview) record_atlas_light(recorder, program, atlas, preview->shown(), preview->shown_direct(), smooth_light_);
   add_ = recorder.compile();
 }
 
-void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
-                                     const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-                                     const TypedBuffer<float4>& shown_direct, const LayerSums& image) {
-  PassBuilder add = surface_pass(recorder, "add light of the atlas", program, "add_atlas_light", scene, atlas);
+void CameraLight::record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
+                                     const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
+                                     const LayerSums& image) {
+  PassBuilder add = recorder.pass("add light of the atlas", program, "add_atlas_light");
+  atlas.bind(add);
   add.global(pixels_)
       .arg("points", eye_.points())
       .arg("count", pixels_)

@@ -57,12 +57,11 @@ class CameraLight {
   static size_t estimate_bytes(uint32_t width, uint32_t height, FinalGather gather, bool by_bundles, bool preview);
 
  private:
-  void record(const Program& program, const SceneBuffers& scene, const SurfaceAtlas& atlas, const SideMeans& means,
-              const SidePreview* preview);
+  void record(const Program& program, const SurfaceAtlas& atlas, const SideMeans& means, const SidePreview* preview);
   /// What the atlas knows, mixed into an image.
-  void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
-                          const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-                          const TypedBuffer<float4>& shown_direct, const LayerSums& image);
+  void record_atlas_light(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
+                          const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
+                          const LayerSums& image);
   void record_chains(const Program& program, const SceneBuffers& scene);
   bool gather();
   KernelScheduler* scheduler_;

@@ -6,19 +6,18 @@
 #include "bundle_exchange/pixels/side_state.h"
 
 namespace lucarium::bundle {
-DebugLayers::DebugLayers(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene,
-                         const SurfaceAtlas& atlas, const SideMeans& means, const SidePreview* preview,
-                         const SideState* sides, const CameraLight& camera)
+DebugLayers::DebugLayers(Device& device, KernelScheduler& scheduler, const SurfaceAtlas& atlas, const SideMeans& means,
+                         const SidePreview* preview, const SideState* sides, const CameraLight& camera)
     : scheduler_(&scheduler), camera_(&camera) {
   const std::vector<std::string> parts = {"exchanged_direct", "diffuse_exchange", "specular_chains", "bundle_gather"};
   parts_ = make_images(device, parts);
   const Program program = make_bundle_program(device, "pixels/add_light_parts", means.channels().defines());
   ScheduleRecorder recorder = scheduler.record("add debug layers", technique_name);
   atlas_weight_ = recorder.variable("atlas_weight", 1.f);
-  record_parts(recorder, program, scene, atlas, means.shown(), means.shown_direct(), parts_);
+  record_parts(recorder, program, atlas, means.shown(), means.shown_direct(), parts_);
   if (preview) {
     smooth_parts_ = make_images(device, parts);
-    record_parts(recorder, program, scene, atlas, preview->shown(), preview->shown_direct(), smooth_parts_);
+    record_parts(recorder, program, atlas, preview->shown(), preview->shown_direct(), smooth_parts_);
   }
   if (sides) record_states(recorder, program, device, atlas, *sides);
   add_ = recorder.compile();
@@ -48,10 +47,11 @@ DebugLayers::Images DebugLayers::make_images(Device& device, const std::vector<s
   return result;
 }
 
-void DebugLayers::record_parts(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
-                               const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-                               const TypedBuffer<float4>& shown_direct, const Images& parts) const {
-  PassBuilder add = surface_pass(recorder, "add parts of the light", program, "add_light_parts", scene, atlas);
+void DebugLayers::record_parts(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
+                               const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
+                               const Images& parts) const {
+  PassBuilder add = recorder.pass("add parts of the light", program, "add_light_parts");
+  atlas.bind(add);
   add.global(camera_->pixels())
       .arg("points", camera_->points())
       .arg("count", camera_->pixels())

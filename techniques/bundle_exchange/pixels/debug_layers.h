@@ -11,8 +11,8 @@ namespace lucarium::bundle {
 class DebugLayers {
  public:
   /// `preview` may be null, and so may `sides`: then there are no layers of texel sides. The rest must outlive this.
-  DebugLayers(Device& device, KernelScheduler& scheduler, const SceneBuffers& scene, const SurfaceAtlas& atlas,
-              const SideMeans& means, const SidePreview* preview, const SideState* sides, const CameraLight& camera);
+  DebugLayers(Device& device, KernelScheduler& scheduler, const SurfaceAtlas& atlas, const SideMeans& means,
+              const SidePreview* preview, const SideState* sides, const CameraLight& camera);
 
   /// Adds the sample that `camera` has committed last.
   void commit();
@@ -29,9 +29,9 @@ class DebugLayers {
     std::vector<TypedBuffer<float4>> means;
   };
   Images make_images(Device& device, const std::vector<std::string>& names) const;
-  void record_parts(ScheduleRecorder& recorder, const Program& program, const SceneBuffers& scene,
-                    const SurfaceAtlas& atlas, const TypedBuffer<float4>& shown,
-                    const TypedBuffer<float4>& shown_direct, const Images& parts) const;
+  void record_parts(ScheduleRecorder& recorder, const Program& program, const SurfaceAtlas& atlas,
+                    const TypedBuffer<float4>& shown, const TypedBuffer<float4>& shown_direct,
+                    const Images& parts) const;
   void record_states(ScheduleRecorder& recorder, const Program& program, Device& device, const SurfaceAtlas& atlas,
                      const SideState& sides);
   KernelScheduler* scheduler_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the field shows at the points of a G-buffer: at most 4 + 12 look-ups for a pixel, however much light there is.
 #include "lucarium/atlas_light.clh"
+#include "lucarium/bsdf.clh"
 #include "lucarium/scene.clh"
 #include "lucarium/services/layer_sums/layer_sums.clh"
 #include "virtual_light_field/tiles/field_lookup.clh"
@@ -29,22 +30,23 @@ __kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     more = traced[2u * i + 1u].xyz;
   }
   if (point.state == LUCARIUM_GBUFFER_SURFACE) {
-    const bool front = point.normal.w == 0.0f;
-    const Surface surface = gbuffer_surface(&scene, point);
-    const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
-    const uint side =
-        atlas_side(atlas_info, atlas_texel(atlas_triangles, atlas_table, point.triangle, point.u, point.v), front);
-    const uint facet = side == LUCARIUM_NONE ? LUCARIUM_NONE : side_facet[side];
-    float3 albedo = bsdf.diffuse;
+    const AtlasNeighbours around = atlas_around(atlas_info, atlas_triangles, atlas_table, atlas_links, &point);
+    const uint side = around.side[0], facet = side == LUCARIUM_NONE ? LUCARIUM_NONE : side_facet[side];
+    float3 albedo = gbuffer_diffuse(point), coat = (float3)(0.0f);
+    if (fold && side != LUCARIUM_NONE && facet == LUCARIUM_NONE) coat = side_albedo[side].xyz;
     // Ideal lobes are the G-buffer's, unless it keeps first surfaces; rough ones those of rays.
-    const bool ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION, shows = ideal ? mirrors : lobes;
-    if (shows && fold && side != LUCARIUM_NONE && facet == LUCARIUM_NONE) albedo += side_albedo[side].xyz;
+    bool ideal = false, shows = false;
+    if (facet != LUCARIUM_NONE || !is_black(coat)) {
+      const Surface surface = gbuffer_surface(&scene, point);
+      const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
+      ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION;
+      shows = ideal ? mirrors : lobes;
+    }
+    if (shows) albedo += coat;
     // Diffuse light.
     float3 more_here = (float3)(0.0f), once_here = more_here;
-    add_irradiance_at(atlas_info, atlas_triangles, atlas_table, atlas_links, shown, &point, albedo, &more_here);
-    if (atlas_direct)
-      add_irradiance_at(atlas_info, atlas_triangles, atlas_table, atlas_links, shown_direct, &point, albedo,
-                        &once_here);
+    add_irradiance_at(&around, shown, albedo, &more_here);
+    if (atlas_direct) add_irradiance_at(&around, shown_direct, albedo, &once_here);
     // Specular lobes.
     if (ideal && shows && facet != LUCARIUM_NONE) {
       // What a mirror shows is light that it has scattered, of lamps too: no sample of the pixel finds it.

@@ -125,3 +125,20 @@ TEST_CASE("caches bring light along with camera and objects, for fewer rays, and
   session.run({.iterations = 4});
   CHECK(image_of(session.resolve()) == begun);
 }
+
+TEST_CASE("direct light is the same however many light paths there are") {
+  // Splats do not find paths of one scattering, and no weight of theirs may depend on them.
+  const Picture picture = few(2);
+  const Scene scene = load_scene("builtin:cornell");
+  const auto direct = [&](const char* light_paths) {
+    return render(scene, "bidirectional_vpl", picture, {{"light_paths", light_paths}, {"light_vertices", "3"}})
+        .find("direct")
+        ->pixels;
+  };
+  const std::vector<float> one = direct("1"), many = direct("100000");
+  REQUIRE(one.size() == many.size());
+  CHECK(mean_of(one) > 0.01);
+  double worst = 0;
+  for (size_t p = 0; p < one.size(); ++p) worst = std::max(worst, std::abs(double{one[p]} - double{many[p]}));
+  CHECK(worst <= 1e-6);
+}

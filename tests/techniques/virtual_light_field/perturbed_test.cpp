@@ -32,6 +32,22 @@ Scene mirror_furnace() {
   return test::unit_box({{0, wall}, {2, wall}, {3, wall}, {4, wall}, {5, wall}, {1, test::mirror()}});
 }
 
+/// A plate above a floor, under a sky: columns side by side have one surface or two, and rays end behind each.
+Scene plates_under_sky() {
+  Scene scene;
+  const int material = test::add_material(scene, test::lambert(0.5f));
+  const auto plate = [&](float low, float high, float y) {
+    test::add_polygon(scene, {{low, y, low}, {low, y, high}, {high, y, high}, {high, y, low}}, material);
+  };
+  plate(0, 1, 0);
+  plate(0.3f, 0.7f, 0.4f);
+  Environment sky;
+  sky.width = sky.height = 4;
+  sky.radiance.assign(16, glm::vec3(1));
+  scene.environment = sky;
+  return scene;
+}
+
 /// The bits of all that a field shows.
 std::vector<uint32_t> bits_of(const test::FieldRig& rig) {
   std::vector<uint32_t> result = rig.field().total().download();
@@ -140,12 +156,15 @@ TEST_CASE("perturbed rays by a mirror bring the light of the image lamp, and lea
 }
 
 TEST_CASE("kept fragments give the bits of drawn ones, all or some of them kept") {
-  for (const int perturb : {1, 2}) {
+  for (const auto& [perturb, scene] :
+       {std::pair{1, mirror_furnace()}, std::pair{2, mirror_furnace()}, std::pair{1, plates_under_sky()}}) {
     CAPTURE(perturb);
-    const auto bits = [&](int megabytes, size_t bytes, uint32_t* kept, uint64_t* subfields) {
+    CAPTURE(scene.materials.size());
+    const auto bits = [&, perturb = perturb, &scene = scene](int megabytes, size_t bytes, uint32_t* kept,
+                                                             uint64_t* subfields) {
       vlf::Parameters parameters = field(4, 32, 1024, perturb);
       parameters.cache_visibility = megabytes;
-      test::FieldRig rig(mirror_furnace(), parameters, {.max_bounces = 3, .cache_bytes = bytes});
+      test::FieldRig rig(scene, parameters, {.max_bounces = 3, .cache_bytes = bytes});
       rig.propagate();
       *kept = static_cast<uint32_t>(rig.field().counts().kept_subfields);
       *subfields = rig.field().counts().subfields;

@@ -71,7 +71,7 @@ __kernel void fill_gbuffer(LUCARIUM_SCENE_PARAMETERS Frame frame, uint sample_in
     goes_on = follow_hit(&scene, frame.seed, sample_index, pixel, hit, direction, &point, &next_ray, &ends);
   else if (scene.scene_info->environment_light != LUCARIUM_NONE)
     point.emission.xyz += point.throughput.xyz * environment_radiance(&scene, direction);
-  if (!goes_on) point.view.w = 0.0f;
+  if (!goes_on && point.state != LUCARIUM_GBUFFER_SURFACE) point.view.w = 0.0f;
   points[pixel] = point;
   alive[i] = goes_on;
   next_rays[i] = next_ray;
