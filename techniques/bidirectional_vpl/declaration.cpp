@@ -111,7 +111,7 @@ void list_map_limitations(const Plan& plan, const BidirectionalParameters& param
                        : "there are no virtual lights: no point, spot or directional light (vpl_lights=punctual)");
   if (plan.direct_maps && cubes)
     list.push_back("shadows of point and spot lights are blurred over some texels of their maps (direct=maps)");
-  if (plan.vpl_maps)
+  if (plan.vpl_maps && (!plan.punctual_paths || has_lights(scene, true)))
     list.push_back(
         "light of virtual lights leaks past what is nearer to a surface than texels are wide "
         "(vpl_visibility=map)");
@@ -119,6 +119,46 @@ void list_map_limitations(const Plan& plan, const BidirectionalParameters& param
     list.push_back("light_trace=rsm and direct=maps have no effect: no point or spot light");
   if (parameters.vpl_visibility == VplVisibility::map && !plan.vpl_maps)
     list.push_back("vpl_visibility=map has no effect: nothing is connected to virtual lights");
+}
+
+/// Parameters that were set and that others leave without effect.
+void list_idle_parameters(const Plan& plan, const BidirectionalParameters& parameters, std::vector<std::string>& list) {
+  const BidirectionalParameters usual;
+  const bool few_paths = parameters.vpl_choice == VplChoice::all || parameters.vpl_choice == VplChoice::pair;
+  const bool one = parameters.strategy != Strategy::all, own_lights = parameters.strategy == Strategy::nee;
+  const bool connects = !one || parameters.strategy == Strategy::vpl;
+  const char* const no_bundles = "camera paths take no bundles (directions)";
+  const char* const no_paths = "there are no light paths (strategy, --max-bounces)";
+  const char* const no_connections = "nothing is connected to virtual lights (strategy)";
+  const struct {
+    const char* name;
+    bool is_set, has_effect;
+    const char* reason;
+  } all[] = {
+      {"splat=off", !parameters.splat, parameters.strategy != Strategy::splat, "splats are all there is (strategy)"},
+      {"candidates", parameters.candidates != usual.candidates, parameters.vpl_choice == VplChoice::resample,
+       "virtual lights are not compared (vpl_choice)"},
+      {"bundles", parameters.bundles != usual.bundles, plan.bundles || few_paths, no_bundles},
+      {"dir_pdf", parameters.dir_pdf != usual.dir_pdf, plan.bundles, no_bundles},
+      {"bundle_sides", parameters.bundle_sides != usual.bundle_sides, plan.bundles, no_bundles},
+      {"reuse", parameters.reuse != usual.reuse, plan.bundles, no_bundles},
+      {"bundle_mode", parameters.bundle_mode != usual.bundle_mode, plan.bundles, no_bundles},
+      {"bundle_res", parameters.bundle_res != usual.bundle_res, plan.stores_bundles(),
+       "no bundles are rasterized (directions, bundle_mode)"},
+      {"map_res", parameters.map_res != usual.map_res, parameters.vpl_visibility == VplVisibility::map,
+       "virtual lights have no maps (vpl_visibility)"},
+      {"g_max", parameters.g_max != usual.g_max, parameters.two_bounce != TwoBounce::mis,
+       "connections are not clamped (two_bounce)"},
+      {"m_prime", parameters.m_prime != usual.m_prime, parameters.gloss != Gloss::none,
+       "glossy lobes stay as they are (gloss)"},
+      {"two_bounce", parameters.two_bounce != usual.two_bounce, connects, no_connections},
+      {"direct=maps", parameters.direct == Direct::maps, !one || own_lights, "there are no light samples (strategy)"},
+      {"light_choice=learned", parameters.light_choice == LightChoice::learned, plan.light_vertices > 0, no_paths},
+      {"light_trace=rsm", parameters.light_trace == LightTrace::rsm, plan.light_vertices > 0, no_paths},
+  };
+  for (const auto& parameter : all)
+    if (parameter.is_set && !parameter.has_effect)
+      list.push_back(std::string(parameter.name) + " has no effect: " + parameter.reason);
 }
 
 }  // namespace
@@ -145,12 +185,11 @@ std::vector<std::string> limitations(const BidirectionalParameters& parameters, 
     list.push_back("light_vertices is lowered to " + std::to_string(plan.light_vertices) +
                    ": paths of so few bounces have no more");
   list_map_limitations(plan, parameters, scene, list);
+  list_idle_parameters(plan, parameters, list);
   if (plan.bundles && parameters.reuse == Reuse::shared && plan.settings.max_scatterings > 2)
     list.push_back("reuse=shared is biased: deeper scatterings take directions that depend on the first");
   if (plan.bundles && parameters.reuse == Reuse::distinct && parameters.bundles < 2)
     list.push_back("reuse=distinct has nothing to choose from with one bundle (bundles)");
-  if (!plan.bundles && parameters.bundle_mode != BundleMode::rays)
-    list.push_back("bundle_mode has no effect: camera paths take no bundles (directions)");
   if (plan.two_bounce != TwoBounce::mis && parameters.light_vertices > 1)
     list.push_back("light_vertices is lowered to 1 (two_bounce)");
   if (plan.two_bounce == TwoBounce::clamp && plan.settings.max_scatterings > 2)

@@ -169,21 +169,67 @@ TEST_CASE("combinations of parameters that find nothing, or do not fit, are refu
             .find("light_paths") != std::string::npos);
 }
 
-TEST_CASE("what one strategy cannot find in a scene is said") {
-  const auto says = [](const Scene& scene, const char* strategy) {
-    const auto technique = registry().find("bidirectional_vpl").create();
-    technique->parameters().set("strategy", strategy);
-    for (const std::string& line : technique->limitations(scene, RenderSettings()))
-      if (line.find("strategy=hit finds nothing") != std::string::npos) return true;
-    return false;
-  };
+namespace {
+
+/// Whether the technique says so of the scene.
+bool says(const Scene& scene, const std::string& line, const Parameters& parameters, int max_bounces = 3) {
+  const auto technique = registry().find("bidirectional_vpl").create();
+  for (const auto& [name, value] : parameters) technique->parameters().set(name, value);
+  RenderSettings settings;
+  settings.max_bounces = max_bounces;
+  const std::vector<std::string> lines = technique->limitations(scene, settings);
+  return std::any_of(lines.begin(), lines.end(), [&](const std::string& one) { return one.find(line) == 0; });
+}
+
+}  // namespace
+
+TEST_CASE("what strategy=hit cannot find in a scene is said") {
   Scene scene = floor_scene();
   add_light(scene, LightType::point, 1, {0, 0.6f, 0}, {0, 0, 0});
-  CHECK(says(scene, "hit"));
-  CHECK_FALSE(says(scene, "nee"));
+  const char* const nothing = "strategy=hit finds nothing";
+  CHECK(says(scene, nothing, {{"strategy", "hit"}}));
+  CHECK_FALSE(says(scene, nothing, {{"strategy", "nee"}}));
+  CHECK_FALSE(says(load_scene("builtin:cornell"), nothing, {{"strategy", "hit"}}));
   set_environment(scene, 1);
-  CHECK_FALSE(says(scene, "hit"));
-  CHECK_FALSE(says(load_scene("builtin:cornell"), "hit"));
+  CHECK_FALSE(says(scene, nothing, {{"strategy", "hit"}}));
+}
+
+TEST_CASE("parameters that others leave without effect are named, and none where they have one") {
+  const Scene room = load_scene("builtin:room");
+  const struct {
+    std::string name, value;
+    Parameters idle, used;  // without effect beside the first, with effect beside the second
+  } rows[] = {
+      {"splat", "off", {{"strategy", "splat"}}, {}},
+      {"candidates", "8", {{"vpl_choice", "all"}}, {}},
+      {"bundles", "8", {}, {{"vpl_choice", "pair"}}},
+      {"bundles", "8", {{"vpl_choice", "own"}}, {{"directions", "both"}}},
+      {"dir_pdf", "env", {}, {{"directions", "bundle"}}},
+      {"bundle_sides", "one", {}, {{"directions", "bundle"}}},
+      {"reuse", "shared", {}, {{"directions", "bundle"}}},
+      {"bundle_mode", "raster", {}, {{"directions", "bundle"}}},
+      {"bundle_res", "64", {{"directions", "bundle"}}, {{"directions", "bundle"}, {"bundle_mode", "exact"}}},
+      {"map_res", "64", {}, {{"vpl_visibility", "map"}}},
+      {"g_max", "2", {}, {{"two_bounce", "clamp"}}},
+      {"m_prime", "8", {}, {{"gloss", "vsl"}}},
+      {"two_bounce", "clamp", {{"strategy", "nee"}}, {}},
+      {"direct", "maps", {{"strategy", "vpl"}}, {{"strategy", "nee"}}},
+      {"light_choice", "learned", {{"strategy", "hit"}}, {{"strategy", "splat"}}},
+      {"light_trace", "rsm", {{"strategy", "nee"}}, {}},
+      {"vpl_visibility", "map", {{"strategy", "splat"}}, {}},
+      {"filter", "on", {}, {{"interleave", "2"}}},
+      {"light_paths", "50", {{"vpl_choice", "own"}}, {}},
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.name);
+    const auto with = [&](Parameters parameters) {
+      parameters.emplace_back(row.name, row.value);
+      return says(room, row.name + " has no effect", parameters) ||
+             says(room, row.name + "=" + row.value + " has no effect", parameters);
+    };
+    CHECK(with(row.idle));
+    CHECK_FALSE(with(row.used));
+  }
 }
 
 TEST_CASE("punctual light behind glass is named as left out where the glass is clear, not where it is rough") {
