@@ -25,8 +25,11 @@ void check_film(const Film& film, const TechniqueInfo& info) {
   const std::string where =
       fmt::format("the first in layer {} at pixel ({}, {})", bad.first_layer, bad.first_x, bad.first_y);
   if (bad.nan + bad.infinite > 0) {
-    throw_error(ErrorClass::technique, "{}: {} values are NaN and {} infinite, {}", info.name, bad.nan, bad.infinite,
-                where);
+    throw_error(
+        ErrorClass::technique,
+        "{}: {} values are NaN and {} infinite, {}; lower light near the limits of float in the scene, or report "
+        "it to the technique's authors",
+        info.name, bad.nan, bad.infinite, where);
   }
   if (bad.negative > 0) log_warning("{}: {} values are negative, {}", info.name, bad.negative, where);
 }
