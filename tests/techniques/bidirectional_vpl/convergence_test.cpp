@@ -101,7 +101,7 @@ void check_course(const Course& course) {
 TEST_CASE("errors fall as one over the samples, and no bias is left") {
   if (!full_run()) return check_course({"builtin:cornell", {}, 4, 8, 128, 128, 1e-2});
   // From where `adapt` has decided.
-  check_course({"builtin:cornell", {}, 10, 512, 32768, 4096, 1e-5});
-  check_course({"builtin:room", {}, 10, 512, 16384, 4096, 1e-5});
+  check_course({"builtin:cornell", {}, 10, 512, 32768, 16384, 1e-5});
+  check_course({"builtin:room", {}, 10, 512, 16384, 16384, 1e-5});
   check_course({"builtin:cornell", {{"preset", "bdpt"}}, 10, 64, 4096, 4096, 1e-4});
 }
