@@ -18,7 +18,8 @@ struct Compared {
   const char* scene;
   int max_bounces;
   uint64_t ours, theirs;  ///< iterations of a picture, bidirectional_vpl and path_tracing
-  bool resolved = true;   ///< the noise is that of Student's t in every pixel, and a hundredth is above it
+  bool even = true;       ///< pixels of path_tracing find all light often enough for Student's t
+  bool resolved = true;   ///< a hundredth is above the noise
 };
 
 /// Scattered light of independent pictures, by seed. What is emitted towards the eye is the same by both techniques;
@@ -60,7 +61,7 @@ void check_energy(const Compared& compared) {
                                       << test.mean_b << ", t of the image " << image.worst_t << ", with 1 % more "
                                       << brighter.levels[2].worst_t);
   INFO(to_text(test));
-  if (compared.resolved) CHECK(pixels.failures == 0);
+  if (compared.even) CHECK(pixels.failures == 0);
   CHECK(blocks.failures + image.failures == 0);
   if (compared.resolved) CHECK(brighter.levels[2].failures > 0);
 }
@@ -74,12 +75,12 @@ TEST_CASE("the image test passes beside path_tracing, and fails with a hundredth
     return;
   }
   for (const int bounces : {1, 4, -1}) {
-    for (const char* scene :
-         {"builtin:cornell", "builtin:cornell-glossy", "builtin:cornell-mirror", "builtin:spheres", "builtin:atrium"})
+    for (const char* scene : {"builtin:cornell", "builtin:cornell-glossy", "builtin:spheres", "builtin:atrium"})
       check_energy({scene, bounces, 64, 256});
     check_energy({"builtin:room", bounces, 16, 64});
-    // Light that path_tracing finds seldom: many of its pixels have none.
-    check_energy({"builtin:fixture:lamp=1", bounces, 32, 512, false});
-    check_energy({"builtin:caustic", bounces, 32, 512, false});
+    // Light that path_tracing finds seldom: by way of the mirror, out of the fixture, through glass.
+    check_energy({"builtin:cornell-mirror", bounces, 64, 256, false});
+    check_energy({"builtin:fixture:lamp=1", bounces, 32, 512, false, false});
+    check_energy({"builtin:caustic", bounces, 32, 512, false, false});
   }
 }
