@@ -46,6 +46,18 @@ void add_counters(const std::vector<const PieceResult*>& pieces, std::map<std::s
   }
 }
 
+/// relMSE without the reference's own, where that is not most of it.
+void add_debiased_error(const ComparisonResult& result, const SummaryKey& key, std::map<std::string, double>& numbers) {
+  const auto& [scene, variant, budget] = key;
+  const SceneResult& entry = result.scenes[scene];
+  const auto found = numbers.find("relMSE");
+  if (found == numbers.end() || variant >= entry.variants.size()) return;
+  const size_t reference = entry.variants[variant].reference;
+  if (reference >= entry.references.size()) return;
+  const double own = entry.references[reference].relmse;
+  if (found->second > 2 * own) numbers["debiased_relMSE"] = debiased_error(found->second, own).value;
+}
+
 /// What the scene is rendered with. Unlimited bounces are no number.
 void add_settings(const ComparisonResult& result, size_t scene, const PieceResult& piece,
                   std::map<std::string, double>& numbers) {
@@ -101,6 +113,7 @@ ExpressionScope quantities(const ComparisonResult& result, const SummaryKey& key
     if (summary.walk->relmse) scope.numbers["walk_relMSE"] = *summary.walk->relmse;
   }
   for (const auto& [name, mean] : summary.metrics) scope.numbers[expression_name(name)] = mean.mean;
+  add_debiased_error(result, key, scope.numbers);
   if (summary.bias) {
     scope.numbers["bias_MSE"] = summary.bias->bias2;
     scope.numbers["variance_MSE"] = summary.bias->variance;

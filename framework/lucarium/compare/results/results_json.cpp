@@ -279,7 +279,8 @@ void add_conclusions(ordered_json& json, const ComparisonResult& result) {
                                {"next", winner.next},
                                {"metric", winner.metric},
                                {"ratio", mean_json(winner.ratio)},
-                               {"different", winner.difference_shown()}});
+                               {"different", winner.difference_shown()},
+                               {"resolved", winner.resolved}});
   }
   json["gates"] = ordered_json::array();
   for (const GateResult& gate : result.gates) {

@@ -57,6 +57,8 @@ std::vector<Winner> find_winners(const ComparisonResult& result) {
       if (values.size() < 2) continue;
       std::partial_sort(values.begin(), values.begin() + 2, values.end());
       Winner winner{scene, budget, values[0].second, values[1].second, asked.relmse > 0 ? "seconds" : "relMSE", {}};
+      for (const size_t variant : {winner.best, winner.next})
+        winner.resolved &= result.summaries.at({scene, variant, budget}).resolved;
       winner.ratio = ratio_of(winner, values[0].first, values[1].first, pairs);
       winners.push_back(std::move(winner));
     }
@@ -68,12 +70,11 @@ std::string describe_winners(const ComparisonResult& result) {
   std::string text;
   for (const Winner& winner : find_winners(result)) {
     const auto label = [&](size_t variant) { return result.spec.variants[variant].label(); };
-    text += fmt::format("  {}, {}: {}; {} has {:.3g} times its {}{}\n", result.scenes[winner.scene].name,
+    const std::string doubt = winner.ratio.seeds < 2 ? " (one seed)" : " (no difference shown)";
+    text += fmt::format("  {}, {}: {}; {} has {:.3g} times its {}{}{}\n", result.scenes[winner.scene].name,
                         result.spec.budgets[winner.budget].label(), label(winner.best), label(winner.next),
-                        winner.ratio.mean, winner.metric,
-                        winner.ratio.seeds < 2      ? " (one seed)"
-                        : winner.difference_shown() ? ""
-                                                    : " (no difference shown)");
+                        winner.ratio.mean, winner.metric, winner.difference_shown() ? "" : doubt,
+                        winner.resolved ? "" : " (close to the reference's own error)");
   }
   return text.empty() ? text : "best:\n" + text;
 }

@@ -14,6 +14,7 @@ struct Winner {
   size_t best = 0, next = 0;  ///< variants: the best, and the best of the others
   std::string metric;         ///< relMSE; with a budget of relMSE: seconds
   ConfidenceInterval ratio;   ///< that of the next over that of the best, paired by seeds
+  bool resolved = true;       ///< the reference's own error is small beside both relMSEs
   bool difference_shown() const { return ratio.seeds > 1 && ratio.low > 1; }
 };
 

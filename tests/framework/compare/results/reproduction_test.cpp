@@ -238,6 +238,29 @@ TEST_CASE("expressions know what a scene is rendered with") {
   CHECK(found == std::vector<double>{200, 5, 3, 7, 16});
 }
 
+TEST_CASE("the reference's own error is taken off, unless it is most of what was measured") {
+  ComparisonResult result = two_scenes();
+  for (SceneResult& scene : result.scenes) {
+    scene.references.resize(1);
+    scene.variants.resize(1);
+  }
+  result.scenes[0].references[0].relmse = 0.04;
+  result.scenes[1].references[0].relmse = 0.06;
+  Experiment experiment;
+  for (const size_t scene : {0, 1}) {
+    ExperimentValue value;
+    value.name = "x" + std::to_string(scene);
+    value.expression = "debiased_relMSE";
+    value.variant = "a";
+    value.scene = scene;
+    experiment.values.push_back(value);
+  }
+  ImagePairs pairs("nowhere");
+  const Reproduction found = reproduce(experiment, result, pairs);  // relMSE is 0.1
+  CHECK(found.values[0].ours == test::relative(0.06));
+  CHECK(std::isnan(found.values[1].ours));
+}
+
 TEST_CASE("what the quick setting leaves out is not measured, and what is of no paper has no column for one") {
   const ComparisonResult result = two_scenes();
   Experiment experiment;

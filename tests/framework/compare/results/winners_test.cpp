@@ -66,6 +66,15 @@ TEST_CASE("what seeds do not show is not said") {
   CHECK(describe_winners(doubtful).find("(no difference shown)") != std::string::npos);
 }
 
+TEST_CASE("what the reference cannot resolve is said") {
+  ComparisonResult result = example({4, 0, 0, 0}, 3);
+  result.summaries.at({0, 0, 0}).resolved = false;  // neither the best nor the next
+  CHECK(find_winners(result)[0].resolved);
+  result.summaries.at({0, 2, 0}).resolved = false;
+  CHECK_FALSE(find_winners(result)[0].resolved);
+  CHECK(describe_winners(result).find("(close to the reference's own error)") != std::string::npos);
+}
+
 TEST_CASE("nobody wins alone, nor by time where the machines were unlike") {
   ComparisonResult result = example({4, 0, 0, 0}, 3);
   result.scenes[0].unlike_machines = true;

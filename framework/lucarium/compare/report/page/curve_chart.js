@@ -43,14 +43,9 @@ function curveSets(scene, budget, variant, of) {
   const points = curvePoints(summary, of), final = relmse(summary);
   const line = points.length ?
       points.map(p => ({x: p.seconds, y: p.relmse.mean, low: p.relmse.low, high: p.relmse.high, samples: p.samples})) :
-      final && of.end(summary) > 0 ? [{
-        x: of.end(summary),
-        y: final.mean,
-        low: final.low,
-        high: final.high,
-        samples: summary.samples
-      }] :
-              [];
+      final && of.end(summary) > 0 ?
+      [{x: of.end(summary), y: final.mean, low: final.low, high: final.high, samples: summary.samples}] :
+      [];
   const banded = line.filter(p => p.low > 0);
   const bare = {pointRadius: 0, borderWidth: 0, tooltipOff: true};
   return [
@@ -133,13 +128,15 @@ function timeSection(scene, budget) {
     variantToggles(drawCharts),
     h('div', {class: 'beside'},
       unlike ? null :
-               curveChart(scene, budget, wallTime,
-                          'Error over time: mean over seeds with its 95 % interval, fitted slope dotted. −1 is what ' +
-                              'Monte Carlo does. The horizontal line is the reference’s own error: errors close to ' +
-                              'it cannot be distinguished.'),
-      known ? curveChart(scene, budget, processorTime,
-                         'Error over processor time of preparing and iterating, all threads together: what the ' +
-                             'picture cost, whatever ran beside it.') :
+               curveChart(
+                   scene, budget, wallTime,
+                   'Error over time: mean over seeds with its 95 % interval, fitted slope dotted. −1 is what ' +
+                       'Monte Carlo does. The horizontal line is the reference’s own error: errors close to ' +
+                       'it cannot be distinguished.'),
+      known ? curveChart(
+                  scene, budget, processorTime,
+                  'Error over processor time of preparing and iterating, all threads together: what the ' +
+                      'picture cost, whatever ran beside it.') :
               null),
     unlike ? null : timeTable(scene, budget, wallTime), timeTable(scene, budget, processorTime)
   ];

@@ -28,7 +28,10 @@ function winnersTable() {
   const cellOf = winner => {
     if (!winner) return {show: '–'};
     const seedsShown = winner.ratio.low !== undefined;
-    const doubt = winner.different ? '' : seedsShown ? ', no difference shown' : ', one seed';
+    const doubt = (winner.different ? '' :
+                       seedsShown   ? ', no difference shown' :
+                                      ', one seed') +
+        (winner.resolved === false ? ', close to the reference’s own error ⚠' : '');
     return {
       value: winner.ratio.mean,
       show: [
@@ -45,7 +48,7 @@ function winnersTable() {
                    .filter(([label, count]) => count > 0)
                    .sort((a, b) => b[1] - a[1])
                    .map(([label, count]) => `${label} ${count}`);
-  return sortableTable(`Best on each scene: ${wins.join(', ')} of ${winners.length}`, columns, rows);
+  return sortableTable(`Best on each scene: ${wins.join(', ')} of ${winners.length}`, columns, rows, 'numbers left');
 }
 
 function overviewTable(budget, open) {

@@ -36,10 +36,10 @@ function parameterList(v) {
 function provenanceSection() {
   const machine = results.machine || {};
   const techniques = variants.map(
-      (entry, v) => h(
-          'article', {}, h('h3', {}, marker(v), entry.label), h('p', {}, entry.summary || ''),
-          definitions([['technique', entry.technique], ['version', entry.version], ['source', entry.citation]]),
-          parameterList(v)));
+      (entry, v) =>
+          h('article', {}, h('h3', {}, marker(v), entry.label), h('p', {}, entry.summary || ''),
+            definitions([['technique', entry.technique], ['version', entry.version], ['source', entry.citation]]),
+            parameterList(v)));
   const formulas =
       metrics.map(m => ({cells: [m.name, {show: h('code', {}, m.formula), class: 'text'}, m.unit || '1', m.better]}));
   return section(

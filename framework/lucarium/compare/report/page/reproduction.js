@@ -65,6 +65,25 @@ function scalingPlot(plot) {
       places.length ? sortableTable(`${plot.y_label} over ${plot.x_label}`, columns, rows) : null);
 }
 
+// What would push the summary out of sight is closed at first.
+const shownAtFirst = 20;
+function folded(count, title, content) {
+  return count > shownAtFirst ? h('details', {}, h('summary', {}, title), content) : content;
+}
+
+function verdictCounts(trends) {
+  const count = verdict => trends.filter(trend => trend.verdict === verdict).length;
+  return `${trends.length} trends: ${count('holds')} hold, ${count('fails')} fail, ${count('unknown')} unknown`;
+}
+
+function trendItem(trend) {
+  const marks = {holds: '✓', fails: '✗', unknown: '?'};
+  const said = trend.unlike_machines ? 'unknown, since the machines differ' :
+      trend.verdict === 'unknown'    ? 'not measured' :
+                                       trend.verdict;
+  return h('li', {class: trend.verdict, title: trend.expression}, `${marks[trend.verdict]} ${trend.claim}: ${said}`);
+}
+
 function reproductionSection() {
   const reproduction = results.reproduction;
   if (!reproduction) return null;
@@ -84,24 +103,19 @@ function reproductionSection() {
                    value.unit
                  ]
                }));
-  const marks = {holds: '✓', fails: '✗', unknown: '?'};
+  const trends = listOf(reproduction, 'trends');
   return section(
       'reproduction', `${reproduction.title} (${reproduction.place})`,
       h('p', {class: 'hint'}, `${reproduction.id}, ${setting}`),
       h('p', {}, h('b', {}, reproduction.own ? 'Claim: ' : 'The paper: '), reproduction.claim),
       reproduction.differences ? h('p', {}, h('b', {}, 'Here: '), reproduction.differences) : null,
-      h('ul', {class: 'trends'},
-        listOf(reproduction, 'trends')
-            .map(
-                trend =>
-                    h('li', {class: trend.verdict, title: trend.expression},
-                      `${marks[trend.verdict]} ${trend.claim}: ${
-                          trend.unlike_machines           ? 'unknown, since the machines differ' :
-                              trend.verdict === 'unknown' ? 'not measured' :
-                                                            trend.verdict}`))),
-      rows.length ? sortableTable(
-                        reproduction.own ? 'measured' : 'measured beside the paper',
-                        ['', 'measured', ...(reproduction.own ? [] : ['paper']), 'unit'].map(name => ({name})), rows) :
-                    null,
+      folded(trends.length, verdictCounts(trends), h('ul', {class: 'trends'}, trends.map(trend => trendItem(trend)))),
+      rows.length ?
+          folded(
+              rows.length, `${rows.length} values`,
+              sortableTable(
+                  reproduction.own ? 'measured' : 'measured beside the paper',
+                  ['', 'measured', ...(reproduction.own ? [] : ['paper']), 'unit'].map(name => ({name})), rows)) :
+          null,
       listOf(reproduction, 'plots').map(scalingPlot));
 }

@@ -62,9 +62,8 @@ function resultTable(scene, budget) {
         {value: error && error.mean, show: [interval(error), s.resolved === false ? ' ⚠' : '']},
         {value: s.slope && s.slope.value, show: s.slope ? interval({...s.slope, mean: s.slope.value}) : '–'},
         biasCell(s), time(s.prepare_seconds), time(s.iterate_seconds), time(s.device_seconds),
-        time(s.processor_seconds), time(s.compile_seconds),
-        {value: s.samples, show: number(s.samples)}, {value: s.seeds, show: String(s.seeds)},
-        {value: s.peak_device_bytes, show: bytes(s.peak_device_bytes)},
+        time(s.processor_seconds), time(s.compile_seconds), {value: s.samples, show: number(s.samples)},
+        {value: s.seeds, show: String(s.seeds)}, {value: s.peak_device_bytes, show: bytes(s.peak_device_bytes)},
         {value: s.peak_host_bytes, show: bytes(s.peak_host_bytes)}
       ]
     };
@@ -106,9 +105,9 @@ function metricTable(scene, budget) {
 
 // `of` is wallTime or processorTime (curve_chart.js).
 function timeTable(scene, budget, of) {
-  const levels =
-      [...new Set(variants.flatMap((entry, v) => listOf(summaryOf(scene, v, budget), of.times).map(t => t.relmse)))]
-          .sort((a, b) => b - a);
+  const levels = [
+    ...new Set(variants.flatMap((entry, v) => listOf(summaryOf(scene, v, budget), of.times).map(t => t.relmse)))
+  ].sort((a, b) => b - a);
   const reached = variants.some((entry, v) => (summaryOf(scene, v, budget) || {})[of.reached]);
   if (!levels.length && !reached) return null;
   const goal = (budgets[budget] || {}).relmse;

@@ -7,8 +7,7 @@ function openingPair(sources) {
   const technique = sources.findIndex(source => source.variant !== undefined);
   const truth = technique < 0 ?
       -1 :
-      sources.findIndex(
-          source => source.variant === undefined && source.reference === sources[technique].reference);
+      sources.findIndex(source => source.variant === undefined && source.reference === sources[technique].reference);
   return truth < 0 ? [0, Math.min(1, sources.length - 1)] : [truth, technique];
 }
 
