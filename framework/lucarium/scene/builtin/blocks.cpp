@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // builtin:blocks: a closed room full of blocks, of as many triangles as asked for, whose area does not depend on their
-// number: what a technique's time does with triangles alone. Declared in builder.h.
+// number, and with as many lights of the same area: what a technique's time does with triangles or lights alone.
+// Declared in builder.h.
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -46,9 +47,27 @@ Mesh floor_fan(int more) {
   return builder.take();
 }
 
+/// One square metre of lamp below the ceiling: a square, or as many equal triangles on a grid.
+Mesh lamp_mesh(int lights) {
+  const float y = room_max.y - 0.01f;
+  MeshBuilder builder("lamp");
+  if (lights == 2) return builder.quad({-0.5f, y, -0.5f}, {0.5f, y, -0.5f}, {0.5f, y, 0.5f}, {-0.5f, y, 0.5f}).take();
+  constexpr float spread = 3.6f;  // of the ceiling's 4 m, so that a cell is wider than a triangle is long
+  const auto columns = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(lights)) - 1e-9));
+  const float cell = spread / static_cast<float>(columns), leg = std::sqrt(2 / static_cast<float>(lights));
+  const auto corner = [&](int index) {
+    return -0.5f * spread + cell * (static_cast<float>(index) + 0.5f) - 0.5f * leg;
+  };
+  for (int light = 0; light < lights; ++light) {
+    const float x = corner(light % columns), z = corner(light / columns);
+    builder.triangle({x, y, z}, {x + leg, y, z}, {x + leg, y, z + leg});
+  }
+  return builder.take();
+}
+
 }  // namespace
 
-Scene make_blocks(int triangles) {
+Scene make_blocks(int triangles, int lights) {
   Scene scene;
   const int white = add_lambert(scene, "white", glm::vec3(0.7f));
   const int red = add_lambert(scene, "red", {0.6f, 0.15f, 0.12f}),
@@ -66,13 +85,7 @@ Scene make_blocks(int triangles) {
           walls[axis][side]);
     }
   }
-  const float lamp = room_max.y - 0.01f;
-  add_instance(
-      scene,
-      add_mesh(scene, MeshBuilder("lamp")
-                          .quad({-0.5f, lamp, -0.5f}, {0.5f, lamp, -0.5f}, {0.5f, lamp, 0.5f}, {-0.5f, lamp, 0.5f})
-                          .take()),
-      add_emitter(scene, "lamp", {15.f, 14.f, 12.f}));
+  add_instance(scene, add_mesh(scene, lamp_mesh(lights)), add_emitter(scene, "lamp", {15.f, 14.f, 12.f}));
 
   // One block in a cell of a grid; cells without one lie evenly between the others. A block turns within its cell.
   const int cells = static_cast<int>(std::ceil(std::cbrt(static_cast<double>(blocks)) - 1e-9));

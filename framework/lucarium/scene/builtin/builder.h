@@ -89,6 +89,7 @@ Scene make_spheres();
 Scene make_solids();
 Scene make_debris(int pieces);
 Scene make_mirror_hall();
-Scene make_blocks(int triangles);  ///< of the whole scene
+/// `triangles` of the whole scene if its lamp has two; it has `lights`.
+Scene make_blocks(int triangles, int lights);
 
 }  // namespace lucarium

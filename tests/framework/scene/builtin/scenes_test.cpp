@@ -170,7 +170,7 @@ TEST_CASE("lamps share out the same emitting area") {
 }
 
 TEST_CASE("blocks: as many triangles as asked for, of the same area, none of two blocks inside one another") {
-  for (const int triangles : {100, 118, 1000, 30'011, 100'000}) {
+  for (const int triangles : {100, 118, 1000, 30'011, 100'000, 1'000'000}) {
     CAPTURE(triangles);
     const Scene scene = make_builtin_scene("blocks:triangles=" + std::to_string(triangles));
     CHECK(scene.triangle_count() == static_cast<uint64_t>(triangles));
@@ -200,6 +200,39 @@ TEST_CASE("blocks: as many triangles as asked for, of the same area, none of two
     }
     CHECK(close == 0);
   }
+}
+
+TEST_CASE("the lamp of the blocks has as many triangles as asked for, of the same area, facing down, apart") {
+  for (const int lights : {1, 2, 3, 10, 1000, 100'000}) {
+    CAPTURE(lights);
+    const Scene scene = make_builtin_scene("blocks:lights=" + std::to_string(lights));
+    CHECK(scene.triangle_count() == static_cast<uint64_t>(3000 - 2 + lights));
+    const auto lamp =
+        std::find_if(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) { return mesh.name == "lamp"; });
+    REQUIRE(lamp != scene.meshes.end());
+    REQUIRE(lamp->triangles.size() == static_cast<size_t>(lights));
+    double area = 0;
+    bool below = true, apart = true;
+    Bounds before;
+    for (size_t i = 0; i < lamp->triangles.size(); ++i) {
+      const glm::uvec3& t = lamp->triangles[i];
+      area += triangle_area(*lamp, t);
+      Bounds bounds;
+      for (int k = 0; k < 3; ++k) {
+        bounds.add(lamp->positions[t[k]]);
+        below &= lamp->normals[t[k]] == glm::vec3(0, -1, 0);
+      }
+      below &= bounds.min.y > 2.98f && bounds.max.y < 3 && bounds.min.x > -2 && bounds.max.x < 2 && bounds.min.z > -2 &&
+               bounds.max.z < 2;
+      // Of a row: each begins where the one before it has ended; the next row begins behind it.
+      if (i > 0 && lights != 2) apart &= bounds.min.x > before.max.x || bounds.min.z > before.max.z;
+      before = bounds;
+    }
+    CHECK(area == test::relative(1.0, 1e-4));
+    CHECK(below);
+    CHECK(apart);
+  }
+  CHECK_THROWS_WITH_AS(make_builtin_scene("blocks:lights=0"), doctest::Contains("from 1 to 100000"), Error);
 }
 
 TEST_CASE("the mirror hall: about 9400 triangles, one wall half mirror and half diffuse without a coat") {
