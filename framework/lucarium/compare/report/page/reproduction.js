@@ -117,5 +117,5 @@ function reproductionSection() {
                   reproduction.own ? 'measured' : 'measured beside the paper',
                   ['', 'measured', ...(reproduction.own ? [] : ['paper']), 'unit'].map(name => ({name})), rows)) :
           null,
-      listOf(reproduction, 'plots').map(scalingPlot));
+      h('div', {class: 'beside'}, listOf(reproduction, 'plots').map(scalingPlot)));
 }
