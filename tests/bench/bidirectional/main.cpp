@@ -12,10 +12,10 @@
 int main(int argc, char** argv) {
   using namespace lucarium::bench;
   Effort effort;
-  std::vector<std::string> parts = {"ways", "stored", "rates"};
+  std::vector<std::string> parts = {"paths", "ways", "stored", "rates"};
   std::string json;
   CLI::App app("The ratios that bidirectional_vpl is judged by, with floors and goals");
-  app.add_option("parts", parts, "what is measured")->check(CLI::IsMember({"ways", "stored", "rates"}));
+  app.add_option("parts", parts, "what is measured")->check(CLI::IsMember({"paths", "ways", "stored", "rates"}));
   const auto number = [&](const char* name, auto& value, const char* text, int low, int high) {
     app.add_option(name, value, text)->check(CLI::Range(low, high))->capture_default_str();
   };
@@ -24,11 +24,13 @@ int main(int argc, char** argv) {
   number("--samples", effort.samples, "samples of each of them", 2, 1 << 20);
   number("--reference", effort.reference, "times as many, of each of the two references", 1, 1024);
   number("--seeds", effort.seeds, "pictures of each kind", 2, 64);
+  app.add_option("--scene", effort.scene, "the one scene that is rendered beside path_tracing: builtin:NAME or sponza");
   app.add_option("--json", json, "writes the rows to a file, too");
   CLI11_PARSE(app, argc, argv);
   try {
     Bars bars;
     const auto asked = [&](const char* part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
+    if (asked("paths")) measure_paths(bars, effort);
     if (asked("ways")) measure_ways(bars, effort);
     if (asked("stored")) measure_stored(bars, effort);
     if (asked("rates")) measure_rates(bars, effort);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
+#include <string>
+
 #include "bars.h"
 #include "lucarium/scene/scene.h"
 
@@ -11,8 +13,11 @@ struct Effort {
   uint32_t samples = 256;   ///< of a picture whose error is measured
   uint32_t reference = 32;  ///< times as many, of each of two references
   uint32_t seeds = 5;
+  std::string scene;  ///< of those beside path_tracing; empty: all
 };
 
+/// Beside path_tracing, at equal time.
+void measure_paths(Bars& bars, const Effort& effort);
 /// What ways of connecting, longer light paths and weights are worth.
 void measure_ways(Bars& bars, const Effort& effort);
 /// Stored bundles and maps of virtual lights beside rays.
