@@ -19,7 +19,8 @@ struct Measured {
 /// A scene, what is seen of it, and what is right.
 class Subject {
  public:
-  /// The truth is by bidirectional_vpl with parameters `truth`. `layer`: what of pictures is compared; empty: all.
+  /// The truth is by bidirectional_vpl with parameters `truth`. `layer`: the part of pictures that is compared; empty:
+  /// all.
   Subject(Scene scene, int max_bounces, const Effort& effort, const Parameters& truth, std::string layer = {});
 
   Measured measure(const std::string& technique, const Parameters& parameters, uint64_t samples) const;
