@@ -96,8 +96,9 @@ class ExperimentReader {
   }
 
   ExperimentValue value(const json& object, const std::string& at) {
-    file_.check_keys(object, at,
-                     {"name", "label", "unit", "value", "technique", "against", "scene", "budget", "paper", "each"});
+    file_.check_keys(
+        object, at,
+        {"name", "label", "unit", "value", "technique", "against", "scene", "budget", "paper", "each", "layer"});
     ExperimentValue result;
     result.name = required_text(file_, object, at, "name");
     result.label = object.contains("label") ? file_.text(object["label"], at + "/label") : result.name;
@@ -110,6 +111,9 @@ class ExperimentReader {
       check_label(file_, result.against, at + "/against", full_, "technique");
       if (result.variant.empty()) file_.fail(at + "/against", "needs \"technique\": whose images are compared");
     }
+    result.layer = optional_text(file_, object, at, "layer");
+    if (!result.layer.empty() && (result.variant.empty() || !result.against.empty()))
+      file_.fail(at + "/layer", "needs \"technique\", and no \"against\": it is measured against the reference's");
     result.scene = position(object, at, "scene");
     result.budget = position(object, at, "budget");
     if (object.contains("paper")) result.paper = file_.number(object["paper"], at + "/paper");

@@ -20,6 +20,7 @@ struct ExperimentValue {
   std::string expression;  ///< docs/reproducing.md
   std::string variant;     ///< label of the variant whose quantities the expression uses; empty: values only
   std::string against;     ///< label of the variant whose images of the same seeds take the reference's place, or empty
+  std::string layer;       ///< whose metrics are meant, against the reference's layer; empty: those of the image
   size_t scene = 0, budget = 0;  ///< positions; no_position: it takes no part in the quick setting
   std::optional<double> paper;   ///< what the paper measured, where it says so
 };

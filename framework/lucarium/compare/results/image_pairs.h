@@ -12,8 +12,8 @@ namespace lucarium {
 struct ComparisonResult;
 using SummaryKey = std::tuple<size_t, size_t, size_t>;
 
-/// Errors of one variant's images against another's. With equal seeds both draw the same random numbers, so that
-/// noise, which both have, does not hide what differs.
+/// Errors of one variant's images against another's, and of layers against the reference's. With equal seeds both draw
+/// the same random numbers, so that noise, which both have, does not hide what differs.
 class ImagePairs {
  public:
   /// `folder`: of the comparison's results.
@@ -25,9 +25,16 @@ class ImagePairs {
   std::map<std::string, double> measure(const ComparisonResult& result, const SummaryKey& test,
                                         const SummaryKey& reference);
 
+  /// Means over the seeds of all metrics of one layer alone against that of the reference; empty where an image has no
+  /// such layer of colours.
+  std::map<std::string, double> measure_layer(const ComparisonResult& result, const SummaryKey& test,
+                                              const std::string& layer);
+
  private:
   using Errors = std::map<std::string, double>;
   const Errors& measure_pair(const std::string& test, const std::string& reference, float exposure);
+  const Errors& measure_layer_pair(const std::string& test, const std::string& reference, const std::string& layer,
+                                   float exposure);
   std::filesystem::path folder_;
   std::map<std::pair<std::string, std::string>, Errors> known_;
 };

@@ -159,13 +159,15 @@ size_t find_variant(const ComparisonResult& result, const std::string& label) {
                              variants.begin());
 }
 
-/// Replaces the metrics by those against the images of another variant; false where it has none.
+/// Replaces the metrics by those against the images of another variant, or of a layer; false where it has none.
 bool compare_images(ExpressionScope& scope, const ComparisonResult& result, const ExperimentValue& value,
                     ImagePairs& pairs) {
   const auto key = [&](const std::string& label) {
     return SummaryKey{value.scene, find_variant(result, label), value.budget};
   };
-  const std::map<std::string, double> errors = pairs.measure(result, key(value.variant), key(value.against));
+  const std::map<std::string, double> errors = value.layer.empty()
+                                                   ? pairs.measure(result, key(value.variant), key(value.against))
+                                                   : pairs.measure_layer(result, key(value.variant), value.layer);
   for (const auto& [name, error] : errors) scope.numbers[expression_name(name)] = error;
   return !errors.empty();
 }
@@ -231,7 +233,8 @@ Reproduction reproduce(const Experiment& experiment, const ComparisonResult& res
     if (!value.variant.empty())
       variant.scope = quantities(result, {value.scene, find_variant(result, value.variant), value.budget});
     bool measured = value.variant.empty() || variant.measured();
-    if (!value.against.empty()) measured = measured && compare_images(variant.scope, result, value, pairs);
+    if (!value.against.empty() || !value.layer.empty())
+      measured = measured && compare_images(variant.scope, result, value, pairs);
     forget_unlike(variant, result, value.scene, value.budget, asked);
     variant.forgotten.insert(unlike.begin(), unlike.end());
     variant.scope.numbers.insert(values.begin(), values.end());

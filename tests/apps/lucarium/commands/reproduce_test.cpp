@@ -162,6 +162,8 @@ TEST_CASE("mistakes in experiments name file, line and key") {
   refuse("/values/0/technique", "nearr", "no technique has the label 'nearr'; did you mean 'near'?");
   refuse("/values/3/against", "nearr", "no technique has the label 'nearr'; did you mean 'near'?");
   refuse("/values/2/against", "near", "needs \"technique\"");
+  refuse("/values/2/layer", "direct", "values/2/layer: needs \"technique\"");
+  refuse("/values/3/layer", "direct", "values/3/layer: needs \"technique\", and no \"against\"");
   refuse("/values/0/value", "sqrt(MSE", "values/0/value");
   refuse("/values/2/name", "far", "'far' is given twice");
   refuse("/values/1/name", "a b", "must be letters");

@@ -8,6 +8,8 @@
 
 #include "lucarium/base/json.h"
 #include "lucarium/compare/results/comparison_result.h"
+#include "lucarium/film/image_io.h"
+#include "test_support.h"
 #include "tolerance.h"
 
 using namespace lucarium;
@@ -236,6 +238,39 @@ TEST_CASE("expressions know what a scene is rendered with") {
   std::vector<double> found;
   for (const Reproduction::Value& value : reproduce(experiment, result, pairs).values) found.push_back(value.ours);
   CHECK(found == std::vector<double>{200, 5, 3, 7, 16});
+}
+
+TEST_CASE("the metrics of a layer are those of that layer alone") {
+  const test::TemporaryFolder folder;
+  const auto write = [&](const char* name, float direct, float indirect) {
+    Film film(16, 8);
+    film.layer("direct", {"R", "G", "B"}, true).pixels.assign(3 * film.pixel_count(), direct);
+    film.layer("indirect", {"R", "G", "B"}, true).pixels.assign(3 * film.pixel_count(), indirect);
+    film.layer("depth", {"Y"}).pixels.assign(film.pixel_count(), 1.0f);
+    write_exr(folder.path() / name, film);
+  };
+  write("reference.exr", 1, 2);
+  write("piece.exr", 1.5, 1.75);
+  ComparisonResult result = example({0, 8, 0, 0});
+  result.pieces[0].image = "piece.exr";
+  result.scenes[0].references.resize(1);
+  result.scenes[0].references[0].image = "reference.exr";
+  result.scenes[0].variants.resize(1);
+  Experiment experiment;
+  for (const char* layer : {"direct", "indirect", "depth", "none"}) {
+    ExperimentValue value;
+    value.name = layer;
+    value.expression = "MSE";
+    value.variant = "a";
+    value.layer = layer;
+    experiment.values.push_back(value);
+  }
+  ImagePairs pairs(folder.path());
+  const Reproduction found = reproduce(experiment, result, pairs);
+  CHECK(found.values[0].ours == test::relative(0.25));
+  CHECK(found.values[1].ours == test::relative(0.0625));
+  CHECK(std::isnan(found.values[2].ours));
+  CHECK(std::isnan(found.values[3].ours));
 }
 
 TEST_CASE("the reference's own error is taken off, unless it is most of what was measured") {
