@@ -210,20 +210,24 @@ TEST_CASE("direct light: the back of a single-sided surface neither emits nor re
 }
 
 TEST_CASE("direct light: lamps that lie in a ceiling shine into the room, whatever rounding makes of its plane") {
-  // Level or tilted, at a height that is a float or not.
-  const SceneCamera camera = look_orthographic({0, 1, 0}, {0, 0, 0}, 2);
+  // Level or tilted, at a height that is a float or not, at the origin or far from there.
   for (const float slope : {0.f, 0.37f}) {
-    for (const float height : {2.f, 2.71f}) {
+    for (const glm::vec3& at : {glm::vec3(0, 2, 0), glm::vec3(0, 2.71f, 0), glm::vec3(3000, -2000.3f, 1000)}) {
       CAPTURE(slope);
-      CAPTURE(height);
-      Scene scene = floor_scene(0.5f);
-      const auto ceiling = [&](float x, float z) { return glm::vec3(x, height + slope * x, z); };
-      add_light(scene, LightType::point, 100, ceiling(0.3f, -0.7f), {0, 0, 0});
-      add_light(scene, LightType::spot, 100, ceiling(-0.9f, 0.1f), ceiling(-0.9f, 0.1f) - glm::vec3(0, 1, 0));
+      CAPTURE(at.y);
+      const auto ceiling = [&](float x, float z) { return at + glm::vec3(x, slope * x, z); };
+      const glm::vec3 floor = at - glm::vec3(0, 2, 0);
+      Scene scene;
+      const int material = add_material(scene, lambert(0.5f));
+      add_horizontal(scene, floor.x, floor.y, floor.z, 40, 40, true, material);
+      for (const float x : {-0.9f, -0.7f, 0.3f, 0.6f, 1.1f}) {
+        add_light(scene, x < -0.8f ? LightType::spot : LightType::point, 100, {0, 0, 0}, {0, -1, 0});
+        scene.lights.back().world_from_light[3] = glm::vec4(ceiling(x, 0.1f - 0.7f * x), 1);
+      }
+      const SceneCamera camera = look_orthographic(floor + glm::vec3(0, 1, 0), floor, 2);
       const double bare = estimate(scene, camera, direct_only(), {32, 4, 16}).mean;
       CHECK(bare > 1);
-      add_polygon(scene, {ceiling(-3, 3), ceiling(-3, -3), ceiling(3, -3), ceiling(3, 3)},
-                  add_material(scene, lambert(0.5f)));
+      add_polygon(scene, {ceiling(-3, 3), ceiling(-3, -3), ceiling(3, -3), ceiling(3, 3)}, material);
       CHECK(estimate(scene, camera, direct_only(), {32, 4, 16}).mean == test::relative(bare));
     }
   }
