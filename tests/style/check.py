@@ -8,6 +8,7 @@
   dialect   a kernel file writes address spaces as __global, or as global, not both
   headers   a source of the library or the program without a header of its name says in its first comment which header
             declares what it defines
+  approx    tests take tolerances of tests/support/tolerance.h, not doctest's Approx: its epsilon is absolute below one
   links     every relative link of a page and every path of a file or folder that a page or comment names exists
   pages     pages but those of measurements have at most 5 numbers in 100 words of their sentences; a technique's page
             has at most 120 lines
@@ -216,6 +217,12 @@ def check_headers():
                 yield f'{file}: names {header}, which does not exist'
 
 
+def check_approx():
+    for file in tracked(('.cpp', '.h')):
+        if file.startswith('tests/') and 'doctest::Approx' in read(file):
+            yield f'{file}: compares by doctest::Approx; take relative() or within() of tests/support/tolerance.h'
+
+
 def check_links():
     folders = 'framework|kernels|techniques|tests|apps|tools|cmake|docs'
     path_rule = re.compile(rf'(?<![\w./$}}-])((?:{folders})/[\w./*-]+\.\w+)')
@@ -370,8 +377,8 @@ def check_mutants():
 
 
 RULES = {'format': check_format, 'width': check_width, 'folders': check_folders, 'options': check_options,
-         'dialect': check_dialect, 'headers': check_headers, 'links': check_links, 'pages': check_pages,
-         'citations': check_citations, 'mutants': check_mutants}
+         'dialect': check_dialect, 'headers': check_headers, 'approx': check_approx, 'links': check_links,
+         'pages': check_pages, 'citations': check_citations, 'mutants': check_mutants}
 
 
 def main():

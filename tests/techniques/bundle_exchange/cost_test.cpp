@@ -7,6 +7,7 @@
 #include "lucarium/scene/load/load_scene.h"
 #include "lucarium/technique/budget_plan.h"
 #include "technique_rig.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::bundle;
@@ -47,7 +48,7 @@ TEST_CASE("direct light and edges starved: pixels got one sample for each step o
   for (const float share : {0.25f, 0.5f, 0.8f}) {
     parameters.eye_share = share;
     const double work = 12 * units.direction + 6 * units.light_run, eye = samples(12, 6) * units.eye_sample;
-    CHECK(eye / (work + eye) == doctest::Approx(share).epsilon(0.02));
+    CHECK(eye / (work + eye) == test::relative(share, 0.02));
   }
   CHECK(samples(0, 0) == 1);  // nothing else to do
   CHECK(samples(1'000'000, 0) == 256);

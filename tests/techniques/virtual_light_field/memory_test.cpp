@@ -8,6 +8,7 @@
 #include "cli_support.h"
 #include "lucarium/compare/request/expression.h"
 #include "technique_rig.h"
+#include "tolerance.h"
 
 using namespace lucarium;
 using namespace lucarium::test;
@@ -25,7 +26,7 @@ TEST_CASE("the experiment's formula gives the bytes of Table 1 for the paper's e
     const auto& counts = elements[value.at("scene").get<size_t>()];
     const ExpressionScope scope{{{"counter_sides", counts[0]}, {"counter_cells", counts[1]}}, {}};
     CAPTURE(expression);
-    CHECK(evaluate_expression(expression, scope) == doctest::Approx(value.at("paper").get<double>()).epsilon(0.025));
+    CHECK(evaluate_expression(expression, scope) == relative(value.at("paper").get<double>(), 0.025));
     ++found;
   }
   CHECK(found == 8);
@@ -86,7 +87,7 @@ TEST_CASE("stated memory is what is taken, up to a tenth") {
   for (const auto& [name, more] : cases) {
     const Memory memory = memory_of(name, {}, with(few, more));
     CAPTURE(name);
-    CHECK(memory.taken / memory.stated == doctest::Approx(1).epsilon(0.1));
+    CHECK(memory.taken / memory.stated == relative(1, 0.1));
   }
   for (const char* levels : {"0", "1"}) {
     const Memory memory = memory_of("builtin:cornell-mirror", {"mirror:roughness=0.8"},
@@ -94,6 +95,6 @@ TEST_CASE("stated memory is what is taken, up to a tenth") {
     CAPTURE(std::string(levels));
     MESSAGE("rough metal, dir_levels ", std::string(levels), ": takes ", memory.taken / memory.stated,
             " of the stated");
-    CHECK(memory.taken / memory.stated == doctest::Approx(1).epsilon(0.1));
+    CHECK(memory.taken / memory.stated == relative(1, 0.1));
   }
 }
