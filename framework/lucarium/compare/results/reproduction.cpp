@@ -168,6 +168,7 @@ bool compare_images(ExpressionScope& scope, const ComparisonResult& result, cons
   const std::map<std::string, double> errors = value.layer.empty()
                                                    ? pairs.measure(result, key(value.variant), key(value.against))
                                                    : pairs.measure_layer(result, key(value.variant), value.layer);
+  scope.numbers.erase("debiased_relMSE");  // of the whole image against the reference
   for (const auto& [name, error] : errors) scope.numbers[expression_name(name)] = error;
   return !errors.empty();
 }

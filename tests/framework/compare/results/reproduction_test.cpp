@@ -265,12 +265,16 @@ TEST_CASE("the metrics of a layer are those of that layer alone") {
     value.layer = layer;
     experiment.values.push_back(value);
   }
+  // That of the image has no part in it.
+  experiment.values.push_back(experiment.values[0]);
+  experiment.values.back().name = experiment.values.back().expression = "debiased_relMSE";
   ImagePairs pairs(folder.path());
   const Reproduction found = reproduce(experiment, result, pairs);
   CHECK(found.values[0].ours == test::relative(0.25));
   CHECK(found.values[1].ours == test::relative(0.0625));
   CHECK(std::isnan(found.values[2].ours));
   CHECK(std::isnan(found.values[3].ours));
+  CHECK(std::isnan(found.values[4].ours));
 }
 
 TEST_CASE("the reference's own error is taken off, unless it is most of what was measured") {
