@@ -20,14 +20,14 @@ void replace_all(std::string& text, const std::string& part, const std::string& 
     text.replace(at, part.size(), by);
 }
 
-/// Puts the label in place of {kind}: as it is in texts for people, as a part of a name in expressions.
+/// Puts the label in place of {kind}: as a part of a name in expressions and their names, as it is in all other texts.
 void put_label(json& object, const std::string& kind, const std::string& label) {
-  for (const char* key : {"name", "value", "holds", "label", "claim"}) {
-    if (!object.contains(key) || !object[key].is_string()) continue;
-    const bool for_people = std::string(key) == "label" || std::string(key) == "claim";
-    std::string text = object[key];
-    replace_all(text, "{" + kind + "}", for_people ? label : expression_name(label));
-    object[key] = text;
+  for (const auto& [key, value] : object.items()) {
+    if (!value.is_string()) continue;
+    std::string text = value;
+    const bool in_names = key == "name" || key == "value" || key == "holds";
+    replace_all(text, "{" + kind + "}", in_names ? expression_name(label) : label);
+    value = text;
   }
 }
 

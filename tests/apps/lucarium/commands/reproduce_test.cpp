@@ -180,7 +180,7 @@ json experiment_for_each() {
   json experiment = known_experiment();
   experiment["values"] = json::parse(R"json([
     {"each": {"scene": "all", "technique": ["near", "far"]}, "name": "mse_{scene}_{technique}",
-     "label": "{scene}: MSE of {technique}", "value": "MSE"},
+     "label": "{scene}: MSE of {technique}", "unit": "of {technique}", "value": "MSE"},
     {"each": {"scene": ["builtin:furnace"]}, "name": "ratio_{scene}",
      "value": "mse_{scene}_far/mse_{scene}_near"}])json");
   experiment["plots"] = json::parse(R"json([
@@ -204,6 +204,7 @@ TEST_CASE("values and trends are stated once for each scene and technique") {
   CHECK(values[0].at("label") == "builtin:furnace: MSE of near");
   CHECK(values[0].at("ours").get<double>() == lucarium::test::relative(0.0625));
   CHECK(values[1].at("label") == "builtin:furnace: MSE of far");
+  CHECK(values[1].at("unit") == "of far");
   CHECK(values[1].at("ours").get<double>() == lucarium::test::relative(0.25));
   CHECK(values[2].at("ours").get<double>() == lucarium::test::relative(4));
   const json& trends = reproduction.at("trends");
