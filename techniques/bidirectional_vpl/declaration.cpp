@@ -125,11 +125,8 @@ void list_map_limitations(const Plan& plan, const BidirectionalParameters& param
 void list_idle_parameters(const Plan& plan, const BidirectionalParameters& parameters, std::vector<std::string>& list) {
   const BidirectionalParameters usual;
   const bool few_paths = parameters.vpl_choice == VplChoice::all || parameters.vpl_choice == VplChoice::pair;
-  const bool one = parameters.strategy != Strategy::all, own_lights = parameters.strategy == Strategy::nee;
-  const bool connects = !one || parameters.strategy == Strategy::vpl;
   const char* const no_bundles = "camera paths take no bundles (directions)";
   const char* const no_paths = "there are no light paths (strategy, --max-bounces)";
-  const char* const no_connections = "nothing is connected to virtual lights (strategy)";
   const struct {
     const char* name;
     bool is_set, has_effect;
@@ -151,8 +148,9 @@ void list_idle_parameters(const Plan& plan, const BidirectionalParameters& param
        "connections are not clamped (two_bounce)"},
       {"m_prime", parameters.m_prime != usual.m_prime, parameters.gloss != Gloss::none,
        "glossy lobes stay as they are (gloss)"},
-      {"two_bounce", parameters.two_bounce != usual.two_bounce, connects, no_connections},
-      {"direct=maps", parameters.direct == Direct::maps, !one || own_lights, "there are no light samples (strategy)"},
+      {"two_bounce", parameters.two_bounce != usual.two_bounce, plan.vpl,
+       "nothing is connected to virtual lights (strategy, --max-bounces)"},
+      {"direct=maps", parameters.direct == Direct::maps, plan.lights, "there are no light samples (strategy)"},
       {"light_choice=learned", parameters.light_choice == LightChoice::learned, plan.light_vertices > 0, no_paths},
       {"light_trace=rsm", parameters.light_trace == LightTrace::rsm, plan.light_vertices > 0, no_paths},
   };
