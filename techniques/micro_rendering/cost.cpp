@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "lucarium/technique/work_share.h"
 #include "micro_rendering/declaration.h"
 
 namespace lucarium::micro {
@@ -20,6 +21,7 @@ constexpr double kGatherSeconds = 6e-5;        // a gather, beside its micro-pix
 constexpr double kMicroPixelSeconds = 4e-7;    // over 2^16 points
 constexpr double kNodesPerCut = 2;             // at most, over those of jacobi_level
 constexpr double kFailedInterpolation = 0.1;   // share of the pixels that gather themselves (gather_step)
+constexpr uint32_t kMaxEyeSamples = 64;        // of a frame
 
 double gather_seconds(const MicroParameters& parameters) {
   const double depth = std::exp2((parameters.points_log2 - 16) / 4.0);  // about: nodes that are opened
@@ -40,21 +42,46 @@ double light_seconds(const MicroParameters& parameters, int bounces) {
   return samples;
 }
 
+double eye_seconds(const MicroParameters& parameters, const RenderSettings& settings) {
+  return double{1} * settings.width * settings.height * (1 + parameters.direct_samples) / 2 * kPixelSeconds;
+}
+
+/// Gathers at pixels, or virtual lights at them.
+double pixel_seconds(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  const double pixels = double{1} * settings.width * settings.height;
+  if (parameters.shows_virtual_lights())
+    return pixels * parameters.vpls * bounces(parameters, settings) * kVirtualLightSeconds;
+  const double step = parameters.gather_step;
+  const double gathered =
+      pixels * (transmits(scene) ? 2 : 1) * std::min(1.0, 1 / (step * step) + (step > 1 ? kFailedInterpolation : 0));
+  return gathered * gather_seconds(parameters);
+}
+
+/// Of a frame, beside samples of pixels. Virtual lights that light pixels need no light at points.
+double indirect_seconds(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  const double light = parameters.shows_virtual_lights() ? 0 : light_seconds(parameters, bounces(parameters, settings));
+  return light + pixel_seconds(parameters, scene, settings);
+}
+
 }  // namespace
 
 double estimate_seconds(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings,
                         const ComputePower& power) {
-  const double pixels = double{1} * settings.width * settings.height;
-  const double eye = pixels * (1 + parameters.direct_samples) / 2 * kPixelSeconds;
-  const int count = bounces(parameters, settings);
-  if (count == 0) return eye / power.device;
+  const double eye = eye_seconds(parameters, settings);
+  if (bounces(parameters, settings) == 0) return eye / power.device;
   const double points = std::exp2(parameters.points_log2) * kPointSeconds / power.host;
-  if (parameters.shows_virtual_lights())
-    return points + (eye + pixels * parameters.vpls * count * kVirtualLightSeconds) / power.device;
-  const double step = parameters.gather_step;
-  const double gathered =
-      pixels * (transmits(scene) ? 2 : 1) * std::min(1.0, 1 / (step * step) + (step > 1 ? kFailedInterpolation : 0));
-  return points + (eye + light_seconds(parameters, count) + gathered * gather_seconds(parameters)) / power.device;
+  return points + (eye + indirect_seconds(parameters, scene, settings)) / power.device;
+}
+
+uint32_t eye_samples_per_frame(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  if (bounces(parameters, settings) == 0) return 1;
+  return units_for_share(static_cast<double>(parameters.eye_share), indirect_seconds(parameters, scene, settings),
+                         eye_seconds(parameters, settings), kMaxEyeSamples);
+}
+
+uint32_t eye_samples_per_batch(const MicroParameters& parameters, const RenderSettings& settings) {
+  const double work = parameters.batch_gathers * gather_seconds(parameters);
+  return static_cast<uint32_t>(std::clamp(work / eye_seconds(parameters, settings), 1.0, double{kMaxEyeSamples}));
 }
 
 std::vector<ParameterSaving> savings() {

@@ -15,7 +15,8 @@
 // How. PointForest places points on surfaces and keeps the hierarchy; LeafLight puts light onto its leaves, over
 // several bounces where asked; PixelGather gathers at the pixels of a G-buffer, sub-image by sub-image. `emission` and
 // `direct` come from the framework's services, `indirect` is this technique's; with gather_env so is what `direct` has
-// of the environment.
+// of the environment. A frame of gathers is dear and a sample of a pixel cheap, so that frames end with further samples
+// of emission and direct light (eye_share).
 //
 // What is counted. Light of all kinds by light samples at the points; behind the first visible non-mirror surface only
 // diffuse lobes (with node_shading=dynamic glossy ones too, at the second) and no mirrors or glass. Paths of 2 …
@@ -83,7 +84,8 @@ namespace {
 using namespace micro;
 
 const char* const kName = "micro_rendering";
-constexpr int kMovingStep = 4;  // of gathers, in pixels, while the camera moves
+constexpr int kMovingStep = 4;                  // of gathers, in pixels, while the camera moves
+constexpr uint32_t kFurtherSamples = 1u << 20;  // number of the first one, behind all those of frames
 
 class MicroRendering : public TechniqueBase<MicroParameters> {
  public:
@@ -128,11 +130,12 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
  protected:
   // ---- a frame: light at the points, a G-buffer, gathers at its pixels
 
-  /// One batch of gathers; before the first of a frame the G-buffer. True when it ends a frame. Where light at the
-  /// points takes several iterations, the first frame's direct light comes with the first of them: there is something
-  /// to see then.
+  /// One batch of gathers; before the first of a frame the G-buffer; behind the last, further samples of pixels. True
+  /// when it ends a frame. Where light at the points takes several iterations, the first frame's direct light comes
+  /// with the first of them: there is something to see then.
   bool step() override {
     if (light_rests() && !virtual_lights_) return see_moving();
+    if (further_left_ > 0) return see_further();
     if (!light_points()) return false;
     if (!points_lit()) {
       if (frame_index() == 0) see_directly();
@@ -141,13 +144,15 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     if (!gather_batch()) return false;
     seen_ = false;
     batch_ = (batch_ + 1) % batches();
-    return batch_ == 0;
+    if (batch_ > 0) return false;
+    further_left_ = eye_samples_per_frame(parameters_, scene(), settings()) - 1;
+    return further_left_ > eye_samples_per_batch(parameters_, settings()) ? false : see_further();
   }
 
   IterationResult state() const override {
     IterationResult result = TechniqueBase::state();
-    result.visible = batch_ > 0 || seen_;
-    result.phase = points_lit() ? "gather" : "light";
+    result.visible = batch_ > 0 || seen_ || further_left_ > 0;
+    result.phase = further_left_ > 0 ? "direct light" : points_lit() ? "gather" : "light";
     return result;
   }
 
@@ -157,7 +162,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
   }
 
   void restart() override {
-    batch_ = 0;
+    batch_ = further_left_ = further_ = 0;
     seen_ = false;
     if (!fits_view()) make_view();
     eye_light_->set_frame(frame());
@@ -228,6 +233,19 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     if (seen_ || !eye_light_->see(index) || !eye_light_->sample(index)) return;
     eye_light_->commit();
     seen_ = true;
+  }
+
+  /// Emission and direct light of further samples of each pixel, as many as are worth a batch of gathers. True when
+  /// none is left; what is cancelled is done again.
+  bool see_further() {
+    for (uint32_t i = eye_samples_per_batch(parameters_, settings()); i > 0 && further_left_ > 0; --i) {
+      const uint32_t index = kFurtherSamples + further_;
+      if (!eye_light_->see(index) || !eye_light_->sample(index)) return false;
+      eye_light_->commit();
+      ++further_;
+      --further_left_;
+    }
+    return further_left_ == 0;
   }
 
   /// One batch of a frame, before its first one G-buffer and direct light. False when cancelled: the sums are as
@@ -330,6 +348,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
 
   uint32_t batch_ = 0;                         ///< of the frame, the next one
   bool seen_ = false;                          ///< see_directly() is done, the gathers are not begun
+  uint32_t further_left_ = 0, further_ = 0;    ///< samples of pixels behind the frame's gathers; all since restart()
   bool transmits_ = false;                     ///< some surface is rough and lets light through
   uint32_t view_width_ = 0, view_height_ = 0;  ///< of the image that eye_light_ and pixels_ were made for
   bool view_moves_ = false;                    ///< they were made for a camera that moves

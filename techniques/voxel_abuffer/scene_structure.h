@@ -7,6 +7,7 @@
 
 #include "lucarium/compute/schedule/scheduler.h"
 #include "lucarium/services/intersector.h"
+#include "lucarium/technique/technique.h"
 #include "voxel_abuffer/parameters.h"
 #include "voxel_abuffer/structure/voxel_abuffer.h"
 

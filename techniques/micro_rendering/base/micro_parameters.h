@@ -48,6 +48,7 @@ struct MicroParameters {
   bool photon_direct = false;
   int light_samples = 8;
   int direct_samples = 4;
+  float eye_share = 0.25f;
   int unlimited_bounces = 4;
   int batch_gathers = 4096;
   int inspect_x = -1, inspect_y = -1;
@@ -124,6 +125,9 @@ struct MicroParameters {
              "bits per depth value of a micro-buffer");
     v.number("light_samples", light_samples, 1, 1024, "samples/point", "light samples per point and frame");
     v.number("direct_samples", direct_samples, 1, 1024, "samples/pixel", "samples of direct light per pixel and frame");
+    v.number("eye_share", eye_share, 0.f, 0.9f, "",
+             "share of the work that goes to further samples of pixels, which bring emission and direct light; 0: one "
+             "for each frame");
     v.number("unlimited_bounces", unlimited_bounces, 1, 32, "bounces",
              "bounces computed when max_bounces is unlimited");
     v.number("batch_gathers", batch_gathers, 64, 1 << 24, "gathers",
@@ -140,9 +144,10 @@ struct MicroParameters {
                  {"hole_fill", "off"},
                  {"backface", "cull"},
                  {"skip_hidden", "off"},
-                 {"depth_bits", "8"}}}},
+                 {"depth_bits", "8"},
+                 {"eye_share", "0"}}}},
               "set of values; paper: the choices of Ritschel et al. 2009");
-    v.basic({"points_log2", "micro_size", "light_samples", "direct_samples", "gather_step", "multibounce",
+    v.basic({"points_log2", "micro_size", "light_samples", "direct_samples", "eye_share", "gather_step", "multibounce",
              "unlimited_bounces", "cut_error", "adaptive", "skip_hidden", "gather_env", "node_shading"});
   }
 };

@@ -38,9 +38,12 @@ TEST_CASE("direct light is seen while light at the points is not there yet, and 
   const RenderSettings settings = test::settings_for(scene, 16, 3);
   const auto device = Device::open();
   const auto session = [&](const char* batch) {
-    return std::make_unique<RenderSession>(
-        device, scene, test::registry().find("micro_rendering"), settings,
-        test::Parameters{{"points_log2", "11"}, {"micro_size", "8"}, {"jacobi_level", "8"}, {"batch_gathers", batch}});
+    return std::make_unique<RenderSession>(device, scene, test::registry().find("micro_rendering"), settings,
+                                           test::Parameters{{"points_log2", "11"},
+                                                            {"micro_size", "8"},
+                                                            {"jacobi_level", "8"},
+                                                            {"batch_gathers", batch},
+                                                            {"eye_share", "0"}});
   };
   const auto layer = [](RenderSession& of, const char* name) { return of.resolve().find(name)->pixels; };
   const auto whole = session("16384"), parts = session("64");

@@ -8,7 +8,7 @@
 namespace lucarium {
 namespace fs = std::filesystem;
 
-SlurmExecutor::SlurmExecutor(fs::path program, fs::path folder, std::vector<std::string> options)
+SlurmExecutor::SlurmExecutor(fs::path program, const fs::path& folder, std::vector<std::string> options)
     : program_(std::move(program)), folder_(fs::absolute(folder)), options_(std::move(options)) {
   check_slurm_options(options_);
   if (folder_.string().find_first_of("%\\\n") != std::string::npos)

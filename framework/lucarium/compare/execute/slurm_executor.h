@@ -11,7 +11,7 @@ class SlurmExecutor final : public PieceExecutor {
  public:
   /// `folder`: of its files; made, and removed when nothing is left to do. `options`: of sbatch, "partition=long".
   /// Throws Error{usage} for options that it sets itself, and for a folder whose name Slurm would not understand.
-  SlurmExecutor(std::filesystem::path program, std::filesystem::path folder, std::vector<std::string> options);
+  SlurmExecutor(std::filesystem::path program, const std::filesystem::path& folder, std::vector<std::string> options);
   void run(const std::vector<PieceTask>& tasks, const PieceEvents& events) override;
   size_t width() const override { return 64; }
   bool shows_progress() const override { return true; }

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// Further samples of pixels (eye_share): light and edges have less noise, gathers keep their bits.
+#include <doctest/doctest.h>
+
+#include "lucarium/base/interrupt.h"
+#include "technique_fixture.h"
+#include "test_support.h"
+
+using namespace lucarium;
+using namespace lucarium::test;
+
+namespace {
+
+/// cancelled: counts the iterations that were, each after one request more than the one before.
+Film picture(const Parameters& more, uint64_t frames, int* cancelled = nullptr) {
+  const Scene scene = load_scene("builtin:cornell");
+  RenderSettings settings = settings_for(scene, 24, 1);
+  settings.pixel_sampling = LUCARIUM_PIXEL_JITTER;
+  RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings, with(small, more));
+  for (int allowed = 1; cancelled && session.last().samples < frames; ++allowed) {
+    int requests = 0;
+    session.scheduler().set_cancel([&] { return requests++ >= allowed; });
+    const uint64_t before = session.iterations();
+    session.iterate();
+    *cancelled += session.iterations() == before;
+  }
+  session.scheduler().set_cancel(interrupt_requested);
+  session.run({.samples = frames});
+  return session.resolve();
+}
+
+double rmse(const Film& film, const char* layer, const Film& truth) {
+  return relative_rmse(film.find(layer)->pixels, truth.find(layer)->pixels);
+}
+
+}  // namespace
+
+TEST_CASE("further samples of pixels take noise from emission and direct light, and leave gathers their bits") {
+  const Film truth = picture({{"eye_share", "0.9"}, {"direct_samples", "16"}}, full_run() ? 64 : 24);
+  const Film few = picture({{"eye_share", "0"}}, 2), more = picture({}, 2);
+  CHECK(few.find("indirect")->pixels == more.find("indirect")->pixels);
+  for (const char* const layer : {"direct", "emission"}) {
+    MESSAGE(std::string(layer) << ": " << rmse(few, layer, truth) << " without, " << rmse(more, layer, truth)
+                               << " with");
+    CHECK(rmse(more, layer, truth) < 0.6 * rmse(few, layer, truth));
+    CHECK(mean(more.find(layer)->pixels) == doctest::Approx(mean(truth.find(layer)->pixels)).epsilon(0.02));
+  }
+}
+
+TEST_CASE("frames with further samples of pixels have their bits after cancelled runs") {
+  int cancelled = 0;
+  const Film undisturbed = picture({}, 2), disturbed = picture({}, 2, &cancelled);
+  CHECK(cancelled > 3);
+  for (const char* const layer : {"direct", "emission", "indirect"})
+    CHECK(undisturbed.find(layer)->pixels == disturbed.find(layer)->pixels);
+}
