@@ -79,11 +79,6 @@ uint32_t eye_samples_per_frame(const MicroParameters& parameters, const Scene& s
                          eye_seconds(parameters, settings), kMaxEyeSamples);
 }
 
-uint32_t eye_samples_per_batch(const MicroParameters& parameters, const RenderSettings& settings) {
-  const double work = parameters.batch_gathers * gather_seconds(parameters);
-  return static_cast<uint32_t>(std::clamp(work / eye_seconds(parameters, settings), 1.0, double{kMaxEyeSamples}));
-}
-
 std::vector<ParameterSaving> savings() {
   return {{"points_log2", {"17", "16", "15", "14"}},
           {"jacobi_level", {"11", "10", "9", "8"}},

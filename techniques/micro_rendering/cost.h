@@ -8,15 +8,12 @@
 
 namespace lucarium::micro {
 
-/// Seconds until the end of the first frame (Technique::estimate_seconds).
+/// Seconds until the first frame has all its gathers (Technique::estimate_seconds).
 double estimate_seconds(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings,
                         const ComputePower& power);
 
 /// Samples of pixels that belong to a frame, so that they are `eye_share` of its work; 1 or more.
 uint32_t eye_samples_per_frame(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings);
-/// How many of them are worth a batch of gathers (batch_gathers); 1 or more.
-uint32_t eye_samples_per_batch(const MicroParameters& parameters, const RenderSettings& settings);
-
 /// What may be lowered for a budget: points, gathers for several bounces, micro-buffers; at last pixels.
 std::vector<ParameterSaving> savings();
 

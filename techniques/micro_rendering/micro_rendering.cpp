@@ -130,12 +130,12 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
  protected:
   // ---- a frame: light at the points, a G-buffer, gathers at its pixels
 
-  /// One batch of gathers; before the first of a frame the G-buffer; behind the last, further samples of pixels. True
-  /// when it ends a frame. Where light at the points takes several iterations, the first frame's direct light comes
-  /// with the first of them: there is something to see then.
+  /// One batch of gathers; before the first of a frame the G-buffer; behind the last, one by one, further samples of
+  /// pixels. True when it ends a frame. Where light at the points takes several iterations, the first frame's direct
+  /// light comes with the first of them: there is something to see then.
   bool step() override {
     if (light_rests() && !virtual_lights_) return see_moving();
-    if (further_left_ > 0) return see_further();
+    if (further_left_ > 0) return see_further() && further_left_ == 0;
     if (!light_points()) return false;
     if (!points_lit()) {
       if (frame_index() == 0) see_directly();
@@ -146,7 +146,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     batch_ = (batch_ + 1) % batches();
     if (batch_ > 0) return false;
     further_left_ = eye_samples_per_frame(parameters_, scene(), settings()) - 1;
-    return further_left_ > eye_samples_per_batch(parameters_, settings()) ? false : see_further();
+    return further_left_ == 0;
   }
 
   IterationResult state() const override {
@@ -235,17 +235,14 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     seen_ = true;
   }
 
-  /// Emission and direct light of further samples of each pixel, as many as are worth a batch of gathers. True when
-  /// none is left; what is cancelled is done again.
+  /// Emission and direct light of one more sample of each pixel. False when cancelled: the sums are as before.
   bool see_further() {
-    for (uint32_t i = eye_samples_per_batch(parameters_, settings()); i > 0 && further_left_ > 0; --i) {
-      const uint32_t index = kFurtherSamples + further_;
-      if (!eye_light_->see(index) || !eye_light_->sample(index)) return false;
-      eye_light_->commit();
-      ++further_;
-      --further_left_;
-    }
-    return further_left_ == 0;
+    const uint32_t index = kFurtherSamples + further_;
+    if (!eye_light_->see(index) || !eye_light_->sample(index)) return false;
+    eye_light_->commit();
+    ++further_;
+    --further_left_;
+    return true;
   }
 
   /// One batch of a frame, before its first one G-buffer and direct light. False when cancelled: the sums are as

@@ -298,7 +298,7 @@ TEST_CASE("an animated character in a room: every frame is that of a fresh start
 TEST_CASE("the first batch of the first frame is a picture that is worth keeping") {
   const Scene scene = load_scene("builtin:room");
   RenderSession session(Device::open(), scene, registry().find("micro_rendering"), settings_for(scene, 16, 1),
-                        with(small, {{"batch_gathers", "64"}, {"light_samples", "1"}, {"eye_share", "0"}}));
+                        with(small, {{"batch_gathers", "64"}, {"light_samples", "1"}}));
   session.run({}, [](const IterationResult& now) { return !now.visible; });  // light fits into the first
   CHECK(session.last().samples == 0);
   const std::vector<float> coarse = session.resolve().find("indirect")->pixels;

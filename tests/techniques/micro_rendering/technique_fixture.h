@@ -28,7 +28,9 @@ inline RenderSettings settings_for(const Scene& scene, uint32_t size, int max_bo
 inline std::vector<float> rendered_layer(Scene scene, const std::string& technique, const char* layer, uint32_t size,
                                          int max_bounces, uint64_t iterations, const Parameters& parameters) {
   const RenderSettings settings = settings_for(scene, size, max_bounces);
-  RenderSession session(Device::open(), std::move(scene), registry().find(technique), settings, parameters);
+  Parameters all = parameters;
+  if (technique == "micro_rendering") all.emplace_back("eye_share", "0");  // an iteration is a frame
+  RenderSession session(Device::open(), std::move(scene), registry().find(technique), settings, all);
   session.run({.iterations = iterations});
   return session.resolve().find(layer)->pixels;
 }
@@ -80,6 +82,7 @@ inline Parameters with(Parameters base, const Parameters& more) {
 
 const Parameters reference = {
     {"secondary_lambert_only", "on"}, {"light_delta", "off"}, {"samples_per_iteration", "64"}};
-const Parameters small = {{"points_log2", "13"}, {"micro_size", "16"}, {"jacobi_level", "8"}};
+// An iteration is a frame here.
+const Parameters small = {{"points_log2", "13"}, {"micro_size", "16"}, {"jacobi_level", "8"}, {"eye_share", "0"}};
 
 }  // namespace lucarium::test
