@@ -90,9 +90,13 @@ class Tester:
             self.names[command] = {name for option in options for name in option['names']}
         return self.names[command]
 
-    def exists(self, text):
-        """Command and options are there; the complaint otherwise."""
-        command = text.split()[1] if len(text.split()) > 1 else ''
+    def exists(self, line):
+        """Commands of the line and their options are there; the complaint otherwise."""
+        parts = [re.sub(r'^\s*(do\s+)?', '', part) for part in re.split(r'&&|;', line)]
+        return next((each for each in map(self.part_exists, parts) if each), '')
+
+    def part_exists(self, text):
+        command = text.split()[1] if text.startswith('lucarium ') else ''
         if not re.fullmatch(r'[a-z-]+', command) or command.startswith('-'):
             return ''
         help_text = self.help_of(command)
