@@ -14,6 +14,7 @@ double estimate_seconds(const MicroParameters& parameters, const Scene& scene, c
 
 /// Samples of pixels that belong to a frame, so that they are `eye_share` of its work; 1 or more.
 uint32_t eye_samples_per_frame(const MicroParameters& parameters, const Scene& scene, const RenderSettings& settings);
+
 /// What may be lowered for a budget: points, gathers for several bounces, micro-buffers; at last pixels.
 std::vector<ParameterSaving> savings();
 

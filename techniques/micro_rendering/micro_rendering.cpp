@@ -145,7 +145,7 @@ class MicroRendering : public TechniqueBase<MicroParameters> {
     seen_ = false;
     batch_ = (batch_ + 1) % batches();
     if (batch_ > 0) return false;
-    further_left_ = eye_samples_per_frame(parameters_, scene(), settings()) - 1;
+    further_left_ = light_rests() ? 0 : eye_samples_per_frame(parameters_, scene(), settings()) - 1;
     return further_left_ == 0;
   }
 

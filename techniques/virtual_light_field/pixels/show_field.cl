@@ -36,7 +36,7 @@ __kernel void show_field(LUCARIUM_SCENE_PARAMETERS AtlasInfo atlas_info,
     if (fold && side != LUCARIUM_NONE && facet == LUCARIUM_NONE) coat = side_albedo[side].xyz;
     // Ideal lobes are the G-buffer's, unless it keeps first surfaces; rough ones those of rays.
     bool ideal = false, shows = false;
-    if (facet != LUCARIUM_NONE || !is_black(coat)) {
+    if ((lobes || mirrors) && (facet != LUCARIUM_NONE || !is_black(coat))) {
       const Surface surface = gbuffer_surface(&scene, point);
       const Bsdf bsdf = make_bsdf(&scene, &surface, 0u);
       ideal = bsdf.flags & LUCARIUM_BSDF_DELTA_REFLECTION;
