@@ -52,12 +52,11 @@ void measure_candidates(Bars& bars, const Effort& effort) {
 void measure_light_rays(Bars& bars, const Effort& effort) {
   const auto session = make_session("bidirectional_vpl", make_lit_room(), 64,
                                     {{"strategy", "vpl"}, {"light_paths", "262144"}, {"adapt", "off"}}, 4);
-  uint64_t iterations = 1;
-  session->run({.iterations = iterations});
+  session->run({.iterations = 1});
   std::vector<double> traced, whole;
   for (int round = 0; round < effort.rounds; ++round) {
     session->scheduler().reset_profile();
-    session->run({.iterations = ++iterations});
+    session->run({.iterations = 1});
     double closest = 0, all = 0;
     for (const PassProfile& pass : session->scheduler().profile().passes) {
       if (pass.schedule != "light paths") continue;
@@ -75,9 +74,8 @@ void measure_light_rays(Bars& bars, const Effort& effort) {
 
 void measure_threads(Bars& bars, const Effort& effort) {
   const auto session = make_session("bidirectional_vpl", make_lit_room(), 256, {{"adapt", "off"}}, 4);
-  uint64_t iterations = 1;
-  session->run({.iterations = iterations});
-  const auto run = [&] { session->run({.iterations = iterations += 2}); };
+  session->run({.iterations = 1});
+  const auto run = [&] { session->run({.iterations = 2}); };
   std::vector<Contestant> all{{.name = "one", .run = run, .cpus = 1}, {.name = "two", .run = run, .cpus = 2}};
   run_rounds(all, effort.rounds);
   const auto fastest = [](const Contestant& c) { return *std::min_element(c.wall.begin(), c.wall.end()); };

@@ -44,17 +44,16 @@ class Profiled {
  public:
   Profiled(const Scene& scene, const Parameters& parameters, int max_bounces)
       : session_(make_session("bidirectional_vpl", scene, kWidth, parameters, max_bounces)) {
-    session_->run({.iterations = ++iterations_});
+    session_->run({.iterations = 1});
   }
   const Profile& next() {
     session_->scheduler().reset_profile();
-    session_->run({.iterations = ++iterations_});
+    session_->run({.iterations = 1});
     return session_->scheduler().profile();
   }
 
  private:
   std::unique_ptr<RenderSession> session_;
-  uint64_t iterations_ = 0;
 };
 
 void measure_bundles(Bars& bars, const Effort& effort, const Scene& scene) {
