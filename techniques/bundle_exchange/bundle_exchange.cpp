@@ -98,12 +98,12 @@ class BundleExchange : public TechniqueBase<Parameters> {
   }
 
   std::string state_refusal() const override { return bundle::state_refusal(parameters_); }
-
   std::vector<std::string> parameters_of_view() const override {
     return {"camera_samples", "eye_share", "preview", "warm_start"};
   }
 
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return bundle::savings(); }
+  std::vector<std::pair<std::string, std::string>> endless() const override { return bundle::endless(parameters_); }
 
   InspectedValues inspect(const SeenPoint& point) const override {
     return parts_ ? parts_->inspect(point) : InspectedValues();
@@ -137,10 +137,8 @@ class BundleExchange : public TechniqueBase<Parameters> {
     IterationResult result;
     result.samples = parts_->camera->samples();
     // Of the exchange alone: what it has found is kept when the camera moves.
-    result.progress = now == Phase::light  ? 0
-                      : now == Phase::done ? 1
-                                           : static_cast<double>(directions_) / parameters_.directions;
-    const bool seen = parts_->camera->atlas_samples() >= static_cast<uint64_t>(parameters_.camera_samples);
+    result.progress = now == Phase::light ? 0 : now == Phase::done ? 1 : exchange_progress(parameters_, directions_);
+    const bool seen = has_samples(parameters_, parts_->camera->atlas_samples());
     result.light_done = now == Phase::done && !wants_light() && !light_rests();
     result.converged = result.light_done && seen;
     result.phase = result.converged ? why_converged(parameters_, parts_->means, directions_, exchanges(),
@@ -224,7 +222,7 @@ class BundleExchange : public TechniqueBase<Parameters> {
   Phase phase() const { return light_held() ? Phase::done : phase_of_light(); }
   Phase phase_of_light() const {  // held or not
     if (!(parts_->side_light.complete() || settings().max_bounces == 0)) return Phase::light;
-    if (!exchanges() || directions_ >= static_cast<uint64_t>(parameters_.directions) ||
+    if (!exchanges() || directions_ >= direction_limit(parameters_) ||
         is_accurate(parameters_, parts_->means, directions_))
       return Phase::done;
     return parts_->means.reflected_light_done() ? Phase::emission_only : Phase::exchange;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "bundle_exchange/declaration.h"
 #include "bundle_exchange/exchange/bundle_transfer.h"
 #include "bundle_exchange/pixels/debug_layers.h"
 #include "bundle_exchange/specular/side_specular.h"
@@ -46,6 +47,7 @@ bool has_specular_lobes(const Scene& scene) {
 }
 
 BundlePlan make_plan(const Parameters& parameters, const Scene& scene, const RenderSettings& settings) {
+  check_parameters(parameters);
   BundlePlan plan;
   const bool specular = has_specular_lobes(scene), punctual = !scene.lights.empty();
   plan.atlas.samples = SIDE_POINTS;
@@ -104,8 +106,8 @@ std::vector<std::string> limitations(const Parameters& parameters, const Scene& 
         return m.transmission > 0 && m.thickness > 0 && std::isfinite(m.attenuation_distance);
       }))
     result.push_back("bundles are not attenuated inside volumes");
-  if (parameters.direct_mode == DirectMode::exchange && parameters.direct_first >= parameters.directions &&
-      settings.max_bounces != 0)
+  if (parameters.direct_mode == DirectMode::exchange &&
+      static_cast<uint64_t>(parameters.direct_first) >= direction_limit(parameters) && settings.max_bounces != 0)
     result.push_back("indirect light is left out: all directions carry emission only (direct_first)");
   if (parameters.interleave == Interleave::fixed)
     result.push_back("light of several bounces is lost (interleave=fixed, for comparison only)");

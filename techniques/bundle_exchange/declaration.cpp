@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bundle_exchange/base/name.h"
+#include "lucarium/base/error.h"
 
 namespace lucarium::bundle {
 
@@ -31,10 +32,19 @@ TechniqueInfo technique_info() {
   return info;
 }
 
+namespace {
+
+bool divides_directions(const Parameters& parameters) {
+  return !forgets(parameters) || parameters.sequence == DirectionOrder::hammersley;
+}
+
+}  // namespace
+
 PathSet path_set(const Parameters& parameters, const RenderSettings& settings) {
   PathSet set;
   set.max_bounces = settings.max_bounces;
-  if (parameters.interleave == Interleave::pingpong && set.max_bounces < 0) {  // a bounce for each block
+  if (parameters.interleave == Interleave::pingpong && set.max_bounces < 0 &&
+      parameters.directions > 0) {  // a bounce for each block
     const int head = parameters.direct_mode == DirectMode::exchange ? parameters.direct_first : 0;
     set.max_bounces = (std::max(0, parameters.directions - head) + parameters.block - 1) / parameters.block;
   }
@@ -43,7 +53,21 @@ PathSet path_set(const Parameters& parameters, const RenderSettings& settings) {
   return set;
 }
 
+void check_parameters(const Parameters& parameters) {
+  if (!divides_directions(parameters) || parameters.directions > 0) return;
+  throw_error(ErrorClass::usage,
+              "bundle_exchange: directions=0 with interleave=pingpong, interleave=fixed or sequence=hammersley, which "
+              "divide a number of directions; set directions to 1 or more");
+}
+
+std::vector<std::pair<std::string, std::string>> endless(const Parameters& parameters) {
+  if (divides_directions(parameters) || parameters.preview) return {{"camera_samples", "0"}};
+  return {{"directions", "0"}, {"stop_error", "0"}, {"camera_samples", "0"}};
+}
+
 std::string state_refusal(const Parameters& parameters) {
+  if (parameters.directions == 0 && parameters.stop_error == 0)
+    return "never ends to exchange light with directions=0 and stop_error=0; set one of them";
   if (parameters.pixel_rays == PixelRays::bundle)
     return "gathers along new bundles for every picture with pixel_rays=bundle; give pixel_rays=traced";
   if (parameters.debug_layers) return "shows the exchange itself with debug_layers=on; leave that out";

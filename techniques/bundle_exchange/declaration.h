@@ -10,6 +10,12 @@ TechniqueInfo technique_info();
 /// The light paths that these parameters compute.
 PathSet path_set(const Parameters& parameters, const RenderSettings& settings);
 
+/// Throws Error{usage} for what does not go together.
+void check_parameters(const Parameters& parameters);
+
+/// Technique::endless(). A preview is shown until the exchange ends, and some exchanges divide what they have.
+std::vector<std::pair<std::string, std::string>> endless(const Parameters& parameters);
+
 /// Technique::state_refusal().
 std::string state_refusal(const Parameters& parameters);
 

@@ -18,7 +18,7 @@ uint32_t batch_size(const Parameters& parameters, const SideMeans& means, uint64
   uint64_t count = static_cast<uint64_t>(parameters.batch);
   if (!direct_only) count = std::min<uint64_t>(count, 1 + (directions - (means.direct_only(0) ? first : 0)) / 32);
   if (direct_only && directions < first) count = std::min(count, first - directions);
-  count = std::min<uint64_t>(count, static_cast<uint64_t>(parameters.directions) - directions);
+  count = std::min<uint64_t>(count, direction_limit(parameters) - directions);
   if (parameters.interleave == Interleave::pingpong) {
     const uint64_t block = static_cast<uint64_t>(parameters.block);
     count = std::min<uint64_t>(count, block - means.reflecting(directions) % block);
@@ -35,6 +35,14 @@ uint32_t directions_per_iteration(const Parameters& parameters, double largest_i
 bool is_accurate(const Parameters& parameters, const SideMeans& means, uint64_t directions) {
   return forgets(parameters) && parameters.stop_error > 0 && means.carries_all(directions) &&
          means.relative_error() < parameters.stop_error;
+}
+
+double exchange_progress(const Parameters& parameters, uint64_t directions) {
+  return parameters.directions > 0 ? static_cast<double>(directions) / parameters.directions : -1;
+}
+
+bool has_samples(const Parameters& parameters, uint64_t camera_samples) {
+  return parameters.camera_samples > 0 && camera_samples >= static_cast<uint64_t>(parameters.camera_samples);
 }
 
 std::string why_converged(const Parameters& parameters, const SideMeans& means, uint64_t directions, bool exchanges,

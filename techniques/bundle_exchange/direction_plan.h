@@ -40,6 +40,12 @@ struct BatchStep {
 /// the end: both use up their directions.
 bool is_accurate(const Parameters& parameters, const SideMeans& means, uint64_t directions);
 
+/// How far the exchange is, 0…1; negative: unknown, without a limit.
+double exchange_progress(const Parameters& parameters, uint64_t directions);
+
+/// Whether an image of so many camera samples has all that are wanted.
+bool has_samples(const Parameters& parameters, uint64_t camera_samples);
+
 /// Why an image has converged, for people. `exchanges`: bundles carry anything; camera_samples: of the image.
 std::string why_converged(const Parameters& parameters, const SideMeans& means, uint64_t directions, bool exchanges,
                           uint32_t camera_samples);

@@ -92,6 +92,7 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     return vlf::estimate_seconds(make_plan(parameters_, scene, settings), parameters_, scene, settings, power);
   }
   std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const override { return vlf::savings(); }
+  std::vector<std::pair<std::string, std::string>> endless() const override { return {{"camera_samples", "0"}}; }
 
   std::string state_refusal() const override { return {}; }
   std::vector<std::string> parameters_of_view() const override {
@@ -147,7 +148,8 @@ class VirtualLightField : public TechniqueBase<Parameters> {
     result.visible = view_->samples() > 0;
     result.light_done = settled && !light_rests();
     result.progress = settled ? 1 : lit() ? field_->progress() : 0;
-    result.converged = result.light_done && shown >= static_cast<uint32_t>(parameters_.camera_samples);
+    result.converged = result.light_done && parameters_.camera_samples > 0 &&
+                       shown >= static_cast<uint32_t>(parameters_.camera_samples);
     result.phase = settled ? "walk" : lit() ? field_->phase() : "light";
     if (result.converged)
       result.phase = field_ ? fmt::format("{}, and {} camera_samples", field_->why_done(), parameters_.camera_samples)

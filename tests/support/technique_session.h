@@ -33,7 +33,7 @@ inline std::unique_ptr<RenderSession> session(const std::string& technique, Scen
   settings.pixel_sampling = LUCARIUM_PIXEL_CENTRE;
   settings.camera = scene.cameras.front();
   return std::make_unique<RenderSession>(test_device(), std::move(scene), registry().find(technique), settings, options,
-                                         RenderSession::OnPreparing{}, 0, state);
+                                         RenderSession::OnPreparing{}, TimeBudget(), state);
 }
 
 inline std::unique_ptr<RenderSession> session(const std::string& technique, Scene scene, int max_bounces,

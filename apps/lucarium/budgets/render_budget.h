@@ -19,8 +19,8 @@ struct BudgetArguments {
   uint64_t work_iterations = 0;  ///< as RenderWork
 };
 
-/// The time for which parameters are planned; 0: they are not.
-double planned_seconds(const BudgetArguments& arguments);
+/// What parameters are planned for: a budget of time or of error is used to its end.
+TimeBudget planned_time(const BudgetArguments& arguments);
 /// Says what was changed for that time, or that no change is enough.
 void tell_plan(const BudgetArguments& arguments, const BudgetPlan& plan, const std::string& technique);
 

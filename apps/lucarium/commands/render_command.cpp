@@ -196,6 +196,9 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
   if (!arguments.reference.empty())
     curve = std::make_unique<CurveRecorder>(arguments.reference, settings, scene.exposure, curve_schedule(arguments));
   const std::shared_ptr<Device> device = Device::open(arguments.device.resolved());
+  TimeBudget time = planned_time(arguments.budget);
+  // Light that is finished before the first frame, or saved, must have an end.
+  if (!arguments.state.save_file.empty() || (frames && moves_only_cameras(scene))) time.to_the_end = false;
   auto preparing =
       std::make_unique<Progress>("preparing", messages.quiet ? Progress::Style::quiet : Progress::Style::automatic);
   RenderSession session(
@@ -203,7 +206,7 @@ int render_picture(const RenderArguments& arguments, const Messages& messages) {
       [&preparing](double fraction, const std::string& stage) {
         if (preparing) preparing->update(fraction, stage);
       },
-      state ? 0 : planned_seconds(arguments.budget), state.get());
+      state ? TimeBudget() : time, state.get());
   preparing.reset();
   const KeepOnInterrupt keep_pictures;
   tell_plan(arguments.budget, session.plan(), spec.name);

@@ -33,14 +33,15 @@ ordered_json passes_json(RenderSession& session) {
 /// What was planned for a budget of time, or null.
 ordered_json plan_json(const BudgetPlan& plan) {
   if (plan.budget_seconds <= 0) return nullptr;
-  ordered_json json = {{"budget_seconds", plan.budget_seconds},
-                       {"default_seconds", plan.default_seconds},
-                       {"expected_seconds", plan.expected_seconds},
-                       {"sufficient_seconds", plan.sufficient_seconds},
-                       {"changes", ordered_json::array()}};
-  for (const BudgetPlan::Change& change : plan.changes)
-    json["changes"].push_back({{"parameter", change.parameter}, {"from", change.from}, {"to", change.to}});
-  return json;
+  const auto changed = [](const std::vector<BudgetPlan::Change>& changes) {
+    ordered_json list = ordered_json::array();
+    for (const BudgetPlan::Change& change : changes)
+      list.push_back({{"parameter", change.parameter}, {"from", change.from}, {"to", change.to}});
+    return list;
+  };
+  return {{"budget_seconds", plan.budget_seconds},     {"default_seconds", plan.default_seconds},
+          {"expected_seconds", plan.expected_seconds}, {"sufficient_seconds", plan.sufficient_seconds},
+          {"changes", changed(plan.changes)},          {"lifted", changed(plan.lifted)}};
 }
 
 }  // namespace

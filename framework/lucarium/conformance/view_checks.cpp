@@ -67,7 +67,7 @@ Outcome check_state(CheckContext& context) {
   session.hold_light();
   const Picture expected = seen_from(context, session, beside(camera));
   const StateFile state(file);
-  RenderSession loaded(context.device, scene, context.type, context.settings(scene), context.options.parameters, {}, 0,
+  RenderSession loaded(context.device, scene, context.type, context.settings(scene), context.options.parameters, {}, {},
                        &state);
   const std::string different = difference(expected, seen_from(context, loaded, beside(camera)));
   return verdict_of(different.empty(), different.empty() ? "same bits as before it was saved" : different);

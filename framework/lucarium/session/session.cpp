@@ -202,12 +202,11 @@ struct RenderSession::State {
     timed(clocks.prepare, [&] { technique->update(change); });
   }
 
-  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters, double seconds,
+  void prepare(const std::vector<std::pair<std::string, std::string>>& parameters, const TimeBudget& time,
                const StateFile* state) {
     technique->parameters().set_all(parameters);
     if (state) require_same(*state, type.info(), *technique, scene, settings);
-    if (seconds > 0)
-      plan = plan_budget(*technique, parameters, scene, settings, compute_power(device->info()), seconds);
+    plan = plan_budget(*technique, parameters, scene, settings, compute_power(device->info()), time);
     limitations = technique->limitations(scene, settings);
     size_t bytes = needed_bytes(type.info(), *technique, scene, settings);
     if (buffers) bytes -= SceneBuffers::estimate_bytes(scene);
@@ -218,8 +217,8 @@ struct RenderSession::State {
     log_info("technique {} {} {}: {}×{} pixels, {} bounces, seed {}", type.info().name, type.info().version,
              technique->parameters().to_string(), settings.width, settings.height,
              settings.max_bounces < 0 ? "all" : std::to_string(settings.max_bounces), settings.seed);
-    if (seconds > 0)
-      log_info("plan for {:.3g} s: a whole picture in about {:.2g} s, {}", seconds, plan.expected_seconds,
+    if (time.seconds > 0)
+      log_info("plan for {:.3g} s: a whole picture in about {:.2g} s, {}", time.seconds, plan.expected_seconds,
                plan.changes.empty() ? "nothing lowered" : plan.changes_text());
     log_info("memory: {} needed, {} of {} in use", format_bytes(bytes), format_bytes(memory.used_bytes()),
              format_bytes(memory.total_bytes()));
@@ -246,19 +245,19 @@ struct RenderSession::State {
 RenderSession::RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type,
                              RenderSettings settings,
                              const std::vector<std::pair<std::string, std::string>>& parameters,
-                             OnPreparing on_preparing, double seconds, const StateFile* state)
+                             OnPreparing on_preparing, const TimeBudget& time, const StateFile* state)
     : RenderSession(std::move(device), share_scene(std::move(scene)), type, std::move(settings), parameters,
-                    std::move(on_preparing), seconds, state) {}
+                    std::move(on_preparing), time, state) {}
 
 RenderSession::RenderSession(std::shared_ptr<Device> device, std::shared_ptr<SceneOnDevice> scene,
                              const TechniqueType& type, RenderSettings settings,
                              const std::vector<std::pair<std::string, std::string>>& parameters,
-                             OnPreparing on_preparing, double seconds, const StateFile* state) {
+                             OnPreparing on_preparing, const TimeBudget& time, const StateFile* state) {
   check_settings(type.info(), settings);
   state_ =
       std::make_unique<State>(std::move(device), std::move(scene), type, std::move(settings), std::move(on_preparing));
   state_->technique = type.create();
-  call_technique(type.info(), [&] { state_->prepare(parameters, seconds, state); });
+  call_technique(type.info(), [&] { state_->prepare(parameters, time, state); });
 }
 
 RenderSession::~RenderSession() = default;

@@ -47,18 +47,18 @@ class RenderSession {
   using OnPreparing = std::function<void(double fraction, const std::string& stage)>;
 
   /// Applies `parameters` (name, value), checks capabilities and memory, uploads the scene, prepares and warms up.
-  /// `on_preparing` is kept, for later changes of the scene. `seconds`: how long rendering may take; parameters that
-  /// are not given are then planned for that (technique/budget_plan.h). 0: they have their defaults. `state` (null:
+  /// `on_preparing` is kept, for later changes of the scene. Parameters that are not given are planned for
+  /// `time` (technique/budget_plan.h); without a budget they have their defaults. `state` (null:
   /// none): what the technique begins with (Technique::load_state). Throws Error{usage} or {input} where it belongs to
   /// something else (session/saved_state.h).
   RenderSession(std::shared_ptr<Device> device, Scene scene, const TechniqueType& type, RenderSettings settings,
                 const std::vector<std::pair<std::string, std::string>>& parameters = {}, OnPreparing on_preparing = {},
-                double seconds = 0, const StateFile* state = nullptr);
+                const TimeBudget& time = {}, const StateFile* state = nullptr);
   /// The same on a scene that sessions share, each with its own technique and size: its buffers and its BVH serve all
   /// of them. While there are several none of them changes the scene (set_time, change_scene).
   RenderSession(std::shared_ptr<Device> device, std::shared_ptr<SceneOnDevice> scene, const TechniqueType& type,
                 RenderSettings settings, const std::vector<std::pair<std::string, std::string>>& parameters = {},
-                OnPreparing on_preparing = {}, double seconds = 0, const StateFile* state = nullptr);
+                OnPreparing on_preparing = {}, const TimeBudget& time = {}, const StateFile* state = nullptr);
   ~RenderSession();
 
   Technique& technique();
@@ -67,7 +67,7 @@ class RenderSession {
   KernelScheduler& scheduler();
   const Clocks& clocks() const;
   const std::vector<std::string>& limitations() const;
-  const BudgetPlan& plan() const;  ///< of `seconds`
+  const BudgetPlan& plan() const;  ///< of `time`
 
   IterationResult iterate();
   /// Iterates until the budget is used up, converged or interrupted, or `on_progress`, called after each iteration,

@@ -100,6 +100,19 @@ std::vector<std::pair<std::string, std::string>> values_of(Technique& technique)
   return values;
 }
 
+/// Nothing where one of them is given: the user has said when it is to end.
+std::vector<BudgetPlan::Change> lift_limits(Technique& technique, const std::set<std::string>& given) {
+  std::vector<BudgetPlan::Change> lifted;
+  const auto values = technique.endless();
+  const auto is_given = [&](const auto& value) { return given.contains(value.first); };
+  if (std::any_of(values.begin(), values.end(), is_given)) return lifted;
+  for (const auto& [name, value] : values) {
+    lifted.push_back({name, technique.parameters().get(name), value});
+    technique.parameters().set(name, value);
+  }
+  return lifted;
+}
+
 }  // namespace
 
 std::string BudgetPlan::changes_text() const {
@@ -110,14 +123,17 @@ std::string BudgetPlan::changes_text() const {
 }
 
 BudgetPlan plan_budget(Technique& technique, const std::vector<std::pair<std::string, std::string>>& given,
-                       const Scene& scene, const RenderSettings& settings, const ComputePower& power, double seconds) {
+                       const Scene& scene, const RenderSettings& settings, const ComputePower& power,
+                       const TimeBudget& time) {
   BudgetPlan plan;
-  if (technique.estimate_seconds(scene, settings, power) <= 0) return plan;
+  const std::set<std::string> names = given_names(technique, given);
+  if (time.to_the_end) plan.lifted = lift_limits(technique, names);
+  if (time.seconds <= 0 || technique.estimate_seconds(scene, settings, power) <= 0) return plan;
   const auto before = values_of(technique);
-  Savings savings(technique, given_names(technique, given), scene, settings, power);
-  plan.budget_seconds = seconds;
+  Savings savings(technique, names, scene, settings, power);
+  plan.budget_seconds = time.seconds;
   plan.default_seconds = savings.seconds();
-  while (savings.seconds() > picture_share * seconds && savings.step()) {
+  while (savings.seconds() > picture_share * time.seconds && savings.step()) {
   }
   plan.expected_seconds = savings.seconds();
   const auto planned = values_of(technique);

@@ -9,7 +9,7 @@
 #include "lucarium/technique/technique.h"
 
 /// Of the interface of plug-ins, and in the library's name. What raises it: docs/adding_a_technique.md.
-#define LUCARIUM_ABI_VERSION 14u
+#define LUCARIUM_ABI_VERSION 15u
 
 namespace lucarium {
 

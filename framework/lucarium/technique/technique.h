@@ -125,6 +125,9 @@ class Technique {
   virtual double estimate_seconds(const Scene&, const RenderSettings&, const ComputePower&) const { return 0; }
   /// Parameters that a plan may lower, one step each in round-robin order.
   virtual std::vector<ParameterSaving> savings(const Scene&, const RenderSettings&) const { return {}; }
+  /// (name, value) of the parameters by which it ends, with which it does not, but gets more accurate as long as it is
+  /// let. A budget of time is used to its end with them. By default it never ends by itself.
+  virtual std::vector<std::pair<std::string, std::string>> endless() const { return {}; }
 
   /// Compiles programs, allocates, records schedules; short. Long precomputation is done in iterations, or reports its
   /// progress and ends soon with Error{interrupted} when interrupt_requested() (base/interrupt.h).

@@ -50,7 +50,8 @@ struct Parameters {
 
   template <class V>
   void describe(V& v) {
-    v.number("directions", directions, 1, 1000000, "directions", "number of directions along which light is exchanged");
+    v.number("directions", directions, 0, 1000000, "directions",
+             "number of directions along which light is exchanged; 0: no limit");
     v.number("batch", batch, 1, 64, "directions",
              "maximum directions per batch; directions of a batch share their senders");
     v.choice(
@@ -122,8 +123,8 @@ struct Parameters {
     v.number("stop_error", stop_error, 0.f, 1.f, "",
              "relative standard error of irradiance at which the image counts as converged; 0: never (interleave=sd or "
              "running)");
-    v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
-             "minimum samples per pixel before the image counts as converged");
+    v.number("camera_samples", camera_samples, 0, 1 << 24, "samples",
+             "minimum samples per pixel before the image counts as converged; 0: it never does");
     v.number("eye_share", eye_share, 0.f, 0.9f, "",
              "share of the work that goes to samples of pixels; 0: only while directions are exchanged "
              "(pixel_rays=bundle: always)");
@@ -151,6 +152,11 @@ struct Parameters {
 /// Whether senders forget: what they knew before does no harm, and the error of a mean is that of the image.
 inline bool forgets(const Parameters& parameters) {
   return parameters.interleave == Interleave::sd || parameters.interleave == Interleave::running;
+}
+
+/// Directions after which the exchange ends.
+inline uint64_t direction_limit(const Parameters& parameters) {
+  return parameters.directions > 0 ? static_cast<uint64_t>(parameters.directions) : UINT64_MAX;
 }
 
 /// The directions of the exchange. `permuted`: where texel sides reflect directions, for pairs of them; near ones must

@@ -235,7 +235,7 @@ uint64_t SideMeans::reflecting(uint64_t directions) const {
 }
 
 double SideMeans::fixed_share() const {
-  const uint64_t total = std::max<uint64_t>(1, reflecting(static_cast<uint64_t>(parameters_.directions)));
+  const uint64_t total = std::max<uint64_t>(1, reflecting(direction_limit(parameters_)));
   return static_cast<double>(reflecting(directions_)) / static_cast<double>(total);
 }
 

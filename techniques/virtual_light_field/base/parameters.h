@@ -115,8 +115,8 @@ struct Parameters {
            "show diffuse light of few bounces along few lines until better is known; with direct_mode=nee");
     v.number("inspect_line", inspect_line, -1, 8192, "",
              "line that the layer subfield shows, 0 to 2 n^2: what leaves the scene along it; -1: none");
-    v.number("camera_samples", camera_samples, 1, 1 << 24, "samples",
-             "minimum samples per pixel before the image counts as converged");
+    v.number("camera_samples", camera_samples, 0, 1 << 24, "samples",
+             "minimum samples per pixel before the image counts as converged; 0: it never does");
     v.presets({{"paper",
                 {{"send_interp", "cell"},
                  {"tail", "off"},

@@ -25,7 +25,7 @@ inline std::unique_ptr<RenderSession> make_session(const std::string& technique,
   settings.seed = seed;
   settings.camera = scene.cameras.front();
   return std::make_unique<RenderSession>(test::test_device(), scene, test::registry().find(technique), settings,
-                                         parameters, RenderSession::OnPreparing{}, 0, state);
+                                         parameters, RenderSession::OnPreparing{}, TimeBudget(), state);
 }
 
 /// A small field that only looks up.

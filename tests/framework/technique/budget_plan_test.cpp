@@ -13,13 +13,16 @@ using namespace lucarium;
 namespace {
 
 struct Options {
-  int points = 800, edge = 24, step = 1, depth = 4;
+  int points = 800, edge = 24, step = 1, depth = 4, rounds = 100;
+  float accuracy = 0.5f;
   template <class V>
   void describe(V& v) {
     v.number("points", points, 1, 1000, "", "of the test");
     v.number("edge", edge, 1, 64, "", "of the test");
     v.number("step", step, 1, 8, "", "of the test");
     v.number("depth", depth, 1, 8, "", "of the test");
+    v.number("rounds", rounds, 0, 1000, "", "of the test; 0: no limit");
+    v.number("accuracy", accuracy, 0.f, 1.f, "", "of the test; 0: none");
     v.presets({{"coarse", {{"edge", "20"}}}}, "of the test");
   }
 };
@@ -44,6 +47,9 @@ class Priced : public TechniqueBase<Options> {
             {"edge", {"16", "8"}},
             {"depth", {"1"}}};  // other light paths
   }
+  std::vector<std::pair<std::string, std::string>> endless() const override {
+    return {{"rounds", "0"}, {"accuracy", "0"}};
+  }
   bool free = false;
 
  protected:
@@ -62,13 +68,21 @@ struct Planned {
   int points, edge, step;
 };
 
-Planned planned(double seconds, const Parameters& given = {}, ComputePower power = {}) {
+Planned planned(const TimeBudget& time, const Parameters& given = {}, ComputePower power = {}) {
   Priced technique;
   technique.parameters().set_all(given);
-  const BudgetPlan plan =
-      plan_budget(technique, given, make_builtin_scene("furnace"), RenderSettings(), power, seconds);
+  const BudgetPlan plan = plan_budget(technique, given, make_builtin_scene("furnace"), RenderSettings(), power, time);
   const auto number = [&](const char* name) { return std::stoi(technique.parameters().get(name)); };
   return {plan, technique.parameters().to_string(), number("points"), number("edge"), number("step")};
+}
+
+Planned planned(double seconds, const Parameters& given = {}, ComputePower power = {}) {
+  return planned(TimeBudget{seconds, false}, given, power);
+}
+
+bool has_limits(const Planned& now) {
+  return now.parameters.find("rounds=0") == std::string::npos &&
+         now.parameters.find("accuracy=0.5") != std::string::npos;
 }
 
 }  // namespace
@@ -78,7 +92,8 @@ TEST_CASE("a budget that is long enough changes nothing") {
   CHECK(rich.plan.changes.empty());
   CHECK(rich.plan.changes_text().empty());
   CHECK(rich.plan.fits());
-  CHECK(rich.parameters == "preset=default,points=800,edge=24,step=1,depth=4");
+  CHECK(rich.parameters == "preset=default,points=800,edge=24,step=1,depth=4,rounds=100,accuracy=0.5");
+  CHECK(rich.plan.lifted.empty());
   CHECK(rich.plan.expected_seconds == rich.plan.default_seconds);
 }
 
@@ -146,7 +161,35 @@ TEST_CASE("more cores, fewer changes; nothing is planned for a technique that na
   Priced technique;
   technique.free = true;
   const BudgetPlan plan =
-      plan_budget(technique, {}, make_builtin_scene("furnace"), RenderSettings(), ComputePower(), 0.1);
+      plan_budget(technique, {}, make_builtin_scene("furnace"), RenderSettings(), ComputePower(), {0.1});
   CHECK(plan.budget_seconds == 0);
   CHECK(plan.changes.empty());
+}
+
+TEST_CASE("a budget that must be used to its end lifts all limits, or none where the user gave one") {
+  for (const double seconds : {0.0, 1.0, 1e6}) {
+    CAPTURE(seconds);
+    const Planned lifted = planned({seconds, true});
+    CHECK(lifted.parameters.find("rounds=0,accuracy=0") != std::string::npos);
+    REQUIRE(lifted.plan.lifted.size() == 2);
+    CHECK(lifted.plan.lifted[0].parameter == "rounds");
+    CHECK(lifted.plan.lifted[0].from == "100");
+    CHECK(lifted.plan.lifted[1].to == "0");
+    for (const BudgetPlan::Change& change : lifted.plan.changes) CHECK(change.parameter != "rounds");  // not lowered
+    CHECK(has_limits(planned({seconds, false})));
+    CHECK(has_limits(planned({seconds, true}, {{"rounds", "100"}})));
+    CHECK(has_limits(planned({seconds, true}, {{"accuracy", "0.5"}})));
+    CHECK(has_limits(planned({seconds, true}, {{"preset", "default"}})));
+    CHECK_FALSE(has_limits(planned({seconds, true}, {{"points", "700"}})));
+  }
+}
+
+TEST_CASE("limits are lifted for a technique that names no time, and without a budget of time nothing is lowered") {
+  Priced technique;
+  technique.free = true;
+  const BudgetPlan plan =
+      plan_budget(technique, {}, make_builtin_scene("furnace"), RenderSettings(), ComputePower(), {0.1, true});
+  CHECK(plan.lifted.size() == 2);
+  CHECK(planned({0, true}).plan.changes.empty());
+  CHECK(planned({0, true}).points == 800);
 }

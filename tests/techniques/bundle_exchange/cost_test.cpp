@@ -17,7 +17,7 @@ TEST_CASE("fewer texels and rays take less time, and a budget gets those that it
   RenderSettings settings;
   const auto planned = [&](double seconds) {
     const auto technique = test::registry().find("bundle_exchange").create();
-    const BudgetPlan plan = plan_budget(*technique, {}, scene, settings, {2, 2}, seconds);
+    const BudgetPlan plan = plan_budget(*technique, {}, scene, settings, {2, 2}, {seconds});
     return std::pair(plan, technique->parameters().get("texels"));
   };
   const auto [rich, automatic] = planned(1000);

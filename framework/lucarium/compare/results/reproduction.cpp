@@ -46,7 +46,7 @@ void add_counters(const std::vector<const PieceResult*>& pieces, std::map<std::s
   }
 }
 
-/// relMSE without the reference's own, where that is not most of it.
+/// relMSE without the reference's own, where that is not most of it, and what it is at most.
 void add_debiased_error(const ComparisonResult& result, const SummaryKey& key, std::map<std::string, double>& numbers) {
   const auto& [scene, variant, budget] = key;
   const SceneResult& entry = result.scenes[scene];
@@ -55,7 +55,9 @@ void add_debiased_error(const ComparisonResult& result, const SummaryKey& key, s
   const size_t reference = entry.variants[variant].reference;
   if (reference >= entry.references.size()) return;
   const double own = entry.references[reference].relmse;
-  if (found->second > 2 * own) numbers["debiased_relMSE"] = debiased_error(found->second, own).value;
+  const double debiased = debiased_error(found->second, own).value;
+  if (found->second > 2 * own) numbers["debiased_relMSE"] = debiased;
+  numbers["relMSE_at_most"] = std::max(debiased, own);
 }
 
 /// What the scene is rendered with. Unlimited bounces are no number.
@@ -168,7 +170,7 @@ bool compare_images(ExpressionScope& scope, const ComparisonResult& result, cons
   const std::map<std::string, double> errors = value.layer.empty()
                                                    ? pairs.measure(result, key(value.variant), key(value.against))
                                                    : pairs.measure_layer(result, key(value.variant), value.layer);
-  scope.numbers.erase("debiased_relMSE");  // of the whole image against the reference
+  for (const char* of_whole_image : {"debiased_relMSE", "relMSE_at_most"}) scope.numbers.erase(of_whole_image);
   for (const auto& [name, error] : errors) scope.numbers[expression_name(name)] = error;
   return !errors.empty();
 }

@@ -113,6 +113,32 @@ TEST_CASE("a budget of time lowers what nobody set, says so, and the picture can
   CHECK(only_frame(given)["plan"]["changes"].empty());
 }
 
+TEST_CASE("a budget of time is used to its end, unless a parameter says when to end") {
+  const std::string box = "render builtin:cornell --size 8x8 --max-bounces 1 --json -q --time 2 -t ";
+  for (const std::string technique :
+       {"bundle_exchange:texels=512", "virtual_light_field:dir_n=3,cells=16,texels=512"}) {
+    CAPTURE(technique);
+    const json all = only_frame(run_lucarium(box + technique));
+    CHECK(all["ended_by"] == "--time");
+    CHECK(contains(all["parameters"], "camera_samples=0"));
+    CHECK(all["plan"]["lifted"].back()["parameter"] == "camera_samples");
+    CHECK(all["plan"]["lifted"].back()["from"] == "64");
+    const json ended = only_frame(run_lucarium(box + technique + ",camera_samples=1"));
+    CHECK(ended["plan"]["lifted"].empty());
+  }
+}
+
+TEST_CASE("light that several frames share ends by itself, whatever time each of them has") {
+  const ProgramResult walk = run_lucarium(
+      "render builtin:cornell --camera-path walk --frames 0:1 --size 8x8 --max-bounces 1 --json -q --time 0.1 "
+      "-t bundle_exchange:texels=512");
+  CAPTURE(walk.err);
+  REQUIRE(walk.exit_code == 0);
+  const json frames = json::parse(walk.out).at("frames");
+  REQUIRE(frames.size() == 2);
+  CHECK(contains(frames[0]["parameters"], "directions=2000"));
+}
+
 TEST_CASE("exposure brightens the picture and leaves the EXR alone") {
   const TemporaryFolder folder;
   const std::string exr = (folder.path() / "a.exr").string(), png = (folder.path() / "a.png").string();

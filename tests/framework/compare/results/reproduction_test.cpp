@@ -268,6 +268,8 @@ TEST_CASE("the metrics of a layer are those of that layer alone") {
   // That of the image has no part in it.
   experiment.values.push_back(experiment.values[0]);
   experiment.values.back().name = experiment.values.back().expression = "debiased_relMSE";
+  experiment.values.push_back(experiment.values[0]);
+  experiment.values.back().name = experiment.values.back().expression = "relMSE_at_most";
   ImagePairs pairs(folder.path());
   const Reproduction found = reproduce(experiment, result, pairs);
   CHECK(found.values[0].ours == test::relative(0.25));
@@ -275,6 +277,7 @@ TEST_CASE("the metrics of a layer are those of that layer alone") {
   CHECK(std::isnan(found.values[2].ours));
   CHECK(std::isnan(found.values[3].ours));
   CHECK(std::isnan(found.values[4].ours));
+  CHECK(std::isnan(found.values[5].ours));
 }
 
 TEST_CASE("the reference's own error is taken off, unless it is most of what was measured") {
@@ -286,10 +289,10 @@ TEST_CASE("the reference's own error is taken off, unless it is most of what was
   result.scenes[0].references[0].relmse = 0.04;
   result.scenes[1].references[0].relmse = 0.06;
   Experiment experiment;
-  for (const size_t scene : {0, 1}) {
+  for (const size_t scene : {0, 1, 0, 1}) {
     ExperimentValue value;
-    value.name = "x" + std::to_string(scene);
-    value.expression = "debiased_relMSE";
+    value.name = "x" + std::to_string(experiment.values.size());
+    value.expression = experiment.values.size() < 2 ? "debiased_relMSE" : "relMSE_at_most";
     value.variant = "a";
     value.scene = scene;
     experiment.values.push_back(value);
@@ -298,6 +301,8 @@ TEST_CASE("the reference's own error is taken off, unless it is most of what was
   const Reproduction found = reproduce(experiment, result, pairs);  // relMSE is 0.1
   CHECK(found.values[0].ours == test::relative(0.06));
   CHECK(std::isnan(found.values[1].ours));
+  CHECK(found.values[2].ours == test::relative(0.06));
+  CHECK(found.values[3].ours == test::relative(0.06));  // the reference's own: no more than half is left of 0.1
 }
 
 TEST_CASE("what the quick setting leaves out is not measured, and what is of no paper has no column for one") {
