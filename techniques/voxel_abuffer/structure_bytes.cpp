@@ -75,7 +75,7 @@ size_t estimate_abuffer_bytes(const Scene& scene, const VoxelAbufferOptions& opt
   const size_t bricks = brick_count(grid);
   // Word, first cell block, and for parity the normals along three axes.
   const size_t per_voxel = 2 * sizeof(uint32_t) + (parity > 0 ? 3 * sizeof(int2) : 0);
-  return triangles * per_triangle + bricks * (64 * per_voxel + sizeof(uint64_t)) +
+  return triangles * per_triangle + bricks * (64 * per_voxel + 2 * sizeof(uint64_t)) +
          lists(parity, options.attributes == Attributes::stored) + lists(exact, false);
 }
 

@@ -13,7 +13,9 @@ float4 corner;  // xyz: lower corner of the grid relative to it [m]; w: pixels p
 uint4 voxels;   // xyz: along each axis; w: pixels per edge
 uint4 bricks;   // xyz: of 4 × 4 × 4 voxels along each axis; w: entries of the start table per axis
 float slack;    // how far rounding may move a position [pixels]
-uint triangles, pad0, pad1;
+uint triangles;
+float per_edge;  // voxels per pixel
+uint pad0;
 LUCARIUM_STRUCT_END(AbufferGrid, 80)
 
 // Where the plane of a triangle lies in the columns of its dominant axis, in grid coordinates.
@@ -76,7 +78,7 @@ LUCARIUM_STRUCT_END(AbufferAttributes, 24)
 
 // What searches count with ABUFFER_COUNT_WORK.
 #define ABUFFER_WORK_RAYS 0u        // searches begun: two per ray where there are both classes of triangles
-#define ABUFFER_WORK_VOXELS 1u      // steps to the next voxel, or over an empty brick
+#define ABUFFER_WORK_VOXELS 1u      // steps to the next voxel, or over empty ones
 #define ABUFFER_WORK_COLUMNS 2u     // columns looked at, points for sampled searches
 #define ABUFFER_WORK_BISECTIONS 3u  // further points for bisection
 #define ABUFFER_WORK_TRIANGLES 4u   // triangle tests

@@ -56,6 +56,7 @@ AbufferGrid make_grid(const GridSize& size, const Bounds& bounds, uint32_t trian
   for (int k = 0; k < 3; ++k) grid.bricks.w = std::max(grid.bricks.w, axis_pixels(grid, k) + 1);
   grid.slack = rounding * largest / pixel;
   grid.triangles = triangles;
+  grid.per_edge = 1 / static_cast<float>(grid.voxels.w);
   return grid;
 }
 

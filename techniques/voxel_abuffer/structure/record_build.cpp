@@ -68,6 +68,11 @@ void VoxelAbuffer::State::record_cells(ScheduleRecorder& recorder, const Abuffer
       .arg("count", static_cast<uint32_t>(brick_count(grid)))
       .arg("abuffer_voxels", voxels)
       .arg("abuffer_bricks", bricks);
+  recorder.pass("mark_empty", voxel_program, "abuffer_mark_empty")
+      .global(8)
+      .local(1)
+      .arg("abuffer_grid", grid_buffer)
+      .arg("abuffer_bricks", bricks);
   recorder.pass("keep_cell_count", voxel_program, "abuffer_keep_cell_count")
       .global(1)
       .local(1)

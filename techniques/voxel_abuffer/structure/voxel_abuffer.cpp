@@ -126,7 +126,7 @@ void VoxelAbuffer::State::reserve() {
     parity.emplace(*scheduler, *buffers, AbufferLists::Kind::parity, size.pixels,
                    options.attributes == Attributes::stored);
   generation += make_room(*device, voxels, "voxels", voxel_count, coarser_grid);
-  generation += make_room(*device, bricks, "bricks", brick_count(grid), coarser_grid);
+  generation += make_room(*device, bricks, "bricks", 2 * brick_count(grid), coarser_grid);
   generation += make_room(*device, cells, "cells", ABUFFER_CELL_WORDS, coarser_grid);
   if (exact) exact->reserve(grid, exact_room);
   if (!parity) return;

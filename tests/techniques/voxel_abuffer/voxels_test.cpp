@@ -62,6 +62,8 @@ TEST_CASE("voxels: without conservative ones those that hold fragments are occup
   std::vector<uint32_t> expected(words.size(), 0);
   mark(some.state().grid, *some.state().exact, true, expected);
   mark(some.state().grid, *some.state().parity, false, expected);
+  const glm::uvec4 size(some.state().grid.bricks.x, some.state().grid.bricks.y, some.state().grid.bricks.z, 64);
+  const size_t inside = size_t{size.x} * size.y * size.z * size.w;  // the buffers may be larger
   uint32_t wrong = 0, more = 0, occupied = 0, missed = 0, unlike_bricks = 0;
   for (size_t i = 0; i < words.size(); ++i) {
     const uint32_t bits = words[i] & ABUFFER_OCCUPIED, triangles = touched[i] & ABUFFER_OCCUPIED;
@@ -69,7 +71,7 @@ TEST_CASE("voxels: without conservative ones those that hold fragments are occup
     more += (bits & ~triangles & ABUFFER_PARITY) != 0;
     occupied += triangles != 0;
     missed += triangles != 0 && bits == 0;
-    unlike_bricks += (bricks[i / 64] >> (i % 64) & 1) != (bits != 0);
+    unlike_bricks += i < inside && (bricks[i / 64] >> (i % 64) & 1) != (bits != 0);
   }
   CHECK(wrong == 0);
   CHECK(more == 0);
@@ -77,6 +79,43 @@ TEST_CASE("voxels: without conservative ones those that hold fragments are occup
   CHECK(occupied > 3000);
   CHECK(missed > occupied / 500);
   CHECK(missed < occupied / 10);
+}
+
+TEST_CASE("voxels: every empty brick knows the largest cube of empty bricks towards each octant") {
+  AbufferRig rig(scene_of(random_soup(12, 6, 1)));
+  const VoxelAbuffer structure = rig.make({.abuffer_size = 256, .grid_size = 64});
+  const AbufferGrid& grid = structure.state().grid;
+  const std::vector<uint64_t> words = structure.state().bricks.download();
+  const std::array<int, 3> size = {static_cast<int>(grid.bricks.x), static_cast<int>(grid.bricks.y),
+                                   static_cast<int>(grid.bricks.z)};
+  const int count = size[0] * size[1] * size[2];
+  REQUIRE(words.size() >= 2 * static_cast<size_t>(count));
+  const auto index = [&](int x, int y, int z) { return (z * size[1] + y) * size[0] + x; };
+  // Outside the grid all is empty.
+  const auto empty = [&](int x, int y, int z) {
+    const bool outside = x < 0 || y < 0 || z < 0 || x >= size[0] || y >= size[1] || z >= size[2];
+    return outside || words[static_cast<size_t>(index(x, y, z))] == 0;
+  };
+  int wrong = 0, large = 0;
+  for (int brick = 0; brick < count; ++brick)
+    for (int octant = 0; octant < 8; ++octant) {
+      const std::array<int, 3> at = {brick % size[0], brick / size[0] % size[1], brick / size[0] / size[1]};
+      const std::array<int, 3> side = {octant & 1 ? 1 : -1, octant & 2 ? 1 : -1, octant & 4 ? 1 : -1};
+      const auto told = static_cast<int>(words[static_cast<size_t>(count + brick)] >> (8 * octant) & 255);
+      int edge = 0;
+      for (bool free = true; free && edge < 40;) {
+        for (int i = 0; i <= edge && free; ++i)
+          for (int j = 0; j <= edge && free; ++j)
+            free = empty(at[0] + side[0] * edge, at[1] + side[1] * i, at[2] + side[2] * j) &&
+                   empty(at[0] + side[0] * i, at[1] + side[1] * edge, at[2] + side[2] * j) &&
+                   empty(at[0] + side[0] * i, at[1] + side[1] * j, at[2] + side[2] * edge);
+        edge += free;
+      }
+      wrong += edge < 40 ? told != edge : told < 40;
+      large += edge > 1 && edge < 40;
+    }
+  CHECK(wrong == 0);
+  CHECK(large > 100);
 }
 
 TEST_CASE("voxels: exact search loses rays without conservative ones") {

@@ -197,6 +197,7 @@ TEST_CASE("profile: every pass of a build is in it") {
                            "mark_voxels",
                            "count_cells",
                            "mark_bricks",
+                           "mark_empty",
                            "keep_cell_count",
                            "clear_cells",
                            "turn_cells",
